@@ -68,7 +68,7 @@ format: $(READY) ## bring the files into the form that `make lint` asks for
 	$(PY) -m ruff format .
 	$(PY) -m ruff check --fix .
 
-types: $(READY) ## mypy --strict over codegen and runtime
+types: $(READY) ## mypy --strict over codegen and runtime, and over benchmarks
 	$(PY) -m mypy
 
 imports: $(READY) ## who may import whom

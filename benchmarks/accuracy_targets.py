@@ -22,7 +22,7 @@ from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
     from runtime.machine import Machine
-    from runtime.results.reached_accuracy import ReachedAccuracy
+    from runtime.results.accuracy_target_record import ReachedAccuracy
     from runtime.results.result import Result
     from runtime.studies.accuracy_target.run_difference import Quantities
 

@@ -46,9 +46,9 @@ def report(quick: bool) -> list[Report]:
 
     Reduced equations that are not built yet are built into `generated`.
     """
-    scenes, errors, repeats = accuracy_targets.SCENES, accuracy_targets.TARGETS, 5
-    if quick:
-        scenes, errors, repeats = accuracy_targets.SCENES[:1], accuracy_targets.TARGETS[::3], 1
+    scenes = accuracy_targets.SCENES[: 1 if quick else None]
+    errors = accuracy_targets.TARGETS[:: 3 if quick else 1]
+    repeats = 1 if quick else 5
     rows = list(accuracy_targets.measure(scenes, errors, None, repeats))
     headings = (
         "scene", "target", "true", "estimated", "true over target", "runs", "settings", "ms",

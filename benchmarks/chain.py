@@ -8,6 +8,8 @@ seconds later the chain hangs and its end is swinging up: the motion is smooth, 
 enough to cost digits.
 """
 
+from typing import Any
+
 from codegen import Model
 
 DURATION = 2.0
@@ -18,7 +20,8 @@ def chain(links: int) -> Model:
     """The declaration; angles are `link_0.phi` and so on."""
     model = Model(f"chain_{links}", gravity=(0, -9.81))
     end = model.ground.at(0, 0)
-    start, guess = {}, {}
+    start: dict[Any, float] = {}
+    guess: dict[Any, float] = {}
     for k in range(links):
         link = model.body(f"link_{k}", mass=1.0, inertia=1 / 12)
         model.revolute(f"hinge_{k}", end, link.at(-0.5, 0))

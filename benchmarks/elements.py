@@ -288,7 +288,7 @@ def twins(samples: Sequence[Sample], folder: Path) -> list[Twin]:
         outputs = {"jacobian": len(made.module.JACOBIAN_ROWS), RHS: len(made.module.CONSTRAINTS)}
         for kernel, hand in sample.twins.items():
             # Of the body on its guide, the acceleration along it is the one that friction changes.
-            size = 1 if kernel == "accelerations" else outputs.get(kernel, where.q.shape[1])
+            size = 1 if kernel == "accelerations" else outputs.get(kernel, int(where.q.shape[1]))
             p = made.p
             found.append(Twin(sample.label, kernel, made, hand, where, range(size), p, p))
     return found

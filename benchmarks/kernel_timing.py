@@ -16,7 +16,7 @@ from numba import types
 
 F8, VECTOR, ROWS = types.float64, types.float64[::1], types.float64[:, ::1]
 MODES, MODE_ROWS = types.int64[::1], types.int64[:, ::1]
-OPTIONS = {"cache": True, "error_model": "numpy"}
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy"}
 TIME = 0.3
 """t of every call, s."""
 POSITION = types.FunctionType(types.none(F8, VECTOR, VECTOR, VECTOR))

@@ -129,7 +129,8 @@ def measure(
     machine: Machine | None = None,
 ) -> list[Point]:
     """All points of the floors and of ours, taken in turns."""
-    machine, points = machine or machine_of(entry, folder), {}
+    machine = machine or machine_of(entry, folder)
+    points: dict[tuple[str, str, float], Point] = {}
     answers = [
         (name, answer, tolerance) for name, answer in entry.floors for tolerance in tolerances
     ]

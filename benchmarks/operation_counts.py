@@ -34,7 +34,8 @@ def _tally(function: Any) -> Counter[str]:
     """Kind of operation → how many."""
     python = getattr(function, "py_func", function)
     tree = ast.parse(textwrap.dedent(inspect.getsource(python)))
-    body = [node for statement in tree.body[0].body for node in ast.walk(statement)]
+    definition: Any = tree.body[0]
+    body = [node for statement in definition.body for node in ast.walk(statement)]
     counts: Counter[str] = Counter()
     for kind in _kinds(body, python.__globals__):
         counts += kind

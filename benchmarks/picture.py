@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from benchmarks.contest import FLOOR, OURS, PEERS, TARGETS, Contest
 from benchmarks.precision import best_time, reliable, series
@@ -63,7 +64,7 @@ def best_method(contest: Contest, name: str) -> str:
     return ""
 
 
-def look(name: str, method: str) -> dict[str, object]:
+def look(name: str, method: str) -> dict[str, Any]:
     """How a line is drawn: ours and the floor thick, hand-reduced equations dashed."""
     if name == OURS:
         return {"color": OUR_COLOURS[method], "linewidth": 2.6, "marker": "o", "markersize": 3.5}
@@ -84,7 +85,8 @@ def label_ends(axes: object, labels: Sequence[tuple[float, float, str, object]])
     """Names at the right edge at the heights of the lines' ends, kept apart from one another."""
     low, high = axes.get_ylim()  # type: ignore[attr-defined]
     span = math.log(high / low)
-    gap, heights = 0.045, []
+    gap = 0.045
+    heights: list[float] = []
     for time, *_ in sorted(labels):
         height = math.log(time / low) / span
         heights.append(max(height, heights[-1] + gap) if heights else height)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -54,7 +55,7 @@ def kernels(folder: Path, count: int, repeats: int) -> tuple[Row, ...]:
     )
 
 
-def _solutions(machine: Machine, kernel):  # type: ignore[no-untyped-def]  # numba's dispatcher
+def _solutions(machine: Machine, kernel: Any) -> Any:  # numba's dispatcher
     start, random = machine.assemble(), np.random.default_rng(1)
     states = start.q + 1e-3 * random.normal(size=(STATES, len(start.q)))
     rates = start.v + 1e-3 * random.normal(size=states.shape)

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
-    from runtime.dynamics.integration_coordinates import Coordinates
+    from runtime.dynamics.formulations import Coordinates
     from runtime.dynamics.prepared_simulation import PreparedSimulation
     from runtime.integrate.problem import Options
     from runtime.integrate.trajectory import Trajectory
@@ -51,7 +51,7 @@ def single_runs(
 ) -> list[Single]:
     """Every single run that reached its end."""
     from runtime.core.outcomes import Outcome
-    from runtime.dynamics.integration_coordinates import formulate
+    from runtime.dynamics.formulations import formulate
     from runtime.integrate.problem import Options
 
     ready = prepared(machine, t)

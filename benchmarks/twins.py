@@ -12,11 +12,13 @@ import numpy.typing as npt
 from benchmarks import kernel_timing
 from benchmarks.operation_counts import cost, operations
 from codegen import Model
-from codegen.driver import GENERATOR, Clock, origin, read_model, translate, valid_scenes
+from codegen.driver import GENERATOR, translate, valid_scenes
 from codegen.emit.module import module_text
-from codegen.generated_files.generated_file import write_if_changed
+from codegen.generated_files.generated_file import Clock, write_if_changed
+from codegen.generated_files.provenance import origin
+from codegen.generated_module_import import import_generated
 from codegen.lower import operation_count as ledger
-from codegen.module_signature import import_generated
+from codegen.model_file import read_model
 
 Array = npt.NDArray[np.float64]
 Modes = npt.NDArray[np.int64]
@@ -155,8 +157,11 @@ def measure(twins: Sequence[Twin], count: int, repeats: int) -> tuple[Row, ...]:
     rows = []
     for twin in twins:
         ours = getattr(twin.generated.module, twin.kernel)
-        sides = (("generated", ours, twin.p), ("hand", twin.hand, twin.hand_p))
-        sides += (("loop", LOOPS[twin.kernel][1], twin.p),)
+        sides = (
+            ("generated", ours, twin.p),
+            ("hand", twin.hand, twin.hand_p),
+            ("loop", LOOPS[twin.kernel][1], twin.p),
+        )
         runs = {side: run_of(twin.kernel, kernel, twin.states, p) for side, kernel, p in sides}
         best = kernel_timing.interleaved(runs, count, repeats)
         net = {name: best[name] - best["loop"] for name in ("generated", "hand")}

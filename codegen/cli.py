@@ -227,7 +227,9 @@ def elements(
             reason = "is missing, out of date, or of no kind"
             refuse_stale(written.stale, reason, f"elements --out {folder}")
         changed = len(written.stale)
-        output.print(f"{len(written.paths)} pages in {escaped(str(folder))}, {changed} of them new")
+        output.print(
+            f"{len(written.paths)} pages in {escaped(str(folder))}, {changed} of them written"
+        )
 
 
 @app.command()
@@ -242,7 +244,9 @@ def methods(
     written, stale = write_methods(out, check=check)
     if check:
         refuse_stale(stale, "is missing, or not what its tableau gives", "methods")
-    output.print(f"{len(written)} methods in {escaped(str(written[0].parent))}, {len(stale)} new")
+    output.print(
+        f"{len(written)} methods in {escaped(str(written[0].parent))}, {len(stale)} of them written"
+    )
 
 
 def main() -> None:

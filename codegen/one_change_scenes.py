@@ -8,7 +8,7 @@ from codegen.driver import valid_scenes
 from codegen.model import Model
 from codegen.model.bodies import FORMS
 from codegen.model.fidelities import NONE
-from codegen.model.outputs import TRACKED
+from codegen.model.requested_outputs import TRACKED
 from codegen.model_file import read_model
 
 

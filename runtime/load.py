@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from codegen import __version__
 from codegen.errors import ModelFileError, SupersededError
-from codegen.module_signature import check_signature, import_generated
+from codegen.generated_module_import import check_signature, import_generated
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
@@ -57,9 +57,9 @@ def load(
                 raise
     from runtime.core.kernel_abi import gather
     from runtime.machine import Machine
-    from runtime.mechanism.companion_modules import Origin
-    from runtime.mechanism.loaded_mechanism import Mechanism
+    from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
     from runtime.mechanism.module_tables import describe
+    from runtime.mechanism.tangents_and_reduced_modules import Origin
 
     description = describe(module)
     declared = None if scene is None or isinstance(scene, str) else scene

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.mechanism.inspection_tables import MechanismTables
-from runtime.mechanism.loaded_mechanism import Values
+from runtime.mechanism.mechanism_tables_and_kernels import Values
 from runtime.progress_bar import bar
 from runtime.validation.arguments import check
 from runtime.validation.parameters import parameter_values
@@ -240,7 +240,7 @@ class Machine(MechanismTables):
         AssemblyError, InputError
             As `simulate`.
         """
-        from runtime.dynamics.kinematics import kinematics
+        from runtime.dynamics.kinematics_and_inverse_dynamics import kinematics
 
         require_motion(self.mechanism, "kinematics")
         given = check(self.mechanism, parameters=parameters, guess=guess, t_start=t_start)
@@ -269,7 +269,7 @@ class Machine(MechanismTables):
         AssemblyError, InputError
             As `simulate`.
         """
-        from runtime.dynamics.kinematics import inverse_dynamics
+        from runtime.dynamics.kinematics_and_inverse_dynamics import inverse_dynamics
 
         require_motion(self.mechanism, "inverse_dynamics")
         given = check(self.mechanism, parameters=parameters, guess=guess, t_start=t_start)

@@ -16,7 +16,7 @@ import numba
 
 from codegen.tableaus.dop853 import TABLEAU as METHOD
 
-OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
 
 
 def products(row: Sequence[Fraction], state: str) -> str:

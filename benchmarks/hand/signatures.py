@@ -1,8 +1,10 @@
 """How the hand-written twins are compiled: with the signatures and options of generated kernels."""
 
+from typing import Any
+
 import numba
 
-OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}}
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}}
 
 small = numba.njit(**OPTIONS)
 """A few lines that several twins of a file share; the compiler puts them where they are called."""

@@ -16,10 +16,11 @@ behind one, which costs more than the equation.
 """
 
 import math
+from typing import Any
 
 import numba
 
-OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}}
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"contract"}}
 RADIUS = 2.0
 ROD_MASS, ROD_INERTIA, SLIDER_MASS, GRAVITY = 35.0, 35.0, 25.0, 9.81
 

@@ -13,7 +13,7 @@ from benchmarks.problems import Problem
 METHODS = {"LSODA": lsoda, "DOP853": dop853}
 
 
-def solve(problem: Problem, address: int, start: Any) -> None:
+def solve(problem: Problem, address: Any, start: Any) -> None:
     """Both methods over tolerances; the first state is asked for."""
     instants, states = np.array([0.0, problem.duration]), np.array(start)
     for name, method in METHODS.items():

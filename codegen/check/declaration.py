@@ -11,7 +11,7 @@ from itertools import chain
 import sympy
 
 from codegen.check.expressions import all_problems, constraint_problems
-from codegen.check.outputs import output_problems
+from codegen.check.requested_outputs import output_problems
 from codegen.check.rigid_contact_and_stiction import contact_problems
 from codegen.declare import element as el
 from codegen.declare.body import Body

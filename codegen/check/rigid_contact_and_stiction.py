@@ -9,7 +9,7 @@ from codegen.check.expressions import all_problems
 from codegen.declare.element import Rigid, Sticking, label
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, Time, Velocity, kinds
-from codegen.derive.effects import effect_terms
+from codegen.derive.effect_terms import effect_terms
 from codegen.derive.switching_functions import Named, switches
 from codegen.model import Model
 

@@ -42,15 +42,15 @@ class Reader:
         self.problems.append(problem)
 
     def value(self, value: Any, unit: str, where: str) -> Any:
-        """A number, quantity or expression, as an expression in `unit`."""
+        """A number, quantity or expression in `unit`; 1 stands in for one that is noted."""
         if value is None:
             self.note(f"{where} is missing; give it{f' in {unit}' if unit else ''}.")
-            return sympy.S.One  # stands in, so that nothing else is said of it
+            return sympy.S.One
         try:
             return expression(in_unit(value, unit, where, self.problems))
         except (TypeError, sympy.SympifyError):
             self.note(f"{where}: {value!r} is neither a number nor an expression.")
-            return sympy.S.Zero
+            return sympy.S.One
 
     def pair(
         self, value: Any, unit: str, where: str, like: str = "two values, (1, 0)"

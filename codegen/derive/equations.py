@@ -10,10 +10,10 @@ from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration
 from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
-from codegen.derive.effects import EffectTerms, effect_terms
+from codegen.derive.effect_terms import EffectTerms, effect_terms
 from codegen.derive.inertia import inertia
 from codegen.model import Model
-from codegen.model.outputs import TRACKED
+from codegen.model.requested_outputs import TRACKED
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import sympy
 
 from codegen.declare.element import Rigid, Sticking
 from codegen.declare.symbols import Acceleration, Coordinate, Side, Velocity, kinds, side, t
-from codegen.derive.effects import EffectTerms
+from codegen.derive.effect_terms import EffectTerms
 from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import conditions, switching_function
 

@@ -10,11 +10,11 @@ from codegen.emit.line_wrapping import assignment, quantity
 from codegen.emit.readable_formula import folded_numbers, formula
 from codegen.emit.sincos_function import FUNCTION
 from codegen.emit.table_lookup import lookups, spline_lines
+from codegen.generated_module_import import MARK, UNSIGNED, signed
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Pattern
 from codegen.lower.operation_count import operations
 from codegen.lower.program import Program
-from codegen.module_signature import MARK, UNSIGNED, signed
 
 OPTIONS = '{"cache": True, "error_model": "numpy", "fastmath": {"contract"}, "_nrt": False}'
 """Of numba. Kernels make no arrays: without counts of references they compile a sixth faster."""

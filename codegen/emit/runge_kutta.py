@@ -26,12 +26,12 @@ ROWS = {"y0": "Y0", "y1": "Y1", "z": "STAGE", "atol": "ATOL"}
 IMPORTS = """
 import numpy as np
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed
-from runtime.core.rhs import evaluate_rhs
+from runtime.core.state_derivative import evaluate_rhs
 from runtime.integrate.explicit import stability_limit
 from runtime.integrate.method import Method
 """
@@ -136,8 +136,7 @@ def _propose(tableau: Tableau) -> Iterator[str]:
 def _record(tableau: Tableau) -> Iterator[str]:
     nodes = ", ".join(repr(float(stage.c)) for stage in tableau.all_stages)
     yield from ("", "", "METHOD = Method(")
-    yield f"    estimate_order={tableau.order},"
-    yield f"    error_order={tableau.error_order},"
+    yield f"    estimate_order={tableau.error_order + 1},"
     yield f"    stage_calls={len(tableau.stages)},"
     yield f"    last={tableau.last},"
     yield f"    dense_rows={HERMITE + len(tableau.dense)},"

@@ -21,9 +21,9 @@ from codegen.explain.kernel_timer import ROUNDS, States, Timed, times
 from codegen.explain.ledger_records import Ledger, Part, RunCosts
 from codegen.explain.operations_by_part import Stage, timing_stages
 from codegen.explain.sample_states import COUNT, about_the_start, at, parameters
+from codegen.generated_module_import import import_generated
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Program
-from codegen.module_signature import import_generated
 
 ORIGIN = Origin("linkwright", (), "0" * 64, "python -m codegen explain")
 MEASURED = 2  # measured: runs of which the faster counts; the first may find cold caches

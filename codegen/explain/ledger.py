@@ -10,7 +10,7 @@ from codegen.driver import valid_scenes
 from codegen.errors import InputError
 from codegen.explain import operations_by_part as costs
 from codegen.explain.ledger_records import Ledger, Part
-from codegen.explain.participation import Inventory, output_inventory
+from codegen.explain.scene_inventory import Inventory, output_inventory
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.model import Model
 from codegen.model_file import read_model

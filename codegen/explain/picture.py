@@ -9,7 +9,7 @@ import numpy as np
 
 from codegen.errors import InputError
 from codegen.explain.ledger_records import Ledger, Part
-from codegen.presentation import (
+from codegen.figures_and_html import (
     finish_axes,
     html_figure,
     html_page,

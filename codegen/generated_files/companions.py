@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from codegen.derive.equations import Equations
-from codegen.emit.companion_modules import reduced_text, tangents_text
 from codegen.emit.module import Origin, operation_table
+from codegen.emit.tangents_and_reduced_modules import reduced_text, tangents_text
 from codegen.errors import SceneError
 from codegen.generated_files.generated_file import Clock, File
+from codegen.generated_module_import import companion_path
 from codegen.lower.differentiation.program_tangents import tangent_program
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Program
-from codegen.module_signature import companion_path
 from codegen.reduce.reduced_kernels import reduce
 
 Emit = Callable[[Lowered, Origin, str], tuple[Program, str]]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import sympy
 
 from codegen.declare.symbols import SPEED, Acceleration, Parameter, t
-from codegen.derive.effects import EffectTerms, FrictionTerms
+from codegen.derive.effect_terms import EffectTerms, FrictionTerms
 from codegen.derive.equations import Equations
 from codegen.lower.differentiation.derivative_along_motion import Direction
 from codegen.lower.differentiation.gradient import Slopes

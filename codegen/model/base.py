@@ -108,12 +108,14 @@ class Declarations:
             self._note(f"'{name}': {place!r} is neither a point nor a body; write body.at(x, y).")
             point = self.ground.at(0, 0)
         where = f"point of '{name}' on body '{point.body.name}'"
+        before = self.problems
         sx, sy = (self._read.value(s, "m", where) for s in (point.sx, point.sy))
         if not (point.body.turns or sx == sy == 0):
-            self._note(
-                f"{where} is ({sx}, {sy}) m off it, and a particle has no extent; write "
-                f"{point.body.name}.at(0, 0), or use a body."
-            )
+            if self.problems == before:  # else the place is not the modeller's
+                self._note(
+                    f"{where} is ({sx}, {sy}) m off it, and a particle has no extent; write "
+                    f"{point.body.name}.at(0, 0), or use a body."
+                )
             sx = sy = sympy.S.Zero
         return Point(point.body, sx, sy)
 

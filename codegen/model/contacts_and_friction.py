@@ -8,11 +8,11 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.symbols import SignRule
-from codegen.elements.forces.contact import Contact, gap_between
 from codegen.elements.forces.given_load_friction import DryFriction
 from codegen.elements.forces.joint_friction import JointFriction
 from codegen.elements.forces.rigid_contact import RigidContact
 from codegen.elements.forces.scalar_measures import rate
+from codegen.elements.forces.spring_damper_contact import Contact, gap_between
 from codegen.model.base import Declarations, Ends, Pair, Place
 
 FrictionLaw = Literal["sticking", "regularised"]

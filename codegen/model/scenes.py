@@ -12,7 +12,7 @@ from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
 from codegen.model.bodies import Form
 from codegen.model.fidelities import NONE, Fidelities
-from codegen.model.outputs import Outputs
+from codegen.model.requested_outputs import Outputs
 
 DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
 """Keywords of a scene that an extension inherits unless it names them."""

@@ -8,7 +8,7 @@ import sympy
 from codegen.declare.element import Constraint, Effect, J, JointReaction, Statement
 from codegen.declare.symbols import KINDS, Coordinate, Given, given, kinds
 from codegen.derive.constraint_terms import ConstraintTerms, constraint_terms
-from codegen.derive.effects import FrictionTerms
+from codegen.derive.effect_terms import FrictionTerms
 from codegen.derive.equations import Equations
 from codegen.reference.abbreviations import Abbreviations
 from codegen.reference.latex import FRAMED, aligned, latex

@@ -11,12 +11,12 @@ the derivative at the end of the step and the first of the next.
 
 import numpy as np
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed
-from runtime.core.rhs import evaluate_rhs
+from runtime.core.state_derivative import evaluate_rhs
 from runtime.integrate.explicit import stability_limit
 from runtime.integrate.method import Method
 from runtime.integrate.step_control import propose
@@ -224,7 +224,6 @@ def dense(context: Integers, t: float, h: float) -> int:
 
 METHOD = Method(
     estimate_order=8,
-    error_order=7,
     stage_calls=11,
     last=12,
     dense_rows=8,

@@ -14,12 +14,12 @@ stable up to one radian, are longer.
 
 import numpy as np
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed
-from runtime.core.rhs import evaluate_rhs
+from runtime.core.state_derivative import evaluate_rhs
 from runtime.integrate.explicit import stability_limit
 from runtime.integrate.method import Method
 
@@ -133,7 +133,6 @@ def propose(context: Integers, h: float) -> float:
 
 METHOD = Method(
     estimate_order=5,
-    error_order=4,
     stage_calls=5,
     last=6,
     dense_rows=5,

@@ -12,12 +12,12 @@ import numpy.typing as npt
 
 from codegen.errors import AssemblyError, RedundancyError
 from runtime.assembly import redundancy
+from runtime.assembly.accurate_start_near_singularity import start_on_branch
 from runtime.assembly.joint_closing import CLOSED, Closing, Task, close
-from runtime.assembly.near_singular_start import start_on_branch
 from runtime.assembly.redundancy import Dependency, Findings
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.loaded_mechanism import Mechanism, Values
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.module_tables import Description, unknown
 from runtime.results.assembled_state import Assembly, Moved, Redundant
 from runtime.validation.arguments import number

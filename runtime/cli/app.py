@@ -159,7 +159,7 @@ def _run(
     """Load, analyse, save and summarise; ends the process with the exit status."""
     with common.exit_on_error(as_json):
         if out is not None:
-            from runtime.results.save import check_place
+            from runtime.results.export import check_place
 
             check_place(out)
         from runtime.load import load

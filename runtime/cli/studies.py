@@ -59,7 +59,7 @@ def matters(
 
     ranking = _answer(study, picture, out, as_json)
     if not as_json:
-        from runtime.show.terminal_table import show
+        from runtime.show.table_formatting import show
         from runtime.studies.effect_ranking.terminal_table import sentences, table
 
         show((table(ranking),), sentences(ranking))
@@ -121,7 +121,7 @@ def accuracy(
 
     diagram = _answer(study, picture, out, as_json)
     if not as_json:
-        from runtime.show.terminal_table import show
+        from runtime.show.table_formatting import show
         from runtime.studies.work_precision.interpretation import sentences
         from runtime.studies.work_precision.terminal_table import score, work
 

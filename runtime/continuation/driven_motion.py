@@ -16,10 +16,10 @@ from runtime.continuation import motion_across_branch_point as across
 from runtime.continuation import singularity_classification as classification
 from runtime.continuation.arclength import Curve, Point
 from runtime.continuation.bifurcation_branches import RankDeficiency, is_ambiguous
-from runtime.continuation.continuation_state import ContinuationState, DrivenMotion
+from runtime.continuation.driven_motion_state import ContinuationState, DrivenMotion
 from runtime.continuation.predictor_corrector import ARRIVED, DONE, SUSPECT
 from runtime.core.outcomes import Outcome
-from runtime.core.rounding import EPS
+from runtime.core.unit_roundoff import EPS
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly

@@ -6,7 +6,7 @@ F0 + x (F1 + (1 - x) (F2 + x (F3 + ...))).
 """
 
 from runtime.core.array_types import Integers
-from runtime.core.function_table import COORDINATES
+from runtime.core.function_table_slots import COORDINATES
 from runtime.core.jit import inner
 from runtime.core.workspace_rows import Y0, Y1, F, K, row_of
 

@@ -10,7 +10,7 @@ from numba.extending import intrinsic
 
 from runtime.core.array_types import Integers
 from runtime.core.borrowed_arrays import open_array, word
-from runtime.core.function_table import RECORD
+from runtime.core.function_table_slots import RECORD
 from runtime.core.jit import inlined
 
 _FLOATS = ["t_end", "h_min", "h_max", "rtol", "beta", "safety", "largest_dq"]
@@ -55,7 +55,7 @@ _INTEGERS += ["steps", "rejected", "retakes", "events", "repartitions", "rhs", "
 _INTEGERS += ["jacobians", "factorizations"]
 _INTEGERS += [
     "last",  # row, after K, of the derivative at the end of a step
-    "estimate_order",  # power of a step's length in the error estimate of the first one
+    "estimate_order",  # power of a step's length in its estimated error
     "fixed",  # 1: no error control
     "corrections",  # calls of the kernel `correction`
     "returns",  # onto the constraints, begun at the ends of steps

@@ -6,7 +6,7 @@ from runtime.core.modes import SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.loaded_mechanism import Mechanism
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 
 _JAM = (
     "{} jams{}: friction raises the force that presses{} by more than it needs, and no "

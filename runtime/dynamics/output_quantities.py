@@ -10,7 +10,7 @@ from runtime.core.array_types import IntegerMatrix, Matrix, Vector, integers, no
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.modes import SLIDING
 from runtime.linalg.vectors import largest_magnitude
-from runtime.mechanism.loaded_mechanism import Mechanism
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.samples import Samples
 
 ENERGIES = ("kinetic_energy", "potential")

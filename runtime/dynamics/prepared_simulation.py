@@ -7,7 +7,7 @@ from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, magnitudes
-from runtime.mechanism.loaded_mechanism import Mechanism, Values
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly
 from runtime.validation.masses import require_masses
@@ -16,7 +16,7 @@ from runtime.validation.rigid_contact_and_stiction import require_apart
 from runtime.validation.scene_support import refuse_massless, refuse_structure
 
 if TYPE_CHECKING:
-    from runtime.dynamics.integration_coordinates import Coordinates
+    from runtime.dynamics.formulations import Coordinates
 
 
 class PreparedSimulation:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core.array_types import integers, matrix, none, vector
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.kernel_abi import powers_of
@@ -15,7 +15,7 @@ from runtime.hybrid.filippov_shares import mix_reactions
 from runtime.hybrid.mode_consistency import count_sliding
 from runtime.hybrid.stiction_force import set_unit
 from runtime.integrate.wiring import wire
-from runtime.mechanism.loaded_mechanism import Mechanism
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.samples import Samples
 
 

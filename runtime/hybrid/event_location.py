@@ -4,14 +4,14 @@ Only where a function may have crossed zero (see `event_step_limit`) is the dens
 at equal distances, and between them at the lowest points, so that no pair of crossings is missed.
 """
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.loop_record import run_record
 from runtime.core.modes import SLIDING
-from runtime.core.rounding import EPS
+from runtime.core.unit_roundoff import EPS
 from runtime.hybrid.switching_functions import evaluate_switching
 from runtime.linalg.vectors import copy_vector
 

@@ -11,7 +11,7 @@ once the turn is resolved.
 
 import numpy as np
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core.array_types import Context, Matrix, Vector
 from runtime.core.borrowed_arrays import view

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.jit import inlined, inner
 from runtime.core.modes import SLIDING, Mode
-from runtime.core.rhs import evaluate_accelerations
+from runtime.core.state_derivative import evaluate_accelerations
 from runtime.hybrid.switching_functions import extrapolate
 
 CONSISTENT = -1

@@ -9,13 +9,13 @@ SLIDING: the share must lie between its bounds, and both vector fields push onto
 
 import numpy as np
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.modes import SLIDING
-from runtime.core.rhs import evaluate_accelerations
+from runtime.core.state_derivative import evaluate_accelerations
 from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid import mode_search as search
 from runtime.hybrid.impact import ON_SURFACE

@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
 from runtime.core.modes import SLIDING, Direction
-from runtime.core.rhs import evaluate_accelerations, write_derivative
-from runtime.core.rounding import EPS
+from runtime.core.state_derivative import evaluate_accelerations, write_derivative
+from runtime.core.unit_roundoff import EPS
 from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid import switching_functions as switching
 from runtime.hybrid.impact import ON_SURFACE

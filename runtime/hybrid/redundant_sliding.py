@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context
 from runtime.core.borrowed_arrays import view
 from runtime.core.jit import inner

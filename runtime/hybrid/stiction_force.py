@@ -9,7 +9,7 @@ any unit serves which rounding permits; whether friction can bear the force is d
 
 import numpy as np
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core.array_types import Context, Vector
 from runtime.core.jit import inner

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.modes import SLIDING
-from runtime.hybrid.sliding_and_baumgarte_rhs import STEP
+from runtime.hybrid.rhs_with_sliding_or_stabilization import STEP
 
 _AHEAD = 1e-4  # accuracy: of a step; the distance over which the rate of a margin is differenced
 UNBOUNDED = -1e300  # code: lower bounds below it mean none

@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, i8
 from runtime.core.jit import ADDRESSES, compiled, inner
@@ -11,11 +11,11 @@ from runtime.core.kernel_abi import switching_rates_of
 from runtime.core.loop_record import Plan, run_record
 from runtime.core.modes import SLIDING
 from runtime.core.outcomes import Outcome
-from runtime.core.rhs import evaluate_accelerations, write_derivative
+from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.workspace_rows import Y0, K, row_of, switch_row
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.hybrid.mode_transition import LOOK_AHEAD
-from runtime.hybrid.sliding_and_baumgarte_rhs import STEP
+from runtime.hybrid.rhs_with_sliding_or_stabilization import STEP
 from runtime.hybrid.stiction_force import find_jamming_friction, suspend_friction
 from runtime.hybrid.switching_functions import evaluate_switching_and_rates
 from runtime.integrate.sampling import record

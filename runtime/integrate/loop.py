@@ -8,13 +8,13 @@ record.
 
 import numpy as np
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Integers, i8
 from runtime.core.jit import ADDRESSES, addressed, compiled, inner
 from runtime.core.loop_record import Plan, run_record
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import Y0, Y1
-from runtime.integrate.accepted_step import accept_step, judge_events
+from runtime.integrate.samples_and_events_of_accepted_step import accept_step, judge_events
 from runtime.integrate.step import Signal, TrialStep, reject
 from runtime.integrate.step_to_event import end_at_event
 

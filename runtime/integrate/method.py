@@ -11,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from codegen.module_signature import import_generated
+from codegen.generated_module_import import import_generated
 
 if TYPE_CHECKING:
     from runtime.core.array_types import Integers
@@ -71,16 +71,15 @@ def _no_memory(n: int) -> tuple[int, int]:
 class Method:
     """An integration method.
 
-    Its functions are compiled for the types that `runtime.core.function_table` names; the loop
-    calls them by their addresses. All but `memory` work on the rows of the workspace (see
+    Its functions are compiled for the types in `runtime.core.function_table_slots`; the loop calls
+    them by their addresses. All but `memory` work on the rows of the workspace (see
     `runtime.core.workspace_rows`): the state y = (q, v) at Y0 and Y1, derivatives from K on, dense
     output from F on.
     """
 
-    # Power of the step's length in the estimated error of the first step, by which its length is
-    # chosen; `Registration.order` is that in the errors of a run.
+    # Power of the step's length in its estimated error: lengths are chosen by the power
+    # 1 / estimate_order of it. `Registration.order` is that in the errors of a run.
     estimate_order: int
-    error_order: int  # steps are chosen by the power 1 / (error_order + 1) of the estimated error
     last: int  # row, after K, of the derivative at the end of the step
     dense_rows: int  # of the dense output's coefficients
     safety: float  # share of the length that the error permits

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
-from runtime.core.function_table import EVENT_ROWS, OUT_ROWS, SAMPLE_TIMES
+from runtime.core.function_table_slots import EVENT_ROWS, OUT_ROWS, SAMPLE_TIMES
 from runtime.integrate.trajectory import Events, Partitions
 from runtime.integrate.wiring import Wiring, place
 

@@ -4,12 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.constraints.repartitioning import GROWTH_LIMIT
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Matrix
 from runtime.core.loop_record import ConstraintReturn
 from runtime.core.system import System
-from runtime.hybrid.sliding_and_baumgarte_rhs import TIME_SCALE
+from runtime.hybrid.rhs_with_sliding_or_stabilization import TIME_SCALE
 from runtime.integrate.loop import LOG_MARGIN
 from runtime.integrate.method import Method, find_method
 from runtime.integrate.problem import Options, Problem
@@ -110,7 +110,7 @@ class RunState:
         self.method = method
         for name in _METHOD_NUMBERS:
             self.record[name] = getattr(method, name)
-        self.record["exponent"] = 1.0 / (method.error_order + 1)
+        self.record["exponent"] = 1.0 / method.estimate_order
 
     def use_method(self, name: str) -> None:
         """Take the next steps with the method `name`, for which nothing is to be remembered."""

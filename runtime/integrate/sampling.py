@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context, Integers
 from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inner

@@ -7,12 +7,12 @@ section II.4.
 
 import numpy as np
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers
 from runtime.core.jit import addressed, compiled
 from runtime.core.loop_record import Plan, run_record
-from runtime.core.rhs import write_derivative
+from runtime.core.state_derivative import write_derivative
 from runtime.core.workspace_rows import row_of
 
 _FALL = 0.1  # measured: least ratio of an error to what the step before let expect

@@ -3,7 +3,7 @@
 Where a switching function crosses zero inside a trial step, the step is taken again up to there.
 """
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Integers
 from runtime.core.jit import addressed, inner

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from runtime.constraints import newton_return, repartitioning
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import addresses
@@ -21,7 +21,7 @@ from runtime.hybrid import (
     loop_branch_guard,
     mode_selection,
     mode_transition,
-    sliding_and_baumgarte_rhs,
+    rhs_with_sliding_or_stabilization,
     switching_functions,
 )
 from runtime.integrate import sampling, step, step_control
@@ -57,8 +57,8 @@ def _loop() -> Integers:
         "first_step": step_control.first_step,
         "emit": sampling.emit,
         "screen_step": event_step_limit.screen_step,
-        "modified_accelerations": sliding_and_baumgarte_rhs.evaluate_modified_accelerations,
-        "modified_rhs": sliding_and_baumgarte_rhs.evaluate_modified_rhs,
+        "modified_accelerations": rhs_with_sliding_or_stabilization.evaluate_modified_accelerations,
+        "modified_rhs": rhs_with_sliding_or_stabilization.evaluate_modified_rhs,
         "impact": impact.apply_impact,
         "return_to_surfaces": impact.return_to_surfaces,
         "transition": mode_transition.make_transition,

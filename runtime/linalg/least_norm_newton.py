@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from runtime.core.array_types import Matrix, Vector
-from runtime.core.rounding import EPS
+from runtime.core.unit_roundoff import EPS
 from runtime.linalg.rank_policy import NO_PIVOT
 
 _ROUNDING = 2.0 * EPS  # accuracy: a residual that no step makes smaller, of equations of size 1

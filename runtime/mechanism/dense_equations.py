@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core.array_types import Kernel
-from runtime.mechanism.loaded_mechanism import Mechanism
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
 FloatArray = npt.NDArray[np.float64]

@@ -2,7 +2,7 @@
 
 from html import escape
 
-from runtime.mechanism.loaded_mechanism import Mechanism
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 
 _SHOWN = 8  # layout: parameters that the text names
 

@@ -13,10 +13,10 @@ import numpy.typing as npt
 from codegen import __version__
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
+from runtime.results.accuracy_target_record import ReachedAccuracy
 from runtime.results.event_records import Event, SingularPosition
-from runtime.results.reached_accuracy import ReachedAccuracy
 from runtime.results.samples import Partition, Samples, plain
-from runtime.results.time_series import TimeSeries
+from runtime.results.series_lookup import TimeSeries
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -105,7 +105,7 @@ class Result(TimeSeries):
             If the ending is another one, the folder does not exist or cannot be written, or a
             library for the format is not installed.
         """
-        from runtime.results.save import save
+        from runtime.results.export import save
 
         return save(self, Path(path))
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from codegen.presentation import finish_axes, html_figure, html_page, new_figure
+from codegen.figures_and_html import finish_axes, html_figure, html_page, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from codegen.presentation import new_figure
+from codegen.figures_and_html import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

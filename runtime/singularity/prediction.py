@@ -9,12 +9,12 @@ pivot that changes sign in between announces a singular position.
 import numpy as np
 
 from runtime.constraints.partitioning import evaluate_jacobian
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
-from runtime.core.rounding import EPS
+from runtime.core.unit_roundoff import EPS
 from runtime.linalg.elimination_plan import replay_plan, write_plan
 from runtime.linalg.rank_policy import REDUNDANT
 from runtime.linalg.row_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot

@@ -1,7 +1,7 @@
 """The table by which compiled searches reach a machine's constraints, and its first readers.
 
-It is laid out as that of a run (`runtime.core.function_table`), but is called `search` and has no
-attributes: ``context.x`` would read a run's slot. In scaled coordinates a position is
+It is laid out as that of a run (`runtime.core.function_table_slots`), but is called `search` and
+has no attributes: ``context.x`` would read a run's slot. In scaled coordinates a position is
 z = (q / scale, t speed), of shape (n + 1,).
 """
 

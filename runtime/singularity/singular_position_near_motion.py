@@ -16,7 +16,7 @@ import numpy as np
 from runtime.core.array_types import Vector
 from runtime.linalg.rank_policy import LOST
 from runtime.singularity.motion_polynomial import Motion, distance, nearest_time
-from runtime.singularity.pivot_sequences import PivotOrders
+from runtime.singularity.pivot_order_reuse import PivotOrders
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.singular_root_search import Root, Search
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from runtime.core.array_types import Matrix, Vector
 from runtime.singularity.motion_polynomial import Motion, nearest_time
-from runtime.singularity.pivot_sequences import PivotOrder, PivotOrders
+from runtime.singularity.pivot_order_reuse import PivotOrder, PivotOrders
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.search_function_table import set_units, unit_jacobian_entries
 

@@ -11,7 +11,7 @@ from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, 
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.loaded_mechanism import Mechanism, Values
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.module_tables import Description
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result

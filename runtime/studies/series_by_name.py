@@ -8,7 +8,7 @@ import numpy.typing as npt
 from codegen.errors import InputError
 from runtime.mechanism.module_tables import Description, unknown
 from runtime.results.result import Result
-from runtime.results.time_series import ENERGIES
+from runtime.results.series_lookup import ENERGIES
 
 FloatArray = npt.NDArray[np.float64]
 OR = "|"  # between the names of a quantity of which a scene has one or another: ``a.x|b.x``

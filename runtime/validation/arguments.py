@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError, InputError
-from runtime.mechanism.loaded_mechanism import Mechanism
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.assembled_state import Assembly
 
 _MOST = 2**62

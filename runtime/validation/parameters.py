@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import ParameterError
-from runtime.mechanism.loaded_mechanism import Mechanism, Values
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.module_tables import unknown
 from runtime.validation.arguments import check, number
 from runtime.validation.rigid_contact_and_stiction import require_sound

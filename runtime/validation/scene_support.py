@@ -3,7 +3,7 @@
 from typing import NoReturn
 
 from codegen.errors import AnalysisError
-from runtime.mechanism.loaded_mechanism import Mechanism
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 
 
 def require_motion(mechanism: Mechanism, question: str) -> None:

@@ -6,8 +6,8 @@ import pytest
 
 from codegen import build
 from codegen.driver import valid_scenes
+from codegen.generated_module_import import import_generated
 from codegen.model_file import read_model
-from codegen.module_signature import import_generated
 from tests.codegen.machines import ODD
 from tests.codegen.workbench import Interpreted
 

@@ -1,5 +1,6 @@
 """The registry of elements: what is in it, what a class must answer to be."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from inspect import isfunction, signature
@@ -56,6 +57,23 @@ def test_every_declaring_method_is_on_a_page() -> None:
     }
     assert declaring
     assert declaring <= shown
+
+
+def test_every_kind_with_problems_has_bad_input(root: Path) -> None:
+    """A row of a `test_bad...` file, or of its own file, names the kind as `label` does."""
+    files = (root / "tests" / "codegen").rglob("test_*.py")
+    rows = "\n".join(path.read_text(encoding="utf-8") for path in files)
+    for name, kind in LIBRARY.items():
+        if kind.element.problems not in (Constraint.problems, Effect.problems):
+            assert f"{name} '" in rows, f"add a row of bad input for '{name}'"
+
+
+def test_page_about_new_elements_shows_the_source(root: Path) -> None:
+    page = (root / "docs" / "new-element.md").read_text(encoding="utf-8")
+    shown = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    sources = ("elements/joints/weld.py", "model/joints.py")
+    for snippet, source in zip(shown, sources, strict=True):
+        assert snippet in (root / "codegen" / source).read_text(encoding="utf-8")
 
 
 @pytest.mark.usefixtures("own_kinds")

@@ -4,14 +4,14 @@ from pathlib import Path
 
 import pytest
 
-from codegen.derive import constraint_terms, effects
+from codegen.derive import constraint_terms, effect_terms
 from codegen.derive import switching_functions as switches
 from codegen.derive.equations import derive
 from codegen.driver import valid_scenes
 from codegen.model_file import read_model
 from tests.codegen.workbench import Interpreted
 
-DERIVED = (constraint_terms._derive, effects._pieces, switches.rate)
+DERIVED = (constraint_terms._derive, effect_terms._pieces, switches.rate)
 
 
 def derivations() -> int:

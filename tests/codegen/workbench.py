@@ -12,6 +12,7 @@ import numpy as np
 from codegen import Model
 from codegen.derive.equations import Equations, derive
 from codegen.driver import valid_scenes
+from codegen.elements.registry import kinds_of_elements
 from codegen.emit.module import Origin, module_text
 from codegen.generated_files.provenance import fingerprint
 from codegen.lower.interpreter import evaluate
@@ -40,6 +41,12 @@ class State(SimpleNamespace):
             return np.zeros(2), 0.0, np.zeros(2), 0.0
         q, v = self.q[3 * k : 3 * k + 3], self.v[3 * k : 3 * k + 3]
         return q[:2], q[2], v[:2], v[2]
+
+
+def library_kinds(role: str) -> set[str]:
+    """The library's kinds of a role, ``"joint"``, ``"driver"`` or ``"force"``."""
+    registered = kinds_of_elements().values()
+    return {k.name for k in registered if k.role == role and not k.is_user_defined}
 
 
 class Interpreted:

@@ -9,7 +9,6 @@ from runtime.integrate.method import EXPLICIT
 from tests.hard.reading import changes, held
 from tests.runtime.integrate.systems import ACCURATE
 
-METHODS = EXPLICIT
 G = 9.81
 
 
@@ -120,7 +119,7 @@ def test_follower_is_let_go_where_its_reaction_vanishes() -> None:
     assert first.v[rod] == pytest.approx(v, abs=1e-10)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_follower_comes_to_contact_again_after_many_impacts(method: str) -> None:
     machine = load("hard/contact_follower", "thrown")
     found = {}

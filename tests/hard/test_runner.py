@@ -16,6 +16,7 @@ from models.hard.suite.cell import COMPARED, SETTINGS, Cell, Setting, Verdict, r
 from models.hard.suite.page import markdown
 from models.hard.suite.worker import Worker
 from runtime import Result
+from runtime.integrate.method import REGISTER
 
 SETTING = Setting(COMPARED, "step")
 ONE = find("one_step")
@@ -141,6 +142,17 @@ def test_a_bound_grows_with_the_tolerance_and_the_time() -> None:
         assert (tight > 0.0).all()
         # The tightest tolerance must tell right from wrong at some instant.
         assert reference.bound(case.tolerances[-1]).min() < 1e-4
+
+
+def test_a_method_of_low_order_takes_more_steps_which_add_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tight = replace(find("one_step").reference(), trusted=0.0)
+    assert (tight.bound(1e-9, 5) == tight.bound(1e-9)).all()
+    np.testing.assert_allclose(tight.bound(1e-9, 3), 1e-9 ** (1 / 5 - 1 / 3) * tight.bound(1e-9))
+    usual = cell_of(ONE)
+    monkeypatch.setitem(REGISTER, COMPARED, REGISTER[COMPARED]._replace(order=3))
+    assert cell_of(ONE).bound > 5.0 * usual.bound  # 1e-6^(1/5 - 1/3) = 6.3
 
 
 def test_names_are_unique_and_every_way_has_its_place() -> None:

@@ -12,7 +12,6 @@ from runtime.integrate.method import EXPLICIT
 from tests.hard.reading import held, work
 from tests.runtime.integrate.systems import ACCURATE
 
-METHODS = EXPLICIT
 G = 9.81
 
 
@@ -106,7 +105,7 @@ def test_block_without_static_excess_comes_to_rest_in_the_room() -> None:
 # Friction in a guide.
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_guide_sticks_and_slides_as_the_reduction_does(method: str) -> None:
     phi, due = guide.motion(10.0, np.pi / 2)
     run = load("hard/guide_friction", "rocking").simulate(10.0, rtol=1e-12, method=method)

@@ -41,7 +41,7 @@ def test_an_import_loads_no_more_than_it_needs(
     assert not loaded & absent
 
 
-COMPILER = {"codegen.module_signature", "codegen.errors"}
+COMPILER = {"codegen.generated_module_import", "codegen.errors"}
 
 FIRST = """
 from runtime import load

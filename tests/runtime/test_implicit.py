@@ -11,6 +11,7 @@ from codegen.errors import InputError
 from codegen.model_file import read_model
 from runtime import Machine, Result, load
 from runtime.core.outcomes import Outcome
+from runtime.integrate.method import IMPLICIT
 from runtime.integrate.problem import Options
 from runtime.integrate.run import integrate
 from runtime.mechanism.dense_equations import Equations, magnitudes
@@ -18,7 +19,6 @@ from tests.runtime.integrate.systems import PENDULUM, pendulum_problem
 from tests.runtime.mechanisms import write_whole
 
 DECADES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-IMPLICIT = ("bdf", "radau5", "auto")
 
 
 @dataclass
@@ -160,7 +160,7 @@ def test_auto_changes_over(stiff_train: dict[str, Result]) -> None:
     assert np.abs(result.samples.q - explicit.samples.q).max() < 1e-7
 
 
-@pytest.mark.parametrize("method", ["bdf", "radau5", "auto"])
+@pytest.mark.parametrize("method", IMPLICIT)
 def test_events_are_those_of_explicit_methods(root: Path, method: str) -> None:
     machine = load(root / "models" / "quick_return.py", "shaper")
     explicit = machine.simulate(2.0, method="dop853", rtol=1e-12)

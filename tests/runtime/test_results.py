@@ -132,7 +132,7 @@ def test_missing_library_is_named(
 def test_failed_write_leaves_the_old_file(
     result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from runtime.results import save
+    from runtime.results import export
 
     path = tmp_path / "run.csv"
     path.write_text("old")
@@ -141,7 +141,7 @@ def test_failed_write_leaves_the_old_file(
         path.write_text("half")
         raise OSError("disk full")
 
-    monkeypatch.setitem(save._WRITERS, ".csv", fail)
+    monkeypatch.setitem(export._WRITERS, ".csv", fail)
     with pytest.raises(OSError, match="disk full"):
         result.save(path)
     assert path.read_text() == "old"

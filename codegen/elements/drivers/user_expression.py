@@ -3,23 +3,10 @@
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import ConjugateReaction, Constraint, Statement, label
-from codegen.declare.symbols import Coordinate, kinds, t
+from codegen.declare.element import ConjugateReaction, Statement, label
+from codegen.declare.symbols import Coordinate
+from codegen.elements.drivers.motion_law import Driver
 from codegen.elements.registry import element
-
-
-class Driver(Constraint):
-    """A driver: driven - law(t) = 0."""
-
-    law: sympy.Expr
-
-    def problems(self) -> list[str]:
-        """A law that contains coordinates is no law of time."""
-        return [
-            f"{label(self)}: the law {self.law} contains the coordinate {s.name}; "
-            f"a motion law depends on {t} and parameters only."
-            for s in kinds(self.law, Coordinate)
-        ]
 
 
 @element(driver=True)

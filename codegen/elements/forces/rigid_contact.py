@@ -5,7 +5,7 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Effect, Pulls, Reported, Rigid, sign_problems
 from codegen.declare.symbols import side
-from codegen.elements.forces.contact import gap_problems
+from codegen.elements.forces.spring_damper_contact import gap_problems
 from codegen.elements.registry import element
 
 # formula: m/s²; with the masses the typical force of a contact, unless one is declared

@@ -7,7 +7,7 @@ from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.kernels.corrections import correction
 from codegen.lower.kernels.linear_solves import accelerations
 from codegen.lower.kernels.rigid_contact_and_stiction import hold_kernels, reaction_outputs
-from codegen.lower.kernels.selection import Selection
+from codegen.lower.kernels.selection_by_outputs import Selection
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.module_tables import Description, describe
 from codegen.lower.program import STATE, Folded, Kernel, Output, Program, storing

@@ -12,7 +12,7 @@ import numpy as np
 from codegen.errors import AnalysisError
 from models.hard.suite.case import KEPT, WORTH, Array, Case
 from runtime import Outcome, Result
-from runtime.integrate.method import IMPLICIT, METHODS
+from runtime.integrate.method import IMPLICIT, METHODS, REGISTER
 from runtime.integrate.validation import CORRECTIONS
 
 if TYPE_CHECKING:
@@ -200,7 +200,7 @@ def _first_run(loaded: "Machine", setting: Setting) -> None:
 
 def evaluate(case: Case, setting: Setting, rtol: float, result: Result, cpu: float) -> Cell:
     """Compare a run with the reference, its constraints and its energy."""
-    error, bound, until, note = _compared(case, rtol, result)
+    error, bound, until, note = _compared(case, setting, rtol, result)
     residual = float(result.samples.residual[:, 0].max(initial=0.0))
     outcome = result.outcome
     largest = RESIDUAL + (KEPT * rtol if setting.correction in DRIFTING else 0.0)
@@ -237,7 +237,9 @@ def evaluate(case: Case, setting: Setting, rtol: float, result: Result, cpu: flo
     )
 
 
-def _compared(case: Case, rtol: float, result: Result) -> tuple[float, float, float, str]:
+def _compared(
+    case: Case, setting: Setting, rtol: float, result: Result
+) -> tuple[float, float, float, str]:
     """Error, bound, last instant compared, and the failure, if any."""
     reference = case.reference()
     measured = case.measure(result)
@@ -252,7 +254,7 @@ def _compared(case: Case, rtol: float, result: Result) -> tuple[float, float, fl
         )
     # A run that stopped has as many rows as it has reached instants of the reference.
     rows = min(len(measured), int(np.sum(times <= result.t[-1])) if not ended else len(expected))
-    bounds = reference.bound(rtol)[:rows]
+    bounds = reference.bound(rtol, REGISTER[setting.method].order)[:rows]
     errors = np.abs(measured[:rows] - expected[:rows])
     if not np.isfinite(errors).all():
         return np.inf, np.nan, np.nan, "a number is not finite"

@@ -18,6 +18,8 @@ How far from the reference may a right run be? An error made in one step grows l
 perturbation of the motion; the factor is a property of the machine and is stated with each case
 (growth). At worst the errors of all steps add up: the bound is {SHARE:g} × steps × growth ×
 rtol, with the steps of a method of order 8 at rtol 1e-9, and at least {KEPT:g} × growth × rtol.
+A method of order p below 5 takes rtol^(1/5 - 1/p) times the steps of a method of order 5, and its
+bound is larger by that factor.
 Where the bound exceeds {WORTH:g} (m, rad, s) the number is beyond the horizon and not compared;
 the column *until* gives the last instant that is compared, and where nothing can be compared the
 verdict is *beyond the horizon*. |Φ| must stay below {RESIDUAL:.0e}; with the corrections

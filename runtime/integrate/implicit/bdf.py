@@ -14,7 +14,7 @@ The step ends at t₁ with u̇ - ψ̇ - c ü = 0 and u - ψ - c u̇ = 0, c = h /
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context, Integers
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.loop_record import run_record
@@ -162,7 +162,6 @@ def restart(context: Context, t: float, h: float) -> int:
 
 METHOD = newton.implicit_method(
     estimate_order=2,  # at order 1, with which every start begins
-    error_order=1,
     grow=history.GROW,
     stages=stages,
     dense=history.dense,

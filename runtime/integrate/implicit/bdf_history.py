@@ -12,7 +12,7 @@ from itertools import accumulate
 import numpy as np
 import numpy.typing as npt
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context
 from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed, inner

@@ -28,7 +28,7 @@ another method may keep its own numbers there, as in rows 0 to 19.
 
 from runtime.core.array_types import Context, Integers, Matrix, Vector
 from runtime.core.borrowed_arrays import view
-from runtime.core.function_table import COORDINATES
+from runtime.core.function_table_slots import COORDINATES
 from runtime.core.jit import fetched
 
 # Rows of the workspace, in every implicit method.

@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.core.array_types import Context, Vector
-from runtime.core.function_table import COORDINATES
+from runtime.core.function_table_slots import COORDINATES
 from runtime.core.jit import inner
 from runtime.core.workspace_rows import PARTITION, row_of
 from runtime.integrate.implicit import method_memory as mem

@@ -8,7 +8,7 @@ import numpy as np
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core.array_types import Context, Integers, Matrix, Vector
-from runtime.core.function_table import COORDINATES
+from runtime.core.function_table_slots import COORDINATES
 from runtime.core.jit import inlined, inner
 from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import Y0, Y1, K, row_of, velocity_rates

@@ -11,7 +11,7 @@ method is due, and the run changes over; see `successor`.
 
 from dataclasses import replace
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, compiled
 from runtime.core.loop_record import run_record

@@ -21,7 +21,7 @@ from runtime.core.workspace_rows import Y0, Y1, K
 from runtime.integrate.loop import WEAK_STATES
 from runtime.integrate.problem import Problem
 from runtime.integrate.run_state import RunState
-from runtime.integrate.singular_crossing import crossing_step as cs
+from runtime.integrate.singular_crossing import crossing_step_planning as cs
 from runtime.integrate.step import Signal, TrialStep
 from runtime.integrate.trajectory import Crossing
 from runtime.singularity.motion_polynomial import Motion, hermite, taylor

@@ -6,7 +6,7 @@ from typing import Any
 
 from codegen.errors import InputError
 from runtime.integrate.problem import Formulation
-from runtime.mechanism.loaded_mechanism import Mechanism
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.result import Result
 
 FINEST = 1e-12  # accuracy: tightest target; rounding shows below it

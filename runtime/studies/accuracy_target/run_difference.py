@@ -11,7 +11,7 @@ from runtime.core.outcomes import Outcome
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.module_tables import Description
-from runtime.results.reached_accuracy import Trial
+from runtime.results.accuracy_target_record import Trial
 from runtime.results.result import Result
 from runtime.studies.error_norms import scaled_errors
 from runtime.studies.series_by_name import FloatArray, group_magnitude, series_values

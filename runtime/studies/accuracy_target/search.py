@@ -30,19 +30,19 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.integration_coordinates import Coordinates, formulate
+from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import finish_simulation
 from runtime.integrate.method import IMPLICIT, LEADING, REGISTER
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.integrate.wiring import function_table
-from runtime.mechanism.loaded_mechanism import Mechanism, Values
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
 from runtime.studies.accuracy_target import run_difference as runs
-from runtime.studies.accuracy_target.result_within_accuracy import with_accuracy
+from runtime.studies.accuracy_target.result_cut_at_target import with_accuracy
 from runtime.studies.accuracy_target.run_difference import Pair, Quantities, Run
 from runtime.studies.series_by_name import require_numbers
 from runtime.studies.timing import processor_time

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
-from codegen.presentation import check_parent, finish_axes, new_figure, writing
+from codegen.figures_and_html import check_parent, finish_axes, new_figure, writing
 from runtime.studies.effect_ranking.ranking import Matters, Row, Verdict
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ import numpy as np
 from codegen.errors import InputError
 from runtime.mechanism.module_tables import unknown
 from runtime.results.result import Result
-from runtime.results.time_series import ENERGIES
+from runtime.results.series_lookup import ENERGIES
 from runtime.studies.series_by_name import FloatArray, series_names, unknown_series
 
 Function = Callable[[Result], float]

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from rich.table import Table
 
-from runtime.show.terminal_table import new_table, shortened
+from runtime.show.table_formatting import new_table, shortened
 from runtime.studies.effect_ranking.ranking import Costs, Matters, Proposal, Row, Verdict
 
 _LONGEST_REASON = 200  # characters

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.show.terminal_table import milliseconds, shortened
+from runtime.show.table_formatting import milliseconds, shortened
 from runtime.studies.timing import time_to_error
 from runtime.studies.work_precision.diagram import Choice, Line, Point, Setting, WorkPrecision
 

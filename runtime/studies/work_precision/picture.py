@@ -8,7 +8,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
-from codegen.presentation import check_parent, finish_axes, new_figure, writing
+from codegen.figures_and_html import check_parent, finish_axes, new_figure, writing
 from runtime.integrate.method import METHODS
 from runtime.studies.work_precision.diagram import Line, Point, WorkPrecision
 from runtime.studies.work_precision.interpretation import front, headline

@@ -4,7 +4,7 @@ import math
 
 from rich.table import Table
 
-from runtime.show.terminal_table import new_table
+from runtime.show.table_formatting import new_table
 from runtime.studies.work_precision import interpretation
 from runtime.studies.work_precision.diagram import Choice, Line, Point, WorkPrecision
 from runtime.studies.work_precision.interpretation import TARGETS, digits

@@ -37,6 +37,18 @@ model.revolute('B', b, c.at(2, 0))
             "model.distance('A', a, b, 0)",
             ["distance 'A': the length is 0 m; give a positive number, or use"],
         ),
+        (
+            "model.distance('A', a, b, 'q')",
+            ["distance of 'A': 'q' is neither a number nor an expression"],
+        ),
+        (
+            "model.distance('A', a, model.particle('p', 1.0).at('q', 0), 2)",
+            ["point of 'A' on body 'p': 'q' is neither a number nor an expression"],
+        ),
+        (
+            "model.cam_flat_follower('A', a.circle(0.1), b, axis=(0, 0))",
+            ["cam and flat-faced follower 'A': the axis .0, 0. has no direction"],
+        ),
         ("model.distance('A', a, b, -1.5)", [r"distance 'A': the length is -1\.5 m; give a posi"]),
         ("model.distance('A', a, b, float('nan'))", ["distance 'A': the length is nan m; give"]),
         (

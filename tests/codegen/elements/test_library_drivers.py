@@ -22,7 +22,14 @@ from tests.codegen.elements.hand.pair import (
     reactions,
     span,
 )
-from tests.codegen.workbench import A, Interpreted, State, complex_gamma, complex_step
+from tests.codegen.workbench import (
+    A,
+    Interpreted,
+    State,
+    complex_gamma,
+    complex_step,
+    library_kinds,
+)
 
 TOLERANCE = {"rtol": 1e-12, "atol": 1e-12}
 TWO_BODIES = [kind for kind in DRIVERS if not kind.startswith("point")]
@@ -55,6 +62,16 @@ def pair(kind: str, ground: bool = False, pushed: bool = False) -> Interpreted:
         model.force("push", second.at(0.4, 0.2), fx=7.0, fy=-5.0)
         model.torque("twist", second, 6.0)
     return Interpreted(model)
+
+
+def test_every_kind_has_a_formula() -> None:
+    """But `driver`, of any expression, whose formulas are in `test_constraints`."""
+    tabled = {"driver"}
+    for name in DRIVERS:
+        model = Model("pair")
+        declare(name, model, *(model.body(n, 1.0, 1.0) for n in "ij"), t)
+        tabled.add(model.drivers["drive"].kind)
+    assert tabled == library_kinds("driver"), "add the kind to DRIVERS and to declare()"
 
 
 def law(time: float) -> tuple[float, float, float]:

@@ -1,6 +1,7 @@
 """Springs, contacts and bushings against forces written by hand; their energy and momentum."""
 
 import cmath
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,11 +11,30 @@ from pint import get_application_registry
 
 from codegen import Model, t
 from codegen.declare.body import Body
-from tests.codegen.workbench import A, B, Interpreted, State, complex_step
+from codegen.reference.examples import example_of
+from tests.codegen.workbench import A, B, Interpreted, State, complex_step, library_kinds
 
 TOLERANCE = {"rtol": 1e-11, "atol": 1e-12}
 S_I, S_J = np.array([0.3, -0.2]), np.array([-0.5, 0.4])
 SEEDS = range(5)
+
+FORMULAS = {
+    "test_library_forces": ("spring", "torsion spring", "contact", "bushing"),
+    "test_effects": ("force", "torque", "generalized force", "gravity", "potential"),
+    "test_given_load_friction": ("dry friction",),
+    "test_joint_friction": ("friction",),
+    "test_rigid_contact": ("rigid contact",),
+}
+"""File of this folder → the kinds whose formulas it writes by hand."""
+
+
+def test_every_kind_has_a_formula(root: Path) -> None:
+    tabled = [(file, kind) for file, kinds in FORMULAS.items() for kind in kinds]
+    assert sorted(kind for _, kind in tabled) == sorted(library_kinds("force"))
+    for file, kind in tabled:
+        text = (root / "tests/codegen/elements" / f"{file}.py").read_text(encoding="utf-8")
+        (method,) = example_of(kind).methods
+        assert f"{method}(" in text or f"{method}=" in text, f"{file}.py lacks '{kind}'"
 
 
 def pair(name: str = "pair") -> tuple[Model, Body, Body]:

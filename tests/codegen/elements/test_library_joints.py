@@ -2,6 +2,7 @@
 
 import cmath
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from numpy.testing import assert_allclose
 from pint import get_application_registry
 
 from codegen import Body, Model, Point
+from codegen.reference.examples import example_of
 from tests.codegen.elements.hand.joints import (
     ANGLE,
     JOINTS,
@@ -30,7 +32,14 @@ from tests.codegen.elements.hand.pair import (
     reactions,
     span,
 )
-from tests.codegen.workbench import A, Interpreted, State, complex_gamma, complex_step
+from tests.codegen.workbench import (
+    A,
+    Interpreted,
+    State,
+    complex_gamma,
+    complex_step,
+    library_kinds,
+)
 
 TOLERANCE = {"rtol": 1e-12, "atol": 1e-12}
 GLOBAL = ("relative_x", "relative_y")
@@ -85,8 +94,33 @@ DECLARATIONS: dict[str, tuple[Declare, Angle]] = {
 """The joint of each kind of `JOINTS` with the numbers of its formula, the angle of its x axis."""
 
 
+ELSEWHERE = {
+    **dict.fromkeys(("absolute", "constraint", "revolute"), "test_constraints"),
+    **dict.fromkeys(("revolute-revolute", "translational"), "test_constraints"),
+    **dict.fromkeys(("cam and flat-faced follower", "cam and follower"), "test_cams"),
+    "point follower": "test_cams",
+}
+"""Kinds whose formulas stand in another file of this folder, which may simulate them, too."""
+
+
 def test_every_formula_has_a_declaration() -> None:
     assert list(DECLARATIONS) == list(JOINTS)
+
+
+def test_every_kind_has_a_formula_and_a_machine(root: Path) -> None:
+    tabled = set()
+    for name in DECLARATIONS:
+        model = Model("pair")
+        declare(name, model, *(model.body(n, 1.0, 1.0) for n in "ij"))
+        tabled.add(model.joints["joint"].kind)
+    assert tabled | {*ELSEWHERE} == library_kinds("joint"), (
+        "add the kind to DECLARATIONS, or to ELSEWHERE"
+    )
+    files = dict.fromkeys(tabled, "machines/test_library_joints")
+    for kind, file in (files | {k: f"codegen/elements/{f}" for k, f in ELSEWHERE.items()}).items():
+        text = (root / "tests" / f"{file}.py").read_text(encoding="utf-8")
+        (method,) = example_of(kind).methods
+        assert f".{method}(" in text, f"tests/{file}.py lacks a machine with '{kind}'"
 
 
 def declare(kind: str, model: Model, i: Body, j: Body) -> None:
@@ -283,12 +317,14 @@ def test_lengths_and_angles_may_have_units() -> None:
         model.rack_and_pinion("p", a, b, unit.Quantity(30, "mm"), offset=unit.Quantity(1, "cm")),
     ]
     assert model.problems == ()
+    assert {joint.kind for joint in bound} == library_kinds("joint") - {*ELSEWHERE}
     numbers = {
-        str(k): float(v)
+        (joint.name, str(k)): float(v)
         for joint in bound
         for k, v in joint.statement().bindings.items()
         if v.is_number
     }
-    expected = {"length": 1.7, "value": np.pi / 2, "distance": 0.05, "angle": np.pi}
-    expected |= {"share_i": 1 / 3, "share_j": 2 / 3, "radius": 0.03, "offset": 0.01}
+    expected = {("d", "length"): 1.7, ("r", "value"): np.pi / 2, ("t", "distance"): 0.05}
+    expected |= {("w", "angle"): np.pi, ("g", "share_i"): 1 / 3, ("g", "share_j"): 2 / 3}
+    expected |= {("p", "radius"): 0.03, ("p", "offset"): 0.01}
     assert {k: numbers[k] for k in expected} == pytest.approx(expected, rel=1e-14)

@@ -5,6 +5,8 @@ A method has order p where Σ b_i η_i(τ) = 1/γ(τ) for every rooted tree τ o
 output has order p at the fraction x of the step where Σ b_i(x) η_i(τ) = x^|τ|/γ(τ).
 """
 
+import logging
+from collections import defaultdict
 from fractions import Fraction
 from functools import cache
 from math import prod
@@ -15,13 +17,13 @@ import pytest
 from codegen.tableaus import tableaus
 
 TABLEAUS = tableaus()
-METHODS = pytest.mark.parametrize("name", TABLEAUS)
+EVERY_TABLEAU = pytest.mark.parametrize("name", TABLEAUS)
 ONE = Fraction(1)
-# What the digits leave that are published: none for fractions, about 30 of dop853, 40 of tsit5 but
-# 17 of its dense output.
-MISSING = {"dopri5": 0, "dop853": Fraction(1, 10**24), "tsit5": Fraction(1, 10**36)}
+# Defects left by the published digits: none for fractions, about 30 digits of dop853, 40 of tsit5
+# but 17 of its dense output.
+MISSING = defaultdict(Fraction, dop853=Fraction(1, 10**24), tsit5=Fraction(1, 10**36))
 LOOSEST = 1e-3  # relative tolerance of a loose run
-MISSING_DENSE = {**MISSING, "tsit5": Fraction(1, 10**15)}
+MISSING_DENSE = defaultdict(Fraction, {**MISSING, "tsit5": Fraction(1, 10**15)})
 
 
 @cache
@@ -73,13 +75,13 @@ def test_number_of_trees():
     assert [len(trees(p)) for p in range(1, 9)] == [1, 1, 2, 4, 9, 20, 48, 115]
 
 
-@METHODS
+@EVERY_TABLEAU
 def test_rows_sum_to_their_nodes(name):
     for stage in TABLEAUS[name].all_stages:
         assert abs(sum(stage.a) - stage.c) <= MISSING[name]
 
 
-@METHODS
+@EVERY_TABLEAU
 def test_order_of_the_solution(name):
     tableau = TABLEAUS[name]
     *held, missed = defects(name, tableau.b, tableau.order + 1)
@@ -87,7 +89,7 @@ def test_order_of_the_solution(name):
     assert missed > 1e-9
 
 
-@METHODS
+@EVERY_TABLEAU
 def test_order_of_the_error_estimate(name):
     # A difference of two solutions: that of order p vanishes on the trees up to p, no further.
     tableau = TABLEAUS[name]
@@ -119,7 +121,7 @@ def dense_weights(tableau, x):
     return total
 
 
-@METHODS
+@EVERY_TABLEAU
 @pytest.mark.parametrize("x", [Fraction(1, 7), Fraction(1, 2), Fraction(9, 10)])
 def test_order_of_the_dense_output(name, x):
     tableau = TABLEAUS[name]
@@ -128,7 +130,7 @@ def test_order_of_the_dense_output(name, x):
     assert missed > 1e-9
 
 
-@METHODS
+@EVERY_TABLEAU
 def test_dense_output_is_continuous_with_its_derivative(name):
     tableau, tiny = TABLEAUS[name], Fraction(1, 10**40)
     count = len(tableau.all_stages)
@@ -141,7 +143,7 @@ def test_dense_output_is_continuous_with_its_derivative(name):
         assert all(abs(slope - (i == stage)) < 1e-30 for i, slope in enumerate(slopes))
 
 
-@METHODS
+@EVERY_TABLEAU
 def test_stability_function_starts_like_the_exponential(name):
     tableau = TABLEAUS[name]
     found = tableau.stability_function
@@ -150,7 +152,7 @@ def test_stability_function_starts_like_the_exponential(name):
     assert len(found) == tableau.last + 1
 
 
-@METHODS
+@EVERY_TABLEAU
 def test_stability_edge(name):
     # Half the error estimate of an undamped vibration, over its amplitude, where |R(iy)| exceeds 1.
     tableau = TABLEAUS[name]
@@ -165,7 +167,9 @@ def test_stability_edge(name):
     if tableau.stability_edge is None:
         # Beyond 5 rad no accuracy asked for permits such a step; where `half` is large, few do.
         limit = f"set stability_edge={half:.2g}" if comparable else "no stability_edge can help"
-        advice = f"above a tolerance of {half:.2g} vibrations grow: {limit}"
+        advice = f"{name}: above a tolerance of {half:.2g} vibrations grow: {limit}"
+        if not comparable:
+            logging.info(advice)
         assert edge > 5.0 or (not comparable and half >= LOOSEST), advice
         return
     assert tableau.stability_edge == pytest.approx(half, rel=0.1)

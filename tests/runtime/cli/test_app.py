@@ -140,7 +140,7 @@ def test_place_that_cannot_be_written_is_refused_before_the_run(
     def locked(*_: object, **__: object) -> None:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr("runtime.results.save.tempfile.TemporaryFile", locked)
+    monkeypatch.setattr("runtime.results.export.tempfile.TemporaryFile", locked)
     done = run(*command, tmp_path / "run.csv")
     assert done.exit_code == 2
     assert "nothing can be written" in done.stderr

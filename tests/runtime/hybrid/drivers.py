@@ -3,8 +3,8 @@
 The state lies in row Y0, its modes in the table; accelerations are written into row DELTA.
 """
 
-from runtime.core import function_table as ft
-from runtime.core import rhs
+from runtime.core import function_table_slots as ft
+from runtime.core import state_derivative
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import f8, i8, integers, none, vector
 from runtime.core.jit import compiled
@@ -12,7 +12,7 @@ from runtime.hybrid import (
     filippov_shares,
     mode_consistency,
     redundant_sliding,
-    sliding_and_baumgarte_rhs,
+    rhs_with_sliding_or_stabilization,
 )
 from runtime.hybrid import switching_functions as switching
 
@@ -27,12 +27,12 @@ def evaluate_accelerations(context, t):
     modes, a = context.modes, context.dq
     mode_consistency.count_sliding(context, modes)
     q, v = context.q0, context.v0
-    return rhs.evaluate_accelerations(context, t, q, v, modes, a)
+    return state_derivative.evaluate_accelerations(context, t, q, v, modes, a)
 
 
 @compiled(f8(vector, vector, vector))
 def exclude_rounding(value, change, size):
-    return sliding_and_baumgarte_rhs.exclude_rounding(value, change, size)
+    return rhs_with_sliding_or_stabilization.exclude_rounding(value, change, size)
 
 
 @compiled(none(integers, f8))

@@ -7,7 +7,6 @@ from runtime.core.outcomes import Outcome
 from runtime.integrate.method import EXPLICIT
 from tests.runtime.integrate.systems import relay, run_relay
 
-METHODS = EXPLICIT
 NEAR = 1e-12  # of the step
 
 
@@ -16,7 +15,7 @@ def position(level):
     return (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -level)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("h", [1e-3, 1.0, 1e3])
 def test_two_roots_in_one_step(method, seed, h):
@@ -31,7 +30,7 @@ def test_two_roots_in_one_step(method, seed, h):
     np.testing.assert_allclose(r.events.t, [first, second], rtol=0, atol=NEAR * h)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("height", [1.0, 1e-3, 1e-6, 1e-9])
 def test_root_at_the_start_and_the_return_to_it(method, height):
     # q = 4 height t (1 - t): from zero at once upwards, and back at t = 1.
@@ -44,7 +43,7 @@ def test_root_at_the_start_and_the_return_to_it(method, height):
     assert r.events.t[0] == pytest.approx(1.0, abs=NEAR)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("depth", [1e-4, 1e-7, 1e-10])
 def test_a_dip_has_two_roots_and_a_hover_none(method, depth):
     # q = (t - 1)² ± depth around 0, where time itself is known to the rounding over the root.
@@ -56,7 +55,7 @@ def test_a_dip_has_two_roots_and_a_hover_none(method, depth):
     np.testing.assert_allclose(dip.events.t, [1.0 - half, 1.0 + half], atol=4e-15 / half)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("first_step", [None, 2.0])
 def test_a_root_that_only_touches_is_no_event(method, first_step):
     r = run_relay(
@@ -70,7 +69,7 @@ def test_a_root_that_only_touches_is_no_event(method, first_step):
     assert r.final_modes.tolist() == [1]
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("apart", [0.0, 1e-14, 1e-12, 1e-9])
 def test_roots_of_several_functions_at_one_time(method, apart):
     # Four functions of other slopes and signs; the last a little later.
@@ -87,7 +86,7 @@ def test_roots_of_several_functions_at_one_time(method, apart):
     assert r.final_modes.tolist() == [1, 0, 1, 1]
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_many_roots_in_a_step_of_free_motion(method):
     levels = np.linspace(0.05, 0.95, 12)
     r = run_relay(

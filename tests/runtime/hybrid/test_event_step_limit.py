@@ -15,7 +15,6 @@ from tests.runtime.integrate.systems import (
     run_relay,
 )
 
-METHODS = EXPLICIT
 TOLERANCES = (1e-3, 1e-6, 1e-8, 1e-10, 1e-12)
 
 # A window is (f, c, d, alpha, level, gamma, delta): sin(alpha q + gamma t + delta) > level, with
@@ -80,7 +79,7 @@ def passages(rate, phase, level, t_end):
     return np.sort(t[(t > 0.0) & (t < t_end)])
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 def test_windows_of_the_angle_of_a_rotor(method, tolerance):
     # Braked where cos(q) > 0.9; between, the motion is known exactly and the step would grow.
@@ -95,7 +94,7 @@ def test_windows_of_the_angle_of_a_rotor(method, tolerance):
     assert r.statistics.steps + r.statistics.rejected < 30 * 8
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 def test_windows_of_time(method, tolerance):
     push = (1.0, 0.0, 0.0, 0.0, 0.999, 2.0, 0.0)
@@ -106,7 +105,7 @@ def test_windows_of_time(method, tolerance):
     assert r.statistics.steps + r.statistics.rejected < 20 * 8
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-8])
 @pytest.mark.parametrize("levels", [(0.99999, -0.9), (0.5, 0.999), (-0.99999, 0.0)])
 @pytest.mark.parametrize("rates", [(1.0, 37.0), (12.0, 12.5)])
@@ -122,14 +121,14 @@ def test_two_functions(method, tolerance, levels, rates):
         np.testing.assert_allclose(r.events.t[r.events.index == k], due, atol=1e-8)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_the_first_step_is_watched_too(method):
     push = (0.0, 0.0, 0.0, 0.0, 0.9, 2.0 * np.pi, 0.0)
     r = run_relay(windows(push), 0.0, 1.0, 64.0, method=method, first_step=64.0)
     assert r.events.t.size == 128
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_resolved_steps_are_kept(method):
     # q > 30 degrees, and sin(q) > 1/2: the same events, and the same steps between them.
     linear = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -np.pi / 6)
@@ -141,7 +140,7 @@ def test_resolved_steps_are_kept(method):
     assert abs(r.statistics.steps - plain.statistics.steps) <= 2
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_far_functions_cost_no_step(method):
     far = (0.0, 0.0, 0.0, 0.0, -100.0, 1e4, 0.0)
     r = run_relay(windows(far), 0.0, 1.0, 10.0, method=method)
@@ -157,7 +156,7 @@ def test_what_no_step_resolves_does_not_shrink_them_for_good(method, tolerance, 
     assert r.outcome == Outcome.OK
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_fixed_steps_stay_fixed(method):
     push = (0.0, 0.0, 0.0, 0.0, 0.9, 7.0, 0.0)
     r = run_relay(windows(push), 0.0, 1.0, 10.0, method=method, fixed_step=2.5)

@@ -18,7 +18,6 @@ from tests.runtime.integrate.systems import (
     run_relay,
 )
 
-METHODS = EXPLICIT
 TOLERANCES = (1e-5, 1e-8, 1e-12)
 
 
@@ -27,7 +26,7 @@ def along_v(force, level=0.0, ramp=0.0):
     return (force, 0.0, 0.0, 0.0, 1.0, -ramp, -level)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 def test_slides_along_a_ramp_of_velocity(method, tolerance):
     # a = -1 above v = t/2, 2 below; from v = 3 it is met at t = 2, and then v = t/2.
@@ -46,7 +45,7 @@ def test_slides_along_a_ramp_of_velocity(method, tolerance):
     assert r.statistics.steps < 40
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 def test_slides_along_a_line_of_position_and_velocity(method, tolerance):
     # The relay of a controller: v = -q is met at t = √2 - 1, and q decays on it.
@@ -64,7 +63,7 @@ def test_slides_along_a_line_of_position_and_velocity(method, tolerance):
     np.testing.assert_allclose(r.v[on, 0], -r.q[on, 0], atol=10 * tolerance)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 def test_lets_go_where_one_side_does(method, tolerance):
     # a = 2 - q below v = 1, 3 less above it: carried along at v = 1 from q = 0 on, until q = 2,
@@ -80,7 +79,7 @@ def test_lets_go_where_one_side_does(method, tolerance):
     assert r.final_q[0] == pytest.approx(2.0 + np.sin(2.0), abs=100 * tolerance)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_share_exactly_at_its_bound_stays(method, side):
     # At rest under ±1, the most that friction bears; an event that does nothing is no push.
@@ -92,7 +91,7 @@ def test_a_share_exactly_at_its_bound_stays(method, side):
     assert r.events.index.tolist() == [1]
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_a_hold_is_torn_loose_by_the_event_of_another(method):
     # At rest under 0.5 against 1; from t = 1 on another 2 act.
     switches = along_v(-2.0), (2.0, 0.0, 0.0, 0.0, 0.0, 1.0, -1.0)
@@ -105,7 +104,7 @@ def test_a_hold_is_torn_loose_by_the_event_of_another(method):
     assert r.final_v[0] == pytest.approx(2.0 * 1.5, abs=1e-12)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_a_hold_is_let_go_downwards(method):
     # The push grows with -q while it is carried along at v = -1.
     r = run_relay(
@@ -156,7 +155,7 @@ def run_carts(p, t_end, **options):
     return integrate(system, problem, Options(**options))
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_two_hold_at_once_and_let_go_one_after_the_other(method):
     # A force of 2 from t = 1 on: the first cart goes at once, as q = 1 - cos(t - 1) with k = 1 and
     # friction 1, and the second at q = 0.5, its own friction.
@@ -173,7 +172,7 @@ def test_two_hold_at_once_and_let_go_one_after_the_other(method):
     assert r.final_q.sum() == pytest.approx(together, abs=1e-9)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_the_methods_and_tolerances_agree_on_stick_and_slip(method):
     p = (3.0, 1.3, 4.0, 1.0, 0.7, 100.0, 0.0)
     fine = run_carts(p, 20.0, method="dop853", rtol=1e-13)
@@ -186,7 +185,7 @@ def test_the_methods_and_tolerances_agree_on_stick_and_slip(method):
     np.testing.assert_allclose(r.final_q, fine.final_q, atol=1e-7)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_samples_inside_a_hold_cost_no_accuracy(method):
     p = (3.0, 1.3, 4.0, 1.0, 0.7, 100.0, 0.0)
     plain = run_carts(p, 20.0, method=method, rtol=1e-10)

@@ -9,7 +9,6 @@ from runtime.integrate.method import EXPLICIT
 from runtime.integrate.run import initial_modes
 from tests.runtime.integrate.systems import relay, run_relay
 
-METHODS = EXPLICIT
 UP_V = (0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0)  # watches v > 0 and does nothing
 
 
@@ -17,7 +16,7 @@ def watch_q(level, force=0.0):
     return (force, 0.0, 0.0, 1.0, 0.0, 0.0, -level)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_crossing_of_free_fall_is_exact(method):
     # q = 1 - t^2 / 2 falls through 0.5 at t = 1.
     r = run_relay(relay(watch_q(0.5), constant=-1.0), 1.0, 0.0, 3.0, method=method)
@@ -29,7 +28,7 @@ def test_crossing_of_free_fall_is_exact(method):
     assert r.final_q[0] == pytest.approx(1.0 - 4.5, abs=1e-13)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_relay_driven_oscillator(method):
     # a = -4 q + (1 where v > 0, -1 where v < 0): the amplitude grows by 0.5 each half turn.
     system = relay((2.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0), constant=-1.0, stiffness=4.0)
@@ -44,7 +43,7 @@ def test_relay_driven_oscillator(method):
     assert r.events.direction.tolist() == [1 if k % 2 else -1 for k in halves]
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("depth", [0.3, 1e-3, 1e-6])
 def test_two_roots_in_one_step(method, depth):
     # Free flight: one step would span it all; q dips under its level and is back.
@@ -58,7 +57,7 @@ def test_two_roots_in_one_step(method, depth):
     assert r.statistics.steps <= 20
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_touch_from_below(method):
     # q = 1 - (t - 1)^2 touches 1 exactly; v changes sign at the same instant and is watched too.
     system = relay(watch_q(1.0, force=5.0), UP_V, constant=-2.0)
@@ -70,7 +69,7 @@ def test_touch_from_below(method):
     assert r.statistics.steps < 60
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_touch_from_above_with_acting_condition(method):
     # With the condition a = -3 + 5 = 2, so that q = 1 + (t - 1)^2 touches 1 with the force acting.
     system = relay(watch_q(1.0, force=5.0), UP_V, constant=-3.0)
@@ -81,7 +80,7 @@ def test_touch_from_above_with_acting_condition(method):
     assert r.final_q[0] == pytest.approx(2.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_simultaneous_roots_are_decided_together(method):
     # Two functions with the same zero but other slopes, and a third that follows an instant later.
     system = relay(
@@ -102,7 +101,7 @@ def test_simultaneous_roots_are_decided_together(method):
     assert r.final_v[0] == pytest.approx(v + 5.0 * rest, abs=1e-7)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_modes_at_a_start_on_the_surface(method, sign):
     # v = 0 at the start: the condition v > 0 holds at once if the acceleration is positive.
@@ -122,7 +121,7 @@ def test_mode_of_a_position_limit_at_a_dead_centre_start():
     assert initial_modes(system[0], 0.0, np.zeros(1), np.zeros(1), system[1]).tolist() == [1]
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_event_at_start_and_at_end(method):
     system = relay(watch_q(0.0), watch_q(2.0))
     r = run_relay(system, 0.0, 1.0, 2.0, method=method, t_eval=[0.0, 1.0, 2.0])
@@ -133,7 +132,7 @@ def test_event_at_start_and_at_end(method):
     np.testing.assert_allclose(r.q[:, 0], [0.0, 1.0, 2.0], atol=1e-14)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_sample_at_an_event(method):
     r = run_relay(
         relay(watch_q(0.5), constant=-1.0), 1.0, 0.0, 3.0, method=method, t_eval=[0.5, 1.0, 2.0]
@@ -143,7 +142,7 @@ def test_sample_at_an_event(method):
     assert r.modes[2, 0] == 0
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_motion_goes_on_along_a_surface_that_attracts(method):
     # Dry friction on a body that is pushed less than it holds: a = 0.5 - sign(v).
     system = relay((-2.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0), constant=1.5)
@@ -175,7 +174,7 @@ def test_where_no_side_is_consistent_and_nothing_can_hold_it_is_said():
     assert "jams" in r.outcome.advice
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_zeno_is_named(method):
     # a = -sign(q) - 0.5 sign(v) spirals into the origin in a finite time.
     system = relay(
@@ -190,7 +189,7 @@ def test_zeno_is_named(method):
     assert r.final_t < 10.0
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_stiff_contact_is_met_every_time(method):
     # A ball on a spring of stiffness 1e4 below q = 0 under gravity: it returns to its height.
     g, k = 9.81, 1e4

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.integrate.wiring import wire
 from tests.runtime.hybrid.drivers import solve_least
 from tests.runtime.integrate.systems import relay

@@ -2,7 +2,14 @@
 
 from runtime.core.array_types import f8, i8, integers, none
 from runtime.core.jit import compiled
-from runtime.integrate import accepted_step, loop, sampling, step, step_control, step_to_event
+from runtime.integrate import (
+    loop,
+    samples_and_events_of_accepted_step,
+    sampling,
+    step,
+    step_control,
+    step_to_event,
+)
 from runtime.integrate.problem import Options
 from runtime.integrate.run import Run
 from tests.runtime.integrate.systems import pendulum_problem
@@ -50,12 +57,12 @@ def copy_end(context, source, target):
 
 @compiled(i8(integers))
 def accept_step(context):
-    return accepted_step.accept_step(context)
+    return samples_and_events_of_accepted_step.accept_step(context)
 
 
 @compiled(i8(integers))
 def judge_events(context):
-    return accepted_step.judge_events(context)
+    return samples_and_events_of_accepted_step.judge_events(context)
 
 
 @compiled(i8(integers, f8, f8, f8, i8))

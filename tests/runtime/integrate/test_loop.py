@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.core.function_table import EVENT_ROWS
+from runtime.core.function_table_slots import EVENT_ROWS
 from runtime.core.loop_record import Plan
 from runtime.core.outcomes import Outcome
 from runtime.integrate.loop import WEAK_STATES, advance

@@ -8,7 +8,6 @@ from runtime.integrate.problem import Options
 from runtime.integrate.run import integrate
 from tests.runtime.integrate.systems import PENDULUM, pendulum_problem, relay, run_relay
 
-METHODS = EXPLICIT
 OMEGA = 2.0
 
 
@@ -63,7 +62,7 @@ def test_local_order_of_dense_output(method, order, counts):
     assert slope(counts, values) == pytest.approx(order, abs=0.25)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_error_follows_the_tolerance(method):
     tolerances = 10.0 ** -np.arange(4, 11.5, 0.5)
     instants = np.linspace(0.0, 20.0, 101)
@@ -78,7 +77,7 @@ def test_error_follows_the_tolerance(method):
     assert np.polyfit(np.log(tolerances), np.log(found), 1)[0] == pytest.approx(1.0, abs=0.15)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_few_steps_are_rejected(method):
     r = integrate(
         PENDULUM,
@@ -88,7 +87,7 @@ def test_few_steps_are_rejected(method):
     assert r.statistics.rejected < 0.1 * r.statistics.steps
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", EXPLICIT)
 def test_samples_do_not_disturb_the_steps(method):
     problem = pendulum_problem(np.pi, 0.0, 10.0)
     plain = integrate(PENDULUM, problem, Options(method=method, t_eval=[10.0]))

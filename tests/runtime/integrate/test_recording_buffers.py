@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.core.function_table import EVENT_ROWS, OUT_ROWS, SAMPLE_TIMES
+from runtime.core.function_table_slots import EVENT_ROWS, OUT_ROWS, SAMPLE_TIMES
 from runtime.integrate.recording_buffers import Recording
 from runtime.integrate.wiring import wire
 from tests.runtime.integrate.systems import relay

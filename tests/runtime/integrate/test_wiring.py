@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.integrate.method import EXPLICIT
 from runtime.integrate.wiring import METHOD_SLOTS, function_table, place, wire
 from tests.runtime.integrate.systems import PENDULUM, PENDULUM_P, relay

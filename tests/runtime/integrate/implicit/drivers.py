@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.core.array_types import f8, i8, integers, none, vector
-from runtime.core.function_table import COORDINATES
+from runtime.core.function_table_slots import COORDINATES
 from runtime.core.jit import compiled
 from runtime.core.workspace_rows import ATOL, PARTITION, SIZE
 from runtime.core.workspace_rows import ROWS as WORKSPACE_ROWS

@@ -7,7 +7,7 @@ from runtime.core.workspace_rows import K
 from runtime.integrate.problem import Options
 from runtime.integrate.run_state import RunState
 from runtime.integrate.singular_crossing.crossing import Crossings
-from runtime.integrate.singular_crossing.crossing_step import CrossingSteps, MethodHandover
+from runtime.integrate.singular_crossing.crossing_step_planning import CrossingSteps, MethodHandover
 from runtime.integrate.step import Signal
 from tests.runtime.integrate.singular_crossing.test_crossing_step import position
 from tests.runtime.integrate.stiff import SMOOTH_PENDULUM

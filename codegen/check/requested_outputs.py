@@ -5,10 +5,10 @@ from collections.abc import Iterator
 from codegen.declare.element import label
 from codegen.declare.scene import Scene
 from codegen.derive.constraint_terms import constraint_terms
-from codegen.derive.effects import effect_terms
+from codegen.derive.effect_terms import effect_terms
 from codegen.derive.equations import active_joints
 from codegen.model import Model
-from codegen.model.outputs import ONE
+from codegen.model.requested_outputs import ONE
 
 
 def output_problems(model: Model, scene: Scene) -> Iterator[str]:

@@ -10,7 +10,7 @@ the tangent has the relative error d.
 import numpy as np
 
 from runtime.assembly.joint_closing import CLOSED, Task
-from runtime.core.rounding import EPS
+from runtime.core.unit_roundoff import EPS
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.singularity.motion_polynomial import taylor
 from runtime.singularity.singular_position_near_motion import SingularPositions

@@ -9,7 +9,7 @@ from codegen.explain.ledger_records import OutputEntry, Part
 from codegen.model import Model
 from codegen.model.bodies import FORMS
 from codegen.model.fidelities import NONE
-from codegen.model.outputs import ALL, GROUPS, TRACKED
+from codegen.model.requested_outputs import ALL, GROUPS, TRACKED
 
 
 class Inventory:

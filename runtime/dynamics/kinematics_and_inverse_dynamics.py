@@ -20,7 +20,7 @@ from runtime.core.modes import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations
-from runtime.mechanism.loaded_mechanism import Mechanism, Values
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import Event, SingularPosition

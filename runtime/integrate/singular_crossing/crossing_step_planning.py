@@ -13,7 +13,7 @@ import numpy as np
 
 from runtime.core.array_types import Matrix, Vector, f8, matrix, none, vector
 from runtime.core.jit import compiled, inner
-from runtime.core.rounding import EPS
+from runtime.core.unit_roundoff import EPS
 from runtime.integrate.method import EXPLICIT, LEADING, Method
 from runtime.integrate.run_state import RunState
 from runtime.integrate.step_control import first_step
@@ -134,7 +134,7 @@ class CrossingSteps(NamedTuple):
 
         `usual` is the length of a step elsewhere, s.
         """
-        order, out = float(self.method.error_order + 1), np.empty(6)
+        order, out = float(self.method.estimate_order), np.empty(6)
         noise, reach = self.noise(position), self.reach(position)
         known = np.array([noise, reach, position.speed, position.miss, order])
         _choose(_gaps(self.method.nodes), known, ahead, usual, out)

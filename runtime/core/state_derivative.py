@@ -1,6 +1,6 @@
 """The right-hand side of the equations of motion, as the methods call it."""
 
-from runtime.core import function_table as ft
+from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.jit import inlined

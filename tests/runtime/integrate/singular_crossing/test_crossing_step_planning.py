@@ -6,7 +6,7 @@ import pytest
 from runtime.integrate.method import find_method
 from runtime.integrate.problem import Options
 from runtime.integrate.run_state import RunState
-from runtime.integrate.singular_crossing.crossing_step import (
+from runtime.integrate.singular_crossing.crossing_step_planning import (
     CrossingSteps,
     extrapolate_accelerations,
 )
@@ -44,7 +44,7 @@ def test_where_rounding_rules_the_step_is_longer():
     short, long = (steps(rtol=rtol).best(position(), 1e-4) for rtol in (1e-3, 1e-13))
     assert long.h > short.h >= 1e-4
     # At the length of least error the derivative of the method's is that of rounding: p m = 2 r.
-    assert (METHOD.error_order + 1) * long.method == pytest.approx(2.0 * long.rounding, rel=1e-9)
+    assert METHOD.estimate_order * long.method == pytest.approx(2.0 * long.rounding, rel=1e-9)
 
 
 def test_a_step_from_here_begins_here():

@@ -6,7 +6,7 @@ import numpy as np
 
 from codegen.errors import AnalysisError
 from runtime.core.outcomes import Outcome
-from runtime.results.reached_accuracy import Estimate, ReachedAccuracy
+from runtime.results.accuracy_target_record import Estimate, ReachedAccuracy
 from runtime.results.result import Result
 from runtime.results.samples import Samples
 from runtime.studies.accuracy_target import run_difference

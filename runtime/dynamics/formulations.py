@@ -12,7 +12,7 @@ from runtime.integrate.method import IMPLICIT
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.loaded_mechanism import Mechanism
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 
 FORMULATIONS = ("cartesian", "reduced")
 # measured: rate of an angle by the kept coordinates that tells a dead centre of its loop
