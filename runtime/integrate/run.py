@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from runtime.core.array_types import Integers, Vector
-from runtime.core.modes import SLIDING, Direction
+from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
 from runtime.core.system import System
 from runtime.core.workspace_rows import BAND, STRUCK
