@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
-from runtime.continuation.singularity_classification import describe_crossings
+from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.friction_jam import describe_jam

@@ -9,7 +9,7 @@ from runtime.core.array_types import Context, i8
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import switching_rates_of
 from runtime.core.loop_record import Plan, run_record
-from runtime.core.modes import SLIDING
+from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.workspace_rows import Y0, K, row_of, switch_row
@@ -17,7 +17,7 @@ from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.hybrid.mode_transition import LOOK_AHEAD
 from runtime.hybrid.rhs_with_sliding_or_stabilization import STEP
 from runtime.hybrid.stiction_force import find_jamming_friction, suspend_friction
-from runtime.hybrid.switching_functions import evaluate_switching_and_rates
+from runtime.hybrid.switching_values_and_margins import evaluate_switching_and_rates
 from runtime.integrate.sampling import record
 from runtime.linalg.vectors import copy_vector, is_finite
 

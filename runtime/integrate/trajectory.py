@@ -30,7 +30,7 @@ class Statistics:
 
 @dataclass(frozen=True)
 class Events:
-    """Changes of modes and impacts, in order of time; a `runtime.core.modes.Direction` each.
+    """Changes of modes and impacts, in order of time, each with its `Direction`.
 
     Of a contact whose bouncing ends the time is the sum of all its flights. States are on the
     constraints; after an impact, with the velocities that it leaves.

@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.core.modes import Direction
+from runtime.core.modes_and_event_kinds import Direction
 from runtime.results.samples import plain
 
 FloatArray = npt.NDArray[np.float64]

@@ -101,7 +101,7 @@ class SingularPositions:
 def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
     """The singular position at a root; None where the motion does not come near."""
     # Loaded where something is singular.
-    from runtime.singularity.complement_derivative import find_branch
+    from runtime.singularity.complement_derivative_and_nearest_branch import find_branch
 
     constraints = search.constraints
     rate = search.path.at(s)[1]

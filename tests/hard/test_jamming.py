@@ -17,7 +17,7 @@ from codegen.errors import AnalysisError
 from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.integrate.method import METHODS
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 
 G = 9.81
 ROD, FOOT, TOP = 1.0, 0.1, 5.0  # kg, the rod of 1 m
