@@ -19,16 +19,16 @@ class Motion(NamedTuple):
     series: Matrix
 
     @property
-    def q(self) -> Vector:
-        """The position now, (n,)."""
-        q: Vector = self.series[0]
-        return q
+    def position(self) -> Vector:
+        """q now, (n,); z of a scaled motion."""
+        position: Vector = self.series[0]
+        return position
 
     @property
-    def v(self) -> Vector:
-        """The velocity now, (n,)."""
-        v: Vector = self.series[1]
-        return v
+    def velocity(self) -> Vector:
+        """The rate of the position now, (n,)."""
+        velocity: Vector = self.series[1]
+        return velocity
 
     def at(self, s: float) -> tuple[Vector, Vector]:
         """Position and velocity after the time s, each (n,)."""

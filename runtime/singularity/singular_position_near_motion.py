@@ -88,7 +88,7 @@ class SingularPositions:
         return motion.t + self._nearest(motion, known, known.speed)[0]
 
     def _speed(self, motion: Motion) -> float:
-        return float(np.linalg.norm(motion.v / self.constraints.scale))
+        return float(np.linalg.norm(motion.velocity / self.constraints.scale))
 
     def _nearest(self, motion: Motion, known: Singularity, speed: float) -> tuple[float, float]:
         """Time from the motion's own instant to where it is nearest to a position, and how near."""
@@ -101,7 +101,7 @@ class SingularPositions:
 def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
     """The singular position at a root; None where the motion does not come near."""
     # Loaded where something is singular.
-    from runtime.singularity.complement_derivative import find_branch
+    from runtime.singularity.complement_derivative_and_nearest_branch import find_branch
 
     constraints = search.constraints
     rate = search.path.at(s)[1]
@@ -122,7 +122,7 @@ def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
             return None
         count, direction = found
     rows = np.zeros(constraints.m)
-    # Of equal shares the first is to be the largest, whatever rounding says.
+    # Of shares that differ by rounding alone the first is to be the largest.
     rows[constraints.independent] = np.linalg.norm(root.left, axis=1).round(9)
     return Singularity(
         t=search.motion.t + s,
@@ -157,7 +157,7 @@ def _lost_by_all_rows(search: Search, root: Root, direction: Vector) -> tuple[in
     size = float(np.linalg.norm(allowed))
     if size < LOST:
         # Nothing of it is left: take the null direction that is least along the motion.
-        along = null @ search.path.v[:-1]
+        along = null @ search.path.velocity[:-1]
         others = np.linalg.svd(along[None, :])[2][1:] if len(null) > 1 else np.eye(len(null))
         allowed, size = others[0] @ null, 1.0
     return max(constraints.independent.size - rank, 0), allowed / size

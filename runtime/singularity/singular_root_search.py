@@ -44,7 +44,7 @@ class Search:
         self.motion, self.speed = motion, speed
         self.path = motion.scaled(constraints.scale, speed)
         self.table, self.arrays = constraints.layout
-        set_units(self.table, speed, self.path.q)
+        set_units(self.table, speed, self.path.position)
 
     def count_weak(self, s: float) -> int:
         """How many constraints may be lost close to the position after the time s."""

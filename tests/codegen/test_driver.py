@@ -12,7 +12,7 @@ import pytest
 
 from codegen import build
 from codegen.errors import GeneratedFileError, InputError
-from codegen.generated_module_import import check_signature, import_generated
+from codegen.generated_module_signature_and_import import check_signature, import_generated
 from tests.codegen.workbench import write_model
 
 PENDULUM = """

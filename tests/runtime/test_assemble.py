@@ -12,7 +12,7 @@ from codegen import Model
 from codegen.errors import AssemblyError, RedundancyError
 from runtime import load
 from runtime.assembly.redundancy import Dependency, dependent_rows
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.mechanism.module_tables import StartValue, Table
 
 

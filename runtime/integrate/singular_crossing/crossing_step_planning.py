@@ -153,9 +153,9 @@ def extrapolate_accelerations(
     system, n = state.system, scale.size
     times = instant - motion.t + delta * np.array([-2.0, -1.0, 1.0, 2.0])
     nodes, orders = (0.0, 0.0, *(times / delta)), (0, 1, 2, 2, 2, 2)
-    values = np.vstack([motion.q, motion.v, np.zeros((4, n))])
+    values = np.vstack([motion.position, motion.velocity, np.zeros((4, n))])
     lam = np.zeros(system.constraint_count)
-    better = taylor(motion.t, motion.q, motion.v, np.zeros(n))
+    better = taylor(motion.t, motion.position, motion.velocity, np.zeros(n))
     for _ in range(4):
         for s, a in zip(times, values[2:], strict=True):
             q, v = better.at(s)

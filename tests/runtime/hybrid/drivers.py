@@ -14,7 +14,7 @@ from runtime.hybrid import (
     redundant_sliding,
     rhs_with_sliding_or_stabilization,
 )
-from runtime.hybrid import switching_functions as switching
+from runtime.hybrid import switching_values_and_margins as switching
 
 
 @compiled(i8(integers, f8))
@@ -24,7 +24,7 @@ def solve_least(context, slack):
 
 @compiled(i8(integers, f8))
 def evaluate_accelerations(context, t):
-    modes, a = context.modes, context.dq
+    modes, a = context.modes, context.first_scratch
     mode_consistency.count_sliding(context, modes)
     q, v = context.q0, context.v0
     return state_derivative.evaluate_accelerations(context, t, q, v, modes, a)

@@ -62,8 +62,8 @@ def test_position_and_velocity_after_a_time():
     q, v = motion.at(0.5)
     np.testing.assert_allclose(q, [1.0 + 1.5 + 0.5, 1.5])
     np.testing.assert_allclose(v, [5.0, -1.0])
-    np.testing.assert_array_equal(motion.q, [1.0, 2.0])
-    np.testing.assert_array_equal(motion.v, [3.0, -1.0])
+    np.testing.assert_array_equal(motion.position, [1.0, 2.0])
+    np.testing.assert_array_equal(motion.velocity, [3.0, -1.0])
 
 
 def test_scaled_motions_have_time_as_a_coordinate():

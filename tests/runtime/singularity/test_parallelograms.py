@@ -87,7 +87,7 @@ def test_weak_rows_are_those_of_small_singular_values(
     for angle, weak in ((0.2, LOOPS), (0.02, LOOPS), (1.5, 0)):
         search = Search(scaled, PivotOrders(scaled), taylor(0.0, *parallel(machine, angle)), 5.0)
         entries = np.empty(scaled.places[0].size)
-        unit_jacobian_entries(search.table, search.path.q, entries)
+        unit_jacobian_entries(search.table, search.path.position, entries)
         values = np.linalg.svd(scaled.dense(entries), compute_uv=False)
         assert search.count_weak(0.0) == count_weak(values) == weak
 

@@ -19,7 +19,7 @@ def test_a_motion_on_its_branch(speed):
     assert found.lost == 1
     assert found.gap < 1e-13
     assert found.astray < 1e-6
-    assert found.speed == pytest.approx(np.linalg.norm(motion.v / [1.0, 1.0, 2.0]))
+    assert found.speed == pytest.approx(np.linalg.norm(motion.velocity / [1.0, 1.0, 2.0]))
     assert found.miss < 1e-9
     assert np.isnan(found.due)
     s = branch_slopes(0.5)[0]
@@ -37,7 +37,7 @@ def test_a_motion_beside_its_branch_is_told_the_way_to_it():
     motion.series[1, 1] += 1e-3
     found = SingularPositions(mechanism()).find(motion, 1e-6)
     assert found is not None
-    v = motion.v + found.veer
+    v = motion.velocity + found.veer
     assert v[1] / v[0] == pytest.approx(branch_slopes(0.5)[0], abs=1e-5)
     length = 1e-3 / np.sqrt(1.0 + branch_slopes(0.5)[0] ** 2)
     assert np.linalg.norm(found.veer) == pytest.approx(length, rel=0.01)

@@ -19,7 +19,7 @@ def on_branch(x, c=0.5, speed=1.0, t=2.0):
 
 def search(motion, **more):
     scaled = mechanism(**more)
-    return Search(scaled, PivotOrders(scaled), motion, float(np.linalg.norm(motion.v)))
+    return Search(scaled, PivotOrders(scaled), motion, float(np.linalg.norm(motion.velocity)))
 
 
 @pytest.mark.parametrize("x", [-0.2, -0.01, 0.1])
