@@ -82,7 +82,7 @@ def _imports(module: str) -> set[str]:
                 name = argument.value
             else:  # a constant of the register
                 name = getattr(register, ast.unparse(argument))
-            imported.add(REGISTER[name].module)
+            imported.add(REGISTER[str(name)].module)
     return imported
 
 

@@ -42,8 +42,8 @@ class Run:
     def step(self, x: float, h: float, state: int = Y1, t: float = 0.0) -> float:
         """The prediction at x before a step of length h."""
         start = on_branch(x, speed=self.speed)
-        self.rows[Y0] = start.q, start.v
-        self.rows[K] = start.v, 2.0 * start.series[2]
+        self.rows[Y0] = start.position, start.velocity
+        self.rows[K] = start.velocity, 2.0 * start.series[2]
         self.rows[Y1] = start.at(h)
         return predict(self.wiring.table, t, h, state)
 
@@ -108,13 +108,13 @@ def test_a_machine_that_rests_is_looked_at_again_before_it_can_come_far(accelera
     run = Run(speed=0.0)
     run.record["foresight"] = 0.1
     h, start = 0.1, on_branch(-2.0)
-    a = acceleration * start.v
-    run.rows[Y0], run.rows[K] = (start.q, 0.0 * a), (0.0 * a, a)
-    run.rows[Y1] = start.q + 0.5 * h**2 * a, h * a
+    a = acceleration * start.velocity
+    run.rows[Y0], run.rows[K] = (start.position, 0.0 * a), (0.0 * a, a)
+    run.rows[Y1] = start.position + 0.5 * h**2 * a, h * a
     assert predict(run.wiring.table, 0.0, h, Y1) == np.inf
     assert 0.0 < run.record["look_at"] <= 10.0 * h
     if acceleration:
-        way = 0.5 * run.record["look_at"] ** 2 * np.abs(start.v).max()
+        way = 0.5 * run.record["look_at"] ** 2 * np.abs(start.velocity).max()
         assert way < 1.0
 
 
