@@ -62,7 +62,7 @@ def test_a_position_once_found_is_seen_again_from_nearer():
     assert again.q is first.q
     assert again.t == pytest.approx(2.05, abs=1e-9)
     assert again.rate / again.speed == pytest.approx(first.rate / first.speed)
-    assert again.speed == pytest.approx(np.linalg.norm(later.v))
+    assert again.speed == pytest.approx(np.linalg.norm(later.velocity))
     assert positions.passing_time(later, first) == pytest.approx(2.05, abs=1e-9)
 
 
