@@ -56,7 +56,8 @@ class Crossing:
     """A singular position that was passed, on the branch on which the velocity is continuous."""
 
     t: float  # s
-    row: int  # the constraint with the largest share in the dependence
+    # the constraint with the largest share in the dependence, then others with a large one
+    rows: tuple[int, ...]
     lost: int  # constraints that ceased to be independent
     direction: Vector  # (n,): null direction not along the motion, scaled by masses, unit length
     error: float  # estimate for the step across it, over the tolerance

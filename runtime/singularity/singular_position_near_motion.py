@@ -122,7 +122,7 @@ def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
             return None
         count, direction = found
     rows = np.zeros(constraints.m)
-    # Of equal shares the first is to be the largest, whatever rounding says.
+    # Of shares that differ by rounding alone the first is to be the largest.
     rows[constraints.independent] = np.linalg.norm(root.left, axis=1).round(9)
     return Singularity(
         t=search.motion.t + s,

@@ -106,7 +106,7 @@ FORBIDDEN = (
     ("runtime/load.py", "from codegen import lower", "codegen.lower", "The runtime knows"),
     (
         "runtime/integrate/__init__.py",
-        "from runtime import machine",
+        "from runtime import machine_facade",
         "runtime.machine_facade",
         "Floors of the runtime",
     ),
