@@ -41,6 +41,10 @@ from tests.codegen.complaints import check, complaints
             ["spring 's': unknown symbol 'c'; declare it with model.parameter"],
         ),
         (
+            "from sympy import gamma\nmodel.torsion_spring('s', a, b, torque=lambda x, v: gamma(v))",
+            ["torsion spring 's': gamma.-a_omega . b_omega. cannot be compiled"],
+        ),
+        (
             "model.spring('s', a, b, force=lambda length, rate: 'strong')",
             ["force of spring 's': 'strong' is neither a number nor"],
         ),
