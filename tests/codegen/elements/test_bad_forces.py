@@ -41,7 +41,8 @@ from tests.codegen.complaints import check, complaints
             ["spring 's': unknown symbol 'c'; declare it with model.parameter"],
         ),
         (
-            "from sympy import gamma\nmodel.torsion_spring('s', a, b, torque=lambda x, v: gamma(v))",
+            "from sympy import gamma\n"
+            "model.torsion_spring('s', a, b, torque=lambda angle, rate: gamma(rate))",
             ["torsion spring 's': gamma.-a_omega . b_omega. cannot be compiled"],
         ),
         (
