@@ -21,7 +21,7 @@ from benchmarks.single_runs import GRID, LONG, Single, error_of, prepared, singl
 from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
-    from runtime.machine import Machine
+    from runtime.machine_facade import Machine
     from runtime.results.accuracy_target_record import ReachedAccuracy
     from runtime.results.result import Result
     from runtime.studies.accuracy_target.run_difference import Quantities

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from runtime.dynamics.prepared_simulation import PreparedSimulation
     from runtime.integrate.problem import Options
     from runtime.integrate.trajectory import Trajectory
-    from runtime.machine import Machine
+    from runtime.machine_facade import Machine
     from runtime.results.result import Result
     from runtime.studies.accuracy_target.run_difference import Quantities
 

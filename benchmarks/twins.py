@@ -16,7 +16,7 @@ from codegen.driver import GENERATOR, translate, valid_scenes
 from codegen.emit.module import module_text
 from codegen.generated_files.generated_file import Clock, write_if_changed
 from codegen.generated_files.provenance import origin
-from codegen.generated_module_import import import_generated
+from codegen.generated_module_signature_and_import import import_generated
 from codegen.lower import operation_count as ledger
 from codegen.model_file import read_model
 

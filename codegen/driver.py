@@ -21,7 +21,7 @@ from time import perf_counter
 import codegen
 from codegen.check.declaration import check_model, check_scene
 from codegen.check.redundancy import Findings, examine
-from codegen.declare.names import nearest
+from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.emit.module import module_text, operation_table

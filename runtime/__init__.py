@@ -14,13 +14,13 @@ from runtime.load import load
 
 if TYPE_CHECKING:
     from runtime.core.outcomes import Outcome
-    from runtime.machine import Machine
+    from runtime.machine_facade import Machine
     from runtime.results.result import Result
     from runtime.studies.effect_ranking import matters
     from runtime.studies.work_precision import accuracy
 
 _HOMES = {
-    "Machine": "runtime.machine",
+    "Machine": "runtime.machine_facade",
     "Outcome": "runtime.core.outcomes",
     "Result": "runtime.results.result",
     "accuracy": "runtime.studies.work_precision",

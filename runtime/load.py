@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 
 from codegen import __version__
 from codegen.errors import ModelFileError, SupersededError
-from codegen.generated_module_import import check_signature, import_generated
+from codegen.generated_module_signature_and_import import check_signature, import_generated
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
-    from runtime.machine import Machine
+    from runtime.machine_facade import Machine
 
 _LIBRARY = Path(__file__).resolve().parent.parent  # the folder of the library's own packages
 _ATTEMPTS = 5
@@ -56,7 +56,7 @@ def load(
             if attempt == _ATTEMPTS - 1:
                 raise
     from runtime.core.kernel_abi import gather
-    from runtime.machine import Machine
+    from runtime.machine_facade import Machine
     from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
     from runtime.mechanism.module_tables import describe
     from runtime.mechanism.tangents_and_reduced_modules import Origin

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
-from codegen import generated_module_import
+from codegen import generated_module_signature_and_import
 from tests.machine_code import compile_apart
 
 os.environ.setdefault("MPLBACKEND", "Agg")
@@ -92,7 +92,7 @@ def compilation_apart(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None
     if sys.platform != "linux":  # elsewhere a fork of a process with threads is not safe
         yield
         return
-    execute = generated_module_import._execute
+    execute = generated_module_signature_and_import._execute
     folder = tmp_path_factory.getbasetemp()
     kept = (folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "machine_code"
 
@@ -101,7 +101,7 @@ def compilation_apart(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None
         return execute(name, path)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(generated_module_import, "_execute", compile_and_execute)
+        patch.setattr(generated_module_signature_and_import, "_execute", compile_and_execute)
         yield
 
 

@@ -23,13 +23,13 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.environment import Environment
 
-from codegen import generated_module_import
+from codegen import generated_module_signature_and_import
 
 _Cache: Any = FunctionCache  # numba leaves these untyped
 _Reduction: Any = CompileResultCacheImpl
 _Dispatcher: Any = dispatcher.Dispatcher
 
-_execute = generated_module_import._execute
+_execute = generated_module_signature_and_import._execute
 
 
 def compile_apart(name: str, path: Path, kept: Path) -> None:

@@ -10,12 +10,12 @@ from itertools import chain
 
 import sympy
 
+from codegen.check.contact_and_stiction_declaration import contact_problems
 from codegen.check.expressions import all_problems, constraint_problems
 from codegen.check.requested_outputs import output_problems
-from codegen.check.rigid_contact_and_stiction import contact_problems
 from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.declare.names import nearest
+from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import SPEED, Coordinate, Given, Velocity, kinds, side, t
 from codegen.derive.equations import active_joints

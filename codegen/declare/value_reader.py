@@ -12,7 +12,7 @@ from sympy.core.relational import Relational
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.names import nearest
+from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.symbols import Coordinate, ParameterDeclaration
 from codegen.declare.units import expression, in_unit
 

@@ -8,7 +8,7 @@ from codegen.emit.line_wrapping import PAGE, comments, quantity, wrap_pieces, wr
 from codegen.emit.placement import Path, Placement
 from codegen.emit.readable_formula import formula
 from codegen.emit.sincos_function import NAME as SIN_COS
-from codegen.emit.solution_value_names import BESIDE_ELEMENTS, PREFIXES
+from codegen.emit.solution_step_order_and_names import BESIDE_ELEMENTS, PREFIXES
 from codegen.emit.table_lookup import lookups
 from codegen.lower.graph import SUMS
 from codegen.lower.operation_count import operations

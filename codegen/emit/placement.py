@@ -7,7 +7,11 @@ becomes part of that user's line while the line stays short.
 from collections import defaultdict
 from itertools import takewhile
 
-from codegen.emit.solution_value_names import BESIDE_ELEMENTS, names_of_solution, order_by_steps
+from codegen.emit.solution_step_order_and_names import (
+    BESIDE_ELEMENTS,
+    names_of_solution,
+    order_by_steps,
+)
 from codegen.lower.program import LEAVES, LOGICAL, Input, Kernel, Op, Program
 
 Path = tuple[tuple[int, bool], ...]  # the choices, outermost first, inside which something stands

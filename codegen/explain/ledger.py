@@ -9,8 +9,8 @@ from codegen.derive.equations import derive
 from codegen.driver import valid_scenes
 from codegen.errors import InputError
 from codegen.explain import operations_by_part as costs
+from codegen.explain.elements_and_outputs_in_scene import Inventory, output_inventory
 from codegen.explain.ledger_records import Ledger, Part
-from codegen.explain.scene_inventory import Inventory, output_inventory
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.model import Model
 from codegen.model_file import read_model

@@ -10,7 +10,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 from codegen.errors import GeneratedFileError
-from codegen.generated_module_import import alone
+from codegen.generated_module_signature_and_import import alone
 
 Progress = Callable[[str], None]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from time import perf_counter
 
 from codegen.errors import GeneratedFileError
-from codegen.generated_module_import import import_generated
+from codegen.generated_module_signature_and_import import import_generated
 
 
 def compile_modules(paths: Sequence[Path]) -> list[float]:
@@ -35,7 +35,8 @@ def compile_modules(paths: Sequence[Path]) -> list[float]:
 def _compile_apart(path: Path) -> float:
     started = perf_counter()
     code = (
-        "import sys, pathlib; from codegen.generated_module_import import import_generated; "
+        "import sys, pathlib; "
+        "from codegen.generated_module_signature_and_import import import_generated; "
         "import_generated(pathlib.Path(sys.argv[1]))"
     )
     folder = Path(__file__).resolve().parents[2]

@@ -9,7 +9,7 @@ import sympy
 from codegen.declare import symbols as sy
 from codegen.declare.body import Body, Ground, Particle, Point
 from codegen.declare.element import Constraint, Effect, own_coordinates
-from codegen.declare.names import name_problem
+from codegen.declare.name_rules_and_hints import name_problem
 from codegen.declare.scene import Scene
 from codegen.declare.value_reader import Reader
 from codegen.elements.registry import role

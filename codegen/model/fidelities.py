@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from codegen.declare.element import Effect
-from codegen.declare.names import nearest
+from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import Scene
 from codegen.declare.value_reader import Reader, name_of
 from codegen.model.bodies import FORMS, Bodies

@@ -7,7 +7,7 @@ from typing import Any
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Reported, label
-from codegen.declare.names import nearest
+from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.value_reader import Reader
 from codegen.model.base import Declarations, Place
 

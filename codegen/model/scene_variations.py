@@ -5,7 +5,7 @@ from dataclasses import replace
 from itertools import chain
 from typing import Any
 
-from codegen.declare.names import nearest
+from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import Request, Scene
 from codegen.declare.value_reader import Reader, name_of
 from codegen.model.scenes import Scenes

@@ -7,7 +7,7 @@ from typing import Any, cast
 
 from codegen.declare.body import Body
 from codegen.declare.element import Located, own_coordinates
-from codegen.declare.names import name_problem, nearest
+from codegen.declare.name_rules_and_hints import name_problem, nearest
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
 from codegen.model.bodies import Form

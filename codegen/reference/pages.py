@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from codegen.declare.element import Constraint
-from codegen.declare.names import nearest
+from codegen.declare.name_rules_and_hints import nearest
 from codegen.derive.equations import Equations, derive
 from codegen.driver import valid_scenes
 from codegen.elements.registry import Kind, kinds_of_elements

@@ -18,7 +18,7 @@ from runtime.cli.common import Guess, Json, Model, MotionStart, Scene, TEnd, TSt
 from runtime.integrate.method import METHODS, alternatives
 
 if TYPE_CHECKING:
-    from runtime.machine import Machine
+    from runtime.machine_facade import Machine
     from runtime.results.result import Result
 
 app = typer.Typer(

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from runtime.continuation import motion_across_branch_point as across
-from runtime.continuation import singularity_classification as classification
+from runtime.continuation import singular_position_messages as classification
 from runtime.continuation.arclength import Curve, Point
 from runtime.continuation.bifurcation_branches import RankDeficiency, is_ambiguous
 from runtime.continuation.driven_motion_state import ContinuationState, DrivenMotion

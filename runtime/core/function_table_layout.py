@@ -18,9 +18,9 @@ from numba.core.typing import templates
 from numba.extending import intrinsic
 
 from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
-from runtime.core.borrowed_arrays import borrowed_array, open_array, pointer, word
 from runtime.core.jit import ADDRESSES, at
 from runtime.core.kernel_abi import KERNELS
+from runtime.core.unowned_array_views import borrowed_array, open_array, pointer, word
 
 _ALIGNED = 8  # layout: words of a cache line, in which an array of its own begins
 _tools: Any = cgutils  # numba leaves these untyped

@@ -9,9 +9,9 @@ from numba import from_dtype
 from numba.extending import intrinsic
 
 from runtime.core.array_types import Integers
-from runtime.core.borrowed_arrays import open_array, word
 from runtime.core.function_table_slots import RECORD
 from runtime.core.jit import inlined
+from runtime.core.unowned_array_views import open_array, word
 
 _FLOATS = ["t_end", "h_min", "h_max", "rtol", "beta", "safety", "largest_dq"]
 _FLOATS += [

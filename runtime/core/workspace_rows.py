@@ -13,9 +13,9 @@ from numba import types
 from numba.extending import intrinsic
 
 from runtime.core.array_types import Integers, Vector
-from runtime.core.borrowed_arrays import borrowed_array, open_array, pointer, word
 from runtime.core.function_table_layout import declare_attribute
 from runtime.core.function_table_slots import COORDINATES, SWITCHES, TABLE
+from runtime.core.unowned_array_views import borrowed_array, open_array, pointer, word
 
 Y0 = 0  # state at the start of the step
 Y1 = 1  # state at its end

@@ -98,8 +98,8 @@ class ReducedCoordinates(Coordinates):
         for crossing in run.crossings:
             direction = np.zeros(n)
             direction[reduced.kept] = crossing.direction
-            row = reduced.row(crossing.row)
-            crossings.append(replace(crossing, row=row, direction=direction))
+            rows = tuple(map(reduced.row, crossing.rows))
+            crossings.append(replace(crossing, rows=rows, direction=direction))
         return replace(
             run, q=all_q[:count], v=all_v[:count], final_q=all_q[-1], final_v=all_v[-1],
             events=replace(events, q=all_q[count:-1], v=all_v[count:-1]),

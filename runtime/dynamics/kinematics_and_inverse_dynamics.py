@@ -16,7 +16,7 @@ from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble, start_values
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
 from runtime.continuation.driven_motion import follow
-from runtime.core.modes import Direction
+from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations
@@ -28,7 +28,7 @@ from runtime.results.result import Result
 from runtime.validation.arguments import instants
 from runtime.validation.masses import require_masses
 from runtime.validation.parameters import parameter_values
-from runtime.validation.rigid_contact_and_stiction import require_no_rigid, require_slip
+from runtime.validation.requirements_of_contact_and_stiction import require_no_rigid, require_slip
 
 _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCKED)}
 

@@ -8,7 +8,7 @@ from runtime.core import array_types as arrays
 from runtime.core import kernel_abi as abi
 from runtime.core.array_types import IntegerMatrix, Matrix, Vector, integers, none, vector
 from runtime.core.jit import ADDRESSES, compiled
-from runtime.core.modes import SLIDING
+from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.linalg.vectors import largest_magnitude
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.samples import Samples

@@ -12,7 +12,7 @@ from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly
 from runtime.validation.masses import require_masses
 from runtime.validation.parameters import parameter_values
-from runtime.validation.rigid_contact_and_stiction import require_apart
+from runtime.validation.requirements_of_contact_and_stiction import require_apart
 from runtime.validation.scene_support import refuse_massless, refuse_structure
 
 if TYPE_CHECKING:

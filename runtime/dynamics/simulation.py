@@ -7,9 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
-from runtime.continuation.singularity_classification import describe_crossings
+from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import Coordinates, formulate
+from runtime.dynamics.friction_jam import describe_jam
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.work import integrate_works
@@ -115,7 +116,7 @@ def _result(
     ]
     return Result(
         mechanism.description, samples, p, analysis="simulation", outcome=run.outcome,
-        message=_message(mechanism, run) + redundancy_note(begin), stats=stats, events=events,
+        message=_message(mechanism, run, p) + redundancy_note(begin), stats=stats, events=events,
         partitions=partitions, not_unique=begin.not_unique,
     )  # fmt: skip
 
@@ -136,11 +137,12 @@ def _crossings_note(mechanism: Mechanism, run: Trajectory) -> str:
     first = run.crossings[0]
     worst = max(run.crossings, key=lambda crossing: crossing.error)
     count = len(run.crossings)
+    *others, last = (mechanism.description.constraints.names[row] for row in sorted(first.rows))
+    dependent = f"s {', '.join(others)} and {last}" if others else f" {last}"
     text = (
         f" Passed {count} singular position{'s' if count > 1 else ''} on the branch on which the "
-        f"velocity is continuous, the first at t = {first.t:.6g} s, where constraint "
-        f"{mechanism.description.constraints.names[first.row]} became dependent (see "
-        "`Result.singular`)."
+        f"velocity is continuous, the first at t = {first.t:.6g} s, where "
+        f"constraint{dependent} became dependent (see `Result.singular`)."
     )
     if worst.error > 1.0:
         text += (
@@ -150,7 +152,7 @@ def _crossings_note(mechanism: Mechanism, run: Trajectory) -> str:
     return text
 
 
-def _message(mechanism: Mechanism, run: Trajectory) -> str:
+def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
     """How the run ended, with time and element."""
     if run.outcome is Outcome.OK:
         return (
@@ -165,6 +167,9 @@ def _message(mechanism: Mechanism, run: Trajectory) -> str:
     elif run.index >= 0:
         row = description.constraints[run.index]
         where = f", {'driver' if row.element in description.drivers else 'joint'} {row.name}"
+    jam = describe_jam(mechanism, run, p)
+    if jam:
+        return f"Stopped at t = {run.final_t:.9g} s{where}. {jam}"
     note, advice = f" {run.note}" if run.note else "", f" {run.outcome.advice}"
     if run.outcome is Outcome.SINGULAR and run.note:
         advice = ""  # the note has its own

@@ -9,7 +9,7 @@ from runtime.core import function_table_slots as ft
 from runtime.core.array_types import integers, matrix, none, vector
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.kernel_abi import powers_of
-from runtime.core.modes import SLIDING
+from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.dynamics.output_quantities import SAMPLES
 from runtime.hybrid.filippov_shares import mix_reactions
 from runtime.hybrid.mode_consistency import count_sliding

@@ -10,9 +10,9 @@ from runtime.core.array_types import Context
 from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.loop_record import run_record
-from runtime.core.modes import SLIDING
+from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.unit_roundoff import EPS
-from runtime.hybrid.switching_functions import evaluate_switching
+from runtime.hybrid.switching_values_and_margins import evaluate_switching
 from runtime.linalg.vectors import copy_vector
 
 INSTANT = 4.0 * EPS  # accuracy: of the time; difference of instants that the clock cannot resolve

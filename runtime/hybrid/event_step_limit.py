@@ -16,7 +16,10 @@ from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.loop_record import run_record
 from runtime.hybrid.event_location import mode_sign
-from runtime.hybrid.switching_functions import evaluate_switching, evaluate_switching_and_rates
+from runtime.hybrid.switching_values_and_margins import (
+    evaluate_switching,
+    evaluate_switching_and_rates,
+)
 
 UNRESOLVED = -1  # the step is too long to see all crossings
 

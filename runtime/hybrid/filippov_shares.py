@@ -22,7 +22,7 @@ from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.jit import addressed, inner
-from runtime.core.modes import FREE, SLIDING
+from runtime.core.modes_and_event_kinds import FREE, SLIDING
 from runtime.core.unit_roundoff import EPS
 from runtime.hybrid.redundant_sliding import solve_least
 from runtime.hybrid.stiction_force import choose_units, enlarge_unit, set_unit, write_forces

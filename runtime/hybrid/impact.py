@@ -7,7 +7,7 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inner
-from runtime.core.modes import FREE, SLIDING
+from runtime.core.modes_and_event_kinds import FREE, SLIDING
 from runtime.hybrid import filippov_shares as shares
 from runtime.hybrid.redundant_sliding import solve_least
 from runtime.linalg.lu import solve_equilibrated

@@ -14,11 +14,11 @@ import numpy as np
 from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core.array_types import Context, Matrix, Vector
-from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed
 from runtime.core.loop_record import run_record
 from runtime.core.outcomes import Outcome
 from runtime.core.system import System
+from runtime.core.unowned_array_views import view
 
 SHORTEN = -1
 _ADDED = 2.0  # measured: steps; with a smaller sum of both times a loop has passed its dead centre

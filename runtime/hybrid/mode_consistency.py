@@ -7,9 +7,9 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.jit import inlined, inner
-from runtime.core.modes import SLIDING, Mode
+from runtime.core.modes_and_event_kinds import SLIDING, Mode
 from runtime.core.state_derivative import evaluate_accelerations
-from runtime.hybrid.switching_functions import extrapolate
+from runtime.hybrid.switching_values_and_margins import extrapolate
 
 CONSISTENT = -1
 _DECIDED = len(Mode)  # code: added to a mode in row PREFERRED

@@ -4,7 +4,7 @@ import numpy as np
 
 from runtime.core.array_types import Context
 from runtime.core.jit import inner
-from runtime.core.modes import SLIDING
+from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.hybrid import mode_consistency as consistency
 from runtime.linalg.vectors import copy_vector
 

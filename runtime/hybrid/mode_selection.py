@@ -14,12 +14,12 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inlined, inner
-from runtime.core.modes import SLIDING
+from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.state_derivative import evaluate_accelerations
 from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid import mode_search as search
 from runtime.hybrid.impact import ON_SURFACE
-from runtime.hybrid.switching_functions import compute_margin
+from runtime.hybrid.switching_values_and_margins import compute_margin
 from runtime.linalg.vectors import copy_vector, largest_magnitude
 
 TOUCHING = 1e-9  # accuracy: of the machine's lengths; how closely assembly closes a gap

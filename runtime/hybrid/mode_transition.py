@@ -8,11 +8,11 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
-from runtime.core.modes import SLIDING, Direction
+from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.unit_roundoff import EPS
 from runtime.hybrid import mode_consistency as consistency
-from runtime.hybrid import switching_functions as switching
+from runtime.hybrid import switching_values_and_margins as switching
 from runtime.hybrid.impact import ON_SURFACE
 from runtime.hybrid.mode_selection import prefer_released, set_preferences, surface_band
 from runtime.hybrid.redundant_sliding import share_freedom

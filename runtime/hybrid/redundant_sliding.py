@@ -4,8 +4,8 @@ import numpy as np
 
 from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context
-from runtime.core.borrowed_arrays import view
 from runtime.core.jit import inner
+from runtime.core.unowned_array_views import view
 from runtime.linalg.lu import equilibrate
 from runtime.linalg.rank_policy import SAME_HOLD
 from runtime.linalg.vectors import axpy, copy_vector, dot

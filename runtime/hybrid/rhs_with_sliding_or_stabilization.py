@@ -10,9 +10,9 @@ from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Integers, Vector
-from runtime.core.borrowed_arrays import view
 from runtime.core.jit import addressed, inner
 from runtime.core.state_derivative import write_derivative
+from runtime.core.unowned_array_views import view
 from runtime.hybrid import filippov_shares as shares
 from runtime.hybrid.stiction_force import write_forces
 from runtime.linalg.vectors import axpy, copy_vector, largest_ratio

@@ -9,15 +9,15 @@ from runtime.core.array_types import Context, i8
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import switching_rates_of
 from runtime.core.loop_record import Plan, run_record
-from runtime.core.modes import SLIDING
+from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
-from runtime.core.state_derivative import write_derivative
+from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.workspace_rows import Y0, K, row_of, switch_row
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.hybrid.mode_transition import LOOK_AHEAD
 from runtime.hybrid.rhs_with_sliding_or_stabilization import STEP
 from runtime.hybrid.stiction_force import find_jamming_friction, suspend_friction
-from runtime.hybrid.switching_functions import evaluate_switching_and_rates
+from runtime.hybrid.switching_values_and_margins import evaluate_switching_and_rates
 from runtime.integrate.sampling import record
 from runtime.linalg.vectors import copy_vector, is_finite
 
@@ -120,6 +120,18 @@ def record_start(context: Context, t: float) -> None:
                 out_modes[i, k] = 0
 
 
+@inner
+def are_dependent(context: Context, t: float) -> bool:
+    """Whether a weak pivot at Y0 is one of Φ_q, for which velocities do not matter.
+
+    At rest the law of a friction with a creep speed, whose own pivot is weak in a jam, has no
+    force.
+    """
+    v, a = ws.positions(context, ws.SAMPLE), ws.velocities(context, ws.SAMPLE)
+    v.fill(0.0)
+    return evaluate_accelerations(context, t, context.q0, v, context.modes, a) > 0
+
+
 @compiled(i8(ADDRESSES))
 def start(context: Context) -> int:
     """Prepare a run whose state is in row Y0: everything that the first step needs.
@@ -129,7 +141,7 @@ def start(context: Context) -> int:
     """
     r = run_record(context)
     outcome: int = Outcome.OK
-    t, free = r.t, r.plan == Plan.FREE
+    t, free, weak = r.t, r.plan == Plan.FREE, 0
     if free and context[ft.CONSTRAINT_COUNT] > 0:
         outcome = place_on_constraints(context, t)
         if outcome != Outcome.OK:
@@ -140,7 +152,7 @@ def start(context: Context) -> int:
     suspend_friction(context)
     if free:
         weak = write_derivative(context, t, Y0, K)
-        if weak > 0:
+        if weak > 0 and are_dependent(context, t):
             r.index = weak - 1
             return Outcome.SINGULAR
     else:  # accelerations are those by continuity
@@ -150,6 +162,7 @@ def start(context: Context) -> int:
     if not is_finite(a):
         jammed = find_jamming_friction(context, t, q, v, a)
         if jammed == CONSISTENT:
+            r.index = weak - 1  # of the joint whose friction, of a creep speed, jams, if any
             return Outcome.NOT_FINITE
         r.index = jammed
         return Outcome.INCONSISTENT

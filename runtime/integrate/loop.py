@@ -14,8 +14,8 @@ from runtime.core.jit import ADDRESSES, addressed, compiled, inner
 from runtime.core.loop_record import Plan, run_record
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import Y0, Y1
-from runtime.integrate.samples_and_events_of_accepted_step import accept_step, judge_events
 from runtime.integrate.step import Signal, TrialStep, reject
+from runtime.integrate.step_acceptance_and_zeno_check import accept_step, judge_events
 from runtime.integrate.step_to_event import end_at_event
 
 _SHARE = 0.3  # measured: of the way to a configuration that is missed, which one step may cover

@@ -11,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from codegen.generated_module_import import import_generated
+from codegen.generated_module_signature_and_import import import_generated
 
 if TYPE_CHECKING:
     from runtime.core.array_types import Integers

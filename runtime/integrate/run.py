@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from codegen.errors import AnalysisError
 from runtime.core.array_types import Integers, Vector
-from runtime.core.modes import SLIDING, Direction
+from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
 from runtime.core.system import System
 from runtime.core.workspace_rows import BAND, STRUCK
@@ -61,11 +62,17 @@ def initial_modes(
     """Modes (s,) at a state on the constraints: which switching conditions hold, or hold at once.
 
     1 where the condition holds, 0 where it does not; 2 where its function stays at zero: the motion
-    slides on its surface, friction sticks, or a rigid contact is closed.
+    slides on its surface, friction sticks, or a rigid contact is closed. Raises AnalysisError where
+    no run starts from the state.
     """
     problem = Problem(t, t + 1.0, q, v, p, np.ones(system.coordinates))
     run = Run(system, problem, Options(rtol=rtol))
-    run.start()
+    outcome = Outcome(run.start())
+    if outcome is not Outcome.OK:
+        raise AnalysisError(
+            f"There are no modes at t = {t:.9g} s: no run starts from this state ({outcome}), and "
+            "the message of `simulate` says why."
+        )
     return run.state.modes
 
 

@@ -12,7 +12,7 @@ from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import row_of, switch_row
 from runtime.hybrid.event_location import INSTANT, find_crossing_at_end
 from runtime.hybrid.event_step_limit import UNRESOLVED
-from runtime.hybrid.switching_functions import evaluate_switching_and_rates
+from runtime.hybrid.switching_values_and_margins import evaluate_switching_and_rates
 from runtime.integrate.step import Signal, TrialStep, reject
 from runtime.linalg.vectors import copy_vector
 

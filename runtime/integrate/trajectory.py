@@ -30,7 +30,7 @@ class Statistics:
 
 @dataclass(frozen=True)
 class Events:
-    """Changes of modes and impacts, in order of time; a `runtime.core.modes.Direction` each.
+    """Changes of modes and impacts, in order of time, each with its `Direction`.
 
     Of a contact whose bouncing ends the time is the sum of all its flights. States are on the
     constraints; after an impact, with the velocities that it leaves.
@@ -56,7 +56,8 @@ class Crossing:
     """A singular position that was passed, on the branch on which the velocity is continuous."""
 
     t: float  # s
-    row: int  # the constraint with the largest share in the dependence
+    # the constraint with the largest share in the dependence, then others with a large one
+    rows: tuple[int, ...]
     lost: int  # constraints that ceased to be independent
     direction: Vector  # (n,): null direction not along the motion, scaled by masses, unit length
     error: float  # estimate for the step across it, over the tolerance

@@ -22,11 +22,11 @@ from runtime.hybrid import (
     mode_selection,
     mode_transition,
     rhs_with_sliding_or_stabilization,
-    switching_functions,
+    switching_values_and_margins,
 )
 from runtime.integrate import sampling, step, step_control
 from runtime.integrate.method import find_method
-from runtime.linalg.elimination_plan import plan_capacity
+from runtime.linalg.symbolic_elimination_and_replay import plan_capacity
 from runtime.singularity.prediction import predict_vanishing_pivot
 
 METHOD_SLOTS = slice(ft.TABLE.slots["stages"], ft.TABLE.slots["correct"])
@@ -63,7 +63,7 @@ def _loop() -> Integers:
         "return_to_surfaces": impact.return_to_surfaces,
         "transition": mode_transition.make_transition,
         "friction_margin": filippov_shares.compute_friction_margin,
-        "margins": switching_functions.write_margins,
+        "margins": switching_values_and_margins.write_margins,
         "vanishing": predict_vanishing_pivot,
         "guard_branches": loop_branch_guard.guard_branches,
     }

@@ -6,8 +6,8 @@ Computations, section 3.4.)
 """
 
 from runtime.core.array_types import Integers, Vector
-from runtime.core.borrowed_arrays import view
 from runtime.core.jit import inner
+from runtime.core.unowned_array_views import view
 from runtime.linalg.vectors import largest_magnitude
 
 

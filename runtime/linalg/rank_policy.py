@@ -27,7 +27,7 @@ which names redundant constraints by LOST."""
 LOST = 1e-6
 """accuracy: Is a direction lost at a position that was assembled, and may be a singular one? Noise:
 √EPS = 1.5e-8, to which Newton's method finds a double root. Users: `assembly.redundancy`,
-`singularity.singular_position`, `continuation.singularity_classification` and
+`singularity.singular_position_near_motion`, `continuation.singular_position_messages` and
 `continuation.bifurcation_branches`."""
 
 SAME_HOLD = 1e-11

@@ -80,10 +80,20 @@ class Equations:
 
     def rest_modes(self, t: float, q: FloatArray) -> IntArray:
         """Modes at rest, shape (s,); a condition at its boundary does not hold."""
-        switches = len(self.description.switches)
-        g = _filled(switches, self.kernels.switching, t, q, np.zeros(self.n), self.p)
-        modes: IntArray = (g > 0.0).astype(np.int64)
+        modes: IntArray = (self.switching(t, q, np.zeros(self.n)) > 0.0).astype(np.int64)
         return modes
+
+    def switching(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
+        """g, shape (s,)."""
+        return _filled(len(self.description.switches), self.kernels.switching, t, q, v, self.p)
+
+    def reactions(
+        self, t: float, q: FloatArray, v: FloatArray, lam: FloatArray, modes: IntArray
+    ) -> FloatArray:
+        """Rows of REACTIONS for given multipliers."""
+        out = _filled(len(self.description.reactions), self.kernels.reactions, t, q, v, self.p, lam)
+        self.kernels.switched_reactions(t, q, v, self.p, modes, lam, out)
+        return out
 
     def length_rows(self, matrix: FloatArray) -> npt.NDArray[np.bool_]:
         """Constraints that are lengths, shape (m,): lengths enter them, or nothing does, at Φ_q."""

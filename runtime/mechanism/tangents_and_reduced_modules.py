@@ -12,7 +12,11 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from codegen.errors import AnalysisError, SupersededError
-from codegen.generated_module_import import check_signature, companion_path, import_generated
+from codegen.generated_module_signature_and_import import (
+    check_signature,
+    companion_path,
+    import_generated,
+)
 
 if TYPE_CHECKING:
     from codegen import Model, Scene

@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.core.modes import Direction
+from runtime.core.modes_and_event_kinds import Direction
 from runtime.results.samples import plain
 
 FloatArray = npt.NDArray[np.float64]
@@ -74,13 +74,16 @@ class SingularPosition(NamedTuple):
         How many constraints ceased to be independent.
     null_directions
         Directions free with the drivers at rest, one a constraint lost: coordinates with their
-        shares, lengths in units of the machine's size, the largest share 1.
+        shares, lengths in units of `size`, the largest share 1. For a null vector of Φ_q, in m and
+        rad, multiply the shares of lengths by `size`.
     singular_value
-        The smallest of Φ_q, lengths in units of the machine's size, rows of unit length.
+        The smallest of Φ_q, lengths in units of `size`, rows of unit length.
     drift
         |uᵀ ν| in units of the drivers' pace, the largest |ν|: rounding where motions cross.
     q, v
         State, shape (n,); velocities that no bound holds are not numbers.
+    size
+        The machine's size, in m: a length typical of it, by which shares of lengths are measured.
 
     A simulation keeps less of a crossing: the constraint with the largest share, one direction
     besides the motion's, no state (None), and neither `singular_value` nor `drift` (not a number).
@@ -96,6 +99,7 @@ class SingularPosition(NamedTuple):
     drift: float
     q: FloatArray | None = None
     v: FloatArray | None = None
+    size: float = np.nan
 
     @property
     def title(self) -> str:

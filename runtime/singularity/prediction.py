@@ -15,9 +15,9 @@ from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
 from runtime.core.unit_roundoff import EPS
-from runtime.linalg.elimination_plan import replay_plan, write_plan
 from runtime.linalg.rank_policy import REDUNDANT
 from runtime.linalg.row_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
+from runtime.linalg.symbolic_elimination_and_replay import replay_plan, write_plan
 from runtime.linalg.vectors import copy_vector, largest_ratio
 
 BEHIND = 0.1  # measured: of a step; how far back the motion is looked at
@@ -25,6 +25,7 @@ AHEAD = 2.5  # measured: of a step; how far ahead it is
 _REACH = 0.5  # measured: of the coordinates' sizes; how far a motion is continued
 _MARGIN = 0.5  # measured: of the time in which a pivot could vanish; when to look again
 _TRUST = 0.5  # measured: of the time over which nothing announced itself; when to look again
+_STEPS = 10.0  # safety: steps to the next look, at most; forces may grow meanwhile
 _NEAR = 1e-5  # measured: a pivot that counts as small in any case
 _CANDIDATES = 4  # measured: pivots that change sign, most of them by way of infinity
 _REFINED = 6  # safety: steps by which a pivot that changes sign within a step is followed
@@ -36,11 +37,33 @@ _POORER = 0.5  # measured: part of the smallest pivot at its search; below it a 
 
 
 @inner
-def earliest_zero(context: Context, t: float, weakest: float, speed: float) -> float:
-    """The instant before which no pivot vanishes, as pivots change about as fast as the motion."""
-    way, size = _MARGIN * weakest, ws.first_half(context, ws.SIZE)
-    haste = largest_ratio(ws.velocity_rates(context, ws.K), size)
-    return float(t + 2.0 * way / (speed + np.sqrt(speed * speed + 2.0 * haste * way) + 1e-300))
+def travel_time(way: float, speed: float, acceleration: float) -> float:
+    """The time τ of a way = speed τ + acceleration τ²/2, without a difference of large numbers."""
+    pace = speed + np.sqrt(speed * speed + 2.0 * acceleration * way)
+    return float(2.0 * way / (pace + 1e-300))
+
+
+@inner
+def mean_acceleration(context: Context, v: Vector, h: float) -> float:
+    """The largest mean acceleration of a step of length h that ends with v, in sizes a s²."""
+    size, largest = ws.first_half(context, ws.SIZE), 0.0
+    for j in range(size.size):
+        largest = max(largest, abs(v[j] - context.v0[j]) / size[j])
+    return float(largest / h)
+
+
+@inner
+def plan_next_look(
+    context: Context, t: float, h: float, ahead: float, weakest: float, speed: float
+) -> None:
+    """Set `look_at` to the instant until which no pivot can vanish.
+
+    Pivots change about as fast as the motion; `weakest` is the smallest, and within the time
+    `ahead`, infinite at rest, nothing announced itself.
+    """
+    acceleration = largest_ratio(ws.velocity_rates(context, ws.K), ws.first_half(context, ws.SIZE))
+    earliest = travel_time(_MARGIN * weakest, speed, acceleration)
+    run_record(context).look_at = t + min(max(_TRUST * ahead, earliest), _STEPS * h)
 
 
 @inner
@@ -126,7 +149,7 @@ def stays_regular(
     context: Context, t: float, h: float, state: int, speed: float, ahead: float
 ) -> bool:
     """Whether pivots by the plan announce nothing at the end of a step; says when to look again."""
-    r, known = run_record(context), context.pivot_history
+    known = context.pivot_history
     last, later = context.pivots[LAST], context.pivots[LATER]
     flat, lengths = context.flat_jacobian, context.pivots[LENGTHS]
     sparse = evaluate_jacobian(context, t + h, ws.positions(context, state))
@@ -137,9 +160,7 @@ def stays_regular(
     if not weakest > _POORER * known[LEAST] or approaches_zero(last, later, passed, ahead - h):
         return False
     keep_pivots(context, t + h)
-    r.look_at = t + _TRUST * ahead
-    if _MARGIN * weakest > speed * _TRUST * ahead:
-        r.look_at = max(r.look_at, earliest_zero(context, t, weakest, speed))
+    plan_next_look(context, t, h, ahead, weakest, speed)
     return True
 
 
@@ -197,7 +218,9 @@ def predict_vanishing_pivot(context: Context, t: float, h: float, state: int) ->
     failed = state == ws.Y0
     v = ws.velocities(context, state)
     speed = max(largest_ratio(context.v0, size), largest_ratio(v, size))
-    span, back, ahead = h, 0.0, max(AHEAD * h, r.foresight / max(speed, 1e-300))
+    acceleration = 0.0 if failed else mean_acceleration(context, v, h)
+    span, back = h, 0.0
+    ahead = max(AHEAD * h, travel_time(r.foresight, speed, acceleration))
     # Only from look to look: in a gap between them a pivot may change its sign twice.
     known = plan[0] > 0 and t <= r.look_at and t + h > context.pivot_history[WHEN]
     if not failed and known and stays_regular(context, t, h, state, speed, ahead):
@@ -217,12 +240,11 @@ def predict_vanishing_pivot(context: Context, t: float, h: float, state: int) ->
         weakest = smallest_pivot(now)
         nearest, which = next_zero(context, span, back, ahead, beyond)
         if candidate == 0:
-            r.look_at = earliest_zero(context, t, weakest, speed)
+            plan_next_look(context, t, h, 0.0 if nearest < np.inf else ahead, weakest, speed)
         if not nearest < np.inf:
-            if candidate == 0:
-                r.look_at = max(r.look_at, t + _TRUST * ahead)
-                if not failed and context[ft.RANK] == context[ft.CONSTRAINT_COUNT]:
-                    remember(context, t + h, weakest)
+            independent = context[ft.RANK] == context[ft.CONSTRAINT_COUNT]
+            if candidate == 0 and not failed and independent:
+                remember(context, t + h, weakest)
             return np.inf
         beyond = abs(nearest)
         if failed:

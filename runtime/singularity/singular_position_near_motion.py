@@ -101,7 +101,7 @@ class SingularPositions:
 def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
     """The singular position at a root; None where the motion does not come near."""
     # Loaded where something is singular.
-    from runtime.singularity.complement_derivative import find_branch
+    from runtime.singularity.complement_derivative_and_nearest_branch import find_branch
 
     constraints = search.constraints
     rate = search.path.at(s)[1]
@@ -122,7 +122,7 @@ def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
             return None
         count, direction = found
     rows = np.zeros(constraints.m)
-    # Of equal shares the first is to be the largest, whatever rounding says.
+    # Of shares that differ by rounding alone the first is to be the largest.
     rows[constraints.independent] = np.linalg.norm(root.left, axis=1).round(9)
     return Singularity(
         t=search.motion.t + s,

@@ -11,7 +11,12 @@ import numpy as np
 
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
-from runtime.statics.reduced_gradient import BALANCED, Partition, StaticEquations, Stiffness
+from runtime.statics.reduced_forces_and_stiffness import (
+    BALANCED,
+    Partition,
+    StaticEquations,
+    Stiffness,
+)
 
 # measured: largest scaled change in one iteration; lengths may go on where K predicts it
 _REACH = 0.3

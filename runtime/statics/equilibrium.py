@@ -17,11 +17,14 @@ from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
 from runtime.results.samples import plain
 from runtime.statics.energy_minimisation import RestPosition, evaluate_position, minimise, polish
-from runtime.statics.reduced_gradient import StaticEquations
+from runtime.statics.reduced_forces_and_stiffness import StaticEquations
 from runtime.statics.stability import Judgement, Stability, judge
 from runtime.validation.masses import require_masses
 from runtime.validation.parameters import parameter_values
-from runtime.validation.rigid_contact_and_stiction import require_no_rigid, require_no_sticking
+from runtime.validation.requirements_of_contact_and_stiction import (
+    require_no_rigid,
+    require_no_sticking,
+)
 
 METHODS = "energy", "settling"
 _TURNED = 25.0  # safety: rad after which nothing holds a machine whose forces do not balance

@@ -19,7 +19,7 @@ from runtime.linalg.vectors import axpy, largest_ratio
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
 from runtime.statics.energy_minimisation import AWAY
-from runtime.statics.reduced_gradient import StaticEquations
+from runtime.statics.reduced_forces_and_stiffness import StaticEquations
 
 # measured: relative error of a step; only the position at which the motion ends matters
 _TOLERANCE = 1e-4

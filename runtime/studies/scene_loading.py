@@ -10,7 +10,7 @@ from runtime.load import load
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
-    from runtime.machine import Machine
+    from runtime.machine_facade import Machine
 
 CACHE = ".linkwright_cache"  # folder for modules of undeclared scenes, in the user's folder
 LEFT_OUT = "none"  # fidelity of an effect left out: `codegen.one_change_scenes.Variant.word`

@@ -9,7 +9,7 @@ from codegen.errors import ParameterError
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.module_tables import unknown
 from runtime.validation.arguments import check, number
-from runtime.validation.rigid_contact_and_stiction import require_sound
+from runtime.validation.requirements_of_contact_and_stiction import require_sound
 
 
 def parameter_values(

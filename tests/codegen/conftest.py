@@ -6,7 +6,7 @@ import pytest
 
 from codegen import build
 from codegen.driver import valid_scenes
-from codegen.generated_module_import import import_generated
+from codegen.generated_module_signature_and_import import import_generated
 from codegen.model_file import read_model
 from tests.codegen.machines import ODD
 from tests.codegen.workbench import Interpreted

@@ -18,10 +18,10 @@ from codegen.declare.symbols import given
 from codegen.derive.constraint_terms import constraint_terms
 from codegen.elements.registry import kinds_of_elements
 from codegen.reference import examples
-from codegen.reference.abbreviations import Abbreviations
 from codegen.reference.examples import Pair, example_of
 from codegen.reference.latex import WIDTH, aligned, latex, symbol, width
 from codegen.reference.pages import markdown, page, slug, write
+from codegen.reference.repeated_sums import Abbreviations
 from codegen.reference.vector_letters import MEANINGS, lettered
 from tests.codegen.elements.drum import StringOnDrum, winch
 

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime import Result, load
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.results.event_records import SingularPosition
 
 FloatArray = npt.NDArray[np.float64]

@@ -9,7 +9,7 @@ import pytest
 from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.integrate.method import EXPLICIT
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from tests.hard.reading import changes, held
 
 G = 9.81

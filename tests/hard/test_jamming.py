@@ -13,10 +13,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from codegen import Model, t
+from codegen.errors import AnalysisError
 from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.integrate.method import METHODS
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 
 G = 9.81
 ROD, FOOT, TOP = 1.0, 0.1, 5.0  # kg, the rod of 1 m
@@ -25,7 +26,7 @@ BLOCKS = 12
 STEEP = np.radians(100.0)
 
 
-def ladder(folder: Path, blocks: int = 0) -> Machine:
+def ladder(folder: Path, blocks: int = 0, creep: float | None = None) -> Machine:
     """The ladder, the pull on its foot growing from F at W a second, and blocks of no concern."""
     m = Model(f"ladder_with_{blocks}", gravity=(0, -G))
     mu = m.parameter("mu", 0.5, sign="nonnegative")
@@ -43,7 +44,7 @@ def ladder(folder: Path, blocks: int = 0) -> Machine:
     m.translational("wall", m.ground, top, axis=(0, 1))
     m.revolute("low", rod.at(-0.5, 0), foot)
     m.revolute("high", rod.at(0.5, 0), top)
-    m.friction("rub", floor, mu)
+    m.friction("rub", floor, mu, creep=creep)
     m.force("pull", foot, pull + growth * t, 0)
     m.scene("s", effects, start=start, guess=drawn(m, STEEP))
     return load(m, "s", folder=folder)
@@ -200,6 +201,37 @@ def test_foot_that_slides_in_comes_to_rest(machine: Machine) -> None:
     phi = run.q("rod.phi")[resting]
     assert np.ptp(phi) < 1e-15
     np.testing.assert_allclose(run.reaction("rub", "force")[resting], thrust(phi[0]), rtol=1e-12)
+
+
+def test_a_jam_is_explained_with_its_numbers(machine: Machine) -> None:
+    guess, values = leaning(100.0, -1.0), {"mu": 2.5, "F": 40.0}
+    run = machine.simulate(1.0, guess=guess, parameters=values, progress=False)
+    assert run.outcome is Outcome.INCONSISTENT
+    s, c = np.sin(STEEP), np.cos(STEEP)
+    inertia = ROD / 3 + FOOT * s**2 + TOP * c**2
+    raised = -2.5 * (ROD / 2 + TOP) * c * s / inertia
+    assert f"Friction rub in joint floor jams at a slip of {-s:.3g} m/s" in run.message
+    assert f"(1 N of friction its limit by {raised:.3g} N)" in run.message
+    assert "drive the motion back" not in run.message
+    assert "give the friction creep=" not in run.message
+    rest = machine.simulate(1.0, guess=leaning(100.0), parameters=values, progress=False)
+    assert rest.outcome is Outcome.OK
+
+
+def test_modes_of_a_state_from_which_no_run_starts_are_refused(machine: Machine) -> None:
+    values = {"mu": 1.0}
+    state = machine.assemble(leaning(100.0, 0.5), values)
+    with pytest.raises(AnalysisError, match="no run starts from this state"):
+        machine.initial_modes(0.0, state.q, state.v, values)
+
+
+def test_friction_with_a_creep_speed_jams_and_is_no_dependent_constraint(tmp_path: Path) -> None:
+    run = ladder(tmp_path, creep=1e-3).simulate(
+        1.0, guess=leaning(100.0, -1.0), parameters={"mu": 2.5, "F": 40.0}, progress=False
+    )
+    assert run.outcome is Outcome.NOT_FINITE
+    assert "Friction rub in joint floor jams" in run.message
+    assert run.t[-1] == 0.0
 
 
 @pytest.fixture(scope="module")

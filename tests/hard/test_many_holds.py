@@ -8,7 +8,7 @@ import pytest
 from codegen import Model, t
 from runtime import load
 from runtime.core.outcomes import Outcome
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 
 REACH = (2.0, 3.0)  # N: what the two frictions bear
 

@@ -8,7 +8,7 @@ import pytest
 from codegen.errors import AnalysisError, InputError, ParameterError
 from runtime import load
 from runtime.core.outcomes import Outcome
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from tests.hard.reading import held
 
 

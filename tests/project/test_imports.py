@@ -41,7 +41,7 @@ def test_an_import_loads_no_more_than_it_needs(
     assert not loaded & absent
 
 
-COMPILER = {"codegen.generated_module_import", "codegen.errors"}
+COMPILER = {"codegen.generated_module_signature_and_import", "codegen.errors"}
 
 FIRST = """
 from runtime import load
@@ -106,8 +106,8 @@ FORBIDDEN = (
     ("runtime/load.py", "from codegen import lower", "codegen.lower", "The runtime knows"),
     (
         "runtime/integrate/__init__.py",
-        "from runtime import machine",
-        "runtime.machine",
+        "from runtime import machine_facade",
+        "runtime.machine_facade",
         "Floors of the runtime",
     ),
     (

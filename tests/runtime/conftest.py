@@ -13,7 +13,7 @@ import pytest
 from codegen.generated_files.generated_file import write_if_changed
 from codegen.model_file import file_hash
 from runtime import load
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.mechanism.tangents_and_reduced_modules import Origin
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from codegen.errors import AssemblyError, RedundancyError
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.mechanism.module_tables import StartValue, Table
 
 

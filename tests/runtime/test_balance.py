@@ -11,11 +11,11 @@ from codegen import Model
 from codegen.errors import ParameterError
 from runtime import load
 from runtime.core.outcomes import Outcome
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.mechanism.dense_equations import Equations
 from runtime.progress_bar import silent
 from runtime.statics.energy_minimisation import evaluate_position, minimise
-from runtime.statics.reduced_gradient import StaticEquations
+from runtime.statics.reduced_forces_and_stiffness import StaticEquations
 from runtime.statics.stability import Stability
 
 METHODS = pytest.mark.parametrize("method", ["energy", "settling"])

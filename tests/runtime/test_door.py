@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from codegen.errors import InputError
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 
 NAN = float("nan")
 

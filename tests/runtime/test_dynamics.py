@@ -7,7 +7,7 @@ import pytest
 
 from codegen.errors import AnalysisError, InputError
 from runtime.core.outcomes import Outcome
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 
 TIGHT = {"rtol": 1e-10, "atol": 1e-10}
 

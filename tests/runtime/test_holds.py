@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from codegen.model_file import find_model_file
 from runtime import load
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 
 
 def full(machine: Machine) -> np.ndarray:

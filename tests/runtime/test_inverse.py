@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from codegen.errors import AnalysisError
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 
 
 def test_torque_and_bearing_force_of_a_driven_pendulum(make: Callable[..., Machine]) -> None:

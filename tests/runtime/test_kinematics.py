@@ -8,7 +8,7 @@ import pytest
 
 from codegen.errors import AnalysisError
 from runtime.core.outcomes import Outcome
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 
 FloatArray = npt.NDArray[np.float64]
 OMEGA = 2.0 * np.pi

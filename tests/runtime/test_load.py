@@ -15,7 +15,7 @@ import pytest
 import codegen
 from codegen.errors import GeneratedFileError, ModelFileError
 from runtime import load
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 
 Report = namedtuple("Report", "paths")
 
@@ -160,7 +160,7 @@ def test_importing_the_runtime_loads_nothing_heavy() -> None:
 def test_byte_code_follows_the_content_not_the_clock(
     make: Callable[..., Machine], tmp_path: Path, mechanisms: ModuleType
 ) -> None:
-    from codegen.generated_module_import import _ContentLoader
+    from codegen.generated_module_signature_and_import import _ContentLoader
 
     path = tmp_path / "a.py"
     stamps = []

@@ -13,7 +13,7 @@ from codegen.derive.piecewise_conditions import as_pieces, conditions
 from codegen.derive.power_continuation import continue_powers
 from runtime import load
 from runtime.core.outcomes import Outcome
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 
 TEXT = """
 import sympy

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from runtime import progress_bar as progress
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 
 
 class Terminal(io.StringIO):

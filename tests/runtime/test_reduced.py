@@ -14,7 +14,7 @@ from codegen.generated_files.generated_file import write_if_changed
 from runtime import load
 from runtime.cli.app import app
 from runtime.core.outcomes import Outcome
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.results.result import Result
 
 TIGHT = 1e-12

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from codegen.errors import InputError
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.results.result import Result
 
 

@@ -10,13 +10,13 @@ from numpy.testing import assert_allclose
 
 import codegen
 from codegen.errors import AnalysisError, GeneratedFileError, SupersededError
-from codegen.generated_module_import import companion_path
+from codegen.generated_module_signature_and_import import companion_path
 from codegen.model_file import read_model
 from runtime import load
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.kernel_abi import accelerations_tangent_of, correction_tangent_of
 from runtime.integrate.wiring import wire
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.mechanism.system import Tangents
 from tests.codegen.directions import assembled, by_complex_step, dependent
 from tests.codegen.workbench import Interpreted

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from codegen import Model, t
 from runtime import load
 from runtime.core.outcomes import Outcome
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.results.result import Result
 from tests.codegen.elements.turned_body import turned_body
 

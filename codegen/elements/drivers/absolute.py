@@ -5,7 +5,7 @@ import sympy
 from codegen.declare.body import Point
 from codegen.declare.element import ConjugateReaction, J, Statement, label
 from codegen.declare.symbols import Letter
-from codegen.elements.drivers.motion_law import Driver
+from codegen.elements.drivers.driver_base_class import Driver
 from codegen.elements.joints.absolute import LEFT_SIDE
 from codegen.elements.registry import element
 

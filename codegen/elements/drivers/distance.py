@@ -5,7 +5,7 @@ import sympy
 from codegen.declare.body import Point
 from codegen.declare.element import ConjugateReaction, I, J, Statement, label
 from codegen.declare.symbols import t
-from codegen.elements.drivers.motion_law import Driver
+from codegen.elements.drivers.driver_base_class import Driver
 from codegen.elements.registry import element
 
 # safety: (1e-90 m)² is lost in the rounding of any distance, and keeps d / |d| and its derivative

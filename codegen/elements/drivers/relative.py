@@ -5,7 +5,7 @@ import sympy
 from codegen.declare.body import Point
 from codegen.declare.element import ConjugateReaction, I, J, Statement
 from codegen.declare.symbols import Letter
-from codegen.elements.drivers.motion_law import Driver
+from codegen.elements.drivers.driver_base_class import Driver
 from codegen.elements.joints.relative import DIFFERENCE
 from codegen.elements.registry import element
 

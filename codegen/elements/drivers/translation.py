@@ -4,7 +4,7 @@ import sympy
 
 from codegen.declare.body import Point
 from codegen.declare.element import ConjugateReaction, I, J, Statement
-from codegen.elements.drivers.motion_law import Driver
+from codegen.elements.drivers.driver_base_class import Driver
 from codegen.elements.joints.body_line import ALONG, Axis, axis_problems, bind_axis
 from codegen.elements.registry import element
 

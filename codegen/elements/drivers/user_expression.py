@@ -5,7 +5,7 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import ConjugateReaction, Statement, label
 from codegen.declare.symbols import Coordinate
-from codegen.elements.drivers.motion_law import Driver
+from codegen.elements.drivers.driver_base_class import Driver
 from codegen.elements.registry import element
 
 

@@ -39,9 +39,9 @@ class JointFriction(el.Effect):
     creeps instead of sticking, at ṡ = v_c f/(μ N) nearly, and above three times v_c the force is
     within half a percent of Coulomb's.
 
-    The reaction depends on the friction in turn: both are solved together, and where no reaction
-    agrees with the friction that it causes, a joint that slides jams: accelerations and reactions
-    are not a number there, and a run ends.
+    The reaction depends on the friction in turn, and both are solved together. Of two solutions the
+    smaller one is taken. Where no reaction agrees with the friction that it causes, a joint that
+    slides jams: accelerations and reactions are not a number there, and a run ends.
     """
 
     kind = "friction"

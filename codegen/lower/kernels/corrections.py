@@ -11,7 +11,7 @@ from codegen.lower.graph import Graph
 from codegen.lower.linear.factorization import Entries
 from codegen.lower.linear.least_change_by_multipliers import NormalEquations
 from codegen.lower.linear.least_change_by_null_space import NullSpace
-from codegen.lower.linear.sparse_rows import SparseRows, Task, prefixed
+from codegen.lower.linear.sparse_row_elimination import SparseRows, Task, prefixed
 from codegen.lower.linear.square_systems import Square
 from codegen.lower.operation_count import cost
 from codegen.lower.program import Kernel, store

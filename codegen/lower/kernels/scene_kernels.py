@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 from codegen.derive.equations import Equations
 from codegen.lower.constant_hoisting import with_constants
+from codegen.lower.kernels.accelerations import accelerations
 from codegen.lower.kernels.corrections import correction
-from codegen.lower.kernels.linear_solves import accelerations
 from codegen.lower.kernels.rigid_contact_and_stiction import hold_kernels, reaction_outputs
 from codegen.lower.kernels.selection_by_outputs import Selection
 from codegen.lower.linear.factorization import Strategy

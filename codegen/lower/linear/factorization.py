@@ -21,7 +21,7 @@ from typing import Literal
 from codegen.lower.graph import Graph
 from codegen.lower.linear.back_substitution import Loop, Pair, Single
 from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.sparse_rows import LEAST_PIVOT
+from codegen.lower.linear.sparse_row_elimination import LEAST_PIVOT
 from codegen.lower.program import Check
 
 DIVISION = 8  # measured: operations that one division is worth in the choice of an order

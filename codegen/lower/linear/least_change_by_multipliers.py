@@ -6,7 +6,7 @@ from itertools import combinations_with_replacement
 from codegen.lower.graph import Graph
 from codegen.lower.linear.factorization import Elimination
 from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.sparse_rows import Row, SparseRows, prefixed
+from codegen.lower.linear.sparse_row_elimination import Row, SparseRows, prefixed
 from codegen.lower.program import Check
 
 

@@ -16,7 +16,7 @@ weights lie apart. With more than one degree of freedom in a loop that eliminati
 
 from collections.abc import Iterable
 
-from codegen.lower.linear.sparse_rows import Row, SparseRows, Task
+from codegen.lower.linear.sparse_row_elimination import Row, SparseRows, Task
 from codegen.lower.program import Check
 
 TINY = 1e-100  # safety: added to weights before they are inverted; w = 0 holds a coordinate

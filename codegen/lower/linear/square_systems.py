@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.least_change_by_multipliers import solve_by_multipliers
-from codegen.lower.linear.sparse_rows import SparseRows, Task
+from codegen.lower.linear.sparse_row_elimination import SparseRows, Task
 from codegen.lower.program import Check
 
 LARGEST = 3  # measured: rows of the largest set that is solved by its adjugate

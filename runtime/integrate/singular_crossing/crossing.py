@@ -31,6 +31,7 @@ from runtime.singularity.singular_position_near_motion import Singularity, Singu
 _ALLOWANCE = 100.0  # measured: ratio of rounding in an error to its expectation that is let pass
 _ASTRAY = 1e-6  # accuracy: of a velocity; error of a start against the branch that it follows
 _SLACK = 1e3  # measured: factor by which the estimate may be wrong where rounding rules
+_LARGE = 0.5  # measured: of the largest share; lengths of rows and masses enter one by as much
 _TRIES = 4  # safety: plans for one crossing
 
 # As integers: looking up a member of an enumeration is slow in Python 3.11.
@@ -175,10 +176,13 @@ class Crossings:
         error = float(r["error"])
         assert position is not None
         if r["t"] > position.t:
-            row, t = int(position.rows.argmax()), self._instant(position)
+            t, largest = self._instant(position), position.rows.max()
+            first = int(position.rows.argmax())
+            large = np.flatnonzero(position.rows > _LARGE * largest).tolist()
+            rows = (first, *(row for row in large if row != first))
             # A position in which a run starts, or that lies before its start, is not passed in it.
             if t > self.began + self.steps.rounding(position.q) / position.speed:
-                self.passed.append(Crossing(t, row, position.lost, position.direction, error))
+                self.passed.append(Crossing(t, rows, position.lost, position.direction, error))
             r["plan"], r["quiet"] = _LEAVING, r["t"] + r["length_across"]
             r["lent_until"] = r["quiet"]
             r["permitted"] = 1.0

@@ -42,7 +42,7 @@ from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
 from runtime.studies.accuracy_target import run_difference as runs
-from runtime.studies.accuracy_target.result_cut_at_target import with_accuracy
+from runtime.studies.accuracy_target.result_with_estimated_error import with_accuracy
 from runtime.studies.accuracy_target.run_difference import Pair, Quantities, Run
 from runtime.studies.series_by_name import require_numbers
 from runtime.studies.timing import processor_time

@@ -13,12 +13,12 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.studies import scene_loading
-from runtime.studies.effect_ranking import scene_trial
+from runtime.studies.effect_ranking import trial_and_comparison
 from runtime.studies.effect_ranking.quantity import Function, parse_quantity
 from runtime.studies.effect_ranking.ranking import Matters, Proposal, Row, Verdict
-from runtime.studies.effect_ranking.scene_trial import Comparison, Plan, Trial
+from runtime.studies.effect_ranking.trial_and_comparison import Comparison, Plan, Trial
 from runtime.studies.scene_loading import LEFT_OUT
 from runtime.studies.timing import Stopwatch, take_turns
 
@@ -232,7 +232,7 @@ def _check(
     problems = []
     if error is not None and not 0.0 < error < 1.0:
         problems.append(f"error is {error:g}; it is a share of the quantity, between 0 and 1.")
-    least, analyses = scene_trial.LEAST_RTOL, scene_trial.ANALYSES
+    least, analyses = trial_and_comparison.LEAST_RTOL, trial_and_comparison.ANALYSES
     if not least <= rtol <= 1e-4:
         problems.append(f"rtol is {rtol:g}; to compare runs it lies from {least:g} to 1e-4.")
     if points < 11:

@@ -12,7 +12,7 @@ import numpy as np
 
 from codegen.errors import InputError
 from runtime.integrate.method import METHODS
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.mechanism.module_tables import unknown
 from runtime.studies import scene_loading, series_by_name
 from runtime.studies.series_by_name import FloatArray
@@ -21,7 +21,7 @@ from runtime.studies.work_precision.build_costs import build_costs
 from runtime.studies.work_precision.diagram import Choice, Line, Setting, WorkPrecision
 from runtime.studies.work_precision.interpretation import fastest
 from runtime.studies.work_precision.json_records import environment
-from runtime.studies.work_precision.settings_measurement import Measurement
+from runtime.studies.work_precision.measurement_of_settings_and_models import Measurement
 from runtime.studies.work_precision.timed_runs import Runner
 from runtime.validation.scene_support import refuse_massless, require_motion
 

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from codegen.errors import AnalysisError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.simulation import simulate
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
 from runtime.studies.series_by_name import FloatArray

@@ -12,7 +12,7 @@ import pytest
 
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.interpreter import evaluate
-from codegen.lower.kernels.linear_solves import dynamics_kernel
+from codegen.lower.kernels.accelerations import dynamics_kernel
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.program import Program
 from codegen.lower.scene_graph import SceneGraph

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from codegen import Model
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.interpreter import evaluate
-from codegen.lower.kernels.linear_solves import dynamics_kernel
+from codegen.lower.kernels.accelerations import dynamics_kernel
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.scene_graph import SceneGraph
 from codegen.model_file import read_model

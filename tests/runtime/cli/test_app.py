@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from runtime.cli.app import app
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.results.result import Result as AnalysisResult
 
 

@@ -14,7 +14,7 @@ from runtime.hybrid import (
     redundant_sliding,
     rhs_with_sliding_or_stabilization,
 )
-from runtime.hybrid import switching_functions as switching
+from runtime.hybrid import switching_values_and_margins as switching
 
 
 @compiled(i8(integers, f8))

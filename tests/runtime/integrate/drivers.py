@@ -4,9 +4,9 @@ from runtime.core.array_types import f8, i8, integers, none
 from runtime.core.jit import compiled
 from runtime.integrate import (
     loop,
-    samples_and_events_of_accepted_step,
     sampling,
     step,
+    step_acceptance_and_zeno_check,
     step_control,
     step_to_event,
 )
@@ -57,12 +57,12 @@ def copy_end(context, source, target):
 
 @compiled(i8(integers))
 def accept_step(context):
-    return samples_and_events_of_accepted_step.accept_step(context)
+    return step_acceptance_and_zeno_check.accept_step(context)
 
 
 @compiled(i8(integers))
 def judge_events(context):
-    return samples_and_events_of_accepted_step.judge_events(context)
+    return step_acceptance_and_zeno_check.judge_events(context)
 
 
 @compiled(i8(integers, f8, f8, f8, i8))

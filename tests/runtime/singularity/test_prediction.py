@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from codegen import Model
+from runtime import load
 from runtime.core.array_types import f8, i8, integers
 from runtime.core.jit import compiled
 from runtime.core.system import System
@@ -95,5 +97,45 @@ def test_later_looks_follow_the_plan():
 
 def test_speed_and_size_tell_how_long_nothing_can_happen():
     slow, fast = Run(speed=1.0), Run(speed=10.0)
-    assert slow.step(-2.0, 1e-4) == fast.step(-2.0, 1e-5) == np.inf
+    assert slow.step(-2.0, 0.1) == fast.step(-2.0, 0.01) == np.inf
     assert slow.record["look_at"] == pytest.approx(10.0 * fast.record["look_at"], rel=0.01)
+    assert slow.record["look_at"] < 1.0
+
+
+@pytest.mark.parametrize("acceleration", [0.0, 1.0])
+def test_a_machine_that_rests_is_looked_at_again_before_it_can_come_far(acceleration):
+    """By its acceleration; where that is zero too, within a few steps, as forces may grow."""
+    run = Run(speed=0.0)
+    run.record["foresight"] = 0.1
+    h, start = 0.1, on_branch(-2.0)
+    a = acceleration * start.v
+    run.rows[Y0], run.rows[K] = (start.q, 0.0 * a), (0.0 * a, a)
+    run.rows[Y1] = start.q + 0.5 * h**2 * a, h * a
+    assert predict(run.wiring.table, 0.0, h, Y1) == np.inf
+    assert 0.0 < run.record["look_at"] <= 10.0 * h
+    if acceleration:
+        way = 0.5 * run.record["look_at"] ** 2 * np.abs(start.v).max()
+        assert way < 1.0
+
+
+@pytest.mark.parametrize("first_step", [None, 1e-6])
+@pytest.mark.parametrize("method", ["dop853", "dopri5", "radau5"])
+def test_a_run_released_from_rest_counts_the_position_that_it_passes(tmp_path, method, first_step):
+    m = Model("equal", gravity=(0, -9.81))
+    crank, rod, block = (m.body(name, mass=1.0, inertia=0.1) for name in ("crank", "rod", "block"))
+    m.revolute("A", m.ground, crank.at(-0.5, 0))
+    m.revolute("B", crank.at(0.5, 0), rod.at(-0.5, 0))
+    m.revolute("C", rod.at(0.5, 0), block)
+    m.translational("guide", m.ground, block, axis=(1, 0))
+    m.torque("motor", crank, 5.0)
+    start, guess = {crank.phi: 1.0, crank.omega: 0.0}, {rod.phi: -1.0, block.x: 1.0}
+    m.scene("s", ["gravity", "motor"], start=start, guess=guess)
+    machine = load(m, folder=tmp_path)
+    for rtol in (1e-6, 1e-10):
+        run = machine.simulate(5.0, method=method, rtol=rtol, first_step=first_step)
+        assert run.stats["singular_crossings"] == 1
+        assert "where constraints A.y, B.y, C.y and guide.normal became dependent" in run.message
+        assert run.singular[0].time == pytest.approx(3.5623329, abs=1e-4)
+        parts = run.singular[0].null_directions[0]
+        half = parts["crank.x"] * run.singular[0].size  # the crank hangs downwards
+        assert half == pytest.approx(0.5 * parts["crank.phi"], rel=1e-6)

@@ -9,7 +9,7 @@ from runtime.integrate.run_state import RunState
 from runtime.integrate.singular_crossing.crossing import Crossings
 from runtime.integrate.singular_crossing.crossing_step_planning import CrossingSteps, MethodHandover
 from runtime.integrate.step import Signal
-from tests.runtime.integrate.singular_crossing.test_crossing_step import position
+from tests.runtime.integrate.singular_crossing.test_crossing_step_planning import position
 from tests.runtime.integrate.stiff import SMOOTH_PENDULUM
 from tests.runtime.integrate.systems import pendulum_problem
 

@@ -6,7 +6,7 @@ import pytest
 
 from codegen.generated_files.generated_file import write_if_changed
 from runtime import load
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 
 
 def load_library_model(root: Path, workshop: Path, name: str, scene: str) -> Machine:

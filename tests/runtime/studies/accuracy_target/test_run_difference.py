@@ -5,7 +5,7 @@ import pytest
 
 from codegen.errors import AnalysisError
 from runtime.core.outcomes import Outcome
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.studies.accuracy_target.run_difference import (
     Difference,
     difference,

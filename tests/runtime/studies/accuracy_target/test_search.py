@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from codegen.errors import InputError
 from runtime.cli.app import app, summary
 from runtime.core.outcomes import Outcome
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.results.result import Result
 from runtime.show.html_report import page
 from runtime.studies.accuracy_target.run_difference import Quantities, difference, is_resolved

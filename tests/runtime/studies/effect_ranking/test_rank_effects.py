@@ -20,7 +20,7 @@ from runtime.studies.effect_ranking import Matters, Verdict
 from runtime.studies.effect_ranking import picture as matters_picture
 from runtime.studies.effect_ranking import terminal_table as matters_table
 from runtime.studies.effect_ranking.quantity import parse_quantity
-from runtime.studies.effect_ranking.scene_trial import count_costs
+from runtime.studies.effect_ranking.trial_and_comparison import count_costs
 
 MACHINES = {
     "compressor": ("slider_crank", "compressor", "max:crank.omega", 0.5),

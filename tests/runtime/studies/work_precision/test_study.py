@@ -17,8 +17,8 @@ from runtime.studies.work_precision import Setting, WorkPrecision
 from runtime.studies.work_precision import picture as accuracy_picture
 from runtime.studies.work_precision.diagram import FORMULATIONS, all_settings
 from runtime.studies.work_precision.interpretation import best_at, sentences
+from runtime.studies.work_precision.measurement_of_settings_and_models import Measurement
 from runtime.studies.work_precision.reference_solution import find_reference
-from runtime.studies.work_precision.settings_measurement import Measurement
 from runtime.studies.work_precision.timed_runs import Runner, time_runs
 
 SETTINGS = all_settings(METHODS, FORMULATIONS)

@@ -36,6 +36,7 @@ def describe(at: RankDeficiency, kind: Kind, v: FloatArray, rate: float) -> Sing
         kind, at.t, *_drivers_and_joints(at.equations, elements), count,
         tuple(_named(at.equations, x) for x in _simple(null)), singular_value=float(at.values[-1]),
         drift=at.drift(rate), q=at.q.copy(), v=v.copy(),
+        size=float(at.scale[at.equations.description.is_length].max(initial=0.0)) or 1.0,
     )  # fmt: skip
 
 
@@ -46,14 +47,17 @@ def describe_crossings(
 
     A simulation keeps one constraint and one direction of each, and no state.
     """
-    units = mobility / equations.scale(equations.size(t, q))
+    size = equations.size(t, q)
+    units = mobility / equations.scale(size)
     table = equations.description.constraints
     found = []
     for row in run:
-        named = _drivers_and_joints(equations, [table[row.row].element])
+        named = _drivers_and_joints(equations, [table[row.rows[0]].element])
         direction = _named(equations, row.direction * units)
         found.append(
-            SingularPosition("crossing", row.t, *named, row.lost, (direction,), np.nan, np.nan)
+            SingularPosition(
+                "crossing", row.t, *named, row.lost, (direction,), np.nan, np.nan, size=size
+            )
         )
     return tuple(found)
 

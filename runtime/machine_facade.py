@@ -83,6 +83,8 @@ class Machine(MechanismTables):
         ------
         InputError
             If t, q or v are not finite numbers of the right shape.
+        AnalysisError
+            If no run starts from the state, as in a joint that jams.
         """
         from runtime.integrate.run import initial_modes
 

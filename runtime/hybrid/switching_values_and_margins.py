@@ -7,7 +7,7 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inlined, inner
-from runtime.core.modes import SLIDING
+from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.hybrid.rhs_with_sliding_or_stabilization import STEP
 
 _AHEAD = 1e-4  # accuracy: of a step; the distance over which the rate of a margin is differenced

@@ -73,6 +73,7 @@ def judge_events(context: Context) -> int:
     if endless or r.events > r.max_events:
         r.index = r.crossing
         return Outcome.ZENO
+    r.look_at = min(r.look_at, r.t)  # velocities and forces are others from here on
     ft.restart_of(context)(context, r.t, r.next_length)
     if r.fixed == 0:
         first = ft.first_step_of(context)(context, r.t, r.h_max, r.rtol, r.estimate_order)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from codegen.errors import LinkwrightError
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue
 from runtime.studies.effect_ranking.ranking import Costs, Row, Verdict

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from codegen.errors import ParameterError
-from runtime.machine import Machine
+from runtime.machine_facade import Machine
 
 
 def test_tables_answer_to_position_and_name(driven: Machine) -> None:

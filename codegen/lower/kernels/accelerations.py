@@ -6,7 +6,7 @@ from codegen.lower.kernels.corrections import solutions
 from codegen.lower.kernels.reaction_friction import with_friction
 from codegen.lower.linear.factorization import Elimination, Strategy, augmented
 from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.sparse_rows import Task
+from codegen.lower.linear.sparse_row_elimination import Task
 from codegen.lower.operation_count import cost
 from codegen.lower.program import Kernel, Output, store
 from codegen.lower.scene_graph import SceneGraph

@@ -7,8 +7,8 @@ In a direction d it is uᵀ J'(d) z between the left vectors u and the null vect
 import numpy as np
 
 from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix, vector
-from runtime.core.borrowed_arrays import view
 from runtime.core.jit import allocating, inner
+from runtime.core.unowned_array_views import view
 from runtime.linalg.cholesky import factor_cholesky, multiply_gram, solve_cholesky
 from runtime.linalg.vectors import copy_vector, dot, multiply
 from runtime.singularity import search_function_table as st

@@ -1,0 +1,53 @@
+"""Friction that jams where a run ended: no acceleration agrees with sliding (P. Painlevé)."""
+
+import numpy as np
+
+from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.outcomes import Outcome
+from runtime.integrate.trajectory import Trajectory
+from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+
+_JAM = (
+    "{} jams{}: friction raises the force that presses{} by more than it needs, and no "
+    "acceleration agrees with sliding on. A creep speed does not help: lower the coefficient, "
+    "start at rest, where friction may stick, or replace the joint by a contact that can open."
+)
+
+
+def describe_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
+    """Sentences on the friction whose jam ended a run; empty where none did.
+
+    A friction with a creep speed jams in a joint that `run.index` names by its constraint; one
+    that sticks is a switching function, whose slip tells to which side it slides.
+    """
+    description, k = mechanism.description, run.index
+    if run.outcome is Outcome.NOT_FINITE and k >= 0:
+        names = [row.name for row in description.effects if row.kind == "friction"]
+        name = f" {names[0]}" if len(names) == 1 else ""
+        return _JAM.format(f"Friction{name} in joint {description.constraints[k].element}", "", "")
+    place = dict(mechanism.system.stiction).get(k)
+    if run.outcome is not Outcome.INCONSISTENT or place is None:
+        return ""
+    equations, state = Equations(mechanism, p.copy()), (run.final_t, run.final_q, run.final_v)
+    g = equations.switching(*state)
+    modes = np.where(run.final_modes == SLIDING, g > 0.0, run.final_modes).astype(np.int64)
+    modes[k] = g[k] > 0.0
+    a, _, weak = equations.motion(*state, modes)
+    equations.p[place], modes[k] = 0.0, SLIDING
+    free, multipliers, _ = equations.motion(*state, modes)
+    if np.isfinite(a).all() or not np.isfinite(free).all():
+        return ""
+    joint = f" in joint {description.constraints[weak - 1].element}" if weak > 0 else ""
+    speed, raised = f" at a slip of {g[k]:.3g}", ""
+    rows = {row: limit for row, _, limit in description.friction_limits}
+    if k in rows:
+        unit = description.reactions[rows[k]].unit
+        speed += " rad/s" if unit == "N m" else " m/s"
+        before = equations.reactions(*state, multipliers, modes)[rows[k]]
+        equations.p[place] = -np.copysign(1.0, g[k])
+        _, multipliers, _ = equations.motion(*state, modes)
+        more = equations.reactions(*state, multipliers, modes)[rows[k]] - before
+        if more > 1.0:
+            raised = f" (1 {unit} of friction its limit by {more:.3g} {unit})"
+    return _JAM.format(f"Friction {description.switches[k].name}{joint}", speed, raised)
