@@ -78,8 +78,8 @@ def execute_model_file(path: Path) -> ModelFile:
     if is_signed(path.read_text(errors="replace")):
         # Executed here, its functions would enter numba's cache under a name that nothing can load.
         raise ModelFileError(
-            f"{path} is a module that was generated from a model, and declares none; give the model "
-            "and the scene that it names in its first lines."
+            f"{path} is a module that was generated from a model, and declares none; give the "
+            "model and the scene that it names in its first lines."
         )
     namespace, files = _execute(path)
     declared = namespace.get("model")
