@@ -12,7 +12,7 @@ from codegen.driver import valid_scenes
 from codegen.elements import registry
 from codegen.elements.forces.spring import Spring
 from codegen.elements.registry import kinds_of_elements
-from codegen.explain.scene_inventory import Inventory
+from codegen.explain.elements_and_outputs_in_scene import Inventory
 
 
 @pytest.fixture(autouse=True)
