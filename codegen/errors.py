@@ -13,11 +13,13 @@ class LinkwrightError(Exception):
     ----------
     problems
         One sentence a problem: the fault, its place, the numbers that show it, the remedy.
+    values
+        Further values to carry in `args`, as any exception does.
     """
 
-    def __init__(self, problems: str | Iterable[str]) -> None:
+    def __init__(self, problems: str | Iterable[str] = (), *values: object) -> None:
         self.problems = (problems,) if isinstance(problems, str) else tuple(problems)
-        super().__init__("\n".join(self.problems))
+        super().__init__("\n".join(self.problems), *values)
 
 
 class InputError(LinkwrightError):

@@ -34,6 +34,11 @@ def signed(text: str) -> str:
     return text.replace(MARK + UNSIGNED, MARK + digest, 1)
 
 
+def is_signed(text: str) -> bool:
+    """Whether a file's text carries a signature in its header, valid or not."""
+    return _SIGNATURE.search(text[:4000]) is not None
+
+
 def check_signature(path: Path, text: str, rebuild: str) -> None:
     """Compare the header's hash with the text's; GeneratedFileError if it is missing or differs."""
     match = _SIGNATURE.search(text[:4000])

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.errors import InputError, ModelFileError
+from codegen.generated_module_signature_and_import import is_signed
 from codegen.model import Model
 
 
@@ -74,6 +75,12 @@ def execute_model_file(path: Path) -> ModelFile:
 
     ModelFileError where it fails, or declares no model, or several without calling one `model`.
     """
+    if is_signed(path.read_text(errors="replace")):
+        # Executed here, its functions would enter numba's cache under a name that nothing can load.
+        raise ModelFileError(
+            f"{path} is a module that was generated from a model, and declares none; give the "
+            "model and the scene that it names in its first lines."
+        )
     namespace, files = _execute(path)
     declared = namespace.get("model")
     models = {id(v): v for v in namespace.values() if isinstance(v, Model)}

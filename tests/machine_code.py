@@ -117,12 +117,19 @@ def _content(function: FunctionType) -> str:
     """What decides a kernel's machine code: its code, the values it reads, what it calls."""
     code = function.__code__
     constants = [value for value in code.co_consts if value != function.__doc__]
-    read = {name: function.__globals__.get(name) for name in ("OPTIONS", *code.co_names)}
-    values = {name: _value(value) for name, value in read.items() if value is not None}
-    return repr((function.__name__, code.co_code, constants, code.co_varnames, values))
+    # The byte code holds the indices of names, and nothing else says which builtin or attribute.
+    names = code.co_names
+    read = {name: function.__globals__.get(name) for name in ("OPTIONS", *names)}
+    values = {name: _value(value, names) for name, value in read.items() if value is not None}
+    arguments = (code.co_varnames, function.__defaults__)
+    return repr((function.__name__, code.co_code, constants, names, arguments, values))
 
 
-def _value(value: object) -> object:
+def _value(value: object, attributes: tuple[str, ...] = ()) -> object:
+    """What a name means; a module, the attributes that the kernel may read of it."""
     if isinstance(value, _Dispatcher):
         return _content(value.py_func)
-    return value.__name__ if isinstance(value, ModuleType) else pickle.dumps(value)
+    if not isinstance(value, ModuleType):
+        return pickle.dumps(value)
+    read = {name: getattr(value, name) for name in attributes if hasattr(value, name)}
+    return value.__name__, {name: _value(attribute) for name, attribute in read.items()}

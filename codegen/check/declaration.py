@@ -173,8 +173,8 @@ def _needed(model: Model, scene: Scene, name: str) -> list[str]:
     element: el.Constraint | el.Effect = model.drivers.get(name) or model.acting(scene)[name]
     needed = [body.name for body in element.bodies if not body.fixed]
     if isinstance(element, el.Effect):
-        if hasattr(element, "friction"):
-            needed.append(element.friction().joint)
+        if law := el.friction_law(element):
+            needed.append(law.joint)
         bodies = tuple(model.bodies[b] for b in scene.bodies)
         for expression in _effect_expressions(element, bodies):
             needed += [s.name.rpartition("_")[0] for s in kinds(expression, Coordinate, Velocity)]

@@ -58,13 +58,8 @@ def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -
             yield f"{where}: {expression} contains {node}{FINITE}"
         elif isinstance(node, sympy.Piecewise | ExprCondPair):
             stack += [a for a in node.args if a not in (sympy.true, sympy.false)]
-            if isinstance(node, ExprCondPair) and node.cond.is_Symbol:
-                yield f"{where}: {node.cond} is no condition; compare it with something."
-            elif isinstance(node, sympy.Piecewise) and node.args[-1].cond != sympy.true:
-                yield (
-                    f"{where}: {node} says nothing where none of its conditions holds; end it "
-                    "with (value, True)."
-                )
+            if isinstance(node, sympy.Piecewise):
+                yield from _piecewise_problems(where, node)
         elif isinstance(node, Relational):
             yield from _condition_problems(where, node, may_switch)
             stack += node.args
@@ -78,6 +73,17 @@ def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -
             stack += node.args
         elif not node.is_number:
             yield f"{where}: {node} cannot be compiled; known are {KNOWN}, powers and Piecewise."
+
+
+def _piecewise_problems(where: str, node: sympy.Piecewise) -> Iterable[str]:
+    for _, condition in node.args:
+        if condition.is_Symbol:
+            yield f"{where}: {condition} is no condition; compare it with something."
+    if node.args[-1].cond != sympy.true:
+        yield (
+            f"{where}: {node} says nothing where none of its conditions holds; end it with "
+            "(value, True)."
+        )
 
 
 def _condition_problems(where: str, node: Relational, may_switch: bool) -> Iterable[str]:

@@ -56,21 +56,25 @@ def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Itera
                 "functions of period 2π."
             )
             return
-    dx, dy, x2, y2 = points.T[2:]
-    speeds, bends = np.hypot(dx, dy), dx * y2 - dy * x2
-    bends *= 1.0 if bends.sum() > 0 else -1.0
-    slowest, least = int(np.argmin(speeds)), int(np.argmin(bends))
-    if speeds[slowest] <= TOLERANCE * size:
+    dx, dy, x2, y2 = points.T[2:] / size  # no product overflows, however large it is
+    speeds = np.hypot(dx, dy)
+    slowest = int(np.argmin(speeds))
+    if speeds[slowest] <= TOLERANCE:
         yield (
             f"the profile has a cusp: at α = {ALPHAS[slowest]:.4g} rad its tangent is "
-            f"{speeds[slowest]:.3g} m per rad; give a smooth profile."
+            f"{size * speeds[slowest]:.3g} m per rad; give a smooth profile."
         )
-    elif convex and bends[least] <= TOLERANCE * size * size:
-        yield (
-            f"the profile is not convex: at α = {ALPHAS[least]:.4g} rad its curvature is "
-            f"{bends[least] / speeds[least] ** 3:.3g} 1/m, and a flat face needs a positive one "
-            "everywhere; enlarge the base circle, or use a roller."
-        )
+    elif convex:
+        bends = dx * y2 - dy * x2
+        bends *= 1.0 if bends.sum() > 0 else -1.0
+        least = int(np.argmin(bends))
+        if bends[least] <= TOLERANCE:
+            curvature = bends[least] / speeds[least] ** 3 / size
+            yield (
+                f"the profile is not convex: at α = {ALPHAS[least]:.4g} rad its curvature is "
+                f"{curvature:.3g} 1/m, and a flat face needs a positive one everywhere; enlarge "
+                "the base circle, or use a roller."
+            )
 
 
 def pace(profile: sympy.Matrix) -> float:

@@ -193,11 +193,9 @@ class Element(Protocol):
     def bodies(self) -> tuple[Body, ...]:
         """The bodies that the element takes hold of; empty: all of the scene (gravity).
 
-        Those of its fields that are points, curves, bodies or tuples of them, in their order, but
-        for `instead_of`, the body that a joint stands for.
+        Those of its fields that are points, curves, bodies or tuples of them, in their order.
         """
-        fields = (value for word, value in vars(self).items() if word != "instead_of")
-        values = (v if isinstance(v, tuple) else (v,) for v in fields)
+        values = (v if isinstance(v, tuple) else (v,) for v in vars(self).values())
         places = (v for v in chain.from_iterable(values) if isinstance(v, Body | Point | Curve))
         return tuple(v if isinstance(v, Body) else v.body for v in places)
 
@@ -288,13 +286,21 @@ def own_coordinates(constraint: Constraint) -> tuple[Coordinate, ...]:
 
 def optional_answers(effect: Effect, bodies: tuple[Body, ...]) -> OptionalAnswers:
     """The answers of the methods that an effect has, and those of one without them."""
-
-    def answer(word: str, otherwise: Any, *arguments: Any) -> Any:
-        return getattr(effect, word)(*arguments) if hasattr(effect, word) else otherwise
-
     return OptionalAnswers(
-        answer("friction", None),
-        answer("hold", None, bodies),
-        answer("pulls", (), bodies),
-        answer("reported", (), bodies),
+        friction_law(effect),
+        _optional(effect, "hold", None, bodies),
+        _optional(effect, "pulls", (), bodies),
+        _optional(effect, "reported", (), bodies),
     )
+
+
+def friction_law(effect: Effect) -> FrictionLaw | None:
+    """The law of an effect that follows from a joint's reaction; None for others."""
+    law: FrictionLaw | None = _optional(effect, "friction", None)
+    return law
+
+
+def _optional(effect: Effect, word: str, otherwise: Any, *arguments: Any) -> Any:
+    """The answer of a method that not every effect has, or that a class sets to None."""
+    method = getattr(effect, word, None)
+    return otherwise if method is None else method(*arguments)

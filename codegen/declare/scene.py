@@ -143,7 +143,7 @@ class Scene(Choices):
         forms = [f"{name} as {word}" for name, word in how.items() if name not in self.effects]
         before, acts = self.root or self, {*self.effects, *self.drivers}
         gone = [n for n in (*before.effects, *before.drivers) if n not in acts]
-        outputs = ["all that there is"] if self.outputs is None else self.outputs
+        outputs = ("all that there is",) if self.outputs is None else self.outputs
         rows = {
             "bodies": self.bodies or ["none"],
             "acting": acting or ["nothing"],
@@ -153,11 +153,11 @@ class Scene(Choices):
             "start": _values(self.start),
             "near": _values(self.guess),
             "parameters": _values(self.parameters),
-            "parameters are fixed": [""] if self.frozen else [],
-            "reported": outputs or ["the motion alone"],
         }
-        shown = (f"  {word:<11} {', '.join(row)}".rstrip() for word, row in rows.items() if row)
-        return "\n".join((f"{self.name}: {self.analysis}{machine}", *shown))
+        lines = [f"  {word:<11} {', '.join(row)}" for word, row in rows.items() if row]
+        lines += ["  parameters are fixed"] if self.frozen else []
+        lines.append(f"  reported    {', '.join(outputs) or 'the motion alone'}")
+        return "\n".join((f"{self.name}: {self.analysis}{machine}", *lines))
 
 
 def _values(pairs: Pairs) -> list[str]:

@@ -8,7 +8,7 @@ from codegen.emit.line_wrapping import PAGE, comments, quantity, wrap_pieces, wr
 from codegen.emit.placement import Path, Placement
 from codegen.emit.readable_formula import formula
 from codegen.emit.sincos_function import NAME as SIN_COS
-from codegen.emit.solution_step_order_and_names import BESIDE_ELEMENTS
+from codegen.emit.solution_step_order_and_names import BESIDE_ELEMENTS, PREFIXES
 from codegen.emit.table_lookup import lookups
 from codegen.lower.graph import SUMS
 from codegen.lower.operation_count import operations
@@ -140,12 +140,12 @@ class KernelText:
 
     def _pair(self, number: int, indent: str) -> Iterator[str]:
         """The line that takes sine and cosine of an angle."""
-        both = (number, self.plan.pairs[number])
+        both = sorted((number, self.plan.pairs[number]), key=lambda k: self.values[k].op is Op.COS)
         angle = self._text(self.values[number].args[0], NOTHING)
-        for one in sorted(both, key=lambda k: self.values[k].op is Op.COS):
+        for one in both:
             self.names[one] = self._name(one)
-            indent += f"{self.names[one]}, "
-        yield from wrap_pieces(f"{indent.removesuffix(', ')} = {SIN_COS}(", [angle], ")")
+        sine, cosine = (self.names[one] for one in both)
+        yield from wrap_pieces(f"{indent}{sine}, {cosine} = {SIN_COS}(", [angle], ")")
 
     def _choice(self, number: int, name: str, depth: int) -> Iterator[str]:
         """Lines that set `name` to the value of a choice."""
@@ -226,7 +226,7 @@ class KernelText:
         elif value.op in BINARY:
             sign, level, tighter = BINARY[value.op]
             a, b = value.args
-            if value.op is Op.ADD and self._is_sum(b) > self._is_sum(a):
+            if value.op is Op.ADD and self._is_sum(b) and not self._is_sum(a):
                 a, b = b, a  # the same sum without brackets
             text = f"{self._text(a, level)} {sign} {self._text(b, level + tighter)}"
         else:
@@ -250,8 +250,7 @@ class KernelText:
             return self._unused(name if counts[name] == 1 else f"{name}_{counts[name]}")
         if value.op in (Op.SIN, Op.COS) and value.args[0] in self.names:
             return self._unused(f"{value.op.value}_{self.names[value.args[0]]}")
-        title = BESIDE_ELEMENTS.get(value.serves)
-        stem = value.serves if title is None else (value.serves or title)[0].lower()
+        stem = PREFIXES.get(value.serves, value.serves)
         while True:
             counts[stem] = counts.get(stem, 0) + 1
             if (name := f"{stem}_{counts[stem]}") not in self._taken:

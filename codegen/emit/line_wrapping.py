@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Iterable, Iterator, Sequence
-from textwrap import wrap
 from typing import Any
 
 PAGE = 100  # characters in a line
@@ -52,10 +51,13 @@ def wrap_pieces(head: str, pieces: Sequence[str], end: str) -> Iterator[str]:
 
 def _filled(pieces: Iterable[str], indent: str) -> list[str]:
     """Lines of pieces, none of which is broken."""
-    text = " ".join(piece.replace(" ", "\N{NO-BREAK SPACE}") for piece in pieces)
-    lines = wrap(text, PAGE, initial_indent=indent, subsequent_indent=indent,
-        break_long_words=False, break_on_hyphens=False)  # fmt: skip
-    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
+    lines: list[str] = []
+    for piece in pieces:
+        if lines and len(lines[-1]) + 1 + len(piece) <= PAGE:
+            lines[-1] += f" {piece}"
+        else:
+            lines.append(f"{indent}{piece}")
+    return lines
 
 
 def items(text: str) -> list[str]:

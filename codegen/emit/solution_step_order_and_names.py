@@ -15,6 +15,9 @@ BESIDE_ELEMENTS = {
 }
 """The heading of values that serve no element; the others are called after their element."""
 
+PREFIXES = {"factorization": "f", "correction": "c", "masses": "m", "reduction": "r", "": "s"}
+"""The beginning of the names of values that serve no element, such as ``f_1``."""
+
 LONGEST = 36  # characters of a name; values with longer ones are numbered
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from codegen.declare.element import Constraint
+from codegen.declare.element import Constraint, Effect, friction_law
 from codegen.declare.scene import Scene
 from codegen.derive.equations import active_joints
 from codegen.explain.ledger_records import OutputEntry, Part
@@ -82,7 +82,8 @@ class Inventory:
         """Why an effect or driver does not act."""
         element = self.model.effects.get(name) or self.model.drivers[name]
         owners = [body.name for body in element.bodies if not body.fixed]
-        owners += [element.friction().joint] if hasattr(element, "friction") else []
+        law = friction_law(element) if isinstance(element, Effect) else None
+        owners += [law.joint] if law else []
         lacking = [o for o in owners if o not in (*self.scene.bodies, *self.joints)]
         if reason := self._other_choice(name):
             return reason

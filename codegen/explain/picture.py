@@ -114,10 +114,11 @@ def _stack(axes: "Axes", colours: dict[str, str], rows: Rows) -> None:
     axes.tick_params(axis="x", labelsize=8)
     finish_axes(axes, axis="x", alpha=0.3, linewidth=0.4)
     axes.set_xlim(1.05 * ends[1].min(initial=0.0), 1.08 * ends[0].max(initial=0.0) or 1.0)
-    axes.legend(
-        frameon=False, fontsize=8, ncols=1 if count > 4 else 2, loc="center left",
-        bbox_to_anchor=(1.0, 0.5), handlelength=1.0,
-    )  # fmt: skip
+    if axes.containers:
+        axes.legend(
+            frameon=False, fontsize=8, ncols=1 if count > 4 else 2, loc="center left",
+            bbox_to_anchor=(1.0, 0.5), handlelength=1.0,
+        )  # fmt: skip
 
 
 def _short(value: float) -> str:

@@ -108,4 +108,5 @@ def _write(path: Path, text: str) -> None:
     with tempfile.TemporaryDirectory(prefix=f".{path.stem}-", dir=path.parent) as folder:
         temporary = Path(folder) / path.name
         temporary.write_bytes(text.encode())
+        temporary.chmod(0o644)  # whatever the umask: others load the file as well
         temporary.replace(path)

@@ -38,8 +38,8 @@ def origin(
     """
     base = path.resolve().parent.parent
     named = [
-        ((path.relative_to(base) if path.is_relative_to(base) else path).as_posix(), digest)
-        for path, digest in file.sources
+        ((source.relative_to(base) if source.is_relative_to(base) else source).as_posix(), digest)
+        for source, digest in file.sources
     ]
     options = "".join(f" --set {name}={value!r}" for name, value in sorted(settings.items())) + more
     varied = equations.scene.root is not None  # by without() or with_(): not declared in a file

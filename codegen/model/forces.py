@@ -7,11 +7,11 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect
-from codegen.declare.symbols import SPEED, Coordinate
+from codegen.declare.symbols import Coordinate
+from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.forces.applied import AppliedForce, AppliedTorque
 from codegen.elements.forces.bushing import AXES, Bushing, Triple
 from codegen.elements.forces.gravity import Gravity
-from codegen.elements.forces.scalar_measures import distance, relative_angle
 from codegen.elements.forces.spring import Spring
 from codegen.elements.forces.torsion_spring import TorsionSpring
 from codegen.elements.forces.user_expression import GeneralizedForce, Potential
@@ -86,7 +86,8 @@ class Forces(Declarations):
             self._note(f"{where} has a stiffness but no free length; give free_length= in m.")
         ends = self._pair(name, i, j)
         pull = self._value(actuator, "N", f"actuator of {where}")
-        pull += self._characteristic(force, distance(*ends), "force", "N", where)
+        length = measures.distance(*ends), measures.distance_rate(*ends)
+        pull += self._characteristic(force, length, "force", "N", where)
         stiff = self._value(stiffness, "N/m", f"stiffness of {where}")
         rest = 0 if free_length is None else free_length
         free = self._value(rest, "m", f"free length of {where}")
@@ -114,7 +115,8 @@ class Forces(Declarations):
         where = f"torsion spring '{name}'"
         first, second = self._whole(where, i), self._whole(where, j)
         turning = self._value(actuator, "N m", f"actuator of {where}")
-        angle = relative_angle(first, second)
+        theta = measures.relative_angle(first, second)
+        angle = theta, measures.rate(theta)
         turning += self._characteristic(torque, angle, "torque", "N m", where)
         stiff = self._value(stiffness, "N m/rad", f"stiffness of {where}")
         free = self._value(free_angle, "rad", f"free angle of {where}")
@@ -154,9 +156,13 @@ class Forces(Declarations):
         return x, y, phi
 
     def _characteristic(
-        self, law: Any, s: sympy.Expr, word: str, unit: str, where: str
+        self, law: Any, measure: tuple[sympy.Expr, sympy.Expr], word: str, unit: str, where: str
     ) -> sympy.Expr:
-        """The value of a user's function of a length or angle and its rate, `SPEED`."""
+        """The value of a user's law at a length or angle and its rate; 0 without a law.
+
+        The rate stands written out, not as `SPEED`: where the law switches with its sign, it is
+        part of a switching function, and messages name it.
+        """
         if law is None:
             return sympy.S.Zero
         if not callable(law):
@@ -165,7 +171,7 @@ class Forces(Declarations):
                 "give an expression as actuator=."
             )
             return sympy.S.Zero
-        return self._value(law(s, SPEED), unit, f"{word} of {where}")
+        return self._value(law(*measure), unit, f"{word} of {where}")
 
     def _whole(self, where: str, body: Any) -> Body:
         """A body, where a point means nothing."""

@@ -1,9 +1,12 @@
 """What is wrong with a model is said by name, all of it at once, and nothing is written."""
 
+import pickle
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from codegen import LinkwrightError
 from tests.codegen.complaints import check, complaints
 
 
@@ -293,3 +296,10 @@ model.scene("two", [], without=[c], start={c.x: 1.0})
         complaints(tmp_path, text),
         ["scene 'one': body 'c' has no mass", "scene 'two': c.x has a start"],
     )
+
+
+@pytest.mark.parametrize("arguments", [(), ("a",), ("a", 1), (("a", "b"),)])
+def test_base_of_all_errors_takes_what_an_exception_takes(arguments: tuple[Any, ...]) -> None:
+    error = LinkwrightError(*arguments)
+    assert pickle.loads(pickle.dumps(error)).args == error.args
+    assert ("a" in str(error)) == bool(arguments)

@@ -12,6 +12,7 @@ import pytest
 
 from codegen import build
 from codegen.errors import GeneratedFileError, InputError
+from codegen.generated_files.generated_file import write_if_changed
 from codegen.generated_module_signature_and_import import check_signature, import_generated
 from tests.codegen.workbench import write_model
 
@@ -237,3 +238,12 @@ def test_reports_are_plain_data(model: Path, tmp_path: Path) -> None:
     record = asdict(scene)
     record["path"] = str(record["path"])
     assert json.loads(json.dumps(record))["left_out"] == ["gravity"]
+
+
+def test_everybody_may_read_a_generated_file_whatever_the_umask(tmp_path: Path) -> None:
+    before = os.umask(0o077)
+    try:
+        assert write_if_changed(tmp_path / "a.py", "A = 1\n")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "a.py").stat().st_mode & 0o777 == 0o644

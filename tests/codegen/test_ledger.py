@@ -1,6 +1,7 @@
 """The ledger of a scene: everything is in it, its parts add up, and prices are measured."""
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -292,3 +293,11 @@ def test_prices_of_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     times = [part.nanoseconds for part in ledger.parts if part.nanoseconds is not None]
     spent = sum(part.run_seconds or 0.0 for part in ledger.parts)
     assert spent == pytest.approx(sum(times) * 1e-9 * ledger.run.evaluations)
+
+
+def test_a_scene_whose_kernels_cost_nothing_is_drawn(root: Path) -> None:
+    """Matplotlib warns of a legend without entries, and warnings are errors in the tests."""
+    (ledger,) = explain(root / "models" / "slider_crank.py", "compressor")
+    free = replace(ledger, parts=tuple(replace(part, operations={}) for part in ledger.parts))
+    (axes,) = figure([free]).axes
+    assert axes.get_legend() is None

@@ -7,6 +7,8 @@ import pytest
 from typer.testing import CliRunner
 
 from codegen.cli import app
+from codegen.errors import ModelFileError
+from codegen.model_file import execute_model_file, library_folder
 from tests.codegen.complaints import HEAD, check, complaints
 from tests.codegen.workbench import write_model
 
@@ -60,6 +62,12 @@ def test_options(tmp_path: Path, options: list[str], expected: list[str]) -> Non
 def test_model_file(tmp_path: Path, text: str, expected: str) -> None:
     (found,) = complaints(tmp_path, text, head="")
     assert re.search(expected, found), found
+
+
+def test_generated_module_is_not_executed_as_a_model_file() -> None:
+    path = library_folder() / "generated" / "pendulum__bar.py"
+    with pytest.raises(ModelFileError, match=r"pendulum__bar\.py is a module that was generated"):
+        execute_model_file(path)
 
 
 def test_model_file_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,6 +18,12 @@ def distance(i: Point, j: Point) -> sympy.Expr:
     return sympy.sqrt(dx**2 + dy**2)
 
 
+def distance_rate(i: Point, j: Point) -> sympy.Expr:
+    """dℓ/dt = dᵀ ḋ / ℓ, m/s: shorter than `rate` of ℓ, which is a sum of quotients."""
+    dx, dy = span(i, j)
+    return (dx * (j.vx - i.vx) + dy * (j.vy - i.vy)) / distance(i, j)
+
+
 def relative_angle(i: Body, j: Body) -> sympy.Expr:
     """θ = φ_j - φ_i, rad, counted through full turns; `angle_problems` refuses other bodies."""
     phi_i, phi_j = (sympy.S.Zero if b.angle is None else b.angle for b in (i, j))

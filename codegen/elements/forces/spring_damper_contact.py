@@ -82,6 +82,8 @@ class Contact(Effect):
     def problems(self) -> list[str]:
         """A gap that never changes or that is no position, and numbers that no contact has."""
         problems = gap_problems(label(self), self.gap, self.bodies)
+        if same_body(label(self), self.bodies):
+            return problems
         if self.stiffness == 0 and self.damping == 0:
             problems.append(f"{label(self)}: stiffness and damping are both 0; give one of them.")
         values = (("stiffness", self.stiffness, "N/m"), ("damping", self.damping, "N s/m"))

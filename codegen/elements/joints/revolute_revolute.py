@@ -27,6 +27,11 @@ class RevoluteRevolute(Constraint):
     length: sympy.Expr
     instead_of: Body | None = None
 
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The two that it connects."""
+        return (self.i.body, self.j.body)
+
     def statement(self) -> Statement:
         """One equation: the squared distance of the two points."""
         bindings = I.bind(self.i) | J.bind(self.j) | {LENGTH: self.length}

@@ -30,6 +30,11 @@ class RevoluteTranslational(Constraint):
     distance: sympy.Expr
     instead_of: Body | None = None
 
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The two that it connects."""
+        return (self.i.body, self.j.body)
+
     def statement(self) -> Statement:
         """One equation: the distance of point j from the line, m."""
         bindings = I.bind(self.i) | J.bind(self.j) | bind_axis(self.axis)

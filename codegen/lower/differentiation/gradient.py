@@ -148,11 +148,11 @@ class Slopes:
                 self._accumulate(queue, value.args[0], share.times(inverse).scaled(0.5))
             case Op.SELECT:
                 condition, *sides = value.args
-                for side, turn in zip(sides, (1, -1), strict=True):
-                    chosen = {
-                        factors: graph.select(condition, *(weight, graph.zero)[::turn])
-                        for factors, weight in share.parts.items()
-                    }
+                for k, side in enumerate(sides):
+                    chosen = {}
+                    for factors, weight in share.parts.items():
+                        weights = (weight, graph.zero) if k == 0 else (graph.zero, weight)
+                        chosen[factors] = graph.select(condition, *weights)
                     self._accumulate(queue, side, Parts(graph, chosen))
             case _:
                 for arg, slope in zip(value.args, slopes_of(graph, number), strict=True):

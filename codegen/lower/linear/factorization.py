@@ -197,15 +197,20 @@ class Elimination:
         self._eliminate(Single(i, inverse, along, across))
 
     def _eliminate_located(self) -> None:
-        """Where the entry of a watched pair vanishes, its constraint no longer determines it."""
-        graph, sizes = self.graph, {}
+        """Eliminate the pairs of `located`: a massless coordinate with the row that determines it.
+
+        A watched pair brings a check: where its entry vanishes, the row no longer determines the
+        coordinate. The rows are measured as they were stated, before any pair is eliminated.
+        """
+        graph, squares = self.graph, {}
         for _, c, watched in self.located:
-            entries = [self._at(j, c) for j in sorted(self._neighbours[c])] if watched else []
-            sizes[c] = graph.dot(entries, entries)
+            if watched:
+                row = [self._at(j, c) for j in sorted(self._neighbours[c])]
+                squares[c] = graph.dot(row, row)
         for k, c, watched in self.located:
-            pivot = graph.mul(self._at(k, c), self._at(k, c)) if watched else graph.zero
-            if graph.number(pivot) is None:
-                self.checks.append(Check(pivot, sizes[c], c))
+            entry = self._at(k, c)
+            if watched and graph.number(square := graph.mul(entry, entry)) is None:
+                self.checks.append(Check(square, squares[c], c))
             self._pair(k, c)
 
     def _pair(self, k: int, c: int) -> None:

@@ -7,6 +7,21 @@ import pytest
 from tests.codegen.complaints import check, complaints
 
 
+def test_conditions_are_reported_in_the_order_of_the_pieces(tmp_path: Path) -> None:
+    text = """
+from sympy import Piecewise
+c, d = Symbol("c", boolean=True), Symbol("d", boolean=True)
+model.force("f", a, Piecewise((1, c), (2, d), (3, True)))
+"""
+    found = [line for line in complaints(tmp_path, text) if "is no condition" in line]
+    assert [line.split()[2] for line in found] == ["c", "d"]
+
+
+def test_contact_of_a_body_with_itself_is_one_problem(tmp_path: Path) -> None:
+    text = "model.contact('A', a, a.at(1, 0), stiffness=0)"
+    assert len(complaints(tmp_path, text)) == 1
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
@@ -39,6 +54,13 @@ from tests.codegen.complaints import check, complaints
         (
             "model.spring('s', a, b, force=lambda length, rate: Symbol('c') * rate)",
             ["spring 's': unknown symbol 'c'; declare it with model.parameter"],
+        ),
+        (
+            """
+from sympy import gamma
+model.torsion_spring('s', a, b, torque=lambda angle, rate: gamma(rate))
+""",
+            ["torsion spring 's': gamma.-a_omega . b_omega. cannot be compiled"],
         ),
         (
             "model.spring('s', a, b, force=lambda length, rate: 'strong')",

@@ -8,6 +8,7 @@ import sympy
 from numpy.testing import assert_allclose
 
 from codegen import Model, ModelError, alpha, t
+from codegen.check.declaration import check_model
 from codegen.driver import valid_scenes
 from tests.codegen.workbench import (
     A,
@@ -202,6 +203,19 @@ def test_shape_that_a_flat_face_cannot_follow(x: sympy.Expr, y: sympy.Expr, told
     text = problems(lambda m, i, j: m.cam_flat_follower("lift", i.curve(x, y), j))
     assert told in text
     assert "curve of 'lift' on body 'first'" in text
+
+
+@pytest.mark.parametrize("size", [1e200, 1.0, 1e-200])
+def test_convexity_is_judged_at_any_size(size: float) -> None:
+    """Numpy's warnings of overflow are errors in the tests."""
+    model, first, second = two_bodies()
+    model.cam_flat_follower("flat", first.circle(size), second)
+    model.cam_follower(
+        "roll", first.polar(size * (1 + 0.4 * sympy.cos(2 * alpha))), second.circle(size / 9)
+    )
+    found = " ".join(check_model(model))
+    assert "not convex" not in found
+    assert "has a cusp" not in found
 
 
 def test_roller_may_follow_a_hollow_cam_and_a_point_an_open_slot() -> None:

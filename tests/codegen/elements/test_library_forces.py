@@ -152,6 +152,22 @@ def test_any_characteristic_of_length_and_rate() -> None:
         assert_allclose(machine.vector("applied_forces", s, modes=modes), tsda(s, f), **TOLERANCE)
 
 
+def test_law_that_switches_with_the_rate_has_one_quotient_as_switching_function() -> None:
+    """g = dᵀ ḋ / ℓ, and not the sum of the quotients that the derivatives of ℓ are."""
+    model = Model("pair")
+    first, second = (model.particle(name, mass=1.0) for name in ("a", "b"))
+
+    def law(length: sympy.Expr, rate: sympy.Expr) -> sympy.Expr:
+        return sympy.Piecewise((3 * rate, rate > 0), (7 * rate, True))
+
+    model.spring("law", first, second, force=law)
+    (switch,) = Interpreted(model).equations.switches
+    assert switch.text == (
+        "((-a_x + b_x)*(-a_vx + b_vx) + (-a_y + b_y)*(-a_vy + b_vy))"
+        "/sqrt((-a_x + b_x)**2 + (-a_y + b_y)**2) > 0"
+    )
+
+
 def test_spring_whose_free_length_moves_books_its_work() -> None:
     model, first, second = pair()
     model.spring("moved", first.at(*S_I), second.at(*S_J), 70.0, 0.8 + sympy.sin(t))

@@ -9,6 +9,7 @@ import sys
 from itertools import pairwise
 from pathlib import Path
 
+from codegen.emit.line_wrapping import wrap_pieces
 from codegen.emit.sincos_function import NAME as SIN_COS
 from codegen.lower.operation_count import by_element, operations
 from tests.codegen.workbench import Interpreted
@@ -268,3 +269,13 @@ def test_headings_stand_above_lines_of_their_own(texts: Texts) -> None:
                 assert re.match(STEPS, line) or not re.match(r"    # ", after), (line, after)
             assert not re.search(rf"= {SIN_COS}\(\w+_phi\)", after), (line, after)
     assert headings > 100
+
+
+def test_pieces_are_wrapped_as_they_are() -> None:
+    """A piece holds together at its spaces, and keeps a no-break space."""
+    pieces = [f"number\N{NO-BREAK SPACE}{k} of many," for k in range(10)]
+    head, *lines, end = wrap_pieces("    call(", pieces, ")")
+    assert (head, end) == ("    call(", "    )")
+    assert " ".join(line.strip() for line in lines) == " ".join(pieces)
+    assert len(lines) == 2
+    assert all(line.startswith("        number") and len(line) <= 100 for line in lines)
