@@ -32,7 +32,7 @@ class Tableau:
     error_order: int
     stages: tuple[Stage, ...]  # stages 2 to s
     b: Weights  # weights of the solution at the end of the step
-    error: Weights  # weights of the error estimate, k_{s+1} included
+    error: Weights  # of the error estimate; that of k_{s+1} is 0 or missing where it has none
     dense_order: int
     # Weights of the rows F4, F5, ... of the dense output F0 + x (F1 + (1 - x) (F2 + x (F3 + ...)));
     # the first four rows are those of the cubic Hermite polynomial, which `()` is alone.

@@ -91,7 +91,9 @@ class Method:
     error: "Error"  # estimated, of the step over its tolerance, root mean square over q and v
     dense: "Step"  # fills the coefficient rows of the dense output; answers as `stages`
     propose: "Propose"  # ratio of the next step's length to that of the step just accepted
-    accepted: "Step"  # called after each accepted step; answers 1 where another method is due
+    # Called after each accepted step, after `propose`: Y0 and Y1 still hold both ends, t is the
+    # start. Answers 1 where another method is due.
+    accepted: "Step"
     restart: "Step"  # called where the motion goes on by other equations, or after another method
     # Evaluations of the right-hand side in `stages` and in `dense`, for the statistics. The first
     # is 0 in implicit methods, which count their own, and only in them.

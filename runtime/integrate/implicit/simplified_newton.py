@@ -80,9 +80,12 @@ def newton_iteration(
     cannot be completed or the iteration does not converge: after `most` iterations, or where the
     ratio of two changes' sizes is `slowest`. Of (context, t, scale), `evaluate` completes the
     iterate and writes its accelerations, or `FAILED`; of (context, scale), `improve` changes it by
-    a Newton step, whose size over the tolerance it returns. For stages that follow each other, as
-    those of DIRK methods, `solve` of `step_solver` calls one such function a stage: RATE then goes
-    on from stage to stage, and ITERATIONS is that of the last one; leave the largest for `propose`.
+    a Newton step, whose size over the tolerance it returns. On return the unknowns are one Newton
+    step ahead of the accelerations and dependent halves. For stages that follow each other, as
+    those of DIRK methods, `solve` of `step_solver` calls one such function, once a stage; keep the
+    stage's number in STEP_ORDER, and let `scale` be h. A later stage takes (z_i - Σ_{j<i} …)/(γ h)
+    as the slope of stage i, not the row that `evaluate` wrote. RATE goes on from stage to stage,
+    and ITERATIONS is that of the last one; leave the largest for `propose`.
     """
 
     @closure

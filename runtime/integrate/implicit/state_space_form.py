@@ -54,7 +54,8 @@ def list_unknowns(context: Context) -> int:
 def evaluate(context: Context, t: float, state: int, derivative: int) -> int:
     """Complete the state in row `state` by its dependent half, and write its accelerations.
 
-    Returns the iterations that took, or `FAILED`.
+    Fills the acceleration half of row `derivative` alone; the caller counts `rhs`. Returns the
+    iterations that took, or `FAILED`.
     """
     taken = 0
     if context.method_integers[mem.PARTITIONED] != 0:

@@ -5,13 +5,14 @@ from numba import njit
 
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.system import System
-from runtime.integrate.method import EXPLICIT, REGISTER
+from runtime.integrate.method import EXPLICIT, IMPLICIT, REGISTER
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from runtime.integrate.trajectory import Trajectory
 
-# Explicit methods that keep errors and steps as small as tests of accuracy bound them.
+# Methods that keep errors and steps as small as tests of accuracy bound them.
 ACCURATE = tuple(name for name in EXPLICIT if REGISTER[name].order >= 5)
+ACCURATE_IMPLICIT = tuple(name for name in IMPLICIT if REGISTER[name].order >= 5)
 
 
 def kernel(signature):
