@@ -58,13 +58,15 @@ _TEXT = {
         Switching conditions change ever faster, infinitely often in a finite time, with no rest.
 
         Look at the events before this time; let the effect come to rest (add damping, a clearance
-        or a hysteresis), or, if it represents a contact, declare a rigid one, whose bouncing ends.
+        or a hysteresis), or, if it represents a contact, declare a rigid one, whose bouncing ends;
+        of a rigid contact, look at what moves it, or give it stiffness=.
         """,
     Outcome.STEP_TOO_SMALL: """
         The tolerances require a step that the resolution of the clock does not permit.
 
         Loosen rtol, give atol a size that matters for the machine, or look for an effect that grows
-        without bound or jumps without a switching condition.
+        without bound, such as a negative or broken power at zero, or jumps without a switching
+        condition.
         """,
     Outcome.MAX_STEPS: """
         The permitted number of steps was used up.
@@ -74,10 +76,12 @@ _TEXT = {
         abruptly smoother.
         """,
     Outcome.NEWTON_FAILED: """
-        Newton's method did not return the state onto the constraints, however short the step.
+        Newton's method did not converge, however short the step: in the return onto the constraints
+        or, with an implicit method, in the step.
 
         Check that the mechanism can move on from here: a driver may require a position that the
-        joints do not permit.
+        joints do not permit. With radau5 or bdf, run dop853, which tells a force that is not
+        finite.
         """,
     Outcome.SINGULAR: """
         The constraints are no longer independent: the mechanism is in a singular position, or one

@@ -175,7 +175,9 @@ def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
         advice = ""  # the note has its own
     elif run.outcome is Outcome.SINGULAR and description.drivers:
         note = " A driver may ask for more than the joints permit; `kinematics` names the lock-up."
-    if run.outcome in {Outcome.SINGULAR, Outcome.NEWTON_FAILED} and run.statistics.steps == 0:
+    # An implicit step takes derivatives; it may fail for other reasons.
+    astray = run.outcome is Outcome.NEWTON_FAILED and run.statistics.jacobians == 0
+    if (run.outcome is Outcome.SINGULAR or astray) and run.statistics.steps == 0:
         fixed = ", ".join(row.name for row in description.start if row.role == "fixed")
         return (
             f"Stopped at t = {run.final_t:.9g} s{where}. The run starts in a singular position or "
