@@ -11,6 +11,8 @@ against rounding, and its error may be the larger of the two. Near the position,
 the constraints by projection: there no choice of independent coordinates is a good one.
 """
 
+from math import sqrt
+
 import numpy as np
 
 from runtime.core.array_types import Vector
@@ -149,24 +151,24 @@ class Crossings:
     def _cross(self) -> int:
         """Lay the step across from where the run stands."""
         r, motion, position = self.record, self._motion(), self.position
-        usual = self._usual_length()
+        usual, steps = self._usual_length(), self.steps
         assert position is not None
         again = self.positions.find_again(motion, position)
-        if again is None or again.gap > self.steps.rounding(motion.position):
+        if again is None or again.gap > steps.rounding(motion.position):
             r["plan"] = _FREE
             if self.tries >= _TRIES:
                 return _GOING
             return self._plan_crossing(position.t - motion.t)
         self.position = position = again
-        step = self.steps.best(position, usual, position.t - motion.t)
-        noisy = self.steps.noise(position) * step.h > abs(step.lead) ** 3
-        close = abs(step.lead) < self.steps.reach(position)
+        step, noise = steps.best(position, usual, position.t - motion.t), steps.noise(position)
+        noisy = noise * step.h > abs(step.lead) ** 3
+        close = abs(step.lead) < steps.reach(position)
         if noisy and close and not self._extrapolate(motion, position):
             return _SINGULAR
         self.step, self.before = step, self._start_state()
         r["plan"], r["length_across"] = _CROSSING, step.h
         r["permitted"] = 2.0 * step.method + _ALLOWANCE * (step.rounding + step.start)
-        blind = np.sqrt(self.steps.noise(position))
+        blind = sqrt(noise)
         r["blind_from"], r["blind_to"] = position.t - blind, position.t + blind
         return _GOING
 
@@ -176,10 +178,10 @@ class Crossings:
         error = float(r["error"])
         assert position is not None
         if r["t"] > position.t:
-            t, largest = self._instant(position), position.rows.max()
-            first = int(position.rows.argmax())
-            large = np.flatnonzero(position.rows > _LARGE * largest).tolist()
-            rows = (first, *(row for row in large if row != first))
+            t, shares = self._instant(position), position.rows.tolist()
+            largest = max(shares)
+            large = [row for row, share in enumerate(shares) if share > _LARGE * largest]
+            rows = tuple(sorted(large, key=lambda row: shares[row] < largest))
             # A position in which a run starts, or that lies before its start, is not passed in it.
             if t > self.began + self.steps.rounding(position.q) / position.speed:
                 self.passed.append(Crossing(t, rows, position.lost, position.direction, error))
