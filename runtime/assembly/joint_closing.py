@@ -61,8 +61,10 @@ def close(task: Task, start: FloatArray) -> Closing:
     """Close the joints from `start`; retries move only coordinates without a given start value."""
     best = _attempt(task, start)
     unknown = task.free & (task.weight < 1.0)
+    if best.closed or not unknown.any():
+        return best
     random = np.random.default_rng(1)
-    for _ in range(_RESTARTS if unknown.any() else 0):
+    for _ in range(_RESTARTS):
         if best.closed:
             break
         moved = start.copy()

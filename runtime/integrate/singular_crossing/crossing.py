@@ -62,13 +62,13 @@ class Crossings:
         self.position: Singularity | None = None
         self.step = cs.CrossingStep(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self.tries = 0
-        self.began = float(self.record["t"])
+        self.began, self.rtol = float(self.record["t"]), float(self.record["rtol"])
         self.before = self._start_state()
 
     @property
     def steps(self) -> cs.CrossingSteps:
         """The steps across that the present method can take."""
-        return cs.CrossingSteps(self.scale, float(self.record["rtol"]), self.state.method)
+        return cs.CrossingSteps(self.scale, self.rtol, self.state.method)
 
     # -- what the loop asks -------------------------------------------------------------------
 
@@ -120,7 +120,7 @@ class Crossings:
         r, motion = self.record, self._motion()
         position = self.positions.find(motion, s)
         self.tries = 0
-        usual = self._usual_length()
+        usual, steps = self._usual_length(), self.steps
         weak, r["weak"] = r["weak"], 0
         if position is None or not position.rate > 0.0:
             if weak >= WEAK_STATES:
@@ -128,14 +128,14 @@ class Crossings:
             # The step that was tried may be taken; the look at the next one is another.
             r["quiet"] = motion.t + max(0.5 * abs(s), 0.5 * usual, 1.001 * r["tried"])
             return _GOING
-        if position.gap > self.steps.rounding(motion.position):
+        if position.gap > steps.rounding(motion.position):
             return self._follow_miss(position)
         ahead = position.t - motion.t
-        if ahead < 0.0 and self.steps.noise(position) * usual < -(ahead**3):
+        if ahead < 0.0 and steps.noise(position) * usual < -(ahead**3):
             r["quiet"] = motion.t + usual  # it lies behind, and far enough
             return _GOING
         self.position = position
-        if self.handover.begin(self.steps, position, ahead, usual):
+        if self.handover.begin(steps, position, ahead, usual):
             return _GOING
         return _GOING if self._approach(position, ahead) else self._cross()
 
