@@ -65,11 +65,11 @@ def close(task: Task, start: FloatArray) -> Closing:
         return best
     random = np.random.default_rng(1)
     for _ in range(_RESTARTS):
-        if best.closed:
-            break
         moved = start.copy()
         moved[unknown] += random.normal(size=int(unknown.sum())) * task.scale[unknown]
         best = min(best, _attempt(task, moved), key=lambda closing: closing.gap)
+        if best.closed:
+            break
     return best
 
 
