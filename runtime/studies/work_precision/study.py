@@ -14,6 +14,7 @@ from codegen.errors import AnalysisError, InputError
 from runtime.integrate.method import METHODS
 from runtime.machine_facade import Machine
 from runtime.mechanism.module_tables import unknown
+from runtime.results.assembled_state import Assembly
 from runtime.studies import scene_loading, series_by_name
 from runtime.studies.series_by_name import FloatArray
 from runtime.studies.work_precision import diagram, reference_solution
@@ -96,12 +97,7 @@ def accuracy(
     machine = source.machine()
     names, instants, file = _comparison(machine, quantities, reference, t_start, t_end, points)
     others = _other_models(source, modelling, beside)
-    begin = machine.assemble(guess, parameters, t_start)
-    if begin.degrees_of_freedom == 0:
-        raise AnalysisError(
-            f"{machine.description.title}: drivers leave no freedom, so nothing is integrated, and "
-            "accuracy is that of Newton's method. Choose a scene that forces move."
-        )
+    begin = _assemble_with_freedom(machine, guess, parameters, t_start)
     runner = Runner(machine, begin, instants, dict(parameters or {}), float(limit), int(steps))
     progress(
         f"{runner.title}: at most {limit:g} s and {steps:g} steps per run, "
@@ -122,6 +118,20 @@ def accuracy(
         model_sha256=machine.description.sources[0][1] if machine.description.sources else "",
         artefact=hashlib.sha256(machine.path.read_bytes()).hexdigest(),
     )  # fmt: skip
+
+
+def _assemble_with_freedom(
+    machine: Machine, guess: Mapping[str, float] | None, parameters: Mapping[str, float] | None,
+    t: float,
+) -> Assembly:  # fmt: skip
+    """The assembled start of a motion; AnalysisError where drivers leave no freedom."""
+    begin = machine.assemble(guess, parameters, t)
+    if begin.degrees_of_freedom == 0:
+        raise AnalysisError(
+            f"{machine.description.title}: drivers leave no freedom, so nothing is integrated, and "
+            "accuracy is that of Newton's method. Choose a scene that forces move."
+        )
+    return begin
 
 
 def _comparison(
