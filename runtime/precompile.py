@@ -11,13 +11,11 @@ import sys
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from graphlib import TopologicalSorter
 from importlib import import_module
-from itertools import chain
 from multiprocessing import get_context
 from pathlib import Path
 
 from codegen.errors import InputError
 from runtime.core.jit import ROOMS
-from runtime.integrate import method as register
 from runtime.integrate.method import METHODS, REGISTER, find_method
 
 _PROCESSES = 4  # safety: each takes half a GB
@@ -68,22 +66,14 @@ def import_graph(methods: tuple[str, ...]) -> dict[str, set[str]]:
 
 
 def _imports(module: str) -> set[str]:
-    """Modules of the runtime that a module imports, and those of methods that it then loads."""
+    """Modules of the runtime that a module imports, and that of a method that it loads."""
     tree = ast.parse(_path(module).read_bytes())
     lines = [line for line in tree.body if isinstance(line, ast.ImportFrom) and line.module]
     names = {f"{line.module}.{alias.name}" for line in lines for alias in line.names}
     names |= {str(line.module) for line in lines}
     imported = {name for name in names if name.startswith("runtime.") and _path(name).is_file()}
-    assigned = [ast.walk(line) for line in tree.body if isinstance(line, ast.Assign)]
-    for node in chain.from_iterable(assigned):
-        if isinstance(node, ast.Call) and ast.unparse(node.func) == find_method.__name__:
-            (argument,) = node.args
-            if isinstance(argument, ast.Constant):
-                name = argument.value
-            else:  # a constant of the register
-                name = getattr(register, ast.unparse(argument))
-            imported.add(REGISTER[str(name)].module)
-    return imported
+    begins_with = REGISTER[_METHOD_OF[module]].begins_with if module in _METHOD_OF else ""
+    return imported | ({REGISTER[begins_with].module} if begins_with else set())
 
 
 def _path(module: str) -> Path:

@@ -29,6 +29,7 @@ class Registration(NamedTuple):
     family: str
     order: int  # power of the step's length with which the errors of a run fall
     implicit: bool = False  # whether it needs derivatives of the kernels, at times or throughout
+    begins_with: str = ""  # method that it loads with itself, and with which runs begin
 
 
 GENERATED = "generated.methods"
@@ -37,6 +38,9 @@ GENERATED = "generated.methods"
 RUNGE_KUTTA, COLLOCATION = "explicit Runge-Kutta", "collocation"
 MULTISTEP, SWITCHING = "multistep", "switching"
 
+LEADING = "dop853"
+"""The explicit method with which runs cross singular configurations, and "auto" begins."""
+
 REGISTER = {
     "dop853": Registration(f"{GENERATED}.dop853", RUNGE_KUTTA, 8),
     "dopri5": Registration(f"{GENERATED}.dopri5", RUNGE_KUTTA, 5),
@@ -44,7 +48,11 @@ REGISTER = {
     "radau5": Registration("runtime.integrate.implicit.radau5", COLLOCATION, 5, implicit=True),
     "bdf": Registration("runtime.integrate.implicit.bdf", MULTISTEP, 5, implicit=True),
     "auto": Registration(
-        "runtime.integrate.implicit.stiffness_switching", SWITCHING, 5, implicit=True
+        "runtime.integrate.implicit.stiffness_switching",
+        SWITCHING,
+        5,
+        implicit=True,
+        begins_with=LEADING,
     ),
 }
 METHODS = tuple(REGISTER)
@@ -53,9 +61,6 @@ METHODS = tuple(REGISTER)
 EXPLICIT = tuple(name for name, method in REGISTER.items() if not method.implicit)
 IMPLICIT = tuple(name for name, method in REGISTER.items() if method.implicit)
 """Those that need derivatives of the kernels, at times or throughout."""
-
-LEADING = "dop853"
-"""The explicit method with which runs cross singular configurations, and "auto" begins."""
 
 
 def alternatives(names: tuple[str, ...]) -> str:

@@ -6,7 +6,7 @@ import pytest
 from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.integrate.method import EXPLICIT
-from tests.hard.reading import changes, held
+from tests.hard.result_readings import changes, held
 from tests.runtime.integrate.systems import ACCURATE
 
 G = 9.81

@@ -10,7 +10,7 @@ from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.integrate.method import EXPLICIT
 from runtime.machine_facade import Machine
-from tests.hard.reading import changes, held
+from tests.hard.result_readings import changes, held
 
 G = 9.81
 

@@ -9,7 +9,7 @@ from codegen.errors import AnalysisError, InputError, ParameterError
 from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
-from tests.hard.reading import held
+from tests.hard.result_readings import held
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from models.hard.suite import guide
 from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.integrate.method import EXPLICIT
-from tests.hard.reading import held, work
+from tests.hard.result_readings import held, work
 from tests.runtime.integrate.systems import ACCURATE
 
 G = 9.81

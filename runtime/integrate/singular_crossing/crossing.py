@@ -94,7 +94,7 @@ class Crossings:
         position = self.positions.find(motion, 0.0)
         if position is None or position.gap > self.steps.rounding(q):
             return False
-        if position.astray > max(_ASTRAY, float(self.record["rtol"])):
+        if position.astray > max(_ASTRAY, self.rtol):
             self.note = (
                 f"The machine starts at, or too near to be told from it, a position in which its "
                 f"motions cross; its velocity is off them by {position.astray:.1e} of itself."
@@ -218,7 +218,7 @@ class Crossings:
         if ahead < width and self.steps.noise(position) > width**2:
             r["index"] = int(position.rows.argmax())
             # Twice the rtol at which both are equal.
-            needed = 2.0 * float(r["rtol"]) * self.steps.noise(position) / width**2
+            needed = 2.0 * self.rtol * self.steps.noise(position) / width**2
             self.note = (
                 f"At t = {position.t:.9g} s the machine misses a position in which its motions "
                 f"cross by {position.gap:.1e}, too little to be followed in rounded numbers with "

@@ -1,4 +1,4 @@
-"""What is wrong with a friction that sticks is said by name."""
+"""What is wrong with a friction, dry or in a joint, is said by name."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -47,6 +47,17 @@ Declare = Callable[[Model, object, object], object]
 @pytest.mark.parametrize(
     ("declare", "told"),
     [
+        (lambda m, g, p: m.friction("rub", g, -0.1, 1e-3),
+         "friction 'rub': the coefficient of friction is -0.1; give a number that is not negative"),
+        (lambda m, g, p: m.friction("rub", g, 0.1, 0), "the creep speed is 0; give a positive"),
+        (lambda m, g, p: m.friction("rub", p, 0.1, 1e-3), "revolute joint 'pin' needs radius="),
+        (lambda m, g, p: m.friction("rub", g, 0.1, 1e-3, radius=1), "'guide' has no pin"),
+        (lambda m, g, p: m.friction("rub", p, 0.1, 1e-3, radius=1, length=2), "no long bearing"),
+        (lambda m, g, p: m.friction("rub", 3, 0.1, 1e-3), "3 is no joint that rubs"),
+        (lambda m, g, p: m.friction("rub", p, None, 1e-3, radius=1),
+         "coefficient of friction 'rub' is missing"),
+        (lambda m, g, p: (m.friction("rub", g, 0.1, 1e-3), m.scene("s", ["rub"], without=[g])),
+         "effect 'rub' needs joint 'guide', which takes no part"),
         (lambda m, g, p: m.friction("rub", g, 0.3, static=0.2), "0.2 is below the kinetic one"),
         (lambda m, g, p: m.friction("rub", g, 0.3, 1e-3, static=0.4), "both static= and creep="),
         (lambda m, g, p: (m.friction("rub", g, 0.3, static=0.4),

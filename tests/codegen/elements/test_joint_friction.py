@@ -1,37 +1,17 @@
 """Friction from the joint's own reaction: against equations by hand, closed forms, and balances."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from codegen import Model, ModelError
-from codegen.driver import valid_scenes
+from codegen import Model
 from runtime import load
+from tests.codegen.elements.rubbing_slider_crank import BEARING, MU, RADIUS, rubbing_slider_crank
 from tests.codegen.workbench import A, Interpreted, State, python_functions
 
-MU, CREEP, RADIUS, BEARING = 0.3, 0.2, 0.15, 0.4
-
-
-def rubbing(count: int = 4) -> Model:
-    """A slider-crank with friction in up to four joints."""
-    model = Model("rubbing", gravity=(0, -9.81))
-    crank = model.body("crank", mass=2.0, inertia=0.4)
-    rod = model.body("rod", mass=3.0, inertia=0.5)
-    slider = model.body("slider", mass=1.0, inertia=0.1)
-    joints = [
-        model.translational("guide", model.ground, slider, axis=(1, 0)),
-        model.revolute("a", model.ground.at(0, 0), crank.at(0, 0)),
-        model.revolute("b", crank.at(0.5, 0), rod.at(-0.8, 0)),
-        model.revolute("c", rod.at(0.8, 0), slider.at(0.1, 0.2)),
-    ]
-    for k, joint in enumerate(joints[:count]):
-        size = {"length": BEARING} if k == 0 else {"radius": RADIUS}
-        model.friction(f"rub_{joint.name}", joint, MU, CREEP, **size)
-    model.torque("motor", crank, 60.0)
-    return model
+CREEP = 0.2
 
 
 def closed(seed: int, machine: Interpreted) -> State:
@@ -73,7 +53,7 @@ def by_hand(machine: Interpreted, s: State, lam: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_reactions_and_friction_agree_with_each_other(seed: int) -> None:
-    machine = Interpreted(rubbing())
+    machine = Interpreted(rubbing_slider_crank(CREEP))
     s = closed(seed, machine)
     assert_allclose(machine.vector("constraints", s), 0, atol=1e-13)
     a, lam = machine.solution(s)
@@ -86,7 +66,7 @@ def test_reactions_and_friction_agree_with_each_other(seed: int) -> None:
 
 
 def test_reported_friction_and_its_power_are_those_of_the_multipliers() -> None:
-    machine = Interpreted(rubbing())
+    machine = Interpreted(rubbing_slider_crank(CREEP))
     s = closed(1, machine)
     _, lam = machine.solution(s)
     told = machine.lowered.description
@@ -198,7 +178,7 @@ def test_flywheel_runs_down_by_coulombs_law(tmp_path: Path) -> None:
 
 
 def test_energy_falls_by_what_friction_takes(tmp_path: Path) -> None:
-    model = rubbing()
+    model = rubbing_slider_crank(CREEP)
     model.scene(
         "run", ["gravity", "motor", "rub_guide", "rub_a", "rub_b", "rub_c"],
         start={"crank.phi": 0.4, "crank.omega": 12.0}, guess={"slider.x": 2.0, "rod.x": 1.2},
@@ -229,35 +209,6 @@ def test_axes_of_a_guide_that_turns() -> None:
     across = push[3:5] @ A(phi) @ left
     drag = 0.3 * a[3:5] @ u
     assert_allclose(drag, -0.4 * abs(across) * np.tanh(speed / 1e-2), rtol=1e-11)
-
-
-Declare = Callable[[Model, object, object], object]
-
-
-@pytest.mark.parametrize(
-    ("declare", "told"),
-    [
-        (lambda m, g, p: m.friction("rub", g, -0.1, 1e-3),
-         "friction 'rub': the coefficient of friction is -0.1; give a number that is not negative"),
-        (lambda m, g, p: m.friction("rub", g, 0.1, 0), "the creep speed is 0; give a positive"),
-        (lambda m, g, p: m.friction("rub", p, 0.1, 1e-3), "revolute joint 'pin' needs radius="),
-        (lambda m, g, p: m.friction("rub", g, 0.1, 1e-3, radius=1), "'guide' has no pin"),
-        (lambda m, g, p: m.friction("rub", p, 0.1, 1e-3, radius=1, length=2), "no long bearing"),
-        (lambda m, g, p: m.friction("rub", 3, 0.1, 1e-3), "3 is no joint that rubs"),
-        (lambda m, g, p: m.friction("rub", p, None, 1e-3, radius=1),
-         "coefficient of friction 'rub' is missing"),
-        (lambda m, g, p: (m.friction("rub", g, 0.1, 1e-3), m.scene("s", ["rub"], without=[g])),
-         "effect 'rub' needs joint 'guide', which takes no part"),
-    ],
-)  # fmt: skip
-def test_what_is_wrong_is_said(declare: Declare, told: str) -> None:
-    model = Model("bad")
-    one, other = model.body("one", 1.0, 1.0), model.body("other", 1.0, 1.0)
-    guide = model.translational("guide", model.ground, one)
-    declare(model, guide, model.revolute("pin", one.at(0, 0), other))
-    with pytest.raises(ModelError) as caught:
-        valid_scenes(model, None)
-    assert told in str(caught.value)
 
 
 def test_parameters_of_friction_have_a_sign() -> None:

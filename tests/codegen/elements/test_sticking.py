@@ -8,10 +8,8 @@ from numpy.testing import assert_allclose
 
 from codegen import Model
 from tests.codegen.elements.hand.modes import hard, held, mixed, reported
+from tests.codegen.elements.rubbing_slider_crank import BEARING, MU, RADIUS, rubbing_slider_crank
 from tests.codegen.workbench import A, Interpreted, State
-
-MU, RADIUS, BEARING = 0.3, 0.15, 0.4
-
 
 # -- a block on a belt ---------------------------------------------------------------------
 
@@ -138,28 +136,9 @@ def test_condition_on_the_slip_leaves_the_friction_between_its_modes() -> None:
     assert machine.lowered.description.stiction == ()
 
 
-def rubbing() -> Model:
-    """A slider-crank with friction in all its joints."""
-    model = Model("rubbing", gravity=(0, -9.81))
-    crank = model.body("crank", mass=2.0, inertia=0.4)
-    rod = model.body("rod", mass=3.0, inertia=0.5)
-    slider = model.body("slider", mass=1.0, inertia=0.1)
-    joints = [
-        model.translational("guide", model.ground, slider, axis=(1, 0)),
-        model.revolute("a", model.ground.at(0, 0), crank.at(0, 0)),
-        model.revolute("b", crank.at(0.5, 0), rod.at(-0.8, 0)),
-        model.revolute("c", rod.at(0.8, 0), slider.at(0.1, 0.2)),
-    ]
-    for k, joint in enumerate(joints):
-        size = {"length": BEARING} if k == 0 else {"radius": RADIUS}
-        model.friction(f"rub_{joint.name}", joint, MU, **size)
-    model.torque("motor", crank, 60.0)
-    return model
-
-
 @pytest.mark.parametrize("modes", [(0, 0, 0, 0), (1, 1, 1, 1), (1, 0, 0, 1)])
 def test_friction_in_every_joint_agrees_with_its_reaction(modes: tuple[int, ...]) -> None:
-    machine = Interpreted(rubbing())
+    machine = Interpreted(rubbing_slider_crank())
     assert [s.kind for s in machine.equations.switches] == ["friction"] * 4
     phi = 0.8
     q = np.zeros(9)
