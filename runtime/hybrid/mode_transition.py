@@ -22,9 +22,7 @@ LOOK_AHEAD = 0.05  # measured: of a step; look-ahead in which modes are judged
 _BEGAN, _CEASED = int(Direction.BEGAN), int(Direction.CEASED)
 _HOLDS, _IMPACT = int(Direction.HOLDS), int(Direction.IMPACT)
 _FREE = 0.02  # measured: difference of the ratio of two flights in a row from that of free flights
-_SAME_BOUNCING = (
-    10.0  # measured: of the next flight; a longer one by the ratio is another bouncing's
-)
+_SAME_BOUNCING = 10.0  # measured: next flights by which the ratio may err within one bouncing
 _STILL = 1e-12  # accuracy: of the rate before an impact; slower contacts after it stay closed
 _CLOCK = 8.0 * EPS  # accuracy: of the time; difference of instants that the clock cannot resolve
 
