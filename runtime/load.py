@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from codegen import __version__
+from codegen import argument_readers as readers
 from codegen.errors import ModelFileError, SupersededError
 from codegen.generated_module_signature_and_import import check_signature, import_generated
 
@@ -23,6 +24,10 @@ _ATTEMPTS = 5
 _FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 
+@readers.reads(
+    model=readers.model, scene=readers.optional(readers.scene),
+    folder=readers.optional(readers.path),
+)  # fmt: skip
 def load(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     folder: str | os.PathLike[str] | None = None,
