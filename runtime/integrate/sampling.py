@@ -11,7 +11,7 @@ from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import PREDICTED, PROJECTION, SAMPLE, SIZE, Y1, row_of
 from runtime.linalg.vectors import copy_vector
 
-_BLIND = 4.0  # measured: rounding of a returned velocity near a singular position, over its estimate
+_BLIND = 4.0  # measured: rounding of velocities beside a singular position, over its estimate
 STEP_ENDS, QUADRATURE = 1, 2  # kinds of sampling besides given instants, 0
 _POINTS, WEIGHTS = np.polynomial.legendre.leggauss(5)
 NODES: tuple[float, ...] = tuple(float(x) for x in _POINTS)
