@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from codegen import argument_readers as readers
 from codegen.errors import AnalysisError, InputError
-from runtime.load import load
+from runtime.machine_loading import load
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
