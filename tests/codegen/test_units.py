@@ -84,7 +84,8 @@ def test_every_way_in_tells_them_apart() -> None:
         "damping of torsion spring 'coil'", r"table 'law', x[0]", "scene 'run', wheel.omega",
         "scene 'run', parameter 'rate'",
     ):  # fmt: skip
-        assert f"{where}: " in told and "counts" in told.split(f"{where}: ")[1].split("\n")[0]
+        (line,) = (line for line in told.splitlines() if line.startswith(f"{where}: "))
+        assert "counts" in line
 
 
 def test_units_of_sympy_are_refused_by_name() -> None:
@@ -95,8 +96,8 @@ def test_units_of_sympy_are_refused_by_name() -> None:
     model.scene("a", start={ball.x: 2 * of_sympy.m})
     told = problems_of(model)
     for line in (
-        "mass of particle 'ball': 5*kilogram is neither a number nor an expression, for kilogram "
-        "is a unit of SymPy; give a quantity of pint.",
+        "mass of particle 'ball': 5*kilogram is neither a number nor an expression",
+        "for kilogram is a unit of SymPy; give a quantity of pint.",
         "point of 's' on body 'ground': 3*millimeter is neither",
         "law of driver 'd': 3*radian*t is neither",
         "scene 'a', ball.x: 2*meter is not a number",
@@ -112,7 +113,7 @@ def test_a_zero_is_a_zero(zero: Any) -> None:
     model.spring("line", model.ground.at(zero, 1), bead.at(zero, zero), 5.0, free_length=zero)
     assert len(valid_scenes(model, None)) == 1
     plate, wheel = (model.body(name, mass=1.0, inertia=1.0) for name in ("plate", "wheel"))
-    model.spring("idle", plate, wheel, actuator=zero * (u.N / u.m if u.is_compatible_with(zero, "m") else 1))
+    model.spring("idle", plate, wheel, 0.0, free_length=zero, damping=0.0)
     model.translational("guide", model.ground, plate, axis=(zero, zero))
     model.gear("mesh", plate, wheel, zero, 1.0)
     told = problems_of(model)

@@ -16,7 +16,7 @@ from numpy.testing import assert_allclose
 from codegen import Model, ModelError, t
 from codegen.declare.body import Body, Point
 from codegen.driver import valid_scenes
-from tests.codegen.workbench import Interpreted, State, along, complex_step, library_kinds
+from tests.codegen.workbench import Interpreted, along, complex_step, library_kinds
 
 EXACT = {"rtol": 1e-10, "atol": 1e-11}
 K, C, FREE, AXIS, DEPTH = 3.0, 0.7, 0.4, np.array([0.6, 0.8]), 5.0
