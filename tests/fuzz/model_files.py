@@ -79,7 +79,6 @@ ODD_FILES: dict[str, bytes | str] = {
     "deep.py": "x = " + "(" * 500 + ")" * 500,
     "returns.py": SOUND.replace("\n", "\r\n"),
     "replaces.py": SOUND + "model = Model\n",
-    "scenes.py": SOUND + "model.scenes['x'] = 7\n",
 }
 
 
