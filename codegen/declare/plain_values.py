@@ -106,7 +106,9 @@ def plain_expression(value: Any) -> sympy.Expr:
     if isinstance(value, sympy.Expr):
         if value.is_Matrix or (not value.is_commutative and value.is_commutative is not None):
             raise KindError
-        return value
+        if units := [a for a in value.atoms(sympy.AtomicExpr) if hasattr(a, "scale_factor")]:
+            raise KindError(f"{units[0]} is a unit of SymPy; give a quantity of pint")
+        return sympy.S.Zero if value.is_Float and value.is_zero else value
     number = plain_number(value)
     if number == 0:
         return sympy.S.Zero  # also 0.0, which SymPy tells from 0

@@ -162,7 +162,8 @@ class Declarations:
         where = f"point of '{name}' on body '{point.body.name}'"
         before = self.problems
         sx, sy = (self._read.value(s, "m", where) for s in (point.sx, point.sy))
-        if not (point.body.turns or (sx.is_zero and sy.is_zero)):
+        self._note_speeds(where, sx, sy)
+        if not (point.body.turns or sx == sy == 0):
             if self.problems == before:  # else the place is not the modeller's
                 self._note(
                     f"{where} is ({sx}, {sy}) m off it, and a particle has no extent; write "
@@ -170,6 +171,14 @@ class Declarations:
                 )
             sx = sy = sympy.S.Zero
         return Point(point.body, sx, sy)
+
+    def _note_speeds(self, where: str, *place: sympy.Expr) -> None:
+        """Note the velocities on which a place depends."""
+        for speed in sy.kinds(sympy.Tuple(*place), sy.Velocity):
+            self._note(
+                f"{where} depends on the velocity {speed.name}; a place is an expression of t, "
+                "coordinates and parameters."
+            )
 
     def _body(self, where: str, body: Any, advice: str) -> Body:
         """A body, where a point means nothing."""
