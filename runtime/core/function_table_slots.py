@@ -20,6 +20,8 @@ NONZEROS = TABLE.number("nonzeros")  # structural, of the Jacobian
 PARAMETER_COUNT = TABLE.number("parameter_count")  # derived constants included
 RIGID_COUNT = TABLE.number("rigid_count")  # rigid contacts
 REACTION_ROWS = TABLE.number("reaction_rows")
+POWER_OF_MULTIPLIERS = TABLE.number("power_of_multipliers")  # 1: powers depend on them
+POWER_ROWS = TABLE.number("power_row_count")  # works that are outputs included
 LOOPS = TABLE.number("loops")  # that kernels close in closed form
 PLAN_SIZE = TABLE.number("plan_size")  # of the elimination
 WORKSPACE_SIZE = TABLE.number("workspace_size")
@@ -72,6 +74,7 @@ FRICTION_MARGIN = f8(integers, f8, vector, vector, i8)  # context t q v k
 MARGINS = none(integers, f8, i8, i8)  # context t state slot
 VANISHING = f8(integers, f8, f8, i8)  # context t h state
 GUARD_BRANCHES = i8(integers, f8, f8)  # context t h
+BALANCE = i8(integers)  # context; 1: energy is not balanced
 correct_of = TABLE.function("correct", CORRECT)
 trial_step_of = TABLE.function("trial_step", TRIAL_STEP)
 repartition_of = TABLE.function("repartition", REPARTITION)
@@ -91,6 +94,8 @@ friction_margin_of = TABLE.function("friction_margin", FRICTION_MARGIN)
 margins_of = TABLE.function("margins", MARGINS)
 vanishing_of = TABLE.function("vanishing", VANISHING)
 guard_branches_of = TABLE.function("guard_branches", GUARD_BRANCHES)
+balance_step_of = TABLE.function("balance_step", BALANCE)
+balance_event_of = TABLE.function("balance_event", BALANCE)
 
 # The run: see `workspace_rows` for the rows of the first two.
 TABLE.floats("workspace", WORKSPACE_SIZE)
@@ -98,6 +103,7 @@ TABLE.floats("switching_rows", SWITCHING_SIZE)
 TABLE.floats("parameters", PARAMETER_COUNT, allotted=False)
 TABLE.integers("modes", SWITCHES)
 TABLE.floats("multipliers", CONSTRAINT_COUNT)
+TABLE.floats("power_values", POWER_ROWS)
 RECORD = TABLE.number("record")  # address of the run's record, see `loop_record`
 TABLE.floats("settings", (2, None))  # length of the step, Baumgarte's time, s
 TABLE.floats("method_floats", METHOD_FLOATS_SIZE)  # of the method

@@ -48,6 +48,13 @@ _FLOATS += [
     "reach",  # its length without the event
     "next_length",  # of the step after it
     "foresight",  # change of the coordinates, in their sizes, over which one is looked for
+    "energy",  # T + V at the start of the next step, J; NaN: not known
+    "potential",  # V of it
+    "power",  # of all effects and drivers there, W
+    "scatter",  # error of the energy that the tolerances permit, at the last look at its balance
+    "usual_part",  # of the exchanged energy, which the trapezoidal rule left open lately
+    "unexplained",  # change of the energy less the work of all effects and drivers, J
+    "explained",  # that work
     "lent_until",  # instant from which a method that was lent is not needed
 ]
 _INTEGERS = ["stage_calls", "dense_rows", "dense_calls", "max_steps", "max_events"]
@@ -87,6 +94,10 @@ _INTEGERS += [
     "dense_ready",  # 1: its dense output is there
     "changed",  # events that were logged at its end
     "due",  # 1: another method is due
+    "power_rows",  # of the powers that change the energy; -1: its balance is not known
+    "potential_moves",  # 1: the potential depends on the time
+    "balances",  # looks at the balance of energy that were due
+    "balance_rhs",  # calls of `accelerations` for it
     "plan",  # about a singular position, a `Plan`
 ]
 

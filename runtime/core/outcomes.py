@@ -27,7 +27,7 @@ class Outcome(IntEnum):
     @property
     def of_switch(self) -> bool:
         """Whether it concerns a switching condition, and no constraint."""
-        return self in {Outcome.INCONSISTENT, Outcome.ZENO}
+        return self in {Outcome.INCONSISTENT, Outcome.ZENO, Outcome.CONTRADICTED}
 
     @property
     def meaning(self) -> str:
@@ -122,10 +122,10 @@ _TEXT = {
         a motion of which only constraints, energy and means are right.
         """,
     Outcome.CONTRADICTED: """
-        The run reached its end, but a check of its results contradicts them.
+        A check of the results contradicts the run.
 
         Do not rely on what comes after the instant that is named. Take smaller tolerances or
-        correction="step"; where the energy is not balanced, look for a potential or a law of motion
+        correction="step"; where energy is not balanced, look for a potential or a law of motion
         that jumps there.
         """,
 }

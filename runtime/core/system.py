@@ -18,6 +18,11 @@ class System(Kernels):
     rigid: tuple[int, ...] = ()  # switching functions that are gaps of rigid contacts
     sticking: tuple[int, ...] = ()  # switching functions that are slips of frictions that stick
     reaction_rows: int = 0
+    power_rows: int = 0
+    # of the first of these rows, the powers that change kinetic and potential energy; -1: not all
+    # of these are computed
+    balanced_rows: int = -1
+    powers_of_multipliers: bool = False  # whether any of them depends on multipliers
     # (switching function, row of the force, row of what it may be) of frictions whose pressing
     # force depends on them
     limits: tuple[tuple[int, int, int], ...] = ()

@@ -95,6 +95,7 @@ def _result(
         "jacobians": counts.jacobians,
         "factorizations": counts.factorizations,
         "dense_outputs": counts.dense_outputs,
+        "balance_rhs": counts.balance_rhs,
         "repartitions": counts.repartitions,
         "events": counts.events,
         "method_changes": len(run.methods) - 1,

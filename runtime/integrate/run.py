@@ -171,6 +171,7 @@ class Run:
                         handler.interrupted = True
                 if code == _LOOK:
                     code = self.crossings.decide()
+                    record["energy"] = np.nan
                 if handler.interrupted and code == _GOING:
                     code = Outcome.INTERRUPTED
         return self._result(Outcome(code), time.thread_time() - began)
@@ -185,6 +186,8 @@ class Run:
         note = self.crossings.note or self._search_note(outcome)
         if not note and outcome is Outcome.SINGULAR and int(r["index"]) in state.system.loop_rows:
             note = DEAD_CENTRE_NOTE.format(float(r["turn"]))
+        if outcome is Outcome.CONTRADICTED:
+            note = self._energy_note()
         t, y, modes = self.recording.samples()
         counts = {name: int(r[name]) for name in _COUNTS}
         return Trajectory(
@@ -205,6 +208,17 @@ class Run:
             methods=tuple((t, LEADING if name == "auto" else name) for t, name in state.methods),
             crossings=tuple(self.crossings.passed),
             note=note,
+        )
+
+    def _energy_note(self) -> str:
+        """How the energy changes, and what explains of it."""
+        r = self.state.record
+        change, work = float(r["unexplained"] + r["explained"]), float(r["explained"])
+        if r["index"] >= 0:
+            return f"The potential energy jumps there by {change:.6g} J, which no force explains."
+        return (
+            f"Up to t = {r['end']:.9g} s the energy changes by {change:.6g} J, and the work of "
+            f"effects and drivers is {work:.6g} J."
         )
 
     def _search_note(self, outcome: Outcome) -> str:

@@ -29,6 +29,7 @@ _CORRECTING = {
     "baumgarte": ConstraintReturn.NEVER,
     "hybrid": ConstraintReturn.IF_DRIFTED,
 }
+_KEEPING = ("step", "stage", "projection")  # returns onto the constraints
 
 
 class RunState:
@@ -83,6 +84,10 @@ class RunState:
         r["every_step"] = STEP_ENDS if options.t_eval is None else 0
         if options.quadrature:
             r["every_step"] = QUADRATURE
+        # Stabilised constraints, and steps without control of their error, keep no energy.
+        keeps = options.fixed_step is None and options.correction in _KEEPING
+        r["power_rows"] = self.system.balanced_rows if keeps else -1
+        r["energy"], r["balances"] = np.nan, 1
         r["growth_limit"] = r["ratio_limit"] = GROWTH_LIMIT
         r["event_span"] = np.inf
         r["index"] = -1

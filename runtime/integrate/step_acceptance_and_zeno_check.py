@@ -31,6 +31,8 @@ def accept_step(context: Context) -> int:
     r.due = r.changed = 0
     h = r.length
     if h > 0.0:
+        if r.power_rows >= 0 and ft.balance_step_of(context)(context) != 0:
+            return Outcome.CONTRADICTED
         if ft.emit_of(context)(context, r.t, r.end, h, r.dense_ready) < 0:
             return reject(context, _NEWTON_FAILED, 0.5 * h)
         r.steps += 1
@@ -47,6 +49,9 @@ def accept_step(context: Context) -> int:
     if r.crossing >= 0:
         r.changed = ft.transition_of(context)(context, r.crossing, r.end, r.next_length)
         r.rhs += 1
+        if r.power_rows >= 0 and ft.balance_event_of(context)(context) != 0:
+            r.index = r.crossing
+            return Outcome.CONTRADICTED
     copy_end(context, 1, 0)
     return Signal.PROCEED
 

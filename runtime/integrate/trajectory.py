@@ -24,6 +24,7 @@ class Statistics:
     dense_outputs: int  # steps whose dense output was needed
     repartitions: int  # changes of the independent coordinates
     events: int  # changes of modes
+    balance_rhs: int  # calls of `accelerations` by the check of the energy's balance
     largest_dq: float  # largest change of a coordinate by which a step was corrected
     seconds: float  # processor time of the thread
 

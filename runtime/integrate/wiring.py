@@ -24,7 +24,7 @@ from runtime.hybrid import (
     rhs_with_sliding_or_stabilization,
     switching_values_and_margins,
 )
-from runtime.integrate import sampling, step, step_control
+from runtime.integrate import energy_balance, sampling, step, step_control
 from runtime.integrate.method import find_method
 from runtime.linalg.symbolic_elimination_and_replay import plan_capacity
 from runtime.singularity.prediction import predict_vanishing_pivot
@@ -32,7 +32,7 @@ from runtime.singularity.prediction import predict_vanishing_pivot
 METHOD_SLOTS = slice(ft.TABLE.slots["stages"], ft.TABLE.slots["correct"])
 """Slots of the method's functions."""
 
-_LOOP_SLOTS = slice(METHOD_SLOTS.stop, ft.TABLE.slots["guard_branches"] + 1)
+_LOOP_SLOTS = slice(METHOD_SLOTS.stop, ft.TABLE.slots["balance_event"] + 1)
 _LOOP_PARTS = list(ft.TABLE.slots)[_LOOP_SLOTS]
 
 
@@ -66,6 +66,8 @@ def _loop() -> Integers:
         "margins": switching_values_and_margins.write_margins,
         "vanishing": predict_vanishing_pivot,
         "guard_branches": loop_branch_guard.guard_branches,
+        "balance_step": energy_balance.balance_step,
+        "balance_event": energy_balance.balance_event,
     }
     return addresses(parts[name] for name in _LOOP_PARTS)
 
@@ -98,6 +100,8 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         ft.PARAMETER_COUNT: p.size,
         ft.RIGID_COUNT: len(system.rigid),
         ft.REACTION_ROWS: system.reaction_rows,
+        ft.POWER_ROWS: system.power_rows,
+        ft.POWER_OF_MULTIPLIERS: int(system.powers_of_multipliers),
         ft.LOOPS: loops,
         ft.PLAN_SIZE: plan_capacity(m, nonzeros),
         ft.WORKSPACE_SIZE: 2 * n * ws.ROWS,

@@ -61,6 +61,9 @@ class Mechanism:
         return replace(
             common_system(description, kernels, rows, columns, n, m),
             reaction_rows=len(description.reactions),
+            power_rows=len(description.powers),
+            balanced_rows=description.balanced_rows,
+            powers_of_multipliers=_depend_on_multipliers(description, kernels),
             limits=description.friction_limits,
             stiction=tuple((k, parameters + i) for i, k in enumerate(description.stiction)),
             independent=self.independent,
@@ -85,3 +88,18 @@ class Mechanism:
     def has_companion(self, kind: Kind) -> bool:
         """Whether a companion of the generated module, "tangents" or "reduced", is built."""
         return kind in self.__dict__ or has_companion(self.origin, kind)
+
+
+def _depend_on_multipliers(description: Description, kernels: Kernels) -> bool:
+    """Whether a power follows from a reaction: of a driver, of a friction that slides."""
+    n, m, table = len(description.coordinates), len(description.constraints), description.parameters
+    if not (m and description.powers):
+        return False
+    p = np.zeros(len(table) + len(description.constants))
+    p[: len(table)] = [row.default for row in table]
+    kernels.constants(p)
+    q, v, modes = np.full(n, 0.7), np.linspace(1.0, 2.0, n), np.ones(len(description.switches), int)
+    without, given = np.zeros((2, len(description.powers)))
+    kernels.powers(0.3, q, v, p, modes, np.zeros(m), without)
+    kernels.powers(0.3, q, v, p, modes, np.linspace(1.0, 2.0, m), given)
+    return not np.array_equal(without, given)

@@ -231,6 +231,13 @@ class Description(NamedTuple):
         return {row.name[len("work(") : -1]: k for k, row in rows if row.kind == "work"}
 
     @property
+    def balanced_rows(self) -> int:
+        """Number of the first powers, which with the energies make a balance; -1: not all."""
+        outputs = self.outputs
+        known = outputs is None or {"energy", "powers"} <= {*outputs}
+        return len(self.powers) - len(self.work_rows) if known and self.has_masses else -1
+
+    @property
     def driver_rows(self) -> npt.NDArray[np.bool_]:
         """True for constraints of drivers, shape (m,)."""
         return np.array([row.element in self.drivers for row in self.constraints], dtype=np.bool_)

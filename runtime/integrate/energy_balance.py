@@ -1,0 +1,179 @@
+"""Balance of energy in a run: the work of each step explains the change of energy in it.
+
+    Δ(T + V) = ∫ (Σ powers + ∂V/∂t) dt
+
+Powers are those of effects without a potential, of drivers and of constraints that move. At the end
+of every step the trapezoidal rule tells what it can. Where it leaves a larger part of the exchanged
+energy unexplained than it has lately in steps that were right, and in a few steps of every run, the
+work is integrated by Gauss' rule over the dense output, and compared with what the tolerances
+permit: more than that ends the run. At an event the pieces of the potential have to meet.
+
+Nothing is said of steps in sliding modes, near singular positions, or without control of the error.
+"""
+
+import numpy as np
+
+from runtime.core import function_table_slots as ft
+from runtime.core import kernel_abi as abi
+from runtime.core import workspace_rows as ws
+from runtime.core.array_types import Context
+from runtime.core.dense_output import interpolate
+from runtime.core.jit import addressed, inner
+from runtime.core.loop_record import Plan, run_record
+from runtime.integrate.sampling import NODES, WEIGHTS
+
+RULE = tuple(float(weight) for weight in WEIGHTS)
+# Formula: the rule of third order on the first, the third and the fifth of Gauss' nodes.
+OUTER = 1.0 / (3.0 * NODES[4] ** 2)
+INNER = 2.0 - 2.0 * OUTER
+
+_ERRORS = 50.0  # measured: tolerances of a step by which its energy may err
+_PART = 1e-3  # safety: of the energy that a step exchanges, which need not be explained
+_MEET = 1e-9  # accuracy: of the energy, to which the pieces of a potential meet
+_ROUGH = 0.05  # measured: of the exchanged energy, which the trapezoidal rule leaves open
+_MORE = 4.0  # measured: growth of that part after which it is looked at
+_FORGET = 0.98  # measured: part of it that the next step remembers: one look in 70 steps
+_SELDOM = 60  # measured: steps up to the first look in any case; the k-th comes after k² times that
+_ROUNDING = 1e-13  # accuracy: of an energy; rounding of the sums that it is made of
+_SHORT = 1.0 / 64.0  # measured: of a step, over which ∂V/∂t is a difference
+
+
+@inner
+def evaluate_power(context: Context, t: float, row: int, known: bool, forward: float) -> float:
+    """Σ powers + ∂V/∂t of the state in a row of the workspace, W.
+
+    `known` says that the multipliers are those of this state; `forward`, of either sign, is the
+    time over which ∂V/∂t is taken.
+    """
+    r, p, modes = run_record(context), context.parameters, context.modes
+    q, v = ws.positions(context, row), ws.velocities(context, row)
+    lam, total = context.multipliers, 0.0
+    if r.power_rows > 0:
+        if not known and context[ft.POWER_OF_MULTIPLIERS] != 0:
+            lam = context.base_multipliers
+            abi.accelerations_of(context)(t, q, v, p, modes, context.second_scratch, lam)
+            r.balance_rhs += 1
+        abi.powers_of(context)(t, q, v, p, modes, lam, context.power_values)
+        for i in range(r.power_rows):
+            total += context.power_values[i]
+    if r.potential_moves != 0:
+        potential = abi.potential_of(context)
+        now = potential(t, q, p, modes)
+        total += (potential(t + forward, q, p, modes) - now) / forward
+    return total
+
+
+@inner
+def permit_error(context: Context, t: float, row: int) -> float:
+    """By how much the tolerances permit the energy of a state to err, J."""
+    r, p, n = run_record(context), context.parameters, context[ft.COORDINATES]
+    q, v = ws.positions(context, row), ws.velocities(context, row)
+    atol, kinetic = ws.row_of(context, ws.ATOL), abi.kinetic_energy_of(context)
+    errors, gradient = ws.first_half(context, ws.DELTA), ws.second_half(context, ws.DELTA)
+    for j in range(n):
+        errors[j] = atol[n + j] + r.rtol * abs(v[j])
+    # Schwarz' inequality in the metric of the masses
+    energy, least = kinetic(q, v, p), kinetic(q, errors, p)
+    error = 2.0 * np.sqrt(abs(energy * least)) + least
+    abi.potential_gradient_of(context)(t, q, p, context.modes, gradient)
+    for j in range(n):
+        error += abs(gradient[j]) * (atol[j] + r.rtol * abs(q[j]))
+    return float(_ERRORS * error + _ROUNDING * energy)
+
+
+@inner
+def integrate_power(context: Context, t: float, h: float) -> tuple[float, float, float]:
+    """Work over the step by its dense output, how rough that is, and what was exchanged, J."""
+    r = run_record(context)
+    work, rough, size = 0.0, 0.0, 0.0
+    if r.power_rows == 0 and r.potential_moves == 0:
+        return work, rough, size
+    ft.dense_of(context)(context, t, h)
+    r.balance_rhs += r.dense_calls
+    for i in range(5):
+        node = NODES[i]
+        x = 0.5 * (1.0 + node)
+        interpolate(context, r.dense_rows, x, ws.SAMPLE)
+        power = evaluate_power(context, t + x * h, ws.SAMPLE, False, _SHORT * h)
+        work += RULE[i] * power
+        size += RULE[i] * abs(power)
+        if i == 2:
+            rough += INNER * power
+        elif i % 2 == 0:
+            rough += OUTER * power
+    return 0.5 * h * work, 0.5 * h * abs(work - rough), 0.5 * h * size
+
+
+@inner
+def start_balance(context: Context, t: float, row: int, h: float) -> None:
+    """Energy and power of the state in a row of the workspace, from which a step begins."""
+    r = run_record(context)
+    q, v = ws.positions(context, row), ws.velocities(context, row)
+    r.potential = abi.potential_of(context)(t, q, context.parameters, context.modes)
+    r.energy = abi.kinetic_energy_of(context)(q, v, context.parameters) + r.potential
+    r.power = evaluate_power(context, t, row, False, _SHORT * h)
+    r.scatter = permit_error(context, t, row)
+
+
+@inner
+def is_explained(context: Context, t: float, h: float, change: float) -> bool:
+    """Whether the work over the step is its change of energy, as well as the run can tell."""
+    r = run_record(context)
+    work, rough, size = integrate_power(context, t, h)
+    r.scatter = max(permit_error(context, t, ws.Y0), permit_error(context, r.end, ws.Y1))
+    r.unexplained, r.explained = change - work, work
+    rounding = _ROUNDING * (abs(r.potential) + abs(change))
+    permitted = r.scatter + rounding + rough + _PART * (size + abs(change))
+    return not abs(change - work) > permitted
+
+
+@addressed(ft.BALANCE)
+def balance_step(context: Context) -> int:
+    """1 where the step that is about to be accepted breaks the balance of energy, else 0.
+
+    `run.explained` is the work then, and `run.unexplained` the change of energy less that.
+    """
+    r = run_record(context)
+    t, t1, h = r.t, r.end, r.length
+    if context[ft.SLIDING_COUNT] != 0 or r.plan != Plan.FREE or r.planned != 0:
+        r.energy = np.nan
+        return 0
+    if np.isnan(r.energy):
+        start_balance(context, t, ws.Y0, h)
+    p, modes = context.parameters, context.modes
+    known = r.dense_ready == 0
+    potential = abi.potential_of(context)(t1, context.q1, p, modes)
+    energy = abi.kinetic_energy_of(context)(context.q1, context.v1, p) + potential
+    power = evaluate_power(context, t1, ws.Y1, known, -_SHORT * h)
+    change, broken = energy - r.energy, 0
+    left = abs(change - 0.5 * h * (r.power + power))
+    exchanged = 0.5 * h * (abs(r.power) + abs(power)) + r.scatter
+    r.usual_part *= _FORGET
+    due = r.balances * r.balances * _SELDOM <= r.steps
+    if left > max(_ROUGH, _MORE * r.usual_part) * exchanged or due:
+        r.balances += 1 if due else 0
+        if r.potential_moves == 0 and (
+            abi.potential_of(context)(t, context.q1, p, modes) != potential
+        ):
+            r.potential_moves = 1
+            power = evaluate_power(context, t1, ws.Y1, False, -_SHORT * h)
+        broken = 0 if is_explained(context, t, h, change) else 1
+        r.usual_part = max(r.usual_part, left / max(exchanged, 1e-300))
+    r.energy, r.power, r.potential = energy, power, potential
+    return broken
+
+
+@addressed(ft.BALANCE)
+def balance_event(context: Context) -> int:
+    """1 where the potential jumps at an event, to the modes that Y1 has now, else 0."""
+    r = run_record(context)
+    energy, before = r.energy, r.potential
+    r.energy = np.nan  # velocities and forces are others from here on
+    if context[ft.SLIDING_COUNT] != 0 or np.isnan(energy):
+        return 0
+    now = abi.potential_of(context)(r.end, context.q1, context.parameters, context.modes)
+    bound = _MEET * (abs(energy - before) + abs(now) + abs(before))
+    if not abs(now - before) > bound:
+        return 0
+    r.unexplained, r.explained = now - before, 0.0
+    return 1 if abs(now - before) > bound + permit_error(context, r.end, ws.Y1) else 0

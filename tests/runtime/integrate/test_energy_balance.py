@@ -1,0 +1,136 @@
+"""The work of each step explains its change of energy, or the run ends by name."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+
+from runtime import load
+from runtime.core.kernel_abi import SIGNATURES
+from runtime.core.outcomes import Outcome
+from runtime.machine_facade import Machine
+
+SCENES = ("loaded", "swinging")
+
+
+@pytest.fixture(scope="module")
+def machines(workshop: Path) -> dict[str, Machine]:
+    """The scenes of `unbalanced.py`."""
+    file = Path(__file__).with_name("unbalanced.py")
+    return {scene: load(file, scene, folder=workshop) for scene in SCENES}
+
+
+def changed(machine: Machine, kernel: str, make: Callable[[Any], Any]) -> Machine:
+    """The machine with another kernel, made from its own."""
+    kernels = machine.mechanism.kernels
+    wrong = numba.njit(SIGNATURES[kernel], error_model="numpy")(make(getattr(kernels, kernel)))
+    return Machine(replace(machine.mechanism, kernels=replace(kernels, **{kernel: wrong})))
+
+
+def negative(potential: Any) -> Any:
+    """The sign of all forces with a potential is wrong."""
+    return lambda t, q, p, modes: -potential(t, q, p, modes)
+
+
+def stepped(potential: Any) -> Any:
+    """The potential jumps by 5 J, and exerts nothing there."""
+    return lambda t, q, p, modes: potential(t, q, p, modes) + (5.0 if q[0] > 0.2 else 0.0)
+
+
+def gauged(potential: Any) -> Any:
+    """The potential changes in time alone, which no force sees and ∂V/∂t explains."""
+    return lambda t, q, p, modes: potential(t, q, p, modes) + 20.0 * np.sin(2.0 * t)
+
+
+def heavier(kinetic: Any) -> Any:
+    """A body has two per cent more mass in its energy than in its motion."""
+    return lambda q, v, p: 1.02 * kinetic(q, v, p)
+
+
+def without(row: int) -> Callable[[Any], Any]:
+    """The power of one effect or driver is left out."""
+
+    def make(powers: Any) -> Any:
+        def less(t: Any, q: Any, v: Any, p: Any, modes: Any, lam: Any, out: Any) -> None:
+            powers(t, q, v, p, modes, lam, out)
+            out[row] = 0.0
+
+        return less
+
+    return make
+
+
+def reversed_sign(powers: Any) -> Any:
+    """All powers have the wrong sign."""
+
+    def opposite(t: Any, q: Any, v: Any, p: Any, modes: Any, lam: Any, out: Any) -> None:
+        powers(t, q, v, p, modes, lam, out)
+        for i in range(len(out)):
+            out[i] = -out[i]
+
+    return opposite
+
+
+WRONG = [
+    ("loaded", "potential", negative),
+    ("loaded", "potential", stepped),
+    ("loaded", "kinetic_energy", heavier),
+    ("loaded", "powers", reversed_sign),
+    ("loaded", "powers", without(0)),
+    ("loaded", "powers", without(1)),
+    ("swinging", "potential", negative),
+    ("swinging", "powers", reversed_sign),
+    ("swinging", "powers", without(1)),
+]
+
+
+@pytest.mark.parametrize(("scene", "kernel", "make"), WRONG)
+@pytest.mark.parametrize("method", ["dop853", "dopri5"])
+def test_wrong_energy_ends_the_run(
+    machines: dict[str, Machine], scene: str, kernel: str, make: Callable[[Any], Any], method: str
+) -> None:
+    machine = changed(machines[scene], kernel, make)
+    # Few samples hide nothing: each step is looked at.
+    run = machine.simulate(5.0, [0.0, 5.0], rtol=1e-8, method=method)
+    assert run.outcome is Outcome.CONTRADICTED
+    assert "energy changes by" in run.message
+    assert run.t[-1] < 5.0
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("method", ["dop853", "dopri5", "tsit5", "bdf", "radau5"])
+@pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-7, 1e-11])
+def test_right_energy_is_never_contradicted(
+    machines: dict[str, Machine], scene: str, method: str, rtol: float
+) -> None:
+    run = machines[scene].simulate(5.0, rtol=rtol, method=method)
+    assert run.outcome is Outcome.OK
+
+
+@pytest.mark.parametrize("method", ["dop853", "dopri5"])
+def test_potential_that_changes_in_time_is_explained(
+    machines: dict[str, Machine], method: str
+) -> None:
+    run = changed(machines["loaded"], "potential", gauged).simulate(5.0, method=method)
+    assert run.outcome is Outcome.OK
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_looks_cost_two_per_cent_of_the_evaluations(
+    machines: dict[str, Machine], scene: str
+) -> None:
+    stats = machines[scene].simulate(60.0, [0.0, 60.0], rtol=1e-9).stats
+    assert stats["balance_rhs"] <= 0.02 * stats["rhs_evaluations"] + 30
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_checks_change_no_number(machines: dict[str, Machine], scene: str) -> None:
+    plain = Machine(replace(machines[scene].mechanism))
+    plain.mechanism.__dict__["system"] = replace(plain.mechanism.system, balanced_rows=-1)
+    runs = [machine.simulate(5.0) for machine in (machines[scene], plain)]
+    np.testing.assert_array_equal(runs[0].samples.q, runs[1].samples.q)
+    assert runs[1].stats["balance_rhs"] == 0

@@ -1,0 +1,31 @@
+"""Machines whose energy a run has to explain.
+
+Scenes
+------
+loaded
+    Two particles on a damped spring, one thrown, one pulled by a point that moves.
+swinging
+    A pendulum on a driven crank, with friction in its pin that creeps.
+"""
+
+from sympy import cos, sin
+
+from codegen import Model, t
+
+model = Model("unbalanced", gravity=(0, -9.81))
+
+force = model.parameter("force", 2.0, unit="N")
+p, o = (model.particle(name, mass=1.0) for name in "po")
+model.spring("coil", p, o, stiffness=40.0, free_length=1.0, damping=0.5)
+model.potential("moving", 15 * (p.x - 0.3 * sin(3 * t)) ** 2 / 2)
+model.force("push", p, force * sin(4 * t), force * cos(t))
+crank = model.body("crank", mass=2.0, inertia=0.3)
+bob = model.body("bob", mass=1.0, inertia=0.05)
+model.revolute("pivot", model.ground.at(0, 0), crank.at(0, 0))
+pin = model.revolute("pin", crank.at(0.5, 0), bob.at(-0.6, 0))
+model.driver("motor", crank.phi, 2 * t + 0.3 * sin(5 * t))
+model.friction("rub", pin, 0.2, radius=0.05, creep=0.05)
+model.scene("loaded", ["gravity", "coil", "moving", "push"], without=["crank", "bob"],
+            start={p.x: 0.0, p.y: 0.0, o.x: 1.2, o.y: 0.0, p.vx: 1.0})  # fmt: skip
+model.scene("swinging", ["gravity", "rub"], ["motor"], without=["p", "o"],
+            start={bob.phi: 0.5})  # fmt: skip
