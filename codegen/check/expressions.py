@@ -7,6 +7,7 @@ import sympy
 from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
 
+from codegen.declare.answers import statement_of
 from codegen.declare.element import Constraint, label
 from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
 from codegen.declare.table_function import Interpolant
@@ -22,7 +23,7 @@ UNDEFINED = f"contains nan{FINITE}"
 
 def constraint_problems(constraint: Constraint) -> Iterator[str]:
     """Problems of a constraint: its equations contain coordinates, parameters and time only."""
-    where, statement = label(constraint), constraint.statement()
+    where, statement = label(constraint), statement_of(constraint)
     fixed = {k: v for k, v in statement.bindings.items() if isinstance(k, Given)}
     expressions = (*statement.phi, *fixed.values())
     yield from all_problems(where, expressions, may_switch=False)

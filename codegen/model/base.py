@@ -10,8 +10,9 @@ from typing import Any, TypeVar
 import sympy
 
 from codegen.declare import symbols as sy
+from codegen.declare.answers import bodies_of, own_coordinates
 from codegen.declare.body import Body, Ground, Particle, Point
-from codegen.declare.element import Constraint, Effect, own_coordinates
+from codegen.declare.element import Constraint, Effect
 from codegen.declare.name_rules_and_hints import name_problem
 from codegen.declare.plain_values import one_line, plain_name, shown
 from codegen.declare.scene import Scene
@@ -149,8 +150,9 @@ class Declarations:
         elif isinstance(element, Constraint):
             is_driver = role(element.kind) == "driver"
             word, table = ("driver", self.drivers) if is_driver else ("joint", self.joints)
-        if self._claim(word, element.name):
-            table[element.name] = element
+        name = plain_name(element.name)
+        if self._claim(word, name):
+            table[name] = element
         return element
 
     def _point(self, name: str, place: Any) -> Point:
@@ -216,5 +218,5 @@ class Declarations:
         symbols = (s for e in expressions for s in sy.kinds(e, sy.Coordinate, sy.Velocity))
         owners = {s.name.rpartition("_")[0] for s in symbols}
         for name in owners & {*self.joints}:
-            owners |= {body.name for body in self.joints[name].bodies}
+            owners |= {body.name for body in bodies_of(self.joints[name])}
         return tuple(body for name, body in self.bodies.items() if name in owners)
