@@ -27,10 +27,9 @@ def library(name: str, scene: str) -> Callable[[Path], Interpreted]:
 
 def with_friction(count: int) -> Callable[[Path], Interpreted]:
     def made(root: Path) -> Interpreted:
-        model = rubbing_slider_crank(0.2)
-        frictions = [name for name in model.effects if name != "motor"]
+        model = rubbing_slider_crank(count)
         guess = {"crank.phi": 0.8, "rod.x": 1.0, "rod.y": 0.2, "rod.phi": -0.4, "slider.x": 1.5}
-        model.scene("run", effects=["motor", *frictions[:count]], guess=guess)
+        model.scene("run", effects=model.effects, guess=guess)
         return Interpreted(model, "run")
 
     return made
