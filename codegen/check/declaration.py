@@ -17,6 +17,7 @@ from codegen.declare.answers import (
     WORDS,
     bodies_of,
     check_body,
+    coordinates_of,
     forces_of,
     friction_law,
     optional_answers,
@@ -27,12 +28,14 @@ from codegen.declare.answers import (
 )
 from codegen.declare.body import Body
 from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.plain_values import plain_expression, shown
+from codegen.declare.plain_values import one_line, plain_expression, shown
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import SPEED, Coordinate, Given, Velocity, kinds, side, t
 from codegen.derive.equations import active_joints
 from codegen.errors import ModelError
 from codegen.model import Model
+
+LONGEST = 2000  # layout: characters of a sentence
 
 
 def check_model(model: Model) -> list[str]:
@@ -50,10 +53,13 @@ def check_model(model: Model) -> list[str]:
             problems += _element_problems(model, element, sound)
         except ModelError as error:
             problems += error.problems
+        except Exception as error:  # of an expression too deep, of SymPy
+            reason = f"{type(error).__name__}: {one_line(error)}"
+            problems.append(f"{el.label(element)}: its expressions cannot be read, {reason}.")
     problems += chain.from_iterable(masses.values())
     problems += filter(None, (p.problem(p.value) for p in model.parameters.values()))
     problems += _collisions(model)
-    return list(dict.fromkeys(problems))
+    return list(dict.fromkeys(one_line(p, LONGEST) for p in problems))
 
 
 def _element_problems(
@@ -68,6 +74,11 @@ def _element_problems(
     if isinstance(element, el.Constraint):
         yield from _statement_problems(model, element)
         return
+    for speed in kinds(potential_of(element, sound) or sympy.S.Zero, Velocity):
+        yield (
+            f"{el.label(element)}: its potential contains the velocity {speed.name}; answer a "
+            "force that depends on a velocity by forces()."
+        )
     terms = _effect_expressions(element, sound)
     yield from _unknown_symbols(model, element, terms)
     yield from all_problems(el.label(element), terms, may_switch=True)
@@ -212,7 +223,7 @@ def _unknown_symbols(
     """Symbols that mean nothing in the model."""
     known: set[sympy.Symbol] = {*model.defaults, SPEED, side(element.name), t}
     coordinates = [
-        q for body in (*model.bodies.values(), *bodies_of(element)) for q in body.coordinates
+        q for body in (*model.bodies.values(), *bodies_of(element)) for q in coordinates_of(body)
     ]
     coordinates += [q for joint in model.joints.values() for q in own_coordinates(joint)]
     known |= {symbol for q in coordinates for symbol in (q, q.rate)}
@@ -252,7 +263,9 @@ def _unknown(model: Model, where: str, symbol: sympy.Symbol) -> str:
 
 def _body_problems(model: Model, body: Body) -> Iterator[str]:
     """Problems of a body: what one of a modeller's own class answers, its mass and inertia."""
-    if not type(body).__module__.startswith("codegen."):
+    numbers: tuple[object, ...] = (vars(body).get("mass"), vars(body).get("inertia"))
+    plain = all(number is None or isinstance(number, sympy.Expr) for number in numbers)
+    if not type(body).__module__.startswith("codegen.") or not plain:
         try:
             check_body(body)
         except ModelError as error:
@@ -284,7 +297,7 @@ def _mass_problems(model: Model, body: Body) -> Iterator[str]:
 def _collisions(model: Model) -> Iterator[str]:
     """Two things that would have one name in the generated text."""
     owners: dict[str, str] = {"t": "the time"}
-    declared = [("body", body.name, body.coordinates) for body in model.bodies.values()]
+    declared = [("body", body.name, coordinates_of(body)) for body in model.bodies.values()]
     declared += [("joint", joint.name, own_coordinates(joint)) for joint in model.joints.values()]
     for kind, owner, coordinates in declared:
         for symbol in (s for q in coordinates for s in (q, q.rate)):

@@ -13,7 +13,7 @@ import sympy
 
 from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.declare.plain_values import KindError, one_line, plain_expression, plain_name, shown
+from codegen.declare.plain_values import one_line, plain_expression, plain_name, shown
 from codegen.declare.symbols import KINDS, Coordinate
 from codegen.errors import LinkwrightError, ModelError
 
@@ -43,7 +43,7 @@ def _refuse(element: Any, word: str, answer: object, needed: str) -> ModelError:
 def _expression(element: Any, word: str, answer: Any) -> sympy.Expr:
     try:
         return plain_expression(answer)
-    except KindError:
+    except Exception:
         raise _refuse(element, word, answer, "expressions") from None
 
 
@@ -69,6 +69,18 @@ def bodies_of(element: Any) -> tuple[Body, ...]:
     if not isinstance(answer, tuple | list) or not all(isinstance(b, Body) for b in answer):
         raise _refuse(element, "bodies", answer, "a tuple of bodies")
     return tuple(answer)
+
+
+def coordinates_of(body: Any) -> tuple[Coordinate, ...]:
+    """The coordinates of a sound body."""
+    try:
+        answer = ask(body, "coordinates", method=False)
+    except ModelError:  # reported where the body is checked
+        return ()
+    sound = isinstance(answer, tuple) and all(
+        isinstance(q, Coordinate) and q.letter in KINDS and q.owner == body.name for q in answer
+    )
+    return answer if sound else ()
 
 
 def problems_of(element: Any) -> list[str]:
@@ -248,13 +260,10 @@ def own_coordinates(constraint: Any) -> tuple[Coordinate, ...]:
 
 def check_body(body: Body) -> None:
     """Ask a body of a modeller's own everything that is asked of bodies; ModelError if wrong."""
-    coordinates = ask(body, "coordinates", method=False)
-    if not isinstance(coordinates, tuple) or not all(
-        isinstance(q, Coordinate) and q.owner == body.name and q.letter in KINDS
-        for q in coordinates
-    ):
+    coordinates = coordinates_of(body)
+    if coordinates != (answer := ask(body, "coordinates", method=False)) or not coordinates:
         needed = f"coordinates of '{body.name}', of letters that are declared"
-        raise _refuse(body, "coordinates", coordinates, needed)
+        raise _refuse(body, "coordinates", answer, needed)
     for word in ("position", "velocity", "mass_centre", "rotation"):
         pair = ask(body, word, method=False)
         if not isinstance(pair, tuple | list) or len(pair) != 2:
@@ -264,8 +273,8 @@ def check_body(body: Body) -> None:
         ("angle", True), ("angular_velocity", False), ("mass", True), ("inertia", True)
     ):  # fmt: skip
         value = ask(body, word, method=False)
-        if value is not None or not may_lack:
-            _expression(body, word, value)
+        if not isinstance(value, sympy.Expr) and (value is not None or not may_lack):
+            raise _refuse(body, word, value, "an expression of SymPy")
     for word in ("fixed", "turns"):
         if not isinstance(flag := ask(body, word, method=False), bool):
             raise _refuse(body, word, flag, "True or False")

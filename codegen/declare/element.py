@@ -260,11 +260,11 @@ class OptionalAnswers(NamedTuple):
     reported: Reported
 
 
-def label(element: Element) -> str:
+def label(element: object) -> str:
     """``revolute 'A'``: the element in messages."""
     try:
-        kind = getattr(element, "kind", "body")
-        return f"{plain_name(kind)} '{plain_name(element.name)}'"
+        kind, name = (getattr(element, word, "body") for word in ("kind", "name"))
+        return f"{plain_name(kind)} '{plain_name(name)}'"
     except Exception:  # a property of a modeller's own
         return f"element of class {type(element).__name__}"
 

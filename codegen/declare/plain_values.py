@@ -17,6 +17,8 @@ from typing import Any
 import numpy as np
 import sympy
 
+from codegen.declare.real_range import unreal_part
+
 MOST = 1_000_000  # safety: members of a list that are read; an iterator may have no end
 WIDEST = 160  # characters of a value in a message
 
@@ -91,6 +93,10 @@ def plain_float(value: Any) -> float:
     if isinstance(value, sympy.Expr) and not value.is_Matrix:
         if not value.is_number:
             raise KindError("it is an expression, and a number is needed")
+        if value in (sympy.nan, sympy.oo, -sympy.oo):
+            return float(value)
+        if found := unreal_part(value):  # also what is too large to be evaluated
+            raise KindError(f"it {found[1]}")
         both = complex(value.evalf(17, maxn=400))
         if both.imag:
             raise KindError("it is not real")

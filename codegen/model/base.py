@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import sympy
 
 from codegen.declare import symbols as sy
-from codegen.declare.answers import bodies_of, own_coordinates
+from codegen.declare.answers import bodies_of, coordinates_of, own_coordinates
 from codegen.declare.body import Body, Ground, Particle, Point
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.name_rules_and_hints import name_problem
@@ -45,7 +45,7 @@ def bounded_by_errors(method: Callable[..., Any]) -> Callable[..., Any]:
         try:
             answer = method(model, *arguments, **words)
             if read and len(read.problems) > before and isinstance(answer, Constraint | Effect):
-                model.noted.add(answer.name)
+                model.noted.add(plain_name(answer.name))
             return answer
         except LinkwrightError:
             raise
@@ -210,7 +210,7 @@ class Declarations:
 
     def _coordinates(self) -> tuple[sy.Coordinate, ...]:
         """Those of all bodies, and those that joints bring."""
-        of_bodies = (q for body in self.bodies.values() for q in body.coordinates)
+        of_bodies = (q for body in self.bodies.values() for q in coordinates_of(body))
         of_joints = (q for joint in self.joints.values() for q in own_coordinates(joint))
         return (*of_bodies, *of_joints)
 

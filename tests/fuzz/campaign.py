@@ -35,11 +35,9 @@ class Campaign:
 
     def report(self) -> str:
         """A line of sums, then the findings, alike ones together."""
-        lines = [
-            f"{self.generator}, seed {self.seed}: {self.cases} cases in {self.seconds:.0f} s, "
-            f"{len(self.findings)} findings; the slowest case, number {self.slowest[1]}, took "
-            f"{self.slowest[0]:.1f} s"
-        ]
+        head = f"{self.generator}, seed {self.seed}: {self.cases} cases in {self.seconds:.0f} s"
+        slowest = f"the slowest case, number {self.slowest[1]}, took {self.slowest[0]:.1f} s"
+        lines = [f"{head}, {len(self.findings)} findings; {slowest}"]
         kinds: dict[str, list[Finding]] = {}
         for finding in self.findings:
             kinds.setdefault(finding.text.partition("\n")[0][:90], []).append(finding)

@@ -65,9 +65,12 @@ class _Force(Effect):
 
 def _statement(body: Body, **changes: Any) -> Any:
     words: dict[str, Any] = {
-        "phi": (body.x - 1,), "rows": ("x",), "reaction": ConjugateReaction((("fx", "N"),)),
-        "bindings": {}, "own": (),
-    }  # fmt: skip
+        "phi": (body.x - 1,),
+        "rows": ("x",),
+        "reaction": ConjugateReaction((("fx", "N"),)),
+        "bindings": {},
+        "own": (),
+    }
     return Statement(**(words | changes))
 
 
@@ -112,10 +115,20 @@ def _is_empty(odd: Any) -> bool:
 def _of_joints(body: Body, odd: Any, random: Random) -> list[tuple[str, Any]]:
     scalar = of_scalar(random, lambda: None)
     return [
-        ("bodies", odd), ("bodies", _raise), ("bodies", (7,)), ("bodies", None),
-        ("problems", odd if not isinstance(odd, list | tuple) else 7), ("problems", _raise), ("problems", None),
-        ("problems", [7]), ("statement", _raise), ("statement", odd), ("name", odd), ("name", None),
-        ("statement", lambda: None), ("statement", lambda: Raises()),
+        ("bodies", odd),
+        ("bodies", _raise),
+        ("bodies", (7,)),
+        ("bodies", None),
+        ("problems", odd if not isinstance(odd, list | tuple) else 7),
+        ("problems", _raise),
+        ("problems", None),
+        ("problems", [7]),
+        ("statement", _raise),
+        ("statement", odd),
+        ("name", odd),
+        ("name", None),
+        ("statement", lambda: None),
+        ("statement", Raises),
         ("statement", lambda: _statement(body, phi=(scalar,))),
         ("statement", lambda: _statement(body, phi=body.x)),
         ("statement", lambda: _statement(body, phi=())),
@@ -135,45 +148,99 @@ def _of_joints(body: Body, odd: Any, random: Random) -> list[tuple[str, Any]]:
         ("statement", lambda: _statement(body, own=(("x", 7),))),
         ("statement", lambda: _statement(body, own=(("z", coordinate("mine", "alpha")),))),
         ("statement", lambda: Statement(7, 7, 7, 7, 7)),  # type: ignore[arg-type]
-    ]  # fmt: skip
+    ]
 
 
 def _of_forces(body: Body, odd: Any, random: Random) -> list[tuple[str, Any]]:
     scalar = of_scalar(random)
     return [
-        ("bodies", odd), ("bodies", _raise), ("problems", _raise), ("problems", 7), ("problems", "text"),
-        ("forces", odd), ("forces", _raise), ("forces", None), ("forces", {body.x: scalar}),
-        ("forces", {"a.x": 1}), ("forces", {7: 1}), ("forces", [(body.x, 1)]), ("forces", {body.vx: 1}),
-        ("potential", scalar), ("potential", _raise), ("potential", "m g h"), ("potential", body.vx),
-        ("pulls", odd), ("pulls", _raise), ("pulls", ((1, 2, 3),)), ("pulls", ((body.x, scalar),)),
-        ("hold", odd), ("hold", _raise), ("hold", 7), ("friction", odd), ("friction", _raise),
-        ("reported", odd), ("reported", _raise), ("reported", ((f"f\n{CODE}", "N", body.x),)),
-        ("reported", (("f", f"N\n{CODE}", body.x),)), ("reported", (("f", "N", scalar),)),
-        ("reported", (("f", 7, body.x),)), ("reported", ((None, "N", body.x),)), ("reported", 7),
-        ("reported", ((property(lambda s: 1), "N", body.x),)), ("name", odd), ("name", None),
+        ("bodies", odd),
+        ("bodies", _raise),
+        ("problems", _raise),
+        ("problems", 7),
+        ("problems", "text"),
+        ("forces", odd),
+        ("forces", _raise),
+        ("forces", None),
+        ("forces", {body.x: scalar}),
+        ("forces", {"a.x": 1}),
+        ("forces", {7: 1}),
+        ("forces", [(body.x, 1)]),
+        ("forces", {body.vx: 1}),
+        ("potential", scalar),
+        ("potential", _raise),
+        ("potential", "m g h"),
+        ("potential", body.vx),
+        ("pulls", odd),
+        ("pulls", _raise),
+        ("pulls", ((1, 2, 3),)),
+        ("pulls", ((body.x, scalar),)),
+        ("hold", odd),
+        ("hold", _raise),
+        ("hold", 7),
+        ("friction", odd),
+        ("friction", _raise),
+        ("reported", odd),
+        ("reported", _raise),
+        ("reported", ((f"f\n{CODE}", "N", body.x),)),
+        ("reported", (("f", f"N\n{CODE}", body.x),)),
+        ("reported", (("f", "N", scalar),)),
+        ("reported", (("f", 7, body.x),)),
+        ("reported", ((None, "N", body.x),)),
+        ("reported", 7),
+        ("reported", ((property(lambda s: 1), "N", body.x),)),
+        ("name", odd),
+        ("name", None),
         ("friction", FrictionLaw("nothing", scalar, None, body.x, (), "N")),
         ("friction", FrictionLaw(7, 1, None, body.x, (), "N")),  # type: ignore[arg-type]
         ("friction", FrictionLaw("pin", sympy.S.One, None, body.x, 7, "N")),  # type: ignore[arg-type]
-        ("hold", Sticking(scalar, sympy.S.One)), ("hold", Rigid(scalar, sympy.S.One, sympy.S.One)),
-        ("hold", Rigid(body.x, sympy.S.One, scalar)), ("hold", Sticking(body.vx, 7, "x")),  # type: ignore[arg-type]
-    ]  # fmt: skip
+        ("hold", Sticking(scalar, sympy.S.One)),
+        ("hold", Rigid(scalar, sympy.S.One, sympy.S.One)),
+        ("hold", Rigid(body.x, sympy.S.One, scalar)),
+        ("hold", Sticking(body.vx, 7, "x")),  # type: ignore[arg-type]
+    ]
 
 
 def hostile_body(model: Model, body: Body, random: Random) -> tuple[Any, str]:
     """A body of an own class with one answer that means nothing."""
-    word = random.choice([
-        "coordinates", "position", "rotation", "angle", "angular_velocity", "mass_matrix",
-        "inertia_force", "equations", "torque", "velocity", "mass_centre", "turns", "fixed", "name",
-        "mass", "inertia",
-    ])  # fmt: skip
-    answer = random.choice([_odd(random), of_scalar(random), 7, "x", (1,), {7: 1}, t > 1, None, _raise])
+    word = random.choice(
+        [
+            "coordinates",
+            "position",
+            "rotation",
+            "angle",
+            "angular_velocity",
+            "mass_matrix",
+            "inertia_force",
+            "equations",
+            "torque",
+            "velocity",
+            "mass_centre",
+            "turns",
+            "fixed",
+            "name",
+            "mass",
+            "inertia",
+        ]
+    )
+    answer = random.choice(
+        [_odd(random), of_scalar(random), 7, "x", (1,), {7: 1}, t > 1, None, _raise]
+    )
     may_be_none = ("angle", "mass", "inertia")
-    while word in may_be_none and answer is None or word in ("turns", "fixed") and isinstance(answer, bool):
+    while (word in may_be_none and answer is None) or (
+        word in ("turns", "fixed") and isinstance(answer, bool)
+    ):
         answer = 7.5j
     if word == "name":
-        return Body(answer if answer is not _raise else 7, sympy.S.One, sympy.S.One, model.token), "body name"
+        return Body(
+            answer if answer is not _raise else 7, sympy.S.One, sympy.S.One, model.token
+        ), "body name"
     if word in ("mass", "inertia"):
-        values = {"mass": sympy.S.One, "inertia": sympy.S.One, word: answer if answer is not _raise else 7j}
+        values = {
+            "mass": sympy.S.One,
+            "inertia": sympy.S.One,
+            word: answer if answer is not _raise else 7j,
+        }
         return Body("mine", model=model.token, **values), f"body {word}: {_text(answer)}"
     if word == "torque":
         space: dict[str, Any] = {word: lambda self, value: _raise() if answer is _raise else answer}
