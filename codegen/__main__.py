@@ -1,6 +1,10 @@
 """``python -m codegen``."""
 
-from codegen.cli import main
+from codegen.termination_signals import take_over
 
 if __name__ == "__main__":
+    take_over()  # before anything that takes time
+
+    from codegen.cli import main
+
     main()
