@@ -8,6 +8,7 @@ are first used, so that the runtime can ask for the errors alone.
 
 from typing import TYPE_CHECKING, Any
 
+from codegen.damaged_byte_code import keep_no_byte_code
 from codegen.errors import InputError, LinkwrightError, ModelError
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from codegen.model import Model
 
 __version__ = "0.1.0"
+keep_no_byte_code(__spec__)
 
 _ROOMS = {
     "codegen.model": ("Model",),

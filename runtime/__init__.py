@@ -10,6 +10,7 @@ Importing this package loads neither numba nor the code generator; `load` does w
 
 from typing import TYPE_CHECKING, Any
 
+from codegen.damaged_byte_code import keep_no_byte_code
 from runtime.load import load
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ _HOMES = {
     "accuracy": "runtime.studies.work_precision",
     "matters": "runtime.studies.effect_ranking",
 }
+
+keep_no_byte_code(__spec__)
 
 __all__ = ["Machine", "Outcome", "Result", "accuracy", "load", "matters"]
 

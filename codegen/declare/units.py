@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
+from codegen.errors import InputError
+
 if TYPE_CHECKING:
     import pint
 
@@ -15,8 +17,17 @@ UNIT = re.compile(r"[\w%°^*/ .()+-]*")
 
 @lru_cache(maxsize=1)
 def registry() -> "pint.UnitRegistry[Any]":
-    """The unit registry (pint's application registry, so that a user's quantities fit)."""
-    import pint
+    """The unit registry (pint's application registry, so that a user's quantities fit).
+
+    Raises InputError if pint, or what it stands on, does not load.
+    """
+    try:
+        import pint
+    except Exception as error:
+        raise InputError(
+            f"units cannot be read: the library pint fails to load with {type(error).__name__}: "
+            f"{error}. Install it anew: pip install --force-reinstall pint"
+        ) from error
 
     shared: pint.UnitRegistry[Any] = pint.application_registry.get()  # type: ignore[no-untyped-call]
     return shared
@@ -32,8 +43,9 @@ def known_unit(unit: str) -> bool:
     """Whether `unit` is a unit (the empty text means a pure number)."""
     if not UNIT.fullmatch(unit):
         return False
+    units = registry()  # that pint fails to load says nothing about the unit
     try:
-        registry().parse_units(pint_form(unit)) if unit else None
+        units.parse_units(pint_form(unit)) if unit else None
     except Exception:  # pint raises several kinds, among them tokenizer errors
         return False
     return True
