@@ -2,14 +2,20 @@
 
 Python looks at the first 16 bytes of a file in `__pycache__` before it trusts the rest. One that is
 cut short, as a full disk leaves it, ends every later import of its module.
+
+This is imported before a command has put the working folder last, in which a file may have the name
+of any module: it takes only what Python itself has loaded.
 """
 
-import contextlib
+import os
 import sys
-from collections.abc import Sequence
-from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
-from pathlib import Path
-from types import CodeType, ModuleType
+from _frozen_importlib_external import PathFinder, SourceFileLoader
+
+TYPE_CHECKING = False  # type checkers take it as true; importing typing would load modules
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from importlib.machinery import ModuleSpec
+    from types import CodeType, ModuleType
 
 _PACKAGES = {"codegen", "runtime", "generated", "models"}
 
@@ -19,8 +25,8 @@ class _Finder:
 
     @staticmethod
     def find_spec(
-        name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
-    ) -> ModuleSpec | None:
+        name: str, path: "Sequence[str] | None" = None, target: "ModuleType | None" = None
+    ) -> "ModuleSpec | None":
         """The specification of a module of ours; None for all others."""
         if name.partition(".")[0] not in _PACKAGES:
             return None
@@ -33,7 +39,7 @@ class _Finder:
 class _Loader(SourceFileLoader):
     """Python's own loader, to which damaged byte code is none."""
 
-    def get_code(self, fullname: str) -> CodeType | None:
+    def get_code(self, fullname: str) -> "CodeType | None":
         """The module's code, compiled anew where its byte code cannot be read."""
         try:
             return super().get_code(fullname)
@@ -43,10 +49,11 @@ class _Loader(SourceFileLoader):
 
             from codegen.errors import CacheWarning
 
-            damaged = Path(cache_from_source(self.path))
-            if not damaged.is_file():
-                raise
-            damaged.unlink()
+            damaged = cache_from_source(self.path)
+            try:
+                os.unlink(damaged)  # noqa: PTH108
+            except OSError:
+                raise error from None
             code = super().get_code(fullname)
             warn(f"{damaged}: damaged byte code ({error}) is made anew.", CacheWarning, 2)
             return code
@@ -58,11 +65,12 @@ def mend_imports() -> None:
         sys.meta_path.insert(0, _Finder)
 
 
-def keep_no_byte_code(spec: ModuleSpec | None) -> None:
+def keep_no_byte_code(spec: "ModuleSpec | None") -> None:
     """Remove the byte code of a module that Python loads before `mend_imports` is called."""
-    if spec is not None and spec.cached:
-        with contextlib.suppress(OSError):
-            Path(spec.cached).unlink()
+    try:
+        os.unlink(spec.cached)  # type: ignore[union-attr,arg-type]  # noqa: PTH108
+    except (OSError, TypeError, AttributeError):  # there is none, or it may not be removed
+        return
 
 
 mend_imports()

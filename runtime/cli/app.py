@@ -169,7 +169,7 @@ def _run(
             from runtime.results.export import check_place
 
             check_place(out)
-        from runtime.load import load
+        from runtime.machine_loading import load
 
         machine = load(model, scene)
         keep_results()

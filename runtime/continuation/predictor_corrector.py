@@ -194,8 +194,9 @@ def advance(kernels: Any, times: Any, s: Any, r: Any) -> int:
 
     `r.mark` counts the instants done.
 
-    Returns DONE, where it may go on if instants are left; STUCK with the state at the last position reached; SUSPECT, where the pivots at
-    `r.end` are suspicious, with the state of the last good ones; ARRIVED at the barrier.
+    Returns DONE, where it may go on if instants are left; STUCK with the state at the last position
+    reached; SUSPECT, where the pivots at `r.end` are suspicious, with the state of the last good
+    ones; ARRIVED at the barrier.
     """
     q, v = s.trial[0], s.trial[1]
     if r.least < 0.0:

@@ -79,7 +79,7 @@ class Workplace:
             return subprocess.Popen(
                 [sys.executable, "-m", *command], cwd=self.folder, env=environment, text=True,
                 stdin=subprocess.DEVNULL, stdout=output, stderr=output,
-                preexec_fn=usual_signals,
+                preexec_fn=usual_signals,  # noqa: PLW1509 (the process has one thread)
             )  # fmt: skip
 
     def end(

@@ -97,8 +97,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         place = Workplace(Path(folder) / "work")
         ends, wrong = campaign(place, arguments.tries, arguments.seed)
-    print(*(f"{count:4d} {kind}" for kind, count in ends.items()), sep="\n")
-    print(*wrong, f"{len(wrong)} faults in {arguments.tries} tries", sep="\n")
+    lines = [*(f"{count:4d} {kind}" for kind, count in ends.items()), *wrong]
+    sys.stdout.write("\n".join([*lines, f"{len(wrong)} faults in {arguments.tries} tries\n"]))
     sys.exit(bool(wrong))
 
 
