@@ -10,9 +10,10 @@ Importing this package loads neither numba nor the code generator; `load` does w
 
 import os
 
-try:  # Python reads this byte code before `codegen.damaged_byte_code` can look after it.
+# Python reads this byte code before `codegen.damaged_byte_code` can look after it.
+try:  # noqa: SIM105 (no import)
     os.unlink(__spec__.cached)  # type: ignore[arg-type]  # noqa: PTH108
-except (OSError, TypeError, AttributeError):  # noqa: SIM105 (no import)
+except (OSError, TypeError, AttributeError):
     pass
 
 TYPE_CHECKING = False  # type checkers take it as true; importing typing would load modules
