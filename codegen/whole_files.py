@@ -16,7 +16,7 @@ from codegen.termination_signals import Deferral
 
 _PREFIX = ".linkwright-"  # of the folder in which a file is written
 _NEW = 60.0  # safety: s; a folder of this age is locked by the process that made it, if that lives
-_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, None}  # HDF gives no number
+_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
 @contextmanager

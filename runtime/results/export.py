@@ -101,10 +101,13 @@ def _write_parquet(result: Result, path: Path) -> None:
 
 
 def _write_netcdf(result: Result, path: Path) -> None:
-    try:
-        dataset(result).to_netcdf(path, engine="netcdf4")
-    except RuntimeError as error:  # HDF's, of a disk that is full, for example
-        raise OSError(None, str(error)) from error
+    """Write the file's image: HDF's own writing keeps a file open where the disk is full."""
+    import netCDF4
+    from xarray.backends import NetCDF4DataStore
+
+    file = netCDF4.Dataset(path.name, mode="w", format="NETCDF4", memory=1 << 16)
+    dataset(result).dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
+    path.write_bytes(file.close())
 
 
 def _write_page(result: Result, path: Path) -> None:

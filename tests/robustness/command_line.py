@@ -1,12 +1,15 @@
 """The command line in a process of its own, with caches of its own, for campaigns that harm it."""
 
+import argparse
 import os
 import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -27,6 +30,17 @@ model.driver("swing", second.phi, 0.3 * t)
 model.scene("free", ["gravity", "brake"])
 model.scene("driven", ["gravity"], ["turn", "swing"])
 """
+
+
+FOREIGN = ("Traceback", "free()", "double free", "Aborted", "core dumped", "Exception ignored")
+"""Words that are not ours."""
+
+
+class Findings(NamedTuple):
+    """What a campaign has found."""
+
+    kinds: Counter[str]  # ends by their kind
+    faults: list[str]
 
 
 class End(NamedTuple):
@@ -109,9 +123,8 @@ class Workplace:
         return self.end(self.start(*command))
 
     def leftovers(self) -> list[Path]:
-        """Temporary folders and files that are still there."""
-        patterns = (".linkwright-*", "*.tmp.*")
-        return [path for pattern in patterns for path in self.folder.rglob(pattern)]
+        """Temporary folders that are still there."""
+        return list(self.folder.rglob(".linkwright-*"))
 
 
 def processor_seconds(pid: int) -> float:
@@ -126,3 +139,18 @@ def processor_seconds(pid: int) -> float:
 def _children() -> float:
     times = os.times()
     return times.children_user + times.children_system
+
+
+def main(title: str, campaign: Callable[[Workplace, int, int], Findings]) -> None:
+    """Run a campaign by its command: tries and seed in, kinds and faults out."""
+    parser = argparse.ArgumentParser(description=title)
+    parser.add_argument("tries", type=int, nargs="?", default=200)
+    parser.add_argument("--seed", type=int, default=0)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        place = Workplace(Path(folder) / "work")
+        found = campaign(place, arguments.tries, arguments.seed)
+    lines = [f"{count:4d} {kind}" for kind, count in found.kinds.items()]
+    last = f"{len(found.faults)} faults in {arguments.tries} tries, seed {arguments.seed}\n"
+    sys.stdout.write("\n".join([*lines, *found.faults, last]))
+    sys.exit(bool(found.faults))

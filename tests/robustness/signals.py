@@ -5,18 +5,14 @@ in the file that was asked for, and nothing else beside it. Before the first lin
 Python answers signals in its own way; there the process must end, and nothing more is asked.
 """
 
-import argparse
 import csv
 import random
 import shutil
 import signal
-import sys
-import tempfile
 import time
 from collections import Counter
-from pathlib import Path
 
-from tests.robustness.command_line import End, Workplace, processor_seconds
+from tests.robustness.command_line import FOREIGN, End, Findings, Workplace, main, processor_seconds
 
 RUN = ("rods", "--t-end", "1e6", "--points", "2001", "--out", "result.csv")
 COMMANDS = (
@@ -32,10 +28,9 @@ SIGNALS = (
 )  # fmt: skip
 PYTHON = 0.15  # s of processor time in which Python, and not yet the library, is at work, at most
 WITHIN = 1.0  # s of processor time from a signal to the end: other processes take no part in it
-FOREIGN = ("Traceback", "free()", "double free", "Aborted", "core dumped", "Exception ignored")
 
 
-def campaign(place: Workplace, tries: int, seed: int) -> tuple[Counter[str], list[str]]:
+def campaign(place: Workplace, tries: int, seed: int) -> Findings:
     """Ends by their kind, and what was wrong."""
     chance, ends, wrong = random.Random(seed), Counter[str](), list[str]()
     start_up = {command: _start_up(place, command) for command in COMMANDS}
@@ -53,7 +48,7 @@ def campaign(place: Workplace, tries: int, seed: int) -> tuple[Counter[str], lis
         ends[kind if running else "ended by itself"] += 1
         title = f"{attempt}: {' '.join(command[:2])}, {' '.join(n.name for n in numbers)}"
         wrong += [f"{title} after {end.before:.2f} s: {fault}" for fault in faults if running]
-    return ends, wrong
+    return Findings(ends, wrong)
 
 
 def judge(place: Workplace, end: End, number: int, computing: bool) -> tuple[str, list[str]]:
@@ -88,19 +83,5 @@ def _start_up(place: Workplace, command: tuple[str, ...]) -> float:
     return place.run(*short).work
 
 
-def main() -> None:
-    """Run the campaign."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("tries", type=int, nargs="?", default=200)
-    parser.add_argument("--seed", type=int, default=0)
-    arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        place = Workplace(Path(folder) / "work")
-        ends, wrong = campaign(place, arguments.tries, arguments.seed)
-    lines = [*(f"{count:4d} {kind}" for kind, count in ends.items()), *wrong]
-    sys.stdout.write("\n".join([*lines, f"{len(wrong)} faults in {arguments.tries} tries\n"]))
-    sys.exit(bool(wrong))
-
-
 if __name__ == "__main__":
-    main()
+    main(__doc__, campaign)
