@@ -17,6 +17,11 @@ if TYPE_CHECKING:
     from importlib.machinery import ModuleSpec
     from types import CodeType, ModuleType
 
+
+class CacheWarning(UserWarning):
+    """Compiled code on the disk is damaged or cannot be kept, and is made anew."""
+
+
 _PACKAGES = {"codegen", "runtime", "generated", "models"}
 
 
@@ -46,8 +51,6 @@ class _Loader(SourceFileLoader):
         except (EOFError, ValueError, TypeError, ImportError) as error:
             from importlib.util import cache_from_source
             from warnings import warn
-
-            from codegen.errors import CacheWarning
 
             damaged = cache_from_source(self.path)
             try:

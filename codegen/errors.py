@@ -66,7 +66,3 @@ class RedundancyError(AssemblyError):
 
 class AnalysisError(InputError):
     """The analysis asked for does not fit the scene (drivers, degrees of freedom, masses)."""
-
-
-class CacheWarning(UserWarning):
-    """Compiled code on the disk is damaged or cannot be kept, and is made anew."""

@@ -18,7 +18,7 @@ from typing import Any
 from numba.core import dispatcher, event
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
 
-from codegen.errors import CacheWarning
+from codegen.damaged_byte_code import CacheWarning
 from codegen.termination_signals import Deferral
 
 _Function: Any = FunctionCache  # numba leaves these untyped

@@ -97,7 +97,8 @@ def _write_parquet(result: Result, path: Path) -> None:
     import pyarrow.parquet as pq
 
     table = pa.table(columns(result)).replace_schema_metadata(result.about())
-    pq.write_table(table, path)
+    with path.open("wb") as file:  # closed also where the disk is full
+        pq.write_table(table, file)
 
 
 def _write_netcdf(result: Result, path: Path) -> None:
