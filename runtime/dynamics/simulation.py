@@ -24,6 +24,7 @@ from runtime.results.event_records import Event
 from runtime.results.result import Result
 from runtime.results.samples import Partition
 from runtime.validation.arguments import instants
+from runtime.validation.finite_equations import describe_infinite
 from runtime.validation.scene_support import driven_note
 
 
@@ -170,6 +171,10 @@ def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
     jam = describe_jam(mechanism, run, p)
     if jam:
         return f"Stopped at t = {run.final_t:.9g} s{where}. {jam}"
+    if run.outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL):
+        state = run.final_t, run.final_q, run.final_v, run.final_modes
+        if infinite := describe_infinite(Equations(mechanism, p), *state):
+            return f"Stopped at t = {run.final_t:.9g} s{where}. {infinite}"
     note, advice = f" {run.note}" if run.note else "", f" {run.outcome.advice}"
     if run.outcome is Outcome.SINGULAR and run.note:
         advice = ""  # the note has its own
