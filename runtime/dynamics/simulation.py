@@ -53,14 +53,15 @@ def simulate(
 
 def finish_simulation(
     ready: PreparedSimulation, coordinates: Coordinates, options: Options, began: float,
-    progress: Progress, run: Trajectory | None = None,
+    progress: Progress, run: Trajectory | None = None, *, works: bool = True,
 ) -> Result:  # fmt: skip
     """The result of a simulation that `began` at an instant of `time.perf_counter`, s.
 
-    `run` is its run, if that exists already; a scene with works needs another one.
+    `run` is its run, if that exists already; a scene with works needs another one,
+    unless they are left out.
     """
     begin, mechanism = ready.begin, coordinates.mechanism
-    works = bool(mechanism.description.work_rows)
+    works = works and bool(mechanism.description.work_rows)
     if works or run is None:
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
     result = _result(mechanism, run, ready.p, began, begin)
