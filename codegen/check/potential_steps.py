@@ -100,10 +100,11 @@ def find_step(
             origin, along = start + size * random.standard_normal((2, len(moving)))
             along = along - start
             others = [numbers.get(s, random.uniform(0.5, 2.0)) for s in rest]
-            scalars = (
+            value, terms, g_along = (
                 lambda s, f=f, o=origin, a=along, r=others: f(*(o + s * a), *r) for f in functions
             )
-            line = _Line(*scalars, float(np.abs(origin).max(initial=1e-3)) / size)
+            reach = float(np.abs(origin).max(initial=1e-3)) / size
+            line = _Line(value, terms, g_along, reach)
             at = _root(line)
             if at is None:
                 continue
