@@ -12,6 +12,7 @@ import sympy
 
 from codegen.check.contact_and_stiction_declaration import contact_problems
 from codegen.check.expressions import all_problems, constraint_problems
+from codegen.check.potential_steps import step_problems
 from codegen.check.requested_outputs import output_problems
 from codegen.declare import element as el
 from codegen.declare.body import Body
@@ -98,7 +99,8 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
     problems += [*output_problems(model, scene), *contact_problems(model, scene)]
     problems += _broken_conditions(model, scene)
     values = (model.parameters[name].problem(value) for name, value in scene.parameters)
-    return problems + [f"{where}: {problem}" for problem in values if problem]
+    problems += [f"{where}: {problem}" for problem in values if problem]
+    return problems or list(step_problems(model, scene))
 
 
 def _broken_conditions(model: Model, scene: Scene) -> Iterator[str]:
