@@ -15,6 +15,7 @@ from codegen.declare import element as el
 from codegen.declare.body import Body
 from codegen.declare.plain_values import one_line, plain_expression, plain_name, shown
 from codegen.declare.symbols import KINDS, Coordinate
+from codegen.declare.value_reader import expression_problem
 from codegen.errors import LinkwrightError, ModelError
 
 WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
@@ -47,6 +48,14 @@ def _expression(element: Any, word: str, answer: Any) -> sympy.Expr:
         raise _refuse(element, word, answer, "expressions") from None
 
 
+def _sound(body: Any, word: str, answer: Any) -> sympy.Expr:
+    """An expression of a body, which has no placeholders as those of elements have."""
+    read = _expression(body, word, answer)
+    if problem := expression_problem(read):
+        raise ModelError(f"{el.label(body)}: its {word}: {problem}")
+    return read
+
+
 def _tuples(element: Any, word: str, answer: Any, size: int, needed: str) -> Pairs:
     """A tuple or list of tuples of one size."""
     rows = isinstance(answer, tuple | list)
@@ -77,10 +86,13 @@ def coordinates_of(body: Any) -> tuple[Coordinate, ...]:
         answer = ask(body, "coordinates", method=False)
     except ModelError:  # reported where the body is checked
         return ()
-    sound = isinstance(answer, tuple) and all(
+    return answer if _are_coordinates(body, answer) else ()
+
+
+def _are_coordinates(body: Any, answer: Any) -> bool:
+    return isinstance(answer, tuple) and all(
         isinstance(q, Coordinate) and q.letter in KINDS and q.owner == body.name for q in answer
     )
-    return answer if sound else ()
 
 
 def problems_of(element: Any) -> list[str]:
@@ -202,18 +214,28 @@ def friction_law(effect: Any) -> el.FrictionLaw | None:
         raise _refuse(effect, "friction()", law, "a FrictionLaw or None")
     _word(effect, "joint of friction()", law.joint)
     _word(effect, "unit of friction()", law.unit, may_be_empty=True)
-    for value in (law.strength, law.along, *([] if law.creep is None else [law.creep])):
-        _expression(effect, "friction()", value)
     needed = "loads, tuples of sums of (component, factor)"
     contacts = vars(law)["contacts"]
-    if not isinstance(contacts, tuple | list):
+    if not isinstance(contacts, tuple | list) or not all(
+        isinstance(load, tuple | list) for load in contacts
+    ):
         raise _refuse(effect, "contacts of friction()", contacts, needed)
-    for load in contacts:
-        for entry in load if isinstance(load, tuple | list) else [None]:
-            for component, factor in _tuples(effect, "contacts of friction()", entry, 2, needed):
-                _word(effect, "contacts of friction()", component)
-                _expression(effect, "contacts of friction()", factor)
-    return law
+    return replace(
+        law,
+        strength=_expression(effect, "friction()", law.strength),
+        along=_expression(effect, "friction()", law.along),
+        creep=None if law.creep is None else _expression(effect, "friction()", law.creep),
+        contacts=tuple(
+            tuple(_sum(effect, "contacts of friction()", entry, needed) for entry in load)
+            for load in contacts
+        ),
+    )
+
+
+def _sum(element: Any, word: str, answer: Any, needed: str) -> tuple[tuple[str, sympy.Expr], ...]:
+    """(component, factor) of a sum."""
+    pairs = _tuples(element, word, answer, 2, needed)
+    return tuple((_word(element, word, c), _expression(element, word, f)) for c, f in pairs)
 
 
 def _hold(effect: Any, bodies: tuple[Body, ...]) -> el.Sticking | el.Rigid | None:
@@ -222,10 +244,11 @@ def _hold(effect: Any, bodies: tuple[Body, ...]) -> el.Sticking | el.Rigid | Non
         return None
     if not isinstance(hold, el.Sticking | el.Rigid):
         raise _refuse(effect, "hold()", hold, "Sticking, Rigid or None")
-    for word, value in vars(hold).items():
-        if value is not None or word != "static":
-            _expression(effect, f"{word} of hold()", value)
-    return hold
+    read = {
+        word: None if value is None and word == "static" else _expression(effect, "hold()", value)
+        for word, value in vars(hold).items()
+    }
+    return type(hold)(**read)
 
 
 def _pulls(effect: Any, bodies: tuple[Body, ...]) -> el.Pulls:
@@ -260,21 +283,23 @@ def own_coordinates(constraint: Any) -> tuple[Coordinate, ...]:
 
 def check_body(body: Body) -> None:
     """Ask a body of a modeller's own everything that is asked of bodies; ModelError if wrong."""
-    coordinates = coordinates_of(body)
-    if coordinates != (answer := ask(body, "coordinates", method=False)) or not coordinates:
-        needed = f"coordinates of '{body.name}', of letters that are declared"
-        raise _refuse(body, "coordinates", answer, needed)
+    coordinates = ask(body, "coordinates", method=False)
+    if not _are_coordinates(body, coordinates):
+        needed = f"a tuple of coordinates of '{body.name}', of letters that are declared"
+        raise _refuse(body, "coordinates", coordinates, needed)
     for word in ("position", "velocity", "mass_centre", "rotation"):
         pair = ask(body, word, method=False)
         if not isinstance(pair, tuple | list) or len(pair) != 2:
             raise _refuse(body, word, pair, "two expressions")
-        _vector(body, word, pair)
+        _ = [_sound(body, word, component) for component in pair]
     for word, may_lack in (
         ("angle", True), ("angular_velocity", False), ("mass", True), ("inertia", True)
     ):  # fmt: skip
         value = ask(body, word, method=False)
         if not isinstance(value, sympy.Expr) and (value is not None or not may_lack):
             raise _refuse(body, word, value, "an expression of SymPy")
+        if value is not None:
+            _sound(body, word, value)
     for word in ("fixed", "turns"):
         if not isinstance(flag := ask(body, word, method=False), bool):
             raise _refuse(body, word, flag, "True or False")
@@ -284,10 +309,14 @@ def check_body(body: Body) -> None:
         raise _refuse(body, "mass_matrix", block, "a dictionary, pair of coordinates: expression")
     for entry in block.values():
         if entry is not None:
-            _expression(body, "mass_matrix", entry)
-    _by_coordinate(body, "inertia_force", ask(body, "inertia_force", method=False))
-    _by_coordinate(body, "torque()", ask(body, "torque", sympy.S.One))
+            _sound(body, "mass_matrix", entry)
+    for word, answer in (
+        ("inertia_force", ask(body, "inertia_force", method=False)),
+        ("torque()", ask(body, "torque", sympy.S.One)),
+    ):
+        for force in _by_coordinate(body, word, answer).values():
+            _sound(body, word, force)
     equations = ask(body, "equations", method=False)
     for word, phi in _tuples(body, "equations", equations, 2, "pairs (word, expression)"):
         _word(body, "equations", word)
-        _expression(body, "equations", phi)
+        _sound(body, "equations", phi)

@@ -183,7 +183,9 @@ class Element(Protocol):
     """The common part of joints, drivers and effects.
 
     A class may derive from `Constraint` or `Effect`, and then inherits the answers that stand
-    here, or answer the same words without deriving from them.
+    here, or answer the same words without deriving from them. One that asks something of its
+    numbers, also as parameters, answers, besides, ``conditions() -> (Condition, ...)``; one with
+    closed curves ``profiles() -> ((curve, whether it must be convex), ...)``.
     """
 
     kind: ClassVar[str]
@@ -267,19 +269,3 @@ def label(element: object) -> str:
         return f"{plain_name(kind)} '{plain_name(name)}'"
     except Exception:  # a property of a modeller's own
         return f"element of class {type(element).__name__}"
-
-
-def sign_problems(
-    where: str,
-    *values: tuple[str, sympy.Expr | None, str],
-    positive: bool = False,
-    advice: str = "",
-) -> list[str]:
-    """Values, each with its word and unit, that are numbers of the wrong sign."""
-    needed = f"a {'positive number' if positive else 'number that is not negative'}{advice}"
-    return [
-        f"{where}: the {word} is {float(value):g}{unit and f' {unit}'}; give {needed}."
-        for word, value, unit in values
-        if value is not None and value.is_number and value.is_extended_real is not False
-        if value.is_extended_negative or (positive and not value.is_extended_positive)
-    ]

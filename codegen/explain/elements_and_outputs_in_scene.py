@@ -37,7 +37,7 @@ class Inventory:
         name, scene = joint.name, self.scene
         acts = name in self.joints
         stands_for = getattr(joint, "instead_of", None)
-        missing = [b.name for b in joint.bodies if b.name not in ("ground", *scene.bodies)]
+        missing = [b.name for b in bodies_of(joint) if b.name not in ("ground", *scene.bodies)]
         if acts:
             why = "its bodies take part"
             if stands_for is not None:
