@@ -35,7 +35,7 @@ _FLOATS += [
     "vanishing",  # time from now at which constraints seem to become dependent
     "tried",  # length of a step that was taken for good, but for this; 0 for none
     # instant at which the step over a singular position begins, or of a position that is missed
-    # (MISSING), or of the dead centre of a loop at which a run ends
+    # (MISSING)
     "turn",
     "length_across",  # of the step over it; MISSING: half the width of the bend
     "blind_from",  # samples between these two instants stay as they are interpolated
@@ -88,6 +88,7 @@ _INTEGERS += [
     "changed",  # events that were logged at its end
     "due",  # 1: another method is due
     "plan",  # about a singular position, a `Plan`
+    "resumed",  # 1: it goes on from a run in other coordinates, whose modes it takes over
 ]
 
 

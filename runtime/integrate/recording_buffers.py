@@ -49,9 +49,14 @@ class Recording:
         self._place(EVENT_ROWS, rows, _EVENTS, self.events_out)
         instants = np.zeros(0) if t_eval is None else t_eval
         self._place(SAMPLE_TIMES, instants.size, ("sample_times",), (instants,))
-        self.sample_rows, self.event_rows, self.partition_rows = _Rows(), _Rows(), _Rows()
         self.instants = instants.size
         self._allot(self.instants if self.fixed_size else 1)
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget what was taken over: what follows is another part of the run."""
+        self.sample_rows, self.event_rows, self.partition_rows = _Rows(), _Rows(), _Rows()
+        self.first = int(self.record["samples"])
 
     def _place(self, count: int, rows: int, names: Iterable[str], arrays: Iterable[Any]) -> None:
         table = self.wiring.table
@@ -88,7 +93,7 @@ class Recording:
     def samples(self) -> tuple[Vector, Matrix, IntegerMatrix]:
         """Times (k,), states (k, 2 n) and modes (k, s)."""
         if self.fixed_size:
-            t, y, modes = (array[: self.record["samples"]] for array in self.out)
+            t, y, modes = (array[self.first : self.record["samples"]] for array in self.out)
         else:
             t, y, modes = self.sample_rows.joined(*self.out)
         return t, y, modes
