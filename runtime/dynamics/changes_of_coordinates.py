@@ -68,6 +68,7 @@ class Changes:
         """The whole run, in all coordinates."""
         begin = self.taken.begin
         self.start = begin.t, begin.q  # where the present leg starts
+        self.free = np.isin(np.arange(len(begin.q)), self.reduced.kept)  # what is independent there
         if self._is_safe(begin.t, begin.q, begin.v, LEAST, 0.0):
             first = self._make_less(begin.t, begin.q, begin.v)
         else:
@@ -103,6 +104,7 @@ class Changes:
         if code != _LEAVE:
             self._be_patient(int(whole.state.record["steps"]))
         code = whole.take_over(less, path.final_q, path.final_v)
+        self.free = whole.state.rows[PARTITION, 0] == 0.0
         return whole, _GOING if code == _OK else code
 
     def _return(self, whole: Run, q: Vector, v: Vector) -> tuple[Run, int]:
@@ -114,19 +116,16 @@ class Changes:
             self._be_patient(int(whole.state.record["steps"]))
             return whole, _GOING
         self._finish(whole, whole.result(Outcome.OK, 0.0))
+        independent = less.state.rows[PARTITION, 0] == 0.0
+        self.free = np.zeros(len(q), dtype=np.bool_)
+        self.free[kept] = independent if self.reduced.closures else True
         return less, _GOING
 
     def _finish(self, run: Run, path: Trajectory) -> Trajectory:
         """End the present leg; its path in all coordinates."""
-        t, n = self.start[0], len(self.start[1])
-        free = np.zeros(n, dtype=np.bool_)
-        independent = run.state.rows[PARTITION, 0] == 0.0
         if run is self.less:
             path = self.taken.all_coordinates(path, self.start, run.state.p)
-            free[self.reduced.kept] = independent if self.reduced.closures else True
-        else:
-            free[:] = independent
-        self.legs.append(_Leg(path, t, free))
+        self.legs.append(_Leg(path, self.start[0], self.free))
         self.start = path.final_t, path.final_q
         return path
 
@@ -179,25 +178,22 @@ class Changes:
         counts["largest_dq"] = max(r["largest_dq"].item() for r in records)
         partitions = self._partitions()
         counts["repartitions"] = len(partitions.t) - 1
+        samples = zip(*((path.t, path.q, path.v, path.modes) for path in paths), strict=True)
+        t, q, v, modes = map(np.concatenate, samples)
         events = zip(*(vars(path.events).values() for path in paths), strict=True)
-        samples = {
-            name: np.concatenate([getattr(path, name) for path in paths])
-            for name in ("t", "q", "v", "modes")
-        }
         return replace(
-            last, **samples, statistics=replace(last.statistics, **counts),
-            events=Events(*(np.concatenate(parts) for parts in events)), partitions=partitions,
+            last, t=t, q=q, v=v, modes=modes, statistics=replace(last.statistics, **counts),
+            events=Events(*map(np.concatenate, events)), partitions=partitions,
             crossings=tuple(crossing for path in paths for crossing in path.crossings),
         )  # fmt: skip
 
     def _partitions(self) -> Partitions:
         """Every change of the independent coordinates, those between the legs included."""
-        t, free = [], []
+        changes: list[tuple[float, npt.NDArray[np.bool_]]] = []
         for leg in self.legs:
             logged = leg.path.partitions
             if not len(logged.t) or logged.t[0] > leg.t:
-                t.append([leg.t])
-                free.append(leg.free[None, :])
-            t.append(logged.t)
-            free.append(logged.independent)
-        return Partitions(np.concatenate(t), np.vstack(free))
+                changes.append((leg.t, leg.free))
+            changes += zip(logged.t.tolist(), logged.independent, strict=True)
+        times, free = zip(*changes, strict=True)
+        return Partitions(np.array(times), np.array(free))

@@ -59,8 +59,8 @@ class CartesianCoordinates(Coordinates):
 
     def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
         """In the machine's own coordinates."""
-        p, sizes, state = self.ready.p, self.ready.sizes, map(np.ascontiguousarray, (q, v))
-        return Problem(t, self.ready.t_end, *state, p, self.mobility, sizes, self.spreads)
+        ready, q, v = self.ready, np.ascontiguousarray(q), np.ascontiguousarray(v)
+        return Problem(t, ready.t_end, q, v, ready.p, self.mobility, ready.sizes, self.spreads)
 
 
 class ReducedCoordinates(Coordinates):

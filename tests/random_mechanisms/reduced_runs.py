@@ -10,13 +10,13 @@ import argparse
 import sys
 import tempfile
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from codegen.errors import InputError, LinkwrightError
 from runtime import load
-from runtime.core.outcomes import Outcome
 from runtime.results.result import Result
 from tests.random_mechanisms import RandomMechanism, Scales, random_mechanism
 
@@ -70,7 +70,7 @@ def compare(mechanism: RandomMechanism, t_end: float, folder: Path) -> Compariso
     reached = float(whole.t[known - 1]) if known else 0.0
     kept = {machine.coordinates.names[k] for k in machine.mechanism.reduced.kept}
     inside = [set(p.independent) <= kept for p in less.partitions]
-    changes = sum(a != b for a, b in zip(inside, inside[1:], strict=False))
+    changes = sum(a != b for a, b in pairwise(inside))
     return Comparison(mechanism, whole, less, reached, apart, changes)
 
 
@@ -107,15 +107,15 @@ def main() -> int:
             try:
                 found = compare(mechanism, wanted.t_end, wanted.folder or Path(folder))
             except InputError as error:
-                print(f"{mechanism.seed:4d} refused: {error}", flush=True)
+                sys.stdout.write(f"{mechanism.seed:4d} refused: {error}\n")
                 continue
             except LinkwrightError as error:
-                print(f"{mechanism.seed:4d} not run: {error}", flush=True)
+                sys.stdout.write(f"{mechanism.seed:4d} not run: {error}\n")
                 continue
-            print(found, flush=True)
+            sys.stdout.write(f"{found}\n")
             compared += 1
             wrong += found.verdict != "ok"
-    print(f"{compared} compared, {wrong} wrong", flush=True)
+    sys.stdout.write(f"{compared} compared, {wrong} wrong\n")
     return 1 if wrong else 0
 
 
