@@ -188,7 +188,7 @@ model.scene("bounced", ["weight", "floor", "motor"], guess=guess,
 # Coupler and follower in one line, 2 m long, as the ground is: the crank's angle is at its largest.
 top = acos(0.25)
 line = atan2(sin(top), cos(top) - 2.0)
-model.scene("stretched", [], without=[ball], guess={
+model.scene("stretched", ["weight"], without=[ball], guess={
     crank.phi: top, follower.phi: line, coupler.phi: line + 3.141592653589793,
     coupler.x: 2.0 + 1.5 * cos(line), coupler.y: 1.5 * sin(line)})
 """
@@ -268,7 +268,9 @@ def test_a_run_may_start_at_a_dead_centre(workshop: Path) -> None:
     machine = rocking(workshop, "stretched")
     whole, less = both(machine, 1.0)
     assert_same(machine, whole, less, 1e-8)
-    assert independents(less)[-1] == ("crank.phi",)
+    taken = independents(less)
+    assert taken[0] != ("crank.phi",)
+    assert ("crank.phi",) in taken
 
 
 # Loops that are closed in closed form while a driver moves them, or by contacts
