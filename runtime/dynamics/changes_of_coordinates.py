@@ -147,7 +147,7 @@ class Changes:
     # -- runs --------------------------------------------------------------------------------
 
     def _make_less(self, t: float, q: Vector, v: Vector) -> Run:
-        problem = self.taken.problem(t, q, v)
+        problem = replace(self.taken.problem(t, q, v), t0=self.taken.begin.t)
         check(self.taken.system, problem, self.options)
         self.less = Run(self.taken.system, problem, self.options)
         return self.less
