@@ -33,6 +33,8 @@ def check_model(model: Model) -> list[str]:
     sound = tuple(body for name, body in model.bodies.items() if not masses[name])
     elements: list[el.Constraint | el.Effect] = [*model.joints.values(), *model.drivers.values()]
     for element in (*elements, *_all_effects(model)):
+        if element.name in model.noted:
+            continue
         faults = element.problems()
         problems += [*_words_and_bodies(model, element), *faults]
         if isinstance(element, el.Constraint):

@@ -8,7 +8,9 @@ from typing import Any, ClassVar, NamedTuple, Protocol, runtime_checkable
 import sympy
 
 from codegen.declare.body import Body, Curve, Point, Pose
+from codegen.declare.plain_values import KindError, plain_expression, shown
 from codegen.declare.symbols import KINDS, Coordinate, given
+from codegen.declare.units import expression
 from codegen.errors import ModelError
 
 
@@ -48,7 +50,7 @@ class Frame(Pose):
             bindings |= dict(zip(ends, body.rotation, strict=True))
         else:
             bindings[self.phi] = body.angle
-        return bindings | {sx: sympy.sympify(point.sx), sy: sympy.sympify(point.sy)}
+        return bindings | {sx: expression(point.sx), sy: expression(point.sy)}
 
 
 I, J = Frame("i"), Frame("j")  # noqa: E741 (Haug's names for the two bodies of a joint)
@@ -123,10 +125,10 @@ class Statement:
         bindings = {}
         for place, value in self.bindings.items():
             try:
-                bindings[place] = sympy.sympify(value, strict=True)
-            except sympy.SympifyError:
+                bindings[place] = plain_expression(value)
+            except KindError:
                 raise ModelError(
-                    f"the placeholder '{place}' is bound to {value!r}; give a number or an "
+                    f"the placeholder '{place}' is bound to {shown(value)}; give a number or an "
                     "expression."
                 ) from None
         object.__setattr__(self, "bindings", bindings)
