@@ -2,8 +2,9 @@
 
 import json
 import sys
+import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -50,6 +51,11 @@ def start_values(parameters: list[str] | None, guess: list[str] | None) -> dict[
     return values
 
 
+def show_warnings_as_notes() -> None:
+    """Have a warning shown as one line, without the place in the source that it comes from."""
+    warnings.formatwarning = lambda message, *_, **__: f"note: {message}\n"
+
+
 @contextmanager
 def exit_on_error(as_json: bool) -> Iterator[None]:
     """End the process with status 2 for wrong input, with 1 for an analysis that failed."""
@@ -71,8 +77,9 @@ def refuse(problems: tuple[str, ...], status: int, as_json: bool) -> NoReturn:
 
 
 def write_line(text: str) -> None:
-    """Write a line to stderr."""
-    sys.stderr.write(text + "\n")
+    """Write a line to stderr, if that is still there: a terminal may have been closed."""
+    with suppress(OSError):
+        sys.stderr.write(text + "\n")
 
 
 def print_json(content: dict[str, Any]) -> None:

@@ -1,15 +1,12 @@
 """Integrate the equations of motion: the Python face of the compiled loop."""
 
-import signal
-import threading
 import time
 from collections.abc import Callable
-from types import FrameType
-from typing import Any
 
 import numpy as np
 
 from codegen.errors import AnalysisError
+from codegen.termination_signals import Deferral
 from runtime.core.array_types import Integers, Vector
 from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
@@ -51,8 +48,8 @@ def integrate(
 
     `progress` is called now and then with the time reached and the number of steps taken. A
     `KeyboardInterrupt`, here or, after 128 steps, from the keyboard, ends the run with what was
-    computed; one from the keyboard before that is raised. Raises InputError with everything that is
-    wrong with the problem and its options.
+    computed; one from the keyboard before that, or in the last steps, is raised. Raises InputError
+    with everything that is wrong with the problem and its options.
     """
     check(system, problem, options)
     return Run(system, problem, options).execute(progress)
@@ -76,31 +73,6 @@ def initial_modes(
             "the message of `simulate` says why."
         )
     return run.state.modes
-
-
-class _InterruptHandler:
-    """Notes the keyboard's interrupt from its installation until it is left.
-
-    So no chunk is lost. Taking over the signal and handing it back takes as long as a hundred
-    evaluations of a small machine, which a short run does without.
-    """
-
-    def __enter__(self) -> "_InterruptHandler":
-        self.interrupted = self.installed = False
-        return self
-
-    def install(self) -> None:
-        """Take over the signal, unless that is done or another thread's."""
-        if not self.installed and threading.current_thread() is threading.main_thread():
-            self.previous: Any = signal.signal(signal.SIGINT, self._note)
-            self.installed = True
-
-    def _note(self, number: int, frame: FrameType | None) -> None:
-        self.interrupted = True
-
-    def __exit__(self, *error: object) -> None:
-        if self.installed:
-            signal.signal(signal.SIGINT, self.previous)
 
 
 class Run:
@@ -162,8 +134,14 @@ class Run:
         Where `change` goes on in other coordinates, the result is that of the last run.
         """
         began = time.thread_time()  # others on the machine take no part in it
+<<<<<<< HEAD
         run, fixed_chunk = self, self.state.options.chunk
         with _InterruptHandler() as handler:
+=======
+        record, fixed_chunk = self.state.record, self.state.options.chunk
+        stopped = False
+        with Deferral(computing=True, at_once=False) as signals:
+>>>>>>> main
             code = self.start()
             if code == Outcome.OK:
                 code = _GOING
@@ -176,27 +154,42 @@ class Run:
                 before = time.perf_counter()
                 code = advance(run.state.table, steps)
                 took = time.perf_counter() - before
+<<<<<<< HEAD
                 run.recording.flush()
                 if code < 0:
                     handler.install()
+=======
+                self.recording.flush()
+                if code in (_GOING, _LOOK, _CHANGE):
+                    signals.begin()
+>>>>>>> main
                 if code == _CHANGE:
                     run.state.change_method()
                     code = _GOING
                 if fixed_chunk is None and took < 0.5 * _CHUNK_SECONDS:
                     chunk = min(2 * chunk, _LONGEST_CHUNK)
+                elif fixed_chunk is None and took > 2.0 * _CHUNK_SECONDS:
+                    chunk = max(1, int(chunk * _CHUNK_SECONDS / took))
                 if progress is not None:
                     record = run.state.record
                     try:
                         progress(float(record["t"]), int(record["steps"]))
                     except KeyboardInterrupt:
-                        handler.interrupted = True
+                        stopped = True
                 if code == _LOOK:
+<<<<<<< HEAD
                     code = run.crossings.decide()
                 if change is not None:
                     run, code = change(run, code)
                 if handler.interrupted and code == _GOING:
                     code = Outcome.INTERRUPTED
         return run.result(Outcome(code), time.thread_time() - began)
+=======
+                    code = self.crossings.decide()
+                if code == _GOING and (signals.arrived or stopped):
+                    code, signals.answered = int(Outcome.INTERRUPTED), not stopped
+        return self._result(Outcome(code), time.thread_time() - began)
+>>>>>>> main
 
     def result(self, outcome: Outcome, seconds: float) -> Trajectory:
         """What was recorded since the start, or since the run took over from another."""
