@@ -134,14 +134,8 @@ class Run:
         Where `change` goes on in other coordinates, the result is that of the last run.
         """
         began = time.thread_time()  # others on the machine take no part in it
-<<<<<<< HEAD
-        run, fixed_chunk = self, self.state.options.chunk
-        with _InterruptHandler() as handler:
-=======
-        record, fixed_chunk = self.state.record, self.state.options.chunk
-        stopped = False
+        run, fixed_chunk, stopped = self, self.state.options.chunk, False
         with Deferral(computing=True, at_once=False) as signals:
->>>>>>> main
             code = self.start()
             if code == Outcome.OK:
                 code = _GOING
@@ -154,15 +148,9 @@ class Run:
                 before = time.perf_counter()
                 code = advance(run.state.table, steps)
                 took = time.perf_counter() - before
-<<<<<<< HEAD
                 run.recording.flush()
                 if code < 0:
-                    handler.install()
-=======
-                self.recording.flush()
-                if code in (_GOING, _LOOK, _CHANGE):
                     signals.begin()
->>>>>>> main
                 if code == _CHANGE:
                     run.state.change_method()
                     code = _GOING
@@ -177,19 +165,12 @@ class Run:
                     except KeyboardInterrupt:
                         stopped = True
                 if code == _LOOK:
-<<<<<<< HEAD
                     code = run.crossings.decide()
                 if change is not None:
                     run, code = change(run, code)
-                if handler.interrupted and code == _GOING:
-                    code = Outcome.INTERRUPTED
-        return run.result(Outcome(code), time.thread_time() - began)
-=======
-                    code = self.crossings.decide()
                 if code == _GOING and (signals.arrived or stopped):
                     code, signals.answered = int(Outcome.INTERRUPTED), not stopped
-        return self._result(Outcome(code), time.thread_time() - began)
->>>>>>> main
+        return run.result(Outcome(code), time.thread_time() - began)
 
     def result(self, outcome: Outcome, seconds: float) -> Trajectory:
         """What was recorded since the start, or since the run took over from another."""
