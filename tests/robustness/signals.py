@@ -11,6 +11,7 @@ import shutil
 import signal
 import time
 from collections import Counter
+from collections.abc import Sequence
 
 from tests.robustness.command_line import FOREIGN, End, Findings, Workplace, main, processor_seconds
 
@@ -30,12 +31,14 @@ PYTHON = 0.15  # s of processor time in which Python, and not yet the library, i
 WITHIN = 1.0  # s of processor time from a signal to the end: other processes take no part in it
 
 
-def campaign(place: Workplace, tries: int, seed: int) -> Findings:
+def campaign(
+    place: Workplace, tries: int, seed: int, commands: Sequence[tuple[str, ...]] = COMMANDS
+) -> Findings:
     """Ends by their kind, and what was wrong."""
     chance, ends, wrong = random.Random(seed), Counter[str](), list[str]()
-    start_up = {command: _start_up(place, command) for command in COMMANDS}
+    start_up = {command: _start_up(place, command) for command in commands}
     for attempt in range(tries):
-        command, numbers = chance.choice(COMMANDS), chance.choice(SIGNALS)
+        command, numbers = chance.choice(commands), chance.choice(SIGNALS)
         shutil.rmtree(place.folder / "elsewhere", ignore_errors=True)
         (place.folder / "result.csv").unlink(missing_ok=True)
         process = place.start(*command)
