@@ -1,6 +1,9 @@
 """A small sample of each campaign; the campaigns themselves are commands of their own."""
 
+import signal
 import sys
+import time
+from pathlib import Path
 
 import pytest
 
