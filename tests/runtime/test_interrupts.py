@@ -36,10 +36,11 @@ def test_an_answered_interrupt_is_not_raised() -> None:
         assert not later.arrived
 
 
-def test_a_deferral_leaves_an_error_alone() -> None:
-    with pytest.raises(ZeroDivisionError), Deferral():  # noqa: PT012
+def test_an_interrupt_is_not_lost_where_an_error_ends_the_block() -> None:
+    with pytest.raises(KeyboardInterrupt) as caught, Deferral():  # noqa: PT012
         signal.raise_signal(signal.SIGINT)
         raise ZeroDivisionError
+    assert isinstance(caught.value.__context__, ZeroDivisionError)
 
 
 @pytest.mark.parametrize("interrupted", [1, 2, 3])
