@@ -84,6 +84,7 @@ class Run:
         n, s = system.coordinates, system.switches
         self.recording = Recording(self.state.wiring, n, s, t_eval, interval)
         self.crossings = Crossings(self.state, problem)
+        self.first_t = float(problem.t0)
 
     def start(self) -> int:
         """Prepare the first step; returns the code of an outcome."""
@@ -168,6 +169,7 @@ class Run:
             modes=modes,
             outcome=outcome,
             index=int(r["index"]),
+            first_t=self.first_t,
             final_t=stopped,
             final_q=state.y[0].copy(),
             final_v=state.y[1].copy(),
