@@ -183,7 +183,9 @@ class Element(Protocol):
     """The common part of joints, drivers and effects.
 
     A class may derive from `Constraint` or `Effect`, and then inherits the answers that stand
-    here, or answer the same words without deriving from them.
+    here, or answer the same words without deriving from them. One that asks something of its
+    numbers, also as parameters, answers, besides, ``conditions() -> (Condition, ...)``; one with
+    closed curves ``profiles() -> ((curve, whether it must be convex), ...)``.
     """
 
     kind: ClassVar[str]
@@ -263,22 +265,6 @@ class OptionalAnswers(NamedTuple):
 def label(element: Element) -> str:
     """``revolute 'A'``: the element in messages."""
     return f"{element.kind} '{element.name}'"
-
-
-def sign_problems(
-    where: str,
-    *values: tuple[str, sympy.Expr | None, str],
-    positive: bool = False,
-    advice: str = "",
-) -> list[str]:
-    """Values, each with its word and unit, that are numbers of the wrong sign."""
-    needed = f"a {'positive number' if positive else 'number that is not negative'}{advice}"
-    return [
-        f"{where}: the {word} is {float(value):g}{unit and f' {unit}'}; give {needed}."
-        for word, value, unit in values
-        if value is not None and value.is_number and value.is_extended_real is not False
-        if value.is_extended_negative or (positive and not value.is_extended_positive)
-    ]
 
 
 def own_coordinates(constraint: Constraint) -> tuple[Coordinate, ...]:

@@ -20,6 +20,7 @@ from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import PARTITION
 from runtime.hybrid.loop_branch_guard import LEAST
 from runtime.integrate.problem import Options
+from runtime.integrate.recording_buffers import in_order
 from runtime.integrate.run import Progress, Run
 from runtime.integrate.run_state import COUNTS
 from runtime.integrate.step import Signal
@@ -169,7 +170,7 @@ class Changes:
         assert run is not None
         last = self._finish(run, last)
         if len(self.legs) == 1:
-            return last
+            return replace(last, events=in_order(last.events, last.final_t))
         paths = [leg.path for leg in self.legs]
         records = [made.state.record for made in (self.less, self.whole) if made is not None]
         counts = {name: sum(r[name].item() for r in records) for name in COUNTS}
@@ -178,10 +179,11 @@ class Changes:
         counts["repartitions"] = len(partitions.t) - 1
         samples = zip(*((path.t, path.q, path.v, path.modes) for path in paths), strict=True)
         t, q, v, modes = map(np.concatenate, samples)
-        events = zip(*(vars(path.events).values() for path in paths), strict=True)
+        logged = zip(*(vars(path.events).values() for path in paths), strict=True)
+        events = in_order(Events(*map(np.concatenate, logged)), last.final_t)
         return replace(
             last, t=t, q=q, v=v, modes=modes, statistics=replace(last.statistics, **counts),
-            events=Events(*map(np.concatenate, events)), partitions=partitions,
+            events=events, partitions=partitions,
             crossings=tuple(crossing for path in paths for crossing in path.crossings),
         )  # fmt: skip
 

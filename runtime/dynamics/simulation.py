@@ -9,6 +9,7 @@ import numpy.typing as npt
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.end_checks import check_result
 from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.friction_jam import describe_jam
 from runtime.dynamics.output_quantities import evaluate
@@ -68,6 +69,7 @@ def finish_simulation(
     if works:
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
+    check_result(result, equations, ready.sizes, options, run)
     result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
     result.message += driven_note(mechanism, begin.degrees_of_freedom)
     return result

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from runtime.integrate.initialization import start
 from runtime.integrate.loop import advance
 from runtime.integrate.method import LEADING
 from runtime.integrate.problem import Options, Problem
-from runtime.integrate.recording_buffers import Recording
+from runtime.integrate.recording_buffers import Recording, in_order
 from runtime.integrate.run_state import COUNTS, RunState
 from runtime.integrate.sampling import INTERVAL
 from runtime.integrate.singular_crossing.crossing import Crossings
@@ -52,7 +53,8 @@ def integrate(
     with everything that is wrong with the problem and its options.
     """
     check(system, problem, options)
-    return Run(system, problem, options).execute(progress)
+    path = Run(system, problem, options).execute(progress)
+    return replace(path, events=in_order(path.events, path.final_t))
 
 
 def initial_modes(
@@ -86,6 +88,7 @@ class Run:
         n, s = system.coordinates, system.switches
         self.recording = Recording(self.state.wiring, n, s, t_eval, interval)
         self.crossings = Crossings(self.state, problem)
+        self.first_t = float(problem.t0)
         self.fresh = self.state.record.copy()
         self.most = _LONGEST_CHUNK  # steps until `Change` is called again
 
@@ -185,6 +188,7 @@ class Run:
             modes=modes,
             outcome=outcome,
             index=int(r["index"]),
+            first_t=self.first_t,
             final_t=stopped,
             final_q=state.y[0].copy(),
             final_v=state.y[1].copy(),
