@@ -21,6 +21,7 @@ from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.module_tables import Description, unknown
 from runtime.results.assembled_state import Assembly, Moved, Redundant
+from runtime.validation.finite_equations import require_finite
 from runtime.validation.parameters import parameter_values
 
 BoolArray = npt.NDArray[np.bool_]
@@ -104,12 +105,14 @@ def assemble(
     findings = redundancy.find_redundancy(task, closing.q, drivers, start.v)
     if any(drivers[row] for row, _ in findings.lasting):
         raise _redundancy(mechanism.description, findings.lasting, findings.rank, "consistent")
+    require_finite(equations, t, closing.q, np.zeros_like(start.v))
     v, velocity_gaps = _velocities(task, start, closing.q)
     near = None if findings.lasting else start_on_branch(task, closing.q, v, start.fixed_v)
     if near is not None:
         q, v = near
         closing = Closing(q, equations.constraints(t, q), closing.gap)
         velocity_gaps = equations.jacobian(t, q) @ v - equations.velocity_rhs(t, q)
+    require_finite(equations, t, closing.q, v)
     return _report(task, start, closing, v, velocity_gaps, findings)
 
 
@@ -119,6 +122,7 @@ def _require_magnitude(equations: Equations, t: float, q: FloatArray, given: Val
     largest = max(float(np.abs(values).max(initial=0.0)) for values in arrays)
     if largest <= _LARGEST:
         return
+    require_finite(equations, t, q, np.zeros_like(q))
     values = ", ".join(f"{name} = {value:g}" for name, value in given.items())
     raise AssemblyError(
         f"{equations.description.title}: the values are out of scale: lengths and angles in the "
