@@ -23,9 +23,8 @@ from runtime.core.loop_record import Plan, run_record
 from runtime.integrate.sampling import NODES, WEIGHTS
 
 RULE = tuple(float(weight) for weight in WEIGHTS)
-# Formula: the rule of third order on the first, the third and the fifth of Gauss' nodes.
-OUTER = 1.0 / (3.0 * NODES[4] ** 2)
-INNER = 2.0 - 2.0 * OUTER
+OUTER = 1.0 / (3.0 * NODES[4] ** 2)  # formula: weights of the first, third and fifth node alone
+INNER = 2.0 - 2.0 * OUTER  # formula: so that parabolas are integrated
 
 _ERRORS = 50.0  # measured: tolerances of a step by which its energy may err
 _PART = 1e-3  # safety: of the energy that a step exchanges, which need not be explained
