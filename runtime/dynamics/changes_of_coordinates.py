@@ -182,8 +182,8 @@ class Changes:
         logged = zip(*(vars(path.events).values() for path in paths), strict=True)
         events = in_order(Events(*map(np.concatenate, logged)), last.final_t)
         return replace(
-            last, first_t=paths[0].first_t, t=t, q=q, v=v, modes=modes, statistics=replace(last.statistics, **counts),
-            events=events, partitions=partitions,
+            last, first_t=paths[0].first_t, t=t, q=q, v=v, modes=modes, events=events,
+            statistics=replace(last.statistics, **counts), partitions=partitions,
             crossings=tuple(crossing for path in paths for crossing in path.crossings),
         )  # fmt: skip
 
