@@ -21,7 +21,7 @@ SCENES = ("loaded", "swinging")
 def machines(workshop: Path) -> dict[str, Machine]:
     """The scenes of `unbalanced.py`."""
     file = Path(__file__).with_name("unbalanced.py")
-    return {scene: load(file, scene, folder=workshop) for scene in SCENES}
+    return {scene: load(file, scene, folder=workshop) for scene in (*SCENES, "gusty")}
 
 
 def changed(machine: Machine, kernel: str, make: Callable[[Any], Any]) -> Machine:
@@ -99,6 +99,20 @@ def test_wrong_energy_ends_the_run(
     assert run.outcome is Outcome.CONTRADICTED
     assert "energy changes by" in run.message
     assert run.t[-1] < 5.0
+
+
+def pieces_apart(potential: Any) -> Any:
+    """The pieces of the potential do not meet where the condition changes."""
+    return lambda t, q, p, modes: potential(t, q, p, modes) + 5.0 * modes[0]
+
+
+def test_pieces_of_a_potential_meet(machines: dict[str, Machine]) -> None:
+    assert machines["gusty"].simulate(2.0).outcome is Outcome.OK
+    run = changed(machines["gusty"], "potential", pieces_apart).simulate(2.0)
+    assert run.outcome is Outcome.CONTRADICTED
+    assert "condition p_x > 0.3 of gust" in run.message
+    assert "jumps there by 5 J" in run.message
+    assert run.t[-1] == pytest.approx(0.3, abs=1e-12)
 
 
 @pytest.mark.parametrize("scene", SCENES)

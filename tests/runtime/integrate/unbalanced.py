@@ -4,6 +4,8 @@ Scenes
 ------
 loaded
     Two particles on a damped spring, one thrown, one pulled by a point that moves.
+gusty
+    One of the particles meets a gust behind a line.
 swinging
     A pendulum on a driven crank, with friction in its pin that creeps.
 """
@@ -19,6 +21,8 @@ p, o = (model.particle(name, mass=1.0) for name in "po")
 model.spring("coil", p, o, stiffness=40.0, free_length=1.0, damping=0.5)
 model.potential("moving", 15 * (p.x - 0.3 * sin(3 * t)) ** 2 / 2)
 model.force("push", p, force * sin(4 * t), force * cos(t))
+model.force("gust", p, 1.0, when=p.x > 0.3)
+
 crank = model.body("crank", mass=2.0, inertia=0.3)
 bob = model.body("bob", mass=1.0, inertia=0.05)
 model.revolute("pivot", model.ground.at(0, 0), crank.at(0, 0))
@@ -29,3 +33,5 @@ model.scene("loaded", ["gravity", "coil", "moving", "push"], without=["crank", "
             start={p.x: 0.0, p.y: 0.0, o.x: 1.2, o.y: 0.0, p.vx: 1.0})  # fmt: skip
 model.scene("swinging", ["gravity", "rub"], ["motor"], without=["p", "o"],
             start={bob.phi: 0.5})  # fmt: skip
+model.scene("gusty", ["gust"], without=["crank", "bob", "o"],
+            start={p.x: 0.0, p.y: 0.0, p.vx: 1.0, p.vy: 0.0})  # fmt: skip
