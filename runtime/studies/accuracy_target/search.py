@@ -56,9 +56,9 @@ _WIDE = 0.01  # measured: rtol of the second run over that of the first
 _NARROW = 0.03  # measured: the same in long motions, or of the first over that of the second
 _STIFF = 0.1  # measured: the same with an implicit method
 _LONG = 5000  # measured: evaluations between two events from which on a motion is long
-_NEAR, _FAR = 0.3, 1e-6  # safety: rtol of later runs over that of the last
+_NEAR, _FAR = 0.1, 1e-6  # safety: rtol of later runs over that of the last
 _EXPECTED_POWER = 0.85  # measured: power of rtol with which errors are expected to fall
-_MARGIN = 0.7  # safety: share of the target that a run is planned for
+_MARGIN = 0.5  # safety: share of the target that a run is planned for, and judged by
 _NEXT = 0.01  # measured: rtol of the next run over that of the last, if that shows nothing
 _MOST_RUNS = 8  # safety
 _SAMPLED = 1e-3  # safety: longest step, of the whole time, where runs agree to the last digit
@@ -208,7 +208,7 @@ class _Search:
     def _is_final(self, pair: Pair) -> bool:
         """Whether no further run is needed, or helps."""
         largest, rtol = pair.difference.largest, pair.tight.options.rtol
-        if pair.conclusive and largest < runs.DIVERGED and pair.share * largest <= self.target:
+        if pair.conclusive and largest < runs.DIVERGED and pair.share * largest <= _MARGIN * self.target:
             return True
         return pair.tight_fails or rtol <= _TIGHTEST or len(self.runs) >= _MOST_RUNS
 
