@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from codegen.argument_readers import shortened
 from codegen.errors import UnknownNameError
+from codegen.parameter_conditions import ConditionRow, ProfileRow
 
 Indices = npt.NDArray[np.int64]
 
@@ -195,6 +196,8 @@ class Description(NamedTuple):
     kernels: frozenset[str] = frozenset()  # what the module defines, its kernels among it
     rigid: Table[RigidContact] = Table()
     stiction: tuple[int, ...] = ()
+    conditions: tuple[ConditionRow, ...] = ()  # on parameters, judged before each run
+    profiles: tuple[ProfileRow, ...] = ()
 
     @property
     def title(self) -> str:
@@ -266,6 +269,8 @@ def describe(module: ModuleType) -> Description:
             literals[name] = Table(row(*entry) for entry in literals.get(name, ()))
         elif kind == Indices:
             literals[name] = np.array(literals.get(name, ()), dtype=np.int64)
+    literals["conditions"] = tuple(map(ConditionRow._make, literals.get("conditions", ())))
+    literals["profiles"] = tuple(map(ProfileRow._make, literals.get("profiles", ())))
     literals["stiction"] = tuple(switch for _, switch in literals.get("stiction", ()))
     return Description(
         **literals, has_masses=hasattr(module, "mass"), kernels=frozenset(vars(module))

@@ -14,4 +14,4 @@ def test_the_sound_file_is_sound(tmp_path: Path) -> None:
 
 
 def test_faulty_files_are_refused_in_sentences(tmp_path: Path) -> None:
-    assert list(model_files.faults(tmp_path, 0, seed=3)) == []
+    assert list(model_files.faults(tmp_path, 150, seed=3)) == []
