@@ -246,7 +246,8 @@ class _Search:
     def _is_final(self, pair: Pair) -> bool:
         """Whether no further run is needed, or helps."""
         largest, rtol = pair.difference.largest, pair.tight.options.rtol
-        if pair.conclusive and largest < runs.DIVERGED and pair.share * largest <= _MARGIN * self.target:
+        small = largest < runs.DIVERGED and pair.share * largest <= _MARGIN * self.target
+        if pair.conclusive and small:
             return True
         return pair.tight_fails or rtol <= _TIGHTEST or len(self.runs) >= _MOST_RUNS
 

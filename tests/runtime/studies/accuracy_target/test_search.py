@@ -217,7 +217,7 @@ def test_a_chaotic_motion_ends_at_its_horizon(root: Path, thrown: Machine) -> No
         ({"accuracy": 0.5}, "and 0.1"),
         ({"accuracy": "fine"}, "accuracy is 'fine'; it must be a positive finite number"),
         ({"quantities": ("upper.phi",)}, "give the error too, accuracy=1e-6"),
-        ({"accuracy": 1e-6, "quantities": "upper.phi"}, "it must be names of series, such as"),
+        ({"accuracy": 1e-6, "quantities": "upper.phi"}, "it must be a sequence of names"),
         ({"accuracy": 1e-6, "quantities": ("upper.fi",)}, "There is no series 'upper.fi'"),
         ({"accuracy": 1e-6, "method": "foo"}, "method 'foo' is none of the methods"),
     ],
