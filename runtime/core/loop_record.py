@@ -47,7 +47,6 @@ _FLOATS += [
     "next_length",  # of the step after it
     "foresight",  # change of the coordinates, in their sizes, over which one is looked for
     "energy",  # T + V at the start of the next step, J; NaN: not known
-    "potential",  # V of it
     "power",  # of all effects and drivers there, W
     "scatter",  # error of the energy that the tolerances permit, at the last look at its balance
     "usual_part",  # of the exchanged energy, which the trapezoidal rule left open lately
@@ -94,6 +93,7 @@ _INTEGERS += [
     "due",  # 1: another method is due
     "power_rows",  # of the powers that change the energy; -1: its balance is not known
     "potential_moves",  # 1: the potential depends on the time
+    "energy_steps",  # accepted since the energy was taken, and the one that is tried
     "balances",  # looks at the balance of energy that were due
     "balance_rhs",  # calls of `accelerations` for it
     "plan",  # about a singular position, a `Plan`
