@@ -12,6 +12,7 @@ from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
 from codegen.derive.effect_terms import EffectTerms, effect_terms
 from codegen.derive.inertia import inertia
+from codegen.derive.time_functions import TimeFunction, time_functions
 from codegen.model import Model
 from codegen.model.requested_outputs import TRACKED
 
@@ -62,6 +63,11 @@ class Equations:
     sides: tuple[sf.SideValue, ...] = ()  # values, by mode, of the symbols of frictions, contacts
     stiction: tuple[tuple[str, int], ...] = ()  # (effect, switch): a run determines the force
     contacts: tuple[sf.RigidContact, ...] = ()
+
+    @property
+    def time_functions(self) -> tuple[TimeFunction, ...]:
+        """The explicit functions of time."""
+        return time_functions(self.constraints, self.effects)
 
     def with_effects(self, effects: tuple[EffectEquations, ...]) -> "Equations":
         """These equations with other effects and their switching functions."""

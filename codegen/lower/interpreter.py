@@ -5,6 +5,7 @@ and the build uses it to look at a mechanism before there is any machine code.
 """
 
 import cmath
+import math
 import operator
 from collections import defaultdict
 from collections.abc import Callable, Mapping
@@ -23,6 +24,8 @@ ARITHMETIC: dict[Op, Callable[..., Any]] = {
     Op.NOT: operator.not_,
     Op.SLIDING: lambda mode: mode == 2,
     Op.POW: operator.pow,
+    Op.FLOOR: lambda a: float(math.floor(a.real)),
+    Op.LESS: lambda a, b: a.real < b.real,
     Op.AND: lambda a, b: a and b,
     Op.OR: lambda a, b: a or b,
     Op.SELECT: lambda condition, yes, no: yes if condition else no,

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from codegen.lower.scene_graph import Reaction, SceneGraph
+from codegen.lower.time_programs import TimeProgram, time_programs
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,7 @@ class Description:
     # (coordinate or velocity, value, role): "fixed", "guess", or before these "neutral", where the
     # neutral pose is not at zero
     start: tuple[tuple[str, float, str], ...]
+    time_functions: tuple[TimeProgram, ...]  # those that a run looks at before its first step
     jacobian: Pattern  # pattern of Φ_q
     mass: Pattern  # pattern of M
 
@@ -99,6 +101,7 @@ def describe(
         reactions=tuple(row[:3] for row in reported),
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=start,
+        time_functions=time_programs(equations),
         jacobian=Pattern.of(scene.jacobian),
         mass=Pattern.of(scene.mass),
     )

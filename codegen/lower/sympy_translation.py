@@ -12,6 +12,7 @@ from typing import Any
 import sympy
 from sympy.core.relational import Relational
 
+from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.declare.table_function import Interpolant
 from codegen.derive.piecewise_conditions import switching_function
 from codegen.errors import ModelError
@@ -140,10 +141,15 @@ class Translator:
             return graph.mode(self.switches[g])
         if -g in self.switches:
             return graph.negation(graph.mode(self.switches[-g]))
-        raise ModelError(
-            f"the condition {node} stands where nothing may switch (a constraint or a driver); "
-            "write the motion as one smooth expression."
-        )
+        if kinds(node, Coordinate, Velocity):
+            raise ModelError(
+                f"the condition {node} stands where nothing may switch (a constraint or a driver); "
+                "write the motion as one smooth expression."
+            )
+        # Of time and parameters: the steps of a run end where it changes.
+        low, high = self(node.lts), self(node.gts)
+        strict = isinstance(node, sympy.StrictGreaterThan | sympy.StrictLessThan)
+        return graph.is_less(low, high) if strict else graph.negation(graph.is_less(high, low))
 
     def _in_order(self, numbers: list[int]) -> list[int]:
         """By how often the values change, by what moves them, by number: by the declaration."""
