@@ -19,7 +19,7 @@ from runtime.core.jit import ROOMS
 from runtime.integrate.method import METHODS, REGISTER, find_method
 
 _PROCESSES = 4  # safety: each takes half a GB
-_OUTSIDE = ("dynamics", "continuation", "statics", "mechanism")
+_OUTSIDE = ("dynamics", "explicit_time", "continuation", "statics", "mechanism")
 """Rooms with some compiled code beside those that consist of it."""
 _LIBRARY = Path(__file__).parents[1]
 _METHOD_OF = {registration.module: name for name, registration in REGISTER.items()}

@@ -28,6 +28,11 @@ class Kink(NamedTuple):
     after: float  # the first of those behind it
     element: str
 
+    @property
+    def title(self) -> str:
+        """As events name it."""
+        return f"{self.element}: next piece of its function of time"
+
 
 class TimeInstants(NamedTuple):
     """What explicit functions of time ask of a run."""
@@ -50,7 +55,7 @@ class _Marks(NamedTuple):
 
 def time_instants(description: Description, p: Vector, t0: float, t1: float) -> TimeInstants:
     """The instants between t0 and t1, s, with the parameters `p`."""
-    if not description.time_functions or not t1 > t0:
+    if not (t0 < t1 < np.inf):
         return TimeInstants(np.zeros(0), ())
     found = [_marks(_Code(function), function, p, t0, t1) for function in description.time_functions]
     clock = _CLOCK * max(abs(t0), abs(t1))
@@ -58,8 +63,9 @@ def time_instants(description: Description, p: Vector, t0: float, t1: float) -> 
     for low, high, element in sorted((*pair, m.element) for m in found for pair in m.kinks):
         middle = 0.5 * (low + high)
         before, after = middle - clock, middle + clock
-        if before <= t0 + clock or after >= t1 - clock:
+        if after < t0 or after >= t1 - clock:
             continue
+        before = max(before, t0)
         if kinks and before <= kinks[-1].after:
             kinks[-1] = kinks[-1]._replace(after=after)
         else:

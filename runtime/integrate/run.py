@@ -17,7 +17,7 @@ from runtime.core.system import System
 from runtime.core.workspace_rows import BAND, STRUCK
 from runtime.hybrid.loop_branch_guard import DEAD_CENTRE_NOTE, find_dead_centre
 from runtime.hybrid.mode_search import MOST_COMBINED
-from runtime.integrate.initialization import start
+from runtime.integrate.initialization import start, start_anew
 from runtime.integrate.loop import advance
 from runtime.integrate.method import LEADING
 from runtime.integrate.problem import Options, Problem
@@ -37,6 +37,7 @@ _LONGEST_CHUNK = 16384  # safety: steps before an interrupt is heard, at most
 _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
 # As integers: looking up a member of an enumeration is slow in Python 3.11.
 _GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
+_KINK = int(Signal.KINK)
 _COUNTS = tuple(
     name for name in Statistics.__dataclass_fields__ if name not in ("largest_dq", "seconds")
 )
@@ -112,6 +113,7 @@ class Run:
         n, s = system.coordinates, system.switches
         self.recording = Recording(self.state.wiring, n, s, t_eval, interval)
         self.crossings = Crossings(self.state, problem)
+        self.note = ""  # on the outcome
 
     def start(self) -> int:
         """Prepare the first step; returns the code of an outcome."""
@@ -156,8 +158,10 @@ class Run:
                 code = advance(self.state.table, chunk)
                 took = time.perf_counter() - before
                 self.recording.flush()
-                if code in (_GOING, _LOOK, _CHANGE):
+                if code in (_GOING, _LOOK, _CHANGE, _KINK):
                     handler.install()
+                if code == _KINK:
+                    code = self._pass_kink()
                 if code == _CHANGE:
                     self.state.change_method()
                     code = _GOING
@@ -174,6 +178,27 @@ class Run:
                     code = Outcome.INTERRUPTED
         return self._result(Outcome(code), time.thread_time() - began)
 
+    def _pass_kink(self) -> int:
+        """Go on behind a kink of an explicit function of time, or end before it."""
+        state, r = self.state, self.state.record
+        assert state.stops is not None
+        kink = int(state.wiring.arrays["stop_kinds"][r["next_stop"]])
+        q, v = state.y
+        passage = state.stops.passage(kink, q.copy(), v.copy(), state.modes.copy())
+        if passage.outcome is not Outcome.OK:
+            r["index"], self.note = passage.row, passage.note
+            return passage.outcome
+        state.leave_kink()
+        if passage.v is not None:
+            v[:] = passage.v
+        code: int = start_anew(state.table)
+        self.recording.flush()
+        if passage.event is not None:
+            number = np.array([state.system.switches + kink])
+            self.recording.add_events(r["t"], number, [passage.event], state.y.ravel())
+            r["events"] += 1
+        return _GOING if code == Outcome.OK else code
+
     def _result(self, outcome: Outcome, seconds: float) -> Trajectory:
         state, r = self.state, self.state.record
         n, stopped = state.system.coordinates, float(r["t"])
@@ -181,7 +206,7 @@ class Run:
         loop = find_dead_centre(state.system, stopped, state.y, state.p, nearness, outcome)
         if loop is not None:
             outcome, r["index"], r["turn"] = Outcome.SINGULAR, loop, stopped
-        note = self.crossings.note or self._search_note(outcome)
+        note = self.note or self.crossings.note or self._search_note(outcome)
         if not note and outcome is Outcome.SINGULAR and int(r["index"]) in state.system.loop_rows:
             note = DEAD_CENTRE_NOTE.format(float(r["turn"]))
         t, y, modes = self.recording.samples()
