@@ -19,6 +19,7 @@ from pathlib import Path
 from time import perf_counter
 
 import codegen
+from codegen import argument_readers as readers
 from codegen.check.declaration import check_model, check_scene
 from codegen.check.redundancy import Findings, examine
 from codegen.declare.name_rules_and_hints import nearest
@@ -38,6 +39,12 @@ from codegen.model_file import ModelFile, read_model
 GENERATOR = f"linkwright {codegen.__version__}"
 
 
+@readers.reads(
+    model=readers.model, scene=readers.optional(readers.scenes),
+    out=readers.optional(readers.path), settings=readers.optional(readers.values('{"J1": 900.0}')),
+    progress=readers.function,
+    **dict.fromkeys(("tangents", "reduced", "check", "compile"), readers.flag),
+)  # fmt: skip
 def build(
     model: str | Path | Model, scene: str | Scene | Sequence[str | Scene] | None = None,
     out: str | Path | None = None, *, settings: Mapping[str, float] | None = None,

@@ -1,6 +1,11 @@
-"""`python -m runtime`: see `runtime.cli.app`."""
+"""`python -m runtime`: see `runtime.cli.app`; the working folder is put last, as in `codegen`."""
 
-from runtime.cli.app import main
+import os
+import sys
 
 if __name__ == "__main__":
+    if not sys.flags.safe_path and sys.path[:1] == [os.getcwd()]:  # noqa: PTH109 (no import)
+        sys.path.append(sys.path.pop(0))
+    from runtime.cli.app import main
+
     main()

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 import sympy
 
-from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate
+from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate, rate
 from codegen.declare.units import is_quantity, plain_length
 
 
@@ -188,7 +188,11 @@ class Ground(Body):
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A point fixed in a body, at (sx, sy) of the body's frame, in metres."""
+    """A point of a body, at (sx, sy) of the body's frame, in metres.
+
+    Where sx or sy depends on t or on coordinates, the point moves in the body by itself, and its
+    velocity has that motion.
+    """
 
     body: Body
     sx: Any
@@ -209,12 +213,23 @@ class Point:
     @property
     def vx(self) -> sympy.Expr:
         """Horizontal velocity in the global frame."""
-        return self.body.velocity[0] - self.body.angular_velocity * (self.y - self.body.position[1])
+        (c, s), (own_x, own_y) = self.body.rotation, self.own_velocity
+        turning = self.body.angular_velocity * (self.y - self.body.position[1])
+        return self.body.velocity[0] - turning + c * own_x - s * own_y
 
     @property
     def vy(self) -> sympy.Expr:
         """Vertical velocity in the global frame."""
-        return self.body.velocity[1] + self.body.angular_velocity * (self.x - self.body.position[0])
+        (c, s), (own_x, own_y) = self.body.rotation, self.own_velocity
+        turning = self.body.angular_velocity * (self.x - self.body.position[0])
+        return self.body.velocity[1] + turning + s * own_x + c * own_y
+
+    @property
+    def own_velocity(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """The velocity in the body's frame, d(sx, sy)/dt; zero for a point fixed in it."""
+        ends = (self.sx, self.sy)
+        x, y = (rate(s) if isinstance(s, sympy.Expr) else sympy.S.Zero for s in ends)
+        return x, y
 
 
 @dataclass(frozen=True, eq=False)

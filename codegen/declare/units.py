@@ -56,8 +56,9 @@ def is_quantity(value: object) -> bool:
 def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
     """A number, expression or quantity in the SI unit `unit`, empty for a pure number.
 
-    A wrong dimension is added to `problems`, in a sentence that begins with `where`, the role of
-    the number: ``"mass of body 'crank'"``. All but quantities are taken to be in `unit`.
+    A wrong dimension, and a frequency for an angular velocity or the other way round, is added to
+    `problems`, in a sentence that begins with `where`, the role of the number: ``"mass of body
+    'crank'"``. All but quantities are taken to be in `unit`.
     """
     if not is_quantity(value):
         return value
@@ -69,8 +70,39 @@ def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
             f"give a quantity that converts to {needed}."
         )
         return 1.0
+    if problem := _cycles_for_radians(value, target, unit):
+        problems.append(f"{where}: {value} {problem}")
+        return 1.0
     magnitude = value.to(target).magnitude
     return magnitude if isinstance(magnitude, sympy.Basic) else float(magnitude)
+
+
+def _cycles_for_radians(value: Any, target: Any, unit: str) -> str | None:
+    """Why a quantity that counts cycles does not stand for one that counts radians, or None.
+
+    SI calls both 1/s, and pint converts hertz to rad/s by the factor 1, and rpm to hertz by 2π/60.
+    """
+    quantity: Any = registry().Quantity
+    given, wanted = (_exponent(q.to_root_units(), "radian") for q in (value, quantity(1, target)))
+    counts = any(
+        registry().parse_unit_name(name)[0][1] == "hertz" for name, _ in value.unit_items()
+    ) or _exponent(value.to_root_units(), "count")
+    if wanted and given != wanted and counts:
+        return (
+            f"counts cycles, but {unit} counts radians, and a cycle is 2π of them; give a quantity "
+            f"in rad/s or rpm, or 2*pi*rad times the frequency."
+        )
+    if given and not wanted and [*value.dimensionality] == ["[time]"]:
+        return (
+            f"counts an angle, but {unit} does not, and a cycle may be meant or a radian; give the "
+            f"unit rad/s to an angular velocity, and divide by 2*pi*rad for a frequency in {unit}."
+        )
+    return None
+
+
+def _exponent(quantity: Any, root: str) -> float:
+    """The power of a root unit, ``"radian"`` or ``"count"``, in a quantity in root units."""
+    return float(dict(quantity.unit_items()).get(root, 0))
 
 
 def plain_length(value: Any) -> Any:
@@ -80,10 +112,16 @@ def plain_length(value: Any) -> Any:
 
 
 def expression(value: Any) -> sympy.Expr:
-    """`value` as a SymPy expression; TypeError for text, a truth value, a condition, a matrix."""
+    """`value` as a SymPy expression; TypeError for text, a truth value, a condition, a matrix.
+
+    A unit of SymPy's is no number either: it would have to be converted where it stands. A zero is
+    SymPy's own, which equals 0; that of a float, 0.0, does not.
+    """
     if isinstance(value, bool | str):
         raise TypeError(f"{value!r} is no number or expression")
     read = sympy.sympify(value)
     if not isinstance(read, sympy.Expr) or read.is_Matrix:
         raise TypeError(f"{value!r} is no number or expression")
-    return read
+    if foreign := [a for a in read.atoms(sympy.AtomicExpr) if hasattr(a, "scale_factor")]:
+        raise TypeError(f"{foreign[0]} is a unit of SymPy")
+    return sympy.S.Zero if read.is_Float and read.is_zero else read

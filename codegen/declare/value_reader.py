@@ -48,8 +48,9 @@ class Reader:
             return sympy.S.One
         try:
             return expression(in_unit(value, unit, where, self.problems))
-        except (TypeError, sympy.SympifyError):
-            self.note(f"{where}: {value!r} is neither a number nor an expression.")
+        except (TypeError, sympy.SympifyError) as why:
+            unit = f", for {why}; give a quantity of pint" if "unit of SymPy" in str(why) else ""
+            self.note(f"{where}: {value!r} is neither a number nor an expression{unit}.")
             return sympy.S.One
 
     def pair(

@@ -110,6 +110,7 @@ class Declarations:
         where = f"point of '{name}' on body '{point.body.name}'"
         before = self.problems
         sx, sy = (self._read.value(s, "m", where) for s in (point.sx, point.sy))
+        self._note_speeds(where, sx, sy)
         if not (point.body.turns or sx == sy == 0):
             if self.problems == before:  # else the place is not the modeller's
                 self._note(
@@ -118,6 +119,14 @@ class Declarations:
                 )
             sx = sy = sympy.S.Zero
         return Point(point.body, sx, sy)
+
+    def _note_speeds(self, where: str, *place: sympy.Expr) -> None:
+        """Note the velocities on which a place depends."""
+        for speed in sy.kinds(sympy.Tuple(*place), sy.Velocity):
+            self._note(
+                f"{where} depends on the velocity {speed.name}; a place is an expression of t, "
+                "coordinates and parameters."
+            )
 
     def _pair(self, name: str, i: Any, j: Any) -> Ends:
         return self._point(name, i), self._point(name, j)

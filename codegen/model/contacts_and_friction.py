@@ -7,11 +7,10 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.symbols import SignRule
+from codegen.declare.symbols import Coordinate, SignRule, Time, Velocity, kinds, rate
 from codegen.elements.forces.given_load_friction import DryFriction
 from codegen.elements.forces.joint_friction import JointFriction
 from codegen.elements.forces.rigid_contact import RigidContact
-from codegen.elements.forces.scalar_measures import rate
 from codegen.elements.forces.spring_damper_contact import Contact, gap_between
 from codegen.model.base import Declarations, Ends, Pair, Place
 
@@ -166,6 +165,11 @@ class Contacts(Declarations):
             missing = f"{where} has no slip; give two points, or slip= a velocity."
             ends, bodies = self._surfaces(name, i, j, missing)
             along = self._direction(where, "axis", axis) or (sympy.S.One, sympy.S.Zero)
+            if moving := kinds(sympy.Tuple(*along), Coordinate, Velocity, Time):
+                self._note(
+                    f"{where}: the axis {along} depends on {moving[0].name}, and one that turns by "
+                    "itself slides on nothing; give an axis fixed in body i, or slip= a velocity."
+                )
             s = rate(gap_between(*ends, along, sympy.S.Zero))
         law = DryFriction(name, s, load, mu, bodies, mu_s, speed)
         return self._friction_law(where, law, fidelity)

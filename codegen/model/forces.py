@@ -7,7 +7,7 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect
-from codegen.declare.symbols import Coordinate
+from codegen.declare.symbols import Coordinate, rate
 from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.forces.applied import AppliedForce, AppliedTorque
 from codegen.elements.forces.bushing import AXES, Bushing, Triple
@@ -116,7 +116,7 @@ class Forces(Declarations):
         first, second = self._whole(where, i), self._whole(where, j)
         turning = self._value(actuator, "N m", f"actuator of {where}")
         theta = measures.relative_angle(first, second)
-        angle = theta, measures.rate(theta)
+        angle = theta, rate(theta)
         turning += self._characteristic(torque, angle, "torque", "N m", where)
         stiff = self._value(stiffness, "N m/rad", f"stiffness of {where}")
         free = self._value(free_angle, "rad", f"free angle of {where}")

@@ -10,6 +10,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from codegen.argument_readers import real, shortened
 from codegen.errors import AssemblyError, RedundancyError
 from runtime.assembly import redundancy
 from runtime.assembly.accurate_start_near_singularity import start_on_branch
@@ -20,7 +21,6 @@ from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.module_tables import Description, unknown
 from runtime.results.assembled_state import Assembly, Moved, Redundant
-from runtime.validation.arguments import number
 from runtime.validation.parameters import parameter_values
 
 BoolArray = npt.NDArray[np.bool_]
@@ -57,9 +57,11 @@ def start_values(mechanism: Mechanism, guess: Values | None) -> Start:
             values[place], fixed[place], named[place] = row.value, row.role == "fixed", True
     problems = []
     for name, value in (guess or {}).items():
-        finite = number(value)
+        finite = real(value)
         if finite is None or not np.isfinite(finite):
-            problems.append(f"Start value {name} is {value!r}; it must be a finite number.")
+            problems.append(
+                f"Start value {name} is {shortened(value)}; it must be a finite number."
+            )
         elif name in places:
             values[places[name]], named[places[name]] = finite, True
         else:

@@ -162,7 +162,7 @@ def _run(
             from runtime.results.export import check_place
 
             check_place(out)
-        from runtime.load import load
+        from runtime.machine_loading import load
 
         machine = load(model, scene)
         result = analyse(machine, **common.start_values(settings, guess))

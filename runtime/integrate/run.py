@@ -20,7 +20,7 @@ from runtime.hybrid.mode_search import MOST_COMBINED
 from runtime.integrate.initialization import start, start_anew
 from runtime.integrate.loop import advance
 from runtime.integrate.method import LEADING
-from runtime.integrate.problem import Options, Problem
+from runtime.integrate.problem import Options, Passage, Problem
 from runtime.integrate.recording_buffers import Recording
 from runtime.integrate.run_state import RunState
 from runtime.integrate.sampling import INTERVAL
@@ -38,6 +38,8 @@ _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress
 # As integers: looking up a member of an enumeration is slow in Python 3.11.
 _GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
 _KINK = int(Signal.KINK)
+_STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
+_CLOSE = 1e-6  # safety: of the run; nearer to a pole, the pole is why it ends
 _COUNTS = tuple(
     name for name in Statistics.__dataclass_fields__ if name not in ("largest_dq", "seconds")
 )
@@ -176,18 +178,39 @@ class Run:
                     code = self.crossings.decide()
                 if handler.interrupted and code == _GOING:
                     code = Outcome.INTERRUPTED
+            if code in _STUCK:
+                code = self._end_at_pole(code)
         return self._result(Outcome(code), time.thread_time() - began)
+
+    def _end_at_pole(self, code: int) -> int:
+        """The outcome of a run whose steps get ever shorter up to an instant known beforehand."""
+        r, kinks = self.state.record, self.state.wiring.arrays["stop_kinds"]
+        near = float(r["stop"]) - float(r["t"]) <= _CLOSE * float(r["duration"])
+        passage = self._passage(kinks) if near else None
+        return code if passage is None or passage.outcome is Outcome.OK else passage.outcome
+
+    def _passage(self, kinks: Integers) -> Passage | None:
+        """How the run passes the next kink; None where there is none among the stops ahead."""
+        state, r = self.state, self.state.record
+        ahead = kinks[r["next_stop"] :]
+        if state.stops is None or not (ahead >= 0).any():
+            return None
+        q, v = state.y
+        kink = int(ahead[ahead >= 0][0])
+        passage = state.stops.passage(kink, q.copy(), v.copy(), state.modes.copy())
+        if passage.outcome is not Outcome.OK:
+            r["index"], self.note = passage.row, passage.note
+        return passage
 
     def _pass_kink(self) -> int:
         """Go on behind a kink of an explicit function of time, or end before it."""
         state, r = self.state, self.state.record
-        assert state.stops is not None
-        kink = int(state.wiring.arrays["stop_kinds"][r["next_stop"]])
-        q, v = state.y
-        passage = state.stops.passage(kink, q.copy(), v.copy(), state.modes.copy())
+        kinks = state.wiring.arrays["stop_kinds"]
+        passage, kink = self._passage(kinks), int(kinks[r["next_stop"]])
+        assert passage is not None
         if passage.outcome is not Outcome.OK:
-            r["index"], self.note = passage.row, passage.note
             return passage.outcome
+        v = state.y[1]
         state.leave_kink()
         if passage.v is not None:
             v[:] = passage.v

@@ -8,9 +8,10 @@ from runtime.core.array_types import Context, Integers
 from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
-from runtime.core.workspace_rows import PROJECTION, SAMPLE, Y1, row_of
+from runtime.core.workspace_rows import PREDICTED, PROJECTION, SAMPLE, SIZE, Y1, row_of
 from runtime.linalg.vectors import copy_vector
 
+_BLIND = 4.0  # measured: rounding of velocities beside a singular position, over its estimate
 STEP_ENDS, QUADRATURE = 1, 2  # kinds of sampling besides given instants, 0
 _POINTS, WEIGHTS = np.polynomial.legendre.leggauss(5)
 NODES: tuple[float, ...] = tuple(float(x) for x in _POINTS)
@@ -28,6 +29,22 @@ def record(context: Context, t: float, state: int) -> None:
 
 
 @inner
+def is_rounding(context: Context, at: float) -> bool:
+    """Whether a return near a singular position moved the sample by no more than its rounding.
+
+    That grows with the inverse square of the time from the position; where it reaches the tolerance
+    the samples begin to be judged.
+    """
+    r, n = run_record(context), context[ft.COORDINATES]
+    half, off = 0.5 * (r.blind_to - r.blind_from), at - 0.5 * (r.blind_to + r.blind_from)
+    moved, size = 0.0, row_of(context, SIZE)
+    old, new = row_of(context, PREDICTED), row_of(context, SAMPLE)
+    for j in range(2 * n):
+        moved = max(moved, abs(new[j] - old[j]) / (abs(old[j]) + size[j]))
+    return bool(moved * off * off <= _BLIND * r.rtol * half * half)
+
+
+@inner
 def sample(context: Integers, t: float, h: float, at: float) -> int:
     """Append the state at the instant `at` within a step, from its dense output.
 
@@ -36,14 +53,17 @@ def sample(context: Integers, t: float, h: float, at: float) -> int:
     """
     r = run_record(context)
     interpolate(context, r.dense_rows, (at - t) / h, SAMPLE)
-    # Near a singular position a return onto the constraints would move the sample further
-    # than it errs.
-    corrected = context[ft.CONSTRAINT_COUNT] > 0 and context[ft.CORRECTING] != 0
-    if corrected and not r.blind_from < at < r.blind_to:
+    if context[ft.CONSTRAINT_COUNT] > 0 and context[ft.CORRECTING] != 0:
+        blind = r.blind_from < at < r.blind_to
+        if blind:
+            copy_vector(row_of(context, SAMPLE), row_of(context, PREDICTED))
         result = ft.correct_of(context)(context, at, SAMPLE, PROJECTION)
-        if result == FAILED:
+        if blind and (result == FAILED or is_rounding(context, at)):
+            copy_vector(row_of(context, PREDICTED), row_of(context, SAMPLE))
+        elif result == FAILED:
             return FAILED
-        r.corrections += result
+        else:
+            r.corrections += result
     if context[ft.SLIDING_COUNT] != 0:
         ft.return_to_surfaces_of(context)(context, at, SAMPLE)
     record(context, at, SAMPLE)

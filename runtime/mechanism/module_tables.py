@@ -8,6 +8,9 @@ from typing import Any, NamedTuple, Protocol, SupportsIndex, TypeVar, get_args, 
 import numpy as np
 import numpy.typing as npt
 
+from codegen.argument_readers import shortened
+from codegen.errors import UnknownNameError
+
 Indices = npt.NDArray[np.int64]
 
 
@@ -41,9 +44,9 @@ class Table(tuple[RowT, ...]):
     def __getitem__(self, item: slice) -> tuple[RowT, ...]: ...
     def __getitem__(self, item: SupportsIndex | str | slice) -> RowT | tuple[RowT, ...]:
         """Row by position or name."""
-        if isinstance(item, str):
-            return super().__getitem__(self.index(item))
-        return super().__getitem__(item)
+        if isinstance(item, int | np.integer | slice):
+            return super().__getitem__(item)
+        return super().__getitem__(self.index(item))
 
     def index(self, item: object, *bounds: SupportsIndex) -> int:
         """Position of a row, or of the row of that name."""
@@ -51,8 +54,11 @@ class Table(tuple[RowT, ...]):
             try:
                 return self.names.index(item, *bounds)
             except ValueError:
-                raise KeyError(unknown("name", item, self.names)) from None
-        return super().index(item, *bounds)
+                raise UnknownNameError(unknown("name", item, self.names)) from None
+        try:
+            return super().index(item, *bounds)
+        except Exception as error:
+            raise UnknownNameError(unknown("name", item, self.names)) from error
 
 
 class Coordinate(NamedTuple):
@@ -293,11 +299,11 @@ def _row_with_table(module: ModuleType, row: tuple[Any, ...]) -> tuple[Any, ...]
     return name, at, table, order, periodic
 
 
-def unknown(what: str, name: str, names: Iterable[str]) -> str:
+def unknown(what: str, name: object, names: Iterable[str]) -> str:
     """Sentence saying that a name does not exist, with the nearest that do."""
     names = tuple(names)
-    near = get_close_matches(name, names, n=3, cutoff=0.5)
+    near = get_close_matches(name, names, n=3, cutoff=0.5) if isinstance(name, str) else []
     if near:
-        return f"There is no {what} {name!r}; nearest: {', '.join(near)}."
+        return f"There is no {what} {shortened(name)}; nearest: {', '.join(near)}."
     listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
-    return f"There is no {what} {name!r}; there are: {listed or 'none'}."
+    return f"There is no {what} {shortened(name)}; there are: {listed or 'none'}."

@@ -5,10 +5,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from codegen.argument_readers import real, shortened
 from codegen.errors import ParameterError
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.module_tables import unknown
-from runtime.validation.arguments import check, number
+from runtime.validation.arguments import check
 from runtime.validation.requirements_of_contact_and_stiction import require_sound
 
 
@@ -34,9 +35,9 @@ def parameter_values(
             problems.append(f"{description.title}: {unknown('parameter', name, table.names)}")
             continue
         row = table[name]
-        finite = number(value)
+        finite = real(value)
         if finite is None or not math.isfinite(finite):
-            problems.append(f"Parameter {name} is {value!r}; it must be a finite number.")
+            problems.append(f"Parameter {name} is {shortened(value)}; it must be a finite number.")
         elif row.sign == "positive" and finite <= 0.0:
             problems.append(
                 f"Parameter {name} is {finite:g} {row.unit}; it must be greater than zero."

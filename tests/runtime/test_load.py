@@ -140,7 +140,7 @@ def test_models_of_the_library_may_be_a_link(
     (tmp_path / "elsewhere").mkdir()
     (library / "models").symlink_to(tmp_path / "elsewhere")
     (library / "models" / "stone.py").touch()
-    loading = sys.modules["runtime.load"]
+    loading = sys.modules["runtime.machine_loading"]
     monkeypatch.setattr(loading, "_LIBRARY", library)
     found = tmp_path / "elsewhere" / "stone.py", library / "generated"
     assert loading._locate("stone", tmp_path / "work") == found

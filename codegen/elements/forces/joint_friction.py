@@ -6,8 +6,9 @@ import sympy
 
 from codegen.declare import element as el
 from codegen.declare.body import Body
+from codegen.declare.symbols import rate
 from codegen.elements.forces.given_load_friction import coefficient_problems
-from codegen.elements.forces.scalar_measures import angle_problems, rate, relative_angle, span
+from codegen.elements.forces.scalar_measures import angle_problems, relative_angle, span
 from codegen.elements.joints.revolute import Revolute
 from codegen.elements.joints.revolute_translational import RevoluteTranslational
 from codegen.elements.joints.translational import Translational

@@ -4,7 +4,7 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Element, Pulls, label, sign_problems
-from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds, t
+from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
 
 
 def span(i: Point, j: Point) -> tuple[sympy.Expr, sympy.Expr]:
@@ -28,12 +28,6 @@ def relative_angle(i: Body, j: Body) -> sympy.Expr:
     """θ = φ_j - φ_i, rad, counted through full turns; `angle_problems` refuses other bodies."""
     phi_i, phi_j = (sympy.S.Zero if b.angle is None else b.angle for b in (i, j))
     return phi_j - phi_i
-
-
-def rate(s: sympy.Expr) -> sympy.Expr:
-    """ds/dt = s_q q̇ + s_t."""
-    slopes = (sympy.diff(s, q) * q.rate for q in kinds(s, Coordinate))
-    return sympy.Add(*slopes, sympy.diff(s, t))
 
 
 def is_constant(*expressions: sympy.Expr) -> bool:

@@ -123,7 +123,8 @@ def _axle(point: Point, joints: Mapping[str, Constraint]) -> list[Point]:
     for place in points:
         for pin in pins:
             for here, there in ((pin.i, pin.j), (pin.j, pin.i)):
-                same = here.body is place.body and (here.sx, here.sy) == (place.sx, place.sy)
+                apart = here.sx - place.sx, here.sy - place.sy  # 1.0 and 1 are the same place
+                same = here.body is place.body and all(gap.is_zero for gap in apart)
                 if same and not any(other.body is there.body for other in points):
                     points.append(there)
     return points

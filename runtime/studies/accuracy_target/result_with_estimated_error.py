@@ -6,6 +6,7 @@ import numpy as np
 
 from codegen.errors import AnalysisError
 from runtime.core.outcomes import Outcome
+from runtime.core.unit_roundoff import EPS
 from runtime.results.accuracy_target_record import Estimate, ReachedAccuracy
 from runtime.results.result import Result
 from runtime.results.samples import Samples
@@ -33,7 +34,7 @@ def with_accuracy(
         reached = len(difference.t)  # both end by themselves, on either side of an instant
     whole = count >= min(reached, len(difference.t)) and len(difference.t) >= reached
     accuracy = result.accuracy = ReachedAccuracy(
-        asked=target, estimated=of_all * difference.largest,
+        asked=target, estimated=max(EPS, of_all * difference.largest),
         quantities=tuple(_estimates(quantities, difference, of_all)), method=delivered.method,
         formulation=delivered.formulation, rtol=delivered.rtol, runs=trials,
         horizon=None if whole else float(difference.t[count - 1] if count else result.t[0]),
@@ -56,8 +57,8 @@ def _estimates(quantities: Quantities, difference: Difference, share: float) -> 
     t, scaled = difference.t, difference.scaled
     if not len(t):  # no common instant
         t, scaled = np.zeros(1), np.zeros((1, len(quantities.names)))
-    worst = scaled.argmax(axis=0)
-    rows = np.stack([difference.scales, share * scaled.max(axis=0), t[worst]], axis=1).tolist()
+    worst, errors = scaled.argmax(axis=0), np.maximum(share * scaled.max(axis=0), EPS)
+    rows = np.stack([difference.scales, errors, t[worst]], axis=1).tolist()
     estimates = [Estimate(name, *row) for name, row in zip(quantities.names, rows, strict=True)]
     return sorted(estimates, key=lambda estimate: -estimate.error)
 
@@ -66,10 +67,16 @@ def _explanation(pair: Pair, reasons: Sequence[str]) -> str:
     """The origin of the estimate."""
     difference, share = pair.difference, pair.share
     delivered, other = (run.record for run in pair.by_merit)
+    tight = pair.tight
     text = (
         f"Estimated from the difference of two runs, {difference.largest:.1e} between rtol = "
         f"{other.rtol:.1e} and {delivered.rtol:.1e}"
     )
+    if pair.agrees and tight.options.h_max is not None:
+        text += (
+            "; something moves alike in both, to the last digit, also with steps of at most "
+            f"{tight.options.h_max:.3g} s, so that only a shorter pulse would go unseen"
+        )
     if share < 1.0:
         text += f"; the error of the tighter run is estimated as {share:.2g} times that"
     if other.events != delivered.events:

@@ -21,6 +21,7 @@ SAFE_POWER = 0.75  # measured: power of rtol with which errors fall at least
 
 _LEAST = 1e-13  # accuracy: difference below which there is nothing but rounding
 _MOST = 1e-2  # accuracy: difference from which on it no longer grows as a small one does
+_STRAY = 10.0  # measured: difference over the second run's motion from which on it is an error
 _EACH, _ALL = 3.0, 30.0  # measured: growth over a quarter of an exponential divergence, over two
 _ENOUGH = 16  # safety: instants from which growth is estimated
 _ROUNDING = 2e-13  # accuracy: rtol from which on rounding keeps errors from falling
@@ -118,12 +119,17 @@ def difference(
 
 
 def is_resolved(found: Difference, values: FloatArray, target: float) -> bool:
-    """Whether no difference above the target is as large as the second run's motion, (k, c)."""
+    """Whether no difference above the target is as large as the second run's motion, (k, c).
+
+    One that is much larger is the first run's own error: what the second one hardly moves is not
+    lost in the first.
+    """
     if not len(values):
         return True
     spans = np.ptp(np.nan_to_num(values), axis=0)
     gaps = found.scaled.max(axis=0)
-    return not bool(np.any((gaps > target) & (gaps * found.scales > DIVERGED * spans)))
+    ratio = gaps * found.scales / np.maximum(spans, 1e-300)
+    return not bool(np.any((gaps > target) & (ratio > DIVERGED) & (ratio < _STRAY)))
 
 
 def tenfold_time(found: Difference) -> float | None:
@@ -197,6 +203,19 @@ class Pair:
         """Whether all of the tighter run was compared with a run that resolves all motions."""
         compared = len(self.loose.path.t) >= len(self.tight.path.t)
         return self.resolved and compared and not self.tight_fails
+
+    @property
+    def agrees(self) -> bool:
+        """Whether an independent coordinate moves in both runs alike, to the last digit.
+
+        Two runs with different steps err differently, unless nothing acts at the instants at which
+        they look.
+        """
+        runs, count = (self.loose.path, self.tight.path), len(self.difference.t)
+        free = runs[1].partitions.independent[:1].any(axis=0)
+        one, other = (np.hstack([run.q[:count, free], run.v[:count, free]]) for run in runs)
+        alike = (one == other).all(axis=0).reshape(2, -1).all(axis=0)
+        return bool(alike.any()) or self.difference.largest == 0.0
 
     @property
     def share(self) -> float:

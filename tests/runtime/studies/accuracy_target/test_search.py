@@ -117,6 +117,16 @@ def test_a_vibration_that_the_looser_run_loses_is_not_resolved() -> None:
         assert is_resolved(found, trembling, 0.02)  # more than all of it
 
 
+def test_what_stands_still_in_the_tighter_run_is_resolved() -> None:
+    """A body that never turns: the looser run's error is no motion that it lost."""
+    t = np.linspace(0.0, 1.0, 101)
+    quantities = Quantities(("coupler.phi",), np.array([1.0]), np.array([0]))
+    noise = 1e-9 * np.sin(40.0 * t)[:, None]
+    found = difference(t, 1e-6 * np.sin(3.0 * t)[:, None], noise, quantities)
+    assert is_resolved(found, noise, 1e-8)
+    assert not is_resolved(difference(t, -noise, noise, quantities), noise, 1e-10)
+
+
 def test_the_result_is_that_of_a_run_with_the_recorded_settings(
     compressor: Machine, accurate: Result
 ) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from codegen import __version__
+from codegen import argument_readers as readers
 from codegen.errors import ModelFileError, SupersededError
 from codegen.generated_module_signature_and_import import check_signature, import_generated
 
@@ -23,6 +24,10 @@ _ATTEMPTS = 5
 _FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 
+@readers.reads(
+    model=readers.model, scene=readers.optional(readers.scene),
+    folder=readers.optional(readers.path),
+)  # fmt: skip
 def load(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     folder: str | os.PathLike[str] | None = None,
@@ -120,11 +125,13 @@ def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) 
 def _first_scene(model: Path) -> str | None:
     """Name of the first scene if the model file says it literally at its top level, else None."""
     try:
-        tree = ast.parse(model.read_text(encoding="utf-8"))
-    except SyntaxError as error:
-        raise ModelFileError(
-            f"{model}, line {error.lineno}: {error.msg}. Correct the model file."
-        ) from error
+        tree = ast.parse(model.read_bytes())
+    except OSError as error:
+        raise ModelFileError(f"{model} cannot be read: {error.strerror}.") from error
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        line = f", line {error.lineno}" if isinstance(error, SyntaxError) and error.lineno else ""
+        fault = error.msg if isinstance(error, SyntaxError) else str(error) or type(error).__name__
+        raise ModelFileError(f"{model}{line}: {fault}. Correct the model file.") from error
     for statement in tree.body:
         calls = [node for node in ast.walk(statement) if isinstance(node, ast.Call)]
         scenes = [c for c in calls if isinstance(c.func, ast.Attribute) and c.func.attr == "scene"]
