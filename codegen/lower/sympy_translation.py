@@ -14,7 +14,7 @@ from sympy.core.relational import Relational
 
 from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.declare.table_function import Interpolant
-from codegen.derive.piecewise_conditions import switching_function
+from codegen.derive.piecewise_conditions import KINKED, STEPS, as_pieces, switching_function
 from codegen.errors import ModelError
 from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op
@@ -74,6 +74,8 @@ class Translator:
             return self._piecewise(node)
         if isinstance(node, Interpolant):
             return graph.lookup(node.table, node.order, self(node.at))
+        if node.func in (*KINKED, *STEPS) and node.func not in FUNCTIONS:
+            return self(as_pieces(node))
         if node.func in FUNCTIONS:
             return graph.function(FUNCTIONS[node.func], *(self(a) for a in node.args))
         if isinstance(node, sympy.logic.boolalg.BooleanFunction | Relational):

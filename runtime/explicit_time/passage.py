@@ -15,6 +15,10 @@ from runtime.mechanism.dense_equations import Equations
 _FAR = 1000.0  # safety: distances of a kink's sides from it; there a pole has not begun
 _GROWTH = 300.0  # safety: of a value from there to its side; that of a pole is 1000
 _GREAT = 1e3  # safety: of its size; a smaller value is not that of a pole
+_ADVICE = (
+    ": look for a table evaluated beyond its ends, a division by zero, or a root or logarithm of "
+    "what is not positive"
+)
 _JUMP = 1e-9  # accuracy: of the typical size; a smaller jump is rounding
 
 
@@ -100,7 +104,8 @@ class Passages:
                 if bad.any():
                     row = int(bad.argmax()) if order < 3 else -1
                     text = f"has no finite {'rate' if order in (1, 2) else 'value'}"
-                    return self._end(kink, f"{text} at t = {kink.after:.9g} s", row)
+                    text += f" at t = {kink.after:.9g} s{_ADVICE}"
+                    return self._end(kink, text, row)
         return None
 
     def _end(self, kink: Kink, what: str, row: int, more: str = "") -> Passage:

@@ -184,19 +184,20 @@ class Run:
 
     def _end_at_pole(self, code: int) -> int:
         """The outcome of a run whose steps get ever shorter up to an instant known beforehand."""
-        r, kinks = self.state.record, self.state.wiring.arrays["stop_kinds"]
-        near = float(r["stop"]) - float(r["t"]) <= _CLOSE * float(r["duration"])
-        passage = self._passage(kinks) if near else None
-        return code if passage is None or passage.outcome is Outcome.OK else passage.outcome
+        r, arrays = self.state.record, self.state.wiring.arrays
+        ahead = np.flatnonzero(arrays["stop_kinds"][r["next_stop"] :] >= 0) + r["next_stop"]
+        if not len(ahead):
+            return code
+        way = float(arrays["stop_times"][ahead[0]] - r["t"])
+        passage = self._passage(ahead[0]) if way <= _CLOSE * float(r["duration"]) else Passage()
+        return code if passage.outcome is Outcome.OK else passage.outcome
 
-    def _passage(self, kinks: Integers) -> Passage | None:
-        """How the run passes the next kink; None where there is none among the stops ahead."""
+    def _passage(self, stop: int) -> Passage:
+        """How the run passes the kink that is a stop of this number."""
         state, r = self.state, self.state.record
-        ahead = kinks[r["next_stop"] :]
-        if state.stops is None or not (ahead >= 0).any():
-            return None
+        assert state.stops is not None
         q, v = state.y
-        kink = int(ahead[ahead >= 0][0])
+        kink = int(state.wiring.arrays["stop_kinds"][stop])
         passage = state.stops.passage(kink, q.copy(), v.copy(), state.modes.copy())
         if passage.outcome is not Outcome.OK:
             r["index"], self.note = passage.row, passage.note
@@ -205,9 +206,8 @@ class Run:
     def _pass_kink(self) -> int:
         """Go on behind a kink of an explicit function of time, or end before it."""
         state, r = self.state, self.state.record
-        kinks = state.wiring.arrays["stop_kinds"]
-        passage, kink = self._passage(kinks), int(kinks[r["next_stop"]])
-        assert passage is not None
+        kink = int(state.wiring.arrays["stop_kinds"][r["next_stop"]])
+        passage = self._passage(int(r["next_stop"]))
         if passage.outcome is not Outcome.OK:
             return passage.outcome
         v = state.y[1]
