@@ -2,7 +2,8 @@
 
 A *value* is one scalar operation on earlier values; values are numbered, and equal values have
 one number. A *kernel* is a named list of (output slot, value). There is no control flow but
-``select``, whose condition depends on modes, or on time and parameters, and no memory but inputs and outputs.
+``select``, whose condition depends on modes, or on time and parameters alone, and no memory but
+inputs and outputs.
 """
 
 from collections.abc import Container, Iterable, Sequence

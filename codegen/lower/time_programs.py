@@ -34,7 +34,9 @@ def time_programs(equations: Equations) -> tuple[TimeProgram, ...]:
         for p in equations.parameters:
             symbol = Parameter(p.name, real=True)
             frozen = equations.scene.frozen
-            number = graph.constant(p.value) if frozen else graph.input("p", numbers[p.name], p.name)
+            number = (
+                graph.constant(p.value) if frozen else graph.input("p", numbers[p.name], p.name)
+            )
             environment[symbol] = number
         with graph.serving(function.element):
             root = Translator(graph, environment, {})(as_pieces(function.expression))

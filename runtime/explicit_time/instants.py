@@ -18,7 +18,9 @@ _CLOCK = 16.0 * np.finfo(float).eps  # accuracy: of the time; distance of a kink
 _WIDE = 1e-6  # safety: of the run; a longer place where nothing is decided holds many instants
 _BLUR = 1e-8  # accuracy: of the run; distance in which rounding alone makes two breaks of one
 _SLOWER = 0.85  # measured: ratio of the ways of marks from doubling to doubling that accumulate
-_NEAR_END = 0.1  # measured: of an interval; a step that begins there may go on to the next one's end
+_NEAR_END = (
+    0.1  # measured: of an interval; a step that begins there may go on to the next one's end
+)
 
 
 class Kink(NamedTuple):
@@ -57,8 +59,10 @@ def time_instants(description: Description, p: Vector, t0: float, t1: float) -> 
     """The instants between t0 and t1, s, with the parameters `p`."""
     if not (t0 < t1 < np.inf):
         return TimeInstants(np.zeros(0), ())
-    found = [_marks(_Code(function), function, p, t0, t1) for function in description.time_functions]
-    clock = _CLOCK * max(abs(t0), abs(t1))
+    found = [
+        _marks(_Code(function), function, p, t0, t1) for function in description.time_functions
+    ]
+    clock = float(_CLOCK * max(abs(t0), abs(t1)))
     kinks: list[Kink] = []
     for low, high, element in sorted((*pair, m.element) for m in found for pair in m.kinks):
         middle = 0.5 * (low + high)

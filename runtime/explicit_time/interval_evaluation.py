@@ -43,7 +43,7 @@ def times(a: float, b: float) -> float:
 def product(a0: float, a1: float, b0: float, b1: float) -> tuple[float, float]:
     """Bounds of a b."""
     w, x, y, z = times(a0, b0), times(a0, b1), times(a1, b0), times(a1, b1)
-    return min(min(w, x), min(y, z)), max(max(w, x), max(y, z))
+    return min(w, x, y, z), max(w, x, y, z)
 
 
 @inner
@@ -77,11 +77,11 @@ def quotient(a0: float, a1: float, b0: float, b1: float) -> tuple[float, float, 
 @inner
 def angle(y0: float, y1: float, x0: float, x1: float) -> tuple[float, float, int]:
     """Bounds of atan2(y, x), and BREAK where it may jump."""
-    if x0 <= 0.0 and y0 <= 0.0 <= y1 and (y0 < y1 or x1 > 0.0 or x0 == x1 == 0.0):
-        if y0 < 0.0 or x1 >= 0.0:
-            return -math.pi, math.pi, BREAK
+    origin = x0 <= 0.0 <= x1 and y0 <= 0.0 <= y1
+    if origin or (x0 < 0.0 and y0 < 0.0 <= y1):
+        return -math.pi, math.pi, BREAK
     w, x, y, z = math.atan2(y0, x0), math.atan2(y0, x1), math.atan2(y1, x0), math.atan2(y1, x1)
-    return min(min(w, x), min(y, z)), max(max(w, x), max(y, z)), 0
+    return min(w, x, y, z), max(w, x, y, z), 0
 
 
 @inner
@@ -96,7 +96,7 @@ def power(a0: float, a1: float, b0: float, b1: float) -> tuple[float, float, int
     base = max(a0, 0.0)
     w, x, y, z = base**b0, base**b1, a1**b0, a1**b1
     code = BREAK if a0 <= 0.0 < a1 else 0
-    return min(min(w, x), min(y, z)), max(max(w, x), max(y, z)), code
+    return min(w, x, y, z), max(w, x, y, z), code
 
 
 @inner
@@ -108,7 +108,7 @@ def cubic_bounds(pieces: Matrix, k: int, s0: float, s1: float) -> tuple[float, f
     last = c0 + s1 * (c1 + s1 * (c2 + s1 * c3))
     second = first + h * (c1 + s0 * (2.0 * c2 + s0 * 3.0 * c3)) / 3.0
     third = last - h * (c1 + s1 * (2.0 * c2 + s1 * 3.0 * c3)) / 3.0
-    return min(min(first, last), min(second, third)), max(max(first, last), max(second, third))
+    return min(first, last, second, third), max(first, last, second, third)
 
 
 @inner
@@ -221,7 +221,7 @@ def bound(
         return low, high, 0
     if op == NEG:
         return -a1, -a0, 0
-    if op == SIN or op == COS:  # noqa: PLR1714 (compiled)
+    if op in (SIN, COS):
         shift = 0.25 * _TURN if op == COS else 0.0
         low, high = sine(a0 + shift, a1 + shift)
         return low, high, 0
@@ -236,10 +236,10 @@ def bound(
         return 1.0 if a0 <= 0.0 <= a1 else min(low, high), max(low, high), 0
     if op == LESS:
         return compare(a0, a1, b0, b1)
-    if op == NOT or op == AND or op == OR:  # noqa: PLR1714
+    if op in (NOT, AND, OR):
         low, high = logic(op, a0, a1, b0, b1)
         return low, high, 0
-    if op == EXP or op == TANH or op == ATAN or op == SINH:  # noqa: PLR1714
+    if op in (EXP, TANH, ATAN, SINH):
         return monotone(op, a0), monotone(op, a1), 0
     return limited(op, a0, a1)
 
@@ -272,15 +272,17 @@ def enclose(
             elif high[a] < 1.0:
                 low[k], high[k] = low[c], high[c]
             else:
-                low[k] = min(low[b], low[c]) if low[b] == low[b] else low[c]
-                high[k] = max(high[b], high[c]) if low[b] == low[b] else high[c]
-        elif low[a] != low[a] or (op != TABLE and low[b] != low[b]):
+                low[k] = low[c] if math.isnan(low[b]) else min(low[b], low[c])
+                high[k] = high[c] if math.isnan(low[b]) else max(high[b], high[c])
+        elif math.isnan(low[a]) or (op != TABLE and math.isnan(low[b])):
             low[k] = high[k] = math.nan
             if op == LESS:
                 low[k] = high[k] = 0.0
         elif op == TABLE:
             low[k], high[k], step = table(knots, pieces, b, c, numbers[k], low[a], high[a])
         else:
-            low[k], high[k], step = bound(op, op == MUL and a == b, low[a], high[a], low[b], high[b])
+            low[k], high[k], step = bound(
+                op, op == MUL and a == b, low[a], high[a], low[b], high[b]
+            )
         undecided |= step
     return undecided

@@ -100,7 +100,9 @@ class Passages:
             there = self._values(0.5 * (kink.before + kink.after) + way, q, v, modes)
             for order, (near, distant) in enumerate(zip(side, there, strict=True)):
                 grown = np.abs(near) > np.maximum(_GROWTH * np.abs(distant), _GREAT * self.size)
-                bad = ~np.isfinite(near) | ((order != 2) & grown)  # γ may grow, but not its integral
+                bad = ~np.isfinite(near) | (
+                    (order != 2) & grown
+                )  # γ may grow, but not its integral
                 if bad.any():
                     row = int(bad.argmax()) if order < 3 else -1
                     text = f"has no finite {'rate' if order in (1, 2) else 'value'}"

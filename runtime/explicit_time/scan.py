@@ -1,7 +1,7 @@
 """Search of a run's time for the places where an explicit function of time bends, jumps or ends.
 
-The time is halved until the bounds of the function's values in each quarter of an interval are about
-those that it shows at the quarter's ends: then nothing hides in it. What is left at the clock's
+The time is halved until the bounds of the values in each quarter of an interval are about
+those at the quarter's ends: then nothing hides in it. What is left at the clock's
 resolution is an instant at which pieces meet, a jump or a pole.
 """
 
@@ -45,7 +45,7 @@ def shows_all(work: Matrix, watched: Integers) -> bool:
     """Whether values in an interval are about those at its ends, rows FIRST and LAST."""
     for k in watched:
         low, high = work[_LOW, k], work[_HIGH, k]
-        if low != low:
+        if math.isnan(low):
             continue  # it has none
         first, last = work[_FIRST, k], work[_LAST, k]
         least, most = work[_LEAST_SEEN, k], work[_MOST_SEEN, k]
@@ -78,9 +78,7 @@ def examine(f: Function, a: float, b: float, start: int, work: Matrix) -> int:
     left = a
     for quarter in range(1, _QUARTERS + 1):
         right = b if quarter == _QUARTERS else a + (b - a) * quarter / _QUARTERS
-        undecided = enclose(
-            code, numbers, p, knots, pieces, left, right, work[_LOW], work[_HIGH]
-        )
+        undecided = enclose(code, numbers, p, knots, pieces, left, right, work[_LOW], work[_HIGH])
         if undecided != 0:
             return undecided
         look(f, right, work, _LAST)

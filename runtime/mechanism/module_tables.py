@@ -153,7 +153,7 @@ class ReactionRow(NamedTuple):
 
 
 class TimeFunction(NamedTuple):
-    """An explicit function of time, as operations on rows before; see `codegen.lower.time_programs`.
+    """An explicit function of time, as operations; see `codegen.lower.time_programs`.
 
     A row is (operation, rows that it takes ...); ("const", number), ("p", slot) or ("t",); or
     ("table", row, (knots, coefficients), derivative, periodic).
@@ -282,8 +282,8 @@ def describe(module: ModuleType) -> Description:
             literals[name] = np.array(literals.get(name, ()), dtype=np.int64)
     literals["stiction"] = tuple(switch for _, switch in literals.get("stiction", ()))
     literals["time_functions"] = tuple(
-        TimeFunction(*head, tuple(_row_with_table(module, row) for row in rows))
-        for *head, rows in literals.get("time_functions", ())
+        TimeFunction(name, role, watched, tuple(_row_with_table(module, row) for row in rows))
+        for name, role, watched, rows in literals.get("time_functions", ())
     )
     return Description(
         **literals, has_masses=hasattr(module, "mass"), kernels=frozenset(vars(module))

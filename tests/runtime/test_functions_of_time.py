@@ -39,7 +39,7 @@ def crank(workshop: Path) -> Callable[..., Machine]:
         rise = model.parameter("rise", RISE, unit="s")
         body = model.body("crank", mass=1.0, inertia=2.0)
         model.revolute("pin", model.ground.at(0, 0), body)
-        symbols = {"speed": speed, "rise": rise}
+        symbols = {"top": speed, "rise": rise}
         if law is not None:
             model.driver("motor", body.phi, law(**symbols) if callable(law) else law)
         if torque is not None:
@@ -59,7 +59,7 @@ def angle(result: Result) -> np.ndarray:
 
 
 def test_trapezoid_is_followed_exactly(crank: Callable[..., Machine]) -> None:
-    machine = crank("trapezoid", lambda speed, rise: trapezoid(speed, rise))
+    machine = crank("trapezoid", trapezoid)
     at = np.linspace(0.0, 5.0, 41)
     for rise in (1.0, 0.7):
         where = {"parameters": {"rise": rise}, "progress": False}
@@ -79,7 +79,7 @@ def test_trapezoid_is_followed_exactly(crank: Callable[..., Machine]) -> None:
             assert_allclose(torques[part], expected, atol=1e-12)
 
 
-def test_steps_end_at_kinks(crank: Callable[..., Machine]) -> None:
+def test_steps_end_at_kinks(workshop: Path) -> None:
     """A pendulum on a cart under a trapezoid: as accurate as its three smooth parts together."""
     model = Model("cart_under_a_trapezoid")
     cart, pendulum = model.body("cart", mass=1.0, inertia=1.0), model.body("rod", 1.0, 0.1)
@@ -88,7 +88,7 @@ def test_steps_end_at_kinks(crank: Callable[..., Machine]) -> None:
     model.gravity("g", (0.0, -9.81))
     model.driver("motor", cart.x, trapezoid(1.0))
     model.scene("s", effects=["g"], drivers=["motor"], start={pendulum.phi: 0.1})
-    machine = load(model, "s")
+    machine = load(model, "s", folder=workshop)
     loose, tight = (machine.simulate(5.0, [5.0], rtol=r, progress=False) for r in (1e-8, 1e-12))
     assert_allclose(loose.samples.q, tight.samples.q, atol=2e-7)
     assert loose.stats["rejected"] < 12
@@ -128,7 +128,7 @@ def test_a_law_that_ends_says_so_in_every_analysis(
     assert time.perf_counter() - began < 20.0
 
 
-def test_a_jump_of_the_rate_is_an_impact(crank: Callable[..., Machine]) -> None:
+def test_a_jump_of_the_rate_is_an_impact(workshop: Path) -> None:
     """A crank that starts at once pulls a spring's mass along: momentum goes over the joint."""
     model = Model("snatched")
     crank_, rod = model.body("crank", 1.0, 2.0), model.body("rod", 3.0, 0.5)
@@ -136,7 +136,7 @@ def test_a_jump_of_the_rate_is_an_impact(crank: Callable[..., Machine]) -> None:
     model.revolute("elbow", crank_.at(0.4, 0), rod.at(-0.3, 0))
     model.driver("motor", crank_.phi, Max(0, t - 1))
     model.scene("s", drivers=["motor"], start={rod.phi: 0.7, rod.omega: 0.0})
-    machine = load(model, "s")
+    machine = load(model, "s", folder=workshop)
     result = machine.simulate(1.5, [0.999, 1.0 + 1e-9], progress=False)
     assert result.outcome is Outcome.OK
     assert [event.what for event in result.events] == ["impact"]
@@ -167,9 +167,7 @@ PULSES = {
 
 @pytest.mark.parametrize("method", ["dop853", "dopri5", "bdf"])
 @pytest.mark.parametrize("name", PULSES)
-def test_no_pulse_is_stepped_over(
-    crank: Callable[..., Machine], name: str, method: str
-) -> None:
+def test_no_pulse_is_stepped_over(crank: Callable[..., Machine], name: str, method: str) -> None:
     pulse, impulse = PULSES[name]
     machine = crank(name, torque=pulse)
     result = machine.simulate(105.0, [105.0], method=method, progress=False)
