@@ -6,6 +6,7 @@ holds its equations in the placeholders of the frames `I` and `J`. They load Sym
 are first used, so that the runtime can ask for the errors alone.
 """
 
+from codegen.damaged_byte_code import keep_no_byte_code
 from codegen.errors import InputError, LinkwrightError, ModelError
 
 TYPE_CHECKING = False  # type checkers take it as true; importing typing would load modules
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from codegen.model import Model
 
 __version__ = "0.1.0"
+keep_no_byte_code(__spec__)
 
 _ROOMS = {
     "codegen.model": ("Model",),

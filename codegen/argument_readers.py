@@ -199,7 +199,7 @@ def path(value: Any) -> Path:
     if not isinstance(plain, str) or not plain or "\0" in plain:
         raise MisfitError("it must be the path of a file or folder, as a text or pathlib.Path.")
     try:
-        os.fsencode(plain)
+        plain.encode()  # a name that cannot be decoded cannot be written into a file
         Path(plain).exists()
     except (OSError, UnicodeError) as error:
         raise MisfitError(f"no file can have that path ({error}).") from error

@@ -13,7 +13,12 @@ from typing import TYPE_CHECKING
 from codegen import __version__
 from codegen import argument_readers as readers
 from codegen.errors import ModelFileError, SupersededError
-from codegen.generated_module_signature_and_import import check_signature, import_generated
+from codegen.generated_module_signature_and_import import (
+    check_signature,
+    import_generated,
+    read_generated,
+    text_hash,
+)
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
@@ -105,11 +110,11 @@ def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> 
     """A generated module that agrees with the model file, and its hash; built if there is none."""
     name = scene if scene is not None else _first_scene(model)
     if isinstance(name, str) and (path := generated / f"{model.stem}__{name}.py").is_file():
-        text = path.read_text(encoding="utf-8")
+        text = read_generated(path)
         rebuild = f"python -m codegen build {model} --scene {name} --out {generated}"
         check_signature(path, text, rebuild)
         if _sources_match(path, text, model):
-            return path, hashlib.sha256(text.encode()).hexdigest()
+            return path, text_hash(text)
     return _build(model, scene, generated)
 
 

@@ -12,13 +12,26 @@ import sympy
 
 from codegen.check.contact_and_stiction_declaration import contact_problems
 from codegen.check.expressions import all_problems, constraint_problems
+from codegen.check.potential_steps import step_problems
 from codegen.check.requested_outputs import output_problems
 from codegen.declare import element as el
 from codegen.declare.body import Body
+from codegen.declare.cam_profile_checks import profile_problems
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import SPEED, Coordinate, Given, Velocity, kinds, side, t
-from codegen.derive.equations import active_joints
+from codegen.declare.symbols import (
+    SPEED,
+    Coordinate,
+    Given,
+    Parameter,
+    Velocity,
+    alpha,
+    kinds,
+    side,
+    t,
+)
+from codegen.derive.conditions_on_parameters import closed_curves, element_conditions
+from codegen.derive.equations import acting_elements, active_joints
 from codegen.model import Model
 
 WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
@@ -33,6 +46,8 @@ def check_model(model: Model) -> list[str]:
     sound = tuple(body for name, body in model.bodies.items() if not masses[name])
     elements: list[el.Constraint | el.Effect] = [*model.joints.values(), *model.drivers.values()]
     for element in (*elements, *_all_effects(model)):
+        if element.name in model.noted:
+            continue
         faults = element.problems()
         problems += [*_words_and_bodies(model, element), *faults]
         if isinstance(element, el.Constraint):
@@ -82,8 +97,26 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
                 f"{where}: {name} has a start value, but its {model.kind(owner)} takes no part."
             )
     problems += [*output_problems(model, scene), *contact_problems(model, scene)]
+    problems += _broken_conditions(model, scene)
     values = (model.parameters[name].problem(value) for name, value in scene.parameters)
-    return problems + [f"{where}: {problem}" for problem in values if problem]
+    problems += [f"{where}: {problem}" for problem in values if problem]
+    return problems or list(step_problems(model, scene))
+
+
+def _broken_conditions(model: Model, scene: Scene) -> Iterator[str]:
+    """Conditions and shapes that the scene's values of parameters break."""
+    numbers = model.defaults | {Parameter(k, real=True): value for k, value in scene.parameters}
+    bodies = tuple(model.bodies[name] for name in scene.bodies)
+    for element in acting_elements(model, scene):
+        where = f"scene '{scene.name}': "
+        for one in element_conditions(element, bodies):
+            yield from one.condition.problems(where + one.element, numbers)
+        for where_it_is, curve, convex in closed_curves(element) if scene.parameters else ():
+            shape = curve.at(alpha).subs(numbers)
+            yield from (
+                f"{where}{where_it_is}: {problem}"
+                for problem in profile_problems(shape, closed=True, convex=convex)
+            )
 
 
 def _all_effects(model: Model) -> list[el.Effect]:

@@ -11,8 +11,9 @@ from typing import Any, ClassVar
 
 import sympy
 
+from codegen.declare.plain_values import members
 from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate, rate
-from codegen.declare.units import is_quantity, plain_length
+from codegen.declare.units import expression, plain_length
 
 
 class Pose:
@@ -149,11 +150,15 @@ class Body(Pose):
 
     def circle(self, radius: Any, center: tuple[Any, Any] = (0, 0)) -> "Curve":
         """A circle in this body, m, run through counter-clockwise."""
-        r, (x, y) = plain_length(radius), map(plain_length, center)
         try:
-            return Curve(self, x + r * sympy.cos(alpha), y + r * sympy.sin(alpha))
-        except Exception:  # no length, and reported with its joint
-            return Curve(self, *((r, y) if is_quantity(r) or r is None else (x, y)))
+            x, y = (expression(plain_length(c)) for c in members(center, 2))
+        except Exception:  # reported with its joint
+            return Curve(self, center, center)
+        r = plain_length(radius)
+        try:
+            return Curve(self, x + expression(r) * sympy.cos(alpha), y + r * sympy.sin(alpha))
+        except Exception:
+            return Curve(self, r, y)
 
     def polar(self, radius: Any) -> "Curve":
         """The curve at the distance r(α), m, from the body's centre in the direction α."""
@@ -246,4 +251,4 @@ class Curve:
 
     def at(self, parameter: sympy.Expr) -> sympy.Matrix:
         """The point of the curve at a parameter, in the body's frame, 2 × 1."""
-        return sympy.Matrix([sympy.sympify(c).subs(alpha, parameter) for c in (self.x, self.y)])
+        return sympy.Matrix([expression(c).subs(alpha, parameter) for c in (self.x, self.y)])

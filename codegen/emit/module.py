@@ -76,13 +76,8 @@ def operation_table(program: Program) -> tuple[tuple[str, int], ...]:
     return tuple((kernel.name, operations(program, kernel)) for kernel in program.kernels)
 
 
-OPTIONAL = (
-    "folded",
-    "unused",
-    "rigid",
-    "stiction",
-    "time_functions",
-)  # tables that a module leaves out where empty
+# tables that a module leaves out where empty
+OPTIONAL = (*("folded", "unused", "rigid", "stiction", "time_functions", "conditions", "profiles"),)
 
 NAMES = (
     "Names: M_i_k, Phi_c_k, S_c_d are entries of the reduced matrix, Q_i and gamma_c right sides,",

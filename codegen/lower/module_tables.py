@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from codegen.lower.scene_graph import Reaction, SceneGraph
 from codegen.lower.time_programs import TimeProgram, time_programs
@@ -55,6 +56,10 @@ class Description:
     # neutral pose is not at zero
     start: tuple[tuple[str, float, str], ...]
     time_functions: tuple[TimeProgram, ...]  # those that a run looks at before its first step
+    # (element, sentence, least, whether that is too small, largest, count of numbers) of what is
+    # asked of parameters, and (curve, whether it is convex) of profiles that depend on them
+    conditions: tuple[tuple[Any, ...], ...]
+    profiles: tuple[tuple[str, bool], ...]
     jacobian: Pattern  # pattern of Φ_q
     mass: Pattern  # pattern of M
 
@@ -102,6 +107,8 @@ def describe(
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=start,
         time_functions=time_programs(equations),
+        conditions=tuple((*one.condition.row(one.element),) for one in equations.conditions),
+        profiles=tuple((curve.element, curve.convex) for curve in equations.profiles),
         jacobian=Pattern.of(scene.jacobian),
         mass=Pattern.of(scene.mass),
     )

@@ -8,6 +8,7 @@ from typing import Any, cast
 from codegen.declare.body import Body
 from codegen.declare.element import Located, own_coordinates
 from codegen.declare.name_rules_and_hints import name_problem, nearest
+from codegen.declare.plain_values import plain_name
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
 from codegen.model.bodies import Form
@@ -71,7 +72,7 @@ class Scenes(Fidelities, Outputs):
         """
         base = self.scenes.get(name)
         values = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)
-        bare = not any(map(bool, values)) and (frozen, analysis, outputs) == (None,) * 3
+        bare = all(map(_is_empty, values)) and (frozen, analysis, outputs).count(None) == 3
         if bare and base is not None and base.request != Request():
             return base
         where, read = f"scene '{name}'", self._read
@@ -103,10 +104,10 @@ class Scenes(Fidelities, Outputs):
             drivers=read.elements(drivers, self.drivers, "driver", where),
             without=read.elements(words["without"], self.elements, "body or joint", where),
             fidelity=self._read_fidelities(read, where, words["fidelity"], words["couplers"]),
-            start=read.states(words["start"] or {}, coordinates, where),
-            guess=read.states(words["guess"] or {}, coordinates, where),
-            parameters=read.overrides(words["parameters"] or {}, self.parameters, where),
-            frozen=bool(chosen["frozen"]),
+            start=read.states(words["start"], coordinates, "start", where),
+            guess=read.states(words["guess"], coordinates, "guess", where),
+            parameters=read.overrides(words["parameters"], self.parameters, where),
+            frozen=read.flag(chosen["frozen"], f"{where}: frozen"),
             analysis=read.choice(chosen["analysis"], ANALYSES, f"{where}, analysis"),
             outputs=self._read_outputs(read, where, chosen["outputs"]),
         )
@@ -120,10 +121,15 @@ class Scenes(Fidelities, Outputs):
         request: Request,
         explicit: frozenset[str],
     ) -> Request:
-        base = extends if isinstance(extends, Scene) else self.scenes.get(extends)
+        named = plain_name(extends)
+        base = extends if isinstance(extends, Scene) else self.scenes.get(named)
         if base is None:
-            hint = nearest(str(extends), self.scenes)
-            read.note(f"{where} extends '{extends}', which is no scene; {hint}")
+            read.note(
+                f"{where} extends {named!r}, which is no scene; {nearest(named, self.scenes)}"
+            )
+            return request
+        if cast(object, base.owner) is not self:
+            read.note(f"{where} extends scene '{base.name}' of another model.")
             return request
         inherited = base.request
         for group, choice in request.fidelity:
@@ -194,3 +200,8 @@ class Scenes(Fidelities, Outputs):
                     near = joint.near(numbers)
                     places |= {dotted(q): near[q] for q in missing}
         return tuple(places.items())
+
+
+def _is_empty(value: object) -> bool:
+    """Whether a keyword was left out, or given as a list or mapping of nothing."""
+    return value is None or (type(value) in (tuple, list, dict) and not value)

@@ -77,6 +77,9 @@ def _no_energy(q: Any, v: Any, p: Any) -> float:
     return 0.0
 
 
+def _no_profile(t: Any, p: Any, out: Any) -> None: ...
+
+
 def _full_shares(p: Any, low: Any, high: Any) -> None:
     low[:] = 0.0
     high[:] = 1.0
@@ -116,6 +119,8 @@ class Kernels:
     holds: Kernel = _kernel("holds", "p low high", _full_shares)
     gap_accelerations: Kernel = _kernel("gap_accelerations", "t q v a p out", _skip_6)
     restitution: Kernel = _kernel("restitution", "p out", _skip_2)
+    conditions: Kernel = _kernel("conditions", "p out", _skip_2)
+    profiles: Kernel = _kernel("profiles", "t p out", _no_profile)
     contact_scale: Kernel = _kernel("contact_scale", "p out", _skip_2)
     switched_reactions: Kernel = _kernel("switched_reactions", "t q v p modes lam out", _skip_7)
     accelerations_tangent: Kernel = _kernel(

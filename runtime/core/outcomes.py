@@ -22,7 +22,8 @@ class Outcome(IntEnum):
     LOCKED = 9
     UNBALANCED = 10
     INACCURATE = 11
-    DISCONTINUOUS = 12
+    CONTRADICTED = 12
+    DISCONTINUOUS = 13
 
     @property
     def of_switch(self) -> bool:
@@ -127,6 +128,13 @@ _TEXT = {
 
         Write a law that is continuous, a ramp in place of a step, or an angle that counts its
         turns, 3*t in place of atan2(sin(3*t), cos(3*t)); or end the run before this time.
+        """,
+    Outcome.CONTRADICTED: """
+        The run reached its end, but a check of its results contradicts them.
+
+        Do not rely on what comes after the instant that is named. Take smaller tolerances or
+        correction="step"; where the energy is not balanced, look for a potential or a law of motion
+        that jumps there.
         """,
 }
 """What happened, then what to try next: two paragraphs."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.function_table_slots import EVENT_ROWS, OUT_ROWS, SAMPLE_TIMES
+from runtime.core.modes_and_event_kinds import Direction
 from runtime.integrate.trajectory import Events, Partitions
 from runtime.integrate.wiring import Wiring, place
 
@@ -94,9 +95,25 @@ class Recording:
         return t, y, modes
 
     def events(self) -> Events:
-        """All events so far."""
+        """All events so far, in order of time.
+
+        The end of bouncing is logged at the contact's last visible impact, with the instant at
+        which its flights will be over: an event of the same contact, or the end of the run, that
+        comes before it is the latest at which that can be.
+        """
         t, kind, y = self.event_rows.joined(*self.events_out)
-        return Events(t, kind[:, 0], kind[:, 1], y[:, : self.n], y[:, self.n :])
+        events = Events(t, kind[:, 0], kind[:, 1], y[:, : self.n], y[:, self.n :])
+        now = float(self.record["t"])
+        if (np.diff(t) < 0.0).any() or (t[-1:] > now).any():
+            limit: dict[int, float] = {}
+            for i in range(len(t) - 1, -1, -1):
+                k = int(events.index[i])
+                if events.direction[i] == Direction.HOLDS:
+                    t[i] = min(t[i], limit.get(k, now))
+                limit[k] = float(t[i])
+            order = np.argsort(t, kind="stable")
+            events = Events(*(column[order] for column in vars(events).values()))
+        return events
 
     def partitions(self) -> Partitions:
         """The first partition and all changes so far."""

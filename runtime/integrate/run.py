@@ -1,15 +1,12 @@
 """Integrate the equations of motion: the Python face of the compiled loop."""
 
-import signal
-import threading
 import time
 from collections.abc import Callable
-from types import FrameType
-from typing import Any
 
 import numpy as np
 
 from codegen.errors import AnalysisError
+from codegen.termination_signals import Deferral
 from runtime.core.array_types import Integers, Vector
 from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
@@ -52,8 +49,8 @@ def integrate(
 
     `progress` is called now and then with the time reached and the number of steps taken. A
     `KeyboardInterrupt`, here or, after 128 steps, from the keyboard, ends the run with what was
-    computed; one from the keyboard before that is raised. Raises InputError with everything that is
-    wrong with the problem and its options.
+    computed; one from the keyboard before that, or in the last steps, is raised. Raises InputError
+    with everything that is wrong with the problem and its options.
     """
     check(system, problem, options)
     return Run(system, problem, options).execute(progress)
@@ -79,31 +76,6 @@ def initial_modes(
     return run.state.modes
 
 
-class _InterruptHandler:
-    """Notes the keyboard's interrupt from its installation until it is left.
-
-    So no chunk is lost. Taking over the signal and handing it back takes as long as a hundred
-    evaluations of a small machine, which a short run does without.
-    """
-
-    def __enter__(self) -> "_InterruptHandler":
-        self.interrupted = self.installed = False
-        return self
-
-    def install(self) -> None:
-        """Take over the signal, unless that is done or another thread's."""
-        if not self.installed and threading.current_thread() is threading.main_thread():
-            self.previous: Any = signal.signal(signal.SIGINT, self._note)
-            self.installed = True
-
-    def _note(self, number: int, frame: FrameType | None) -> None:
-        self.interrupted = True
-
-    def __exit__(self, *error: object) -> None:
-        if self.installed:
-            signal.signal(signal.SIGINT, self.previous)
-
-
 class Run:
     """One run: its state, what it records, and its way into and out of the compiled loop."""
 
@@ -115,6 +87,7 @@ class Run:
         n, s = system.coordinates, system.switches
         self.recording = Recording(self.state.wiring, n, s, t_eval, interval)
         self.crossings = Crossings(self.state, problem)
+        self.first_t = float(problem.t0)
         self.note = ""  # on the outcome
 
     def start(self) -> int:
@@ -149,7 +122,8 @@ class Run:
         """Run to the end or to whatever stops the run before."""
         began = time.thread_time()  # others on the machine take no part in it
         record, fixed_chunk = self.state.record, self.state.options.chunk
-        with _InterruptHandler() as handler:
+        stopped = False
+        with Deferral(computing=True, at_once=False) as signals:
             code = self.start()
             if code == Outcome.OK:
                 code = _GOING
@@ -161,7 +135,7 @@ class Run:
                 took = time.perf_counter() - before
                 self.recording.flush()
                 if code in (_GOING, _LOOK, _CHANGE, _KINK):
-                    handler.install()
+                    signals.begin()
                 if code == _KINK:
                     code = self._pass_kink()
                 if code == _CHANGE:
@@ -169,15 +143,17 @@ class Run:
                     code = _GOING
                 if fixed_chunk is None and took < 0.5 * _CHUNK_SECONDS:
                     chunk = min(2 * chunk, _LONGEST_CHUNK)
+                elif fixed_chunk is None and took > 2.0 * _CHUNK_SECONDS:
+                    chunk = max(1, int(chunk * _CHUNK_SECONDS / took))
                 if progress is not None:
                     try:
                         progress(float(record["t"]), int(record["steps"]))
                     except KeyboardInterrupt:
-                        handler.interrupted = True
+                        stopped = True
                 if code == _LOOK:
                     code = self.crossings.decide()
-                if handler.interrupted and code == _GOING:
-                    code = Outcome.INTERRUPTED
+                if code == _GOING and (signals.arrived or stopped):
+                    code, signals.answered = int(Outcome.INTERRUPTED), not stopped
             if code in _STUCK:
                 code = self._end_at_pole(code)
         return self._result(Outcome(code), time.thread_time() - began)
@@ -241,6 +217,7 @@ class Run:
             modes=modes,
             outcome=outcome,
             index=int(r["index"]),
+            first_t=self.first_t,
             final_t=stopped,
             final_q=state.y[0].copy(),
             final_v=state.y[1].copy(),

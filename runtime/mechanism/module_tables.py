@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from codegen.argument_readers import shortened
 from codegen.errors import UnknownNameError
+from codegen.parameter_conditions import ConditionRow, ProfileRow
 
 Indices = npt.NDArray[np.int64]
 
@@ -209,6 +210,8 @@ class Description(NamedTuple):
     rigid: Table[RigidContact] = Table()
     stiction: tuple[int, ...] = ()
     time_functions: tuple[TimeFunction, ...] = ()
+    conditions: tuple[ConditionRow, ...] = ()  # on parameters, judged before each run
+    profiles: tuple[ProfileRow, ...] = ()
 
     @property
     def title(self) -> str:
@@ -280,6 +283,8 @@ def describe(module: ModuleType) -> Description:
             literals[name] = Table(row(*entry) for entry in literals.get(name, ()))
         elif kind == Indices:
             literals[name] = np.array(literals.get(name, ()), dtype=np.int64)
+    literals["conditions"] = tuple(map(ConditionRow._make, literals.get("conditions", ())))
+    literals["profiles"] = tuple(map(ProfileRow._make, literals.get("profiles", ())))
     literals["stiction"] = tuple(switch for _, switch in literals.get("stiction", ()))
     literals["time_functions"] = tuple(
         TimeFunction(name, role, watched, tuple(_row_with_table(module, row) for row in rows))

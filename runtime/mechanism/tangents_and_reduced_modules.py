@@ -5,7 +5,6 @@ companion belongs to one text of that file, whose SHA-256 it names: with any oth
 ``p`` might differ, and it is built again.
 """
 
-import hashlib
 import re
 from pathlib import Path
 from types import ModuleType
@@ -16,6 +15,8 @@ from codegen.generated_module_signature_and_import import (
     check_signature,
     companion_path,
     import_generated,
+    read_generated,
+    text_hash,
 )
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) ->
     if text is not None:
         place = companion_path(origin.path, kind)
         check_signature(place, text, _command(origin, kind))
-        return import_generated(place, hashlib.sha256(text.encode()).hexdigest())
+        return import_generated(place, text_hash(text))
     from codegen import build
 
     folder, wanted = origin.path.parent, {kind: True}
@@ -79,7 +80,7 @@ def _text(origin: Origin, kind: Kind) -> str | None:
     place = companion_path(origin.path, kind)
     if not place.is_file():
         return None
-    text = place.read_text(encoding="utf-8")
+    text = read_generated(place)
     belongs = _BELONGS.search(text)
     return text if belongs is not None and belongs.group(1) == origin.digest else None
 

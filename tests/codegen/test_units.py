@@ -97,7 +97,7 @@ def test_units_of_sympy_are_refused_by_name() -> None:
     told = problems_of(model)
     for line in (
         "mass of particle 'ball': 5*kilogram is neither a number nor an expression",
-        "for kilogram is a unit of SymPy; give a quantity of pint.",
+        "(kilogram is a unit of SymPy; give a quantity of pint).",
         "point of 's' on body 'ground': 3*millimeter is neither",
         "law of driver 'd': 3*radian*t is neither",
         "scene 'a', ball.x: 2*meter is not a number",
