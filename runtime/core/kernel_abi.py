@@ -97,7 +97,7 @@ class Kernels:
     `switched_reactions` fills the rows of REACTIONS that modes decide, `reactions` the others of
     the same array; between modes they mix as q̈ and λ do. A switch in STICTION has a mode 2: its
     friction exerts the force that stands in p behind the parameters, in the order of STICTION.
-    `dead_centres` are x² and its rate of each loop that is closed in closed form.
+    `dead_centres` are x² of each loop in closed form, its rate, and the largest that it may be.
     """
 
     constants: Kernel = _kernel("constants", "p", _skip_1)

@@ -3,8 +3,7 @@
 from typing import TYPE_CHECKING
 
 from runtime.assembly.assemble import assemble
-from runtime.integrate.problem import Options, Problem
-from runtime.integrate.run import integrate
+from runtime.integrate.problem import Options, Stops
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
@@ -62,15 +61,13 @@ class PreparedSimulation:
         if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
             refuse_structure(mechanism)
 
+    @property
+    def stops(self) -> Stops | None:
+        """Instants, known beforehand, at which the steps of all runs end."""
+        return None if self.passages is None else self.passages.stops()
+
     def run(self, taken: "Coordinates", options: Options, progress: Progress) -> Trajectory:
         """One integration in the coordinates `taken`; its run in all coordinates."""
         first = self.begin.t
         span = max(self.t_end - first, 1e-300)
-        problem = Problem(
-            first, self.t_end, taken.q, taken.v, taken.p, taken.scale, taken.sizes, taken.spreads,
-            None if self.passages is None else self.passages.stops(),
-        )  # fmt: skip
-        run = integrate(
-            taken.system, problem, options, lambda t, steps: progress((t - first) / span)
-        )
-        return taken.all_coordinates(run)
+        return taken.run(options, lambda t, steps: progress((t - first) / span))
