@@ -15,7 +15,7 @@ from codegen.declare.table_function import Interpolant
 from codegen.derive.piecewise_conditions import KINKED, STEPS, is_known_beforehand
 from codegen.lower.sympy_translation import FUNCTIONS
 
-KNOWN = ", ".join(sorted(f.__name__ for f in (*FUNCTIONS, *KINKED, *STEPS)))
+KNOWN = ", ".join(sorted({f.__name__ for f in (*FUNCTIONS, *KINKED, *STEPS)}))
 ARITHMETIC = (sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow)
 FINITE = "; give finite real numbers."
 UNDEFINED = f"nan{FINITE}"

@@ -91,6 +91,9 @@ def test_steps_end_at_kinks(workshop: Path) -> None:
     machine = load(model, "s", folder=workshop)
     loose, tight = (machine.simulate(5.0, [5.0], rtol=r, progress=False) for r in (1e-8, 1e-12))
     assert_allclose(loose.samples.q, tight.samples.q, atol=2e-7)
+    reduced = machine.simulate(5.0, [5.0], rtol=1e-12, formulation="reduced", progress=False)
+    assert_allclose(reduced.samples.q, tight.samples.q, atol=1e-9)
+    assert len(reduced.events) == 3
     assert loose.stats["rejected"] < 12
     assert len(loose.events) == 3
 
