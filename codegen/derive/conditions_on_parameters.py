@@ -6,6 +6,7 @@ from typing import cast
 
 import sympy
 
+from codegen.declare.answers import statement_of
 from codegen.declare.body import Body, Curve
 from codegen.declare.cam_profile_checks import derivatives
 from codegen.declare.conditions import Condition, conditions_of, hold_conditions
@@ -53,7 +54,7 @@ def element_conditions(element: Element, bodies: tuple[Body, ...]) -> list[Eleme
     conditions = list(conditions_of(element))
     parts: object
     if isinstance(element, Constraint):
-        statement = element.statement()
+        statement = statement_of(element)
         parts = [tuple(statement.phi), dict(statement.bindings)]
     else:
         terms = effect_terms(cast(Effect, element), bodies)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import sympy
 
+from codegen.declare.answers import bodies_of
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Element, Statement
 from codegen.declare.scene import Scene
@@ -103,7 +104,7 @@ def active_joints(model: Model, scene: Scene) -> dict[str, Constraint]:
         stands_for = getattr(joint, "instead_of", None)
         replaced = stands_for is None or stands_for.name not in present
         closed = name not in scene.inactive_joints
-        if closed and replaced and all(body.name in present for body in joint.bodies):
+        if closed and replaced and all(body.name in present for body in bodies_of(joint)):
             chosen[name] = joint
     return chosen
 

@@ -14,6 +14,7 @@ from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.friction_jam import describe_jam
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.dynamics.switches_within_tolerance import describe_unresolved_switches
 from runtime.dynamics.work import integrate_works
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
@@ -70,6 +71,9 @@ def finish_simulation(
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
     check_result(result, equations, ready.sizes, options, run)
+    count, note = describe_unresolved_switches(mechanism, run.events, ready.p, ready.sizes, options)
+    result.stats["events_within_tolerance"] = count
+    result.message += note
     result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
     result.message += driven_note(mechanism, begin.degrees_of_freedom)
     return result
