@@ -58,12 +58,13 @@ def check_model(model: Model) -> list[str]:
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
     masses = {name: list(_body_problems(model, body)) for name, body in model.bodies.items()}
     sound = tuple(body for name, body in model.bodies.items() if not masses[name])
+    known = _known_symbols(model)
     elements: list[el.Constraint | el.Effect] = [*model.joints.values(), *model.drivers.values()]
     for element in (*elements, *_all_effects(model)):
         if element.name in model.noted:
             continue
         try:
-            problems += _element_problems(model, element, sound)
+            problems += _element_problems(model, element, sound, known)
         except ModelError as error:
             problems += error.problems
         except Exception as error:  # of an expression too deep, of SymPy
@@ -76,8 +77,9 @@ def check_model(model: Model) -> list[str]:
 
 
 def _element_problems(
-    model: Model, element: el.Constraint | el.Effect, sound: tuple[Body, ...]
-) -> Iterator[str]:
+    model: Model, element: el.Constraint | el.Effect, sound: tuple[Body, ...],
+    known: frozenset[sympy.Symbol],
+) -> Iterator[str]:  # fmt: skip
     """Problems of one element, as it says them and as its answers show."""
     yield from _words_and_bodies(model, element)
     faults = problems_of(element)
@@ -85,7 +87,7 @@ def _element_problems(
     if faults:
         return
     if isinstance(element, el.Constraint):
-        yield from _statement_problems(model, element)
+        yield from _statement_problems(model, element, known)
         return
     for speed in kinds(potential_of(element, sound) or sympy.S.Zero, Velocity):
         yield (
@@ -93,7 +95,7 @@ def _element_problems(
             "force that depends on a velocity by forces()."
         )
     terms = _effect_expressions(element, sound)
-    yield from _unknown_symbols(model, element, terms)
+    yield from _unknown_symbols(model, element, terms, known)
     yield from all_problems(el.label(element), terms, may_switch=True)
 
 
@@ -178,7 +180,9 @@ def _words_and_bodies(model: Model, element: el.Element) -> Iterator[str]:
         yield f"{where} connects body '{bodies[0].name}' with itself; give two different bodies."
 
 
-def _statement_problems(model: Model, constraint: el.Constraint) -> Iterator[str]:
+def _statement_problems(
+    model: Model, constraint: el.Constraint, known: frozenset[sympy.Symbol]
+) -> Iterator[str]:
     """Check the form of a statement, its texts in the generated module, and its expressions."""
     where, statement = el.label(constraint), statement_of(constraint)
     axes: tuple[sympy.Expr, ...] = ()
@@ -195,7 +199,7 @@ def _statement_problems(model: Model, constraint: el.Constraint) -> Iterator[str
             yield f"{where}: the arm of its reaction is {arm}; give two components, in m."
         axes = (*direction, *arm)
     expressions = (*statement.phi, *statement.bindings.values(), *axes)
-    yield from _unknown_symbols(model, constraint, expressions)
+    yield from _unknown_symbols(model, constraint, expressions, known)
     yield from constraint_problems(constraint)
     yield from _orientations(constraint)
 
@@ -248,16 +252,22 @@ def _effect_expressions(effect: el.Effect, bodies: tuple[Body, ...]) -> list[sym
     return [e for e in expressions if e is not None]
 
 
-def _unknown_symbols(
-    model: Model, element: el.Constraint | el.Effect, expressions: Iterable[sympy.Basic]
-) -> Iterator[str]:
-    """Symbols that mean nothing in the model."""
-    known: set[sympy.Symbol] = {*model.defaults, SPEED, side(element.name), t}
-    coordinates = [
-        q for body in (*model.bodies.values(), *bodies_of(element)) for q in coordinates_of(body)
-    ]
+def _known_symbols(model: Model) -> frozenset[sympy.Symbol]:
+    """Parameters, the time, and the coordinates and velocities of bodies and joints."""
+    coordinates = [q for body in model.bodies.values() for q in coordinates_of(body)]
     coordinates += [q for joint in model.joints.values() for q in own_coordinates(joint)]
-    known |= {symbol for q in coordinates for symbol in (q, q.rate)}
+    moving = (symbol for q in coordinates for symbol in (q, q.rate))
+    return frozenset((*model.defaults, SPEED, t, *moving))
+
+
+def _unknown_symbols(
+    model: Model, element: el.Constraint | el.Effect, expressions: Iterable[sympy.Basic],
+    known: frozenset[sympy.Symbol],
+) -> Iterator[str]:  # fmt: skip
+    """Symbols that mean nothing in the model."""
+    bodies = bodies_of(element)
+    of_bodies = (s for b in bodies for q in coordinates_of(b) for s in (q, q.rate))
+    known |= {side(element.name), *of_bodies}
     symbols = set().union(*(e.free_symbols for e in expressions)) - known
     if isinstance(element, el.Constraint):
         symbols -= {s for place in statement_of(element).bindings for s in place.free_symbols}
