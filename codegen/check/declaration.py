@@ -45,7 +45,7 @@ from codegen.declare.symbols import (
 )
 from codegen.derive.conditions_on_parameters import closed_curves, element_conditions
 from codegen.derive.equations import acting_elements, active_joints
-from codegen.errors import ModelError
+from codegen.errors import LinkwrightError, ModelError
 from codegen.model import Model
 
 LONGEST = 2000  # layout: characters of a sentence
@@ -101,6 +101,18 @@ def _element_problems(
 
 def check_scene(model: Model, scene: Scene) -> list[str]:
     """Problems of one scene of a sound model."""
+    try:
+        return [one_line(p, LONGEST) for p in _scene_problems(model, scene)]
+    except LinkwrightError:
+        raise
+    except Exception as error:
+        reason = f"{type(error).__name__}: {one_line(error)}"
+        raise ModelError(
+            f"scene '{scene.name}': its expressions cannot be read, {reason}."
+        ) from error
+
+
+def _scene_problems(model: Model, scene: Scene) -> list[str]:
     where = f"scene '{scene.name}'"
     joints = active_joints(model, scene)
     problems = []

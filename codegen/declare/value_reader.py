@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import sympy
-from sympy.concrete.expr_with_limits import ExprWithLimits
 from sympy.core.relational import Relational
 
 from codegen.declare.body import Body
@@ -52,8 +51,6 @@ FUNCTIONS = (
     *(sympy.sinh, sympy.cosh, sympy.tanh, sympy.exp, sympy.log),
 )
 """The functions that can be compiled."""
-UNFINISHED = (sympy.Limit, sympy.Derivative, sympy.Subs, ExprWithLimits)
-"""What stands for an expression that is still to be found."""
 CONDITIONS = (Relational, sympy.And, sympy.Or, sympy.Not)
 
 
@@ -78,14 +75,17 @@ def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | N
                 f"{one_line(expression)} contains '{one_line(symbol)}', a placeholder of an "
                 "element's equations; use coordinates, velocities, parameters and t."
             )
-    if unfinished := expression.atoms(*UNFINISHED):
-        part = min(unfinished, key=str)
-        return f"{one_line(expression)} contains {one_line(part)}; write it out, as by doit()."
     for node in sorted(expression.atoms(sympy.Function), key=str):
         if node.func not in FUNCTIONS and not node.is_number:
             known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
             what = one_line(node)
             return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
+    for node in sorted(expression.atoms(sympy.Piecewise), key=str):
+        if node.args[-1].cond != sympy.true:
+            return (
+                f"{one_line(node)} says nothing where none of its conditions holds; end it with "
+                "(value, True)."
+            )
     if found := unreal_part(expression):
         part, why = found
         start = "the value" if part == expression else one_line(expression)
