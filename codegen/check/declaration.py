@@ -43,6 +43,7 @@ from codegen.declare.symbols import (
     side,
     t,
 )
+from codegen.declare.value_reader import expression_problem
 from codegen.derive.conditions_on_parameters import closed_curves, element_conditions
 from codegen.derive.equations import acting_elements, active_joints
 from codegen.errors import LinkwrightError, ModelError
@@ -73,7 +74,20 @@ def check_model(model: Model) -> list[str]:
     problems += chain.from_iterable(masses.values())
     problems += filter(None, (p.problem(p.value) for p in model.parameters.values()))
     problems += _collisions(model)
+    problems += _lost_symbols(model, known, problems)
     return list(dict.fromkeys(one_line(p, LONGEST) for p in problems))
+
+
+def _lost_symbols(
+    model: Model, known: frozenset[sympy.Symbol], problems: list[str]
+) -> Iterator[str]:
+    """Unknown symbols of values that have no share in the equations, such as 0 times a place."""
+    for where, symbols in model.symbols:
+        for symbol in sorted(symbols - known, key=str):
+            sentence = _unknown(model, where, symbol)
+            end, named = sentence.removeprefix(where), f"'{symbol}'"
+            if not any(p.endswith(end) or (p.startswith(where) and named in p) for p in problems):
+                yield sentence
 
 
 def _element_problems(
@@ -331,6 +345,9 @@ def _mass_problems(model: Model, body: Body) -> Iterator[str]:
     for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
         value = getattr(body, word)
         if value is None:
+            continue
+        if problem := expression_problem(value):  # of a body that a modeller made by hand
+            yield f"{word} of body '{body.name}': {problem}"
             continue
         if unknown := sorted(s.name for s in value.free_symbols if s not in model.defaults):
             yield (

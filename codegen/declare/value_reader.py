@@ -31,9 +31,12 @@ from codegen.declare.symbols import (
     Coordinate,
     Given,
     Multiplier,
+    Parameter,
     ParameterDeclaration,
     Side,
     Speed,
+    Time,
+    Velocity,
     alpha,
 )
 from codegen.declare.table_function import Interpolant
@@ -51,6 +54,8 @@ FUNCTIONS = (
     *(sympy.sinh, sympy.cosh, sympy.tanh, sympy.exp, sympy.log),
 )
 """The functions that can be compiled."""
+MEANINGFUL = (Coordinate, Velocity, Time, Parameter)
+"""Symbols that mean something in a declaration."""
 CONDITIONS = (Relational, sympy.And, sympy.Or, sympy.Not)
 
 
@@ -61,7 +66,7 @@ def dotted(symbol: sympy.Symbol) -> str:
 
 def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | None:
     """Why an expression can stand nowhere in a declaration; a `profile` may contain `alpha`."""
-    if expression.is_Symbol and not isinstance(expression, INTERNAL):
+    if isinstance(expression, MEANINGFUL):
         return None
     for symbol in sorted(expression.free_symbols, key=str):
         if symbol == alpha and not profile:
@@ -97,6 +102,7 @@ class Reader:
     """Reads values, and notes a sentence about each that cannot be read."""
 
     def __init__(self) -> None:
+        self.symbols: list[tuple[str, frozenset[sympy.Symbol]]] = []  # of the values, by place
         self.problems: list[str] = []  # the sentences, in order
 
     def note(self, problem: str) -> None:
@@ -115,6 +121,8 @@ class Reader:
             why = f" ({one_line(error)})" if str(error) else ""
             problem = f"{shown(value)} is neither a number nor an expression{why}."
         if problem is None:
+            if read.free_symbols and not profile:
+                self.symbols.append((where, frozenset(read.free_symbols)))
             return read
         self.note(f"{where}: {problem}")
         return sympy.S.One

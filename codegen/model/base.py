@@ -78,6 +78,11 @@ class Declarations:
         return tuple(self._read.problems)
 
     @property
+    def symbols(self) -> list[tuple[str, frozenset[sympy.Symbol]]]:
+        """The symbols of the values that were given, each with its place in the declaration."""
+        return self._read.symbols
+
+    @property
     def defaults(self) -> dict[sympy.Symbol, float]:
         """Parameter → its default value."""
         return {p.symbol: p.value for p in self.parameters.values()}
