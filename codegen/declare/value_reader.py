@@ -52,6 +52,7 @@ FUNCTIONS = (
     *(Interpolant, sympy.Piecewise, sympy.Abs, sympy.Heaviside, sympy.Max, sympy.Min, sympy.sign),
     *(sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan, sympy.atan2),
     *(sympy.sinh, sympy.cosh, sympy.tanh, sympy.exp, sympy.log),
+    *(sympy.floor, sympy.ceiling, sympy.Mod),
 )
 """The functions that can be compiled."""
 MEANINGFUL = (Coordinate, Velocity, Time, Parameter)
