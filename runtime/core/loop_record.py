@@ -53,6 +53,7 @@ _FLOATS += [
     "unexplained",  # change of the energy less the work of all effects and drivers, J
     "explained",  # that work
     "lent_until",  # instant from which a method that was lent is not needed
+    "stop",  # next instant, known beforehand, at which a step ends; infinite where there is none
 ]
 _INTEGERS = ["stage_calls", "dense_rows", "dense_calls", "max_steps", "max_events"]
 _INTEGERS += ["steps", "rejected", "retakes", "events", "repartitions", "rhs", "dense_outputs"]
@@ -96,6 +97,7 @@ _INTEGERS += [
     "energy_steps",  # accepted since the energy was taken, and the one that is tried
     "balances",  # looks at the balance of energy that were due
     "balance_rhs",  # calls of `accelerations` for it
+    "next_stop",  # its number
     "plan",  # about a singular position, a `Plan`
     "resumed",  # 1: it goes on from a run in other coordinates, whose modes it takes over
 ]

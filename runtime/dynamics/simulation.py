@@ -66,7 +66,7 @@ def finish_simulation(
     works = works and bool(mechanism.description.work_rows)
     if works or run is None:
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
-    result = _result(mechanism, run, ready.p, began, begin)
+    result = _result(mechanism, run, ready, began)
     if works:
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
@@ -80,9 +80,10 @@ def finish_simulation(
 
 
 def _result(
-    mechanism: Mechanism, run: Trajectory, p: FloatArray, began: float, begin: Assembly
+    mechanism: Mechanism, run: Trajectory, ready: PreparedSimulation, began: float
 ) -> Result:
     """Outputs at the samples; a run that stopped early gets its last state as one more."""
+    p, begin = ready.p, ready.begin
     t, q, v, modes = run.t, run.q, run.v, run.modes
     if run.outcome is not Outcome.OK and (len(t) == 0 or run.final_t > t[-1]):
         t = np.append(t, run.final_t)
@@ -111,9 +112,11 @@ def _result(
         "integration_seconds": counts.seconds,
         "wall_seconds": clock.perf_counter() - began,
     }
-    switches, log = mechanism.description.switches, run.events
+    titles, log = [switch.title for switch in mechanism.description.switches], run.events
+    if ready.passages is not None:
+        titles += [kink.title for kink in ready.passages.instants.kinks]
     events = [
-        Event(switches[int(index)].title, float(time), int(direction), at_q, at_v)
+        Event(titles[int(index)], float(time), int(direction), at_q, at_v)
         for time, index, direction, at_q, at_v in zip(
             log.t, log.index, log.direction, log.q, log.v, strict=True
         )
