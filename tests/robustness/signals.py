@@ -53,7 +53,8 @@ def campaign(
             numbers = SIGNALS[0]
         shutil.rmtree(place.folder / "elsewhere", ignore_errors=True)
         (place.folder / "result.csv").unlink(missing_ok=True)
-        if chance.random() < COLD:
+        cold = chance.random() < COLD
+        if cold:
             for path in place.code.glob("generated*/rods*"):
                 path.unlink()
         process = place.start(*command)
@@ -62,7 +63,8 @@ def campaign(
             time.sleep(0.002)
         running = process.poll() is None
         end = place.end(process, numbers)
-        kind, faults = judge(place, end, numbers[0], end.before > 1.3 * start_up[command])
+        computing = not cold and end.before > 1.3 * start_up[command]
+        kind, faults = judge(place, end, numbers[0], computing)
         if command[0] == "program":
             kind, faults = judge_program(end)
         ends[kind if running else "ended by itself"] += 1
