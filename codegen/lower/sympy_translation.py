@@ -5,7 +5,7 @@ positions, velocities), so that as much as possible is known before a run, and p
 s'_x cos φ that occur in Φ, Φ_q and γ come out as one value.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial, reduce
 from typing import Any
 
@@ -13,7 +13,8 @@ import sympy
 from sympy.core.relational import Relational
 
 from codegen.declare.table_function import Interpolant
-from codegen.derive.piecewise_conditions import switching_function
+from codegen.derive.piecewise_conditions import boundary, switching_function
+from codegen.derive.switching_functions import Switch, find_switch
 from codegen.errors import ModelError
 from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op
@@ -27,13 +28,12 @@ class Translator:
     """Translates expressions into one graph.
 
     `environment` maps symbols, and other expressions that are known as a whole, to values,
-    `switches` each switching function to its number.
+    `switches` are those of the scene, in the order of their modes.
     """
 
     def __init__(
-        self, graph: Graph, environment: Mapping[sympy.Expr, int],
-        switches: Mapping[sympy.Expr, int],
-    ) -> None:  # fmt: skip
+        self, graph: Graph, environment: Mapping[sympy.Expr, int], switches: Sequence[Switch]
+    ) -> None:
         self.graph, self.environment, self.switches = graph, dict(environment), switches
         self._known: dict[sympy.Basic, int] = {}
         self._ranks: dict[int, int] = {}
@@ -135,11 +135,10 @@ class Translator:
         if isinstance(node, sympy.And | sympy.Or):
             op = Op.AND if isinstance(node, sympy.And) else Op.OR
             return reduce(partial(graph.logical, op), sorted(self._condition(a) for a in node.args))
-        g = switching_function(node)
-        if g in self.switches:
-            return graph.mode(self.switches[g])
-        if -g in self.switches:
-            return graph.negation(graph.mode(self.switches[-g]))
+        found = find_switch(switching_function(node), boundary(node), self.switches)
+        if found is not None:
+            switch, opposite = found
+            return graph.negation(graph.mode(switch)) if opposite else graph.mode(switch)
         raise ModelError(
             f"the condition {node} stands where nothing may switch (a constraint or a driver); "
             "write the motion as one smooth expression."

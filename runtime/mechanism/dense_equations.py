@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core.array_types import Kernel
+from runtime.core.modes_and_event_kinds import Boundary
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
@@ -79,8 +80,10 @@ class Equations:
         return a, lam, int(self.kernels.accelerations(t, q, v, self.p, modes, a, lam))
 
     def rest_modes(self, t: float, q: FloatArray) -> IntArray:
-        """Modes at rest, shape (s,); a condition at its boundary does not hold."""
-        modes: IntArray = (self.switching(t, q, np.zeros(self.n)) > 0.0).astype(np.int64)
+        """Modes at rest, shape (s,); a condition at its boundary holds where it is closed."""
+        g = self.switching(t, q, np.zeros(self.n))
+        closed = self.description.boundaries == Boundary.CLOSED
+        modes: IntArray = ((g > 0.0) | ((g == 0.0) & closed)).astype(np.int64)
         return modes
 
     def switching(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
