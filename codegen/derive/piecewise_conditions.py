@@ -73,7 +73,9 @@ def marked(condition: Boolean, mark: type[Mark]) -> Boolean:
 
 def without_marks(expression: sympy.Basic) -> Any:
     """An expression or condition with its marks taken off."""
-    return expression.replace(lambda e: isinstance(e, Mark), lambda e: e.args[0])
+    while marks := expression.atoms(Mark):  # one may stand inside another
+        expression = expression.xreplace({mark: mark.args[0] for mark in marks})
+    return expression
 
 
 def boundary(condition: Relational) -> Boundary:

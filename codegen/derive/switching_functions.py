@@ -35,6 +35,12 @@ class Switch:
     ratio: sympy.Expr | None = None  # of a friction: μ_s/μ, where it is not 1
     boundary: Boundary = Boundary.OPEN  # of a condition: what holds where the motion stays on g = 0
 
+    @property
+    def at_zero(self) -> str:
+        """A word on a condition that is more than g > 0; empty for others."""
+        word = self.boundary.name.lower()
+        return word if word in ("closed", "balanced") else ""
+
 
 @dataclass(frozen=True)
 class SideValue:
