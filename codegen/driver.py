@@ -140,12 +140,21 @@ def _emit(
 
 def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowered, Findings]:
     """Derive, lower and examine one scene."""
-    with clock("derive"):
-        equations = derive(model, scene)
-    with clock("lower"):
-        lowered = lower(equations)
-    with clock("examine"):
-        findings = examine(equations, lowered)
+    stage = "derive"
+    try:
+        with clock(stage):
+            equations = derive(model, scene)
+        stage = "lower"
+        with clock(stage):
+            lowered = lower(equations)
+        stage = "examine"
+        with clock(stage):
+            findings = examine(equations, lowered)
+    except RecursionError as error:
+        raise ModelError(
+            f"scene '{scene.name}': stage {stage}: an expression is too deep for Python's stack; "
+            "write it in fewer functions of functions."
+        ) from error
     if findings.problems:
         raise ModelError(findings.problems)
     return equations, lowered, findings

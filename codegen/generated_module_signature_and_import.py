@@ -21,6 +21,7 @@ from codegen.errors import GeneratedFileError, SupersededError
 
 MARK = "# content-sha256: "
 UNSIGNED = "0" * 64
+_REBUILD = re.compile(r"python -m codegen \w+.*")  # in the header
 _SIGNATURE = re.compile(rf"^{MARK}([0-9a-f]{{64}})$", re.MULTILINE)
 
 
@@ -111,9 +112,10 @@ def _execute(name: str, path: Path, text: str) -> ModuleType:
         del sys.modules[name]
         if not isinstance(error, Exception):
             raise
+        command = _REBUILD.search(text[:4000])
         raise GeneratedFileError(
-            f"{path} does not load: {type(error).__name__}: {error}. "
-            "Delete it and load the model again to rebuild it."
+            f"{path} does not load: {type(error).__name__}: {error}. Delete it, and rebuild it: "
+            f"{command.group() if command else 'load the model again.'}"
         ) from error
     return module
 

@@ -63,7 +63,7 @@ class CheckedCache(_Function):  # type: ignore[misc]
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Machine code from the disk; None where there is none that can be trusted."""
-        with Deferral():
+        with Deferral(in_commands=False):
             try:
                 return super().load_overload(signature, target)
             except Exception as error:  # whatever a wrong pickle or object file leads to
@@ -72,7 +72,7 @@ class CheckedCache(_Function):  # type: ignore[misc]
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Keep machine code; a folder that is full or cannot be written keeps none."""
-        with Deferral():
+        with Deferral(in_commands=False):
             try:
                 super().save_overload(signature, result)
             except OSError as error:
@@ -116,12 +116,15 @@ class _DeferInterrupts(_events.Listener):  # type: ignore[misc]
 
     def on_start(self, event: Any) -> None:
         """Begin a deferral: a function may compile others that it calls."""
-        self.open.deferrals = [*getattr(self.open, "deferrals", ()), Deferral().__enter__()]
+        self.open.deferrals = [
+            *getattr(self.open, "deferrals", ()),
+            Deferral(in_commands=False).__enter__(),
+        ]
 
     def on_end(self, event: Any) -> None:
         """End the last one."""
         *self.open.deferrals, last = self.open.deferrals
-        last.__exit__(None)
+        last.__exit__()
 
 
 _LISTENER = _DeferInterrupts()

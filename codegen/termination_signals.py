@@ -12,7 +12,7 @@ import os
 import signal
 import sys
 import threading
-from types import FrameType, TracebackType
+from types import FrameType
 from typing import Any
 
 _NAMES = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows has no SIGHUP
@@ -43,10 +43,14 @@ class Deferral:
     at_once
         Whether it begins with the block, or where `begin` is called: to take over a signal and to
         hand it back takes as long as a hundred evaluations of a small machine.
+    in_commands
+        Whether a command line, which ends without any exception, waits for the end of the block.
     """
 
-    def __init__(self, *, computing: bool = False, at_once: bool = True) -> None:
-        self.computing, self.at_once = computing, at_once
+    def __init__(
+        self, *, computing: bool = False, at_once: bool = True, in_commands: bool = True
+    ) -> None:
+        self.computing, self.at_once, self.in_commands = computing, at_once, in_commands
         self.begun = self.answered = False
 
     def __enter__(self) -> "Deferral":
@@ -56,7 +60,8 @@ class Deferral:
 
     def begin(self) -> None:
         """Note signals from now on."""
-        if self.begun or threading.current_thread() is not threading.main_thread():
+        unwanted = self.begun or (_State.command_line and not self.in_commands)
+        if unwanted or threading.current_thread() is not threading.main_thread():
             return
         self.begun = True
         if not (_State.depth or _State.command_line):
@@ -69,7 +74,7 @@ class Deferral:
         """Whether a signal was noted."""
         return self.begun and _State.number > 0
 
-    def __exit__(self, kind: type[BaseException] | None, *_: BaseException | TracebackType | None):  # type: ignore[no-untyped-def]
+    def __exit__(self, *_: object) -> None:
         if not self.begun or (_State.command_line and _State.keeping and self.computing):
             return  # what was computed is not saved yet: the process ends by itself
         _State.answered |= self.answered
@@ -81,7 +86,7 @@ class Deferral:
                 _end()
             return
         signal.signal(signal.SIGINT, self.previous or signal.SIG_DFL)
-        if _State.number and not _State.answered and kind is None:
+        if _State.number and not _State.answered:
             signal.raise_signal(signal.SIGINT)
 
 

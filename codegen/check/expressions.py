@@ -7,22 +7,23 @@ import sympy
 from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
 
+from codegen.declare.answers import statement_of
 from codegen.declare.element import Constraint, label
+from codegen.declare.real_range import unreal_part
 from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
 from codegen.declare.table_function import Interpolant
-from codegen.derive.piecewise_conditions import KINKED
+from codegen.derive.piecewise_conditions import KINKED, STEPS, is_known_beforehand
 from codegen.lower.sympy_translation import FUNCTIONS
 
-KNOWN = ", ".join(sorted(f.__name__ for f in (*FUNCTIONS, *KINKED)))
+KNOWN = ", ".join(sorted({f.__name__ for f in (*FUNCTIONS, *KINKED, *STEPS)}))
 ARITHMETIC = (sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow)
-NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 FINITE = "; give finite real numbers."
-UNDEFINED = f"contains nan{FINITE}"
+UNDEFINED = f"nan{FINITE}"
 
 
 def constraint_problems(constraint: Constraint) -> Iterator[str]:
     """Problems of a constraint: its equations contain coordinates, parameters and time only."""
-    where, statement = label(constraint), constraint.statement()
+    where, statement = label(constraint), statement_of(constraint)
     fixed = {k: v for k, v in statement.bindings.items() if isinstance(k, Given)}
     expressions = (*statement.phi, *fixed.values())
     yield from all_problems(where, expressions, may_switch=False)
@@ -51,12 +52,13 @@ def all_problems(where: str, expressions: Iterable[sympy.Basic], may_switch: boo
 
 def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
     """Parts of an expression without smooth pieces, or unknown to the compiler."""
+    if found := unreal_part(expression):
+        start = "the value" if found[0] == expression else expression
+        yield f"{where}: {start} {found[1]}{FINITE}"
     stack: list[Any] = [expression]
     while stack:
         node = stack.pop()
-        if node in NUMBERLESS:
-            yield f"{where}: {expression} contains {node}{FINITE}"
-        elif isinstance(node, sympy.Piecewise | ExprCondPair):
+        if isinstance(node, sympy.Piecewise | ExprCondPair):
             stack += [a for a in node.args if a not in (sympy.true, sympy.false)]
             if isinstance(node, sympy.Piecewise):
                 yield from _piecewise_problems(where, node)
@@ -65,11 +67,13 @@ def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -
             stack += node.args
         elif isinstance(node, sympy.And | sympy.Or | sympy.Not | sympy.ITE):
             stack += node.args
-        elif node.func in KINKED and not may_switch:
-            yield f"{where}: {node} has a kink; constraints and motions are smooth expressions."
+        elif node.func in KINKED and not (may_switch or is_known_beforehand(node)):
+            yield f"{where}: {node} has a kink; constraints are smooth in coordinates."
+        elif node.func in STEPS and not is_known_beforehand(node):
+            yield f"{where}: {node} jumps where coordinates say; only the time and parameters may."
         elif isinstance(node, Interpolant):
             stack.append(node.at)
-        elif node.func in (*FUNCTIONS, *KINKED) or isinstance(node, ARITHMETIC):
+        elif node.func in (*FUNCTIONS, *KINKED, *STEPS) or isinstance(node, ARITHMETIC):
             stack += node.args
         elif not node.is_number:
             yield f"{where}: {node} cannot be compiled; known are {KNOWN}, powers and Piecewise."
@@ -92,8 +96,8 @@ def _condition_problems(where: str, node: Relational, may_switch: bool) -> Itera
             f"{where}: the condition {node} is an equality, which no motion meets for a time; "
             "use an inequality."
         )
-    if not may_switch:
+    elif not (may_switch or is_known_beforehand(node)):
         yield (
-            f"{where}: the condition {node} stands where nothing may switch; constraints and "
-            "motions are smooth expressions."
+            f"{where}: the condition {node} stands where nothing may switch; the pieces of "
+            "constraints and motions are chosen by the time and parameters alone."
         )

@@ -13,8 +13,9 @@ from itertools import pairwise
 import numpy as np
 import sympy
 
+from codegen.declare.answers import optional_answers, potential_of
 from codegen.declare.body import Body
-from codegen.declare.element import Effect, label, optional_answers
+from codegen.declare.element import Effect, label
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, kinds
 from codegen.declare.table_function import Interpolant
@@ -74,7 +75,7 @@ def step_problems(model: Model, scene: Scene) -> Iterator[str]:
 
 def _continuous(effect: Effect, bodies: tuple[Body, ...]) -> Iterator[tuple[str, str, sympy.Expr]]:
     """(word, unit, expression) of what has to be continuous and may not be."""
-    potential = effect.potential(bodies)
+    potential = potential_of(effect, bodies)
     answers = optional_answers(effect, bodies)
     scalars = [("length or angle", "m or rad", s) for s, _ in answers.pulls]
     if isinstance(effect, Contact):
@@ -83,7 +84,7 @@ def _continuous(effect: Effect, bodies: tuple[Body, ...]) -> Iterator[tuple[str,
     known = potential is None or isinstance(effect, Contact)
     energy = [] if known else [("potential", "J", potential)]
     for word, unit, expression in (*energy, *scalars):
-        yield word, unit, as_pieces(sympy.sympify(expression))
+        yield word, unit, as_pieces(expression)
 
 
 def find_step(

@@ -9,12 +9,15 @@ import reprlib
 from collections.abc import Iterable, Mapping, Set
 from decimal import Decimal
 from fractions import Fraction
+from functools import lru_cache
 from itertools import islice
 from numbers import Real
 from typing import Any
 
 import numpy as np
 import sympy
+
+from codegen.declare.real_range import unreal_part
 
 MOST = 1_000_000  # safety: members of a list that are read; an iterator may have no end
 WIDEST = 160  # characters of a value in a message
@@ -47,14 +50,14 @@ def shown(value: object) -> str:
     return one_line(text)
 
 
-def one_line(text: object) -> str:
+def one_line(text: object, widest: int = WIDEST) -> str:
     """Text without line ends and other characters that do not print, cut where it is long."""
     try:
         words = " ".join(str(text).split())
     except Exception:
         words = f"a {type(text).__name__}"
     line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in words)
-    return line if len(line) <= WIDEST else f"{line[: WIDEST - 3]}..."
+    return line if len(line) <= widest else f"{line[: widest - 3]}..."
 
 
 def plain_name(value: object) -> str:
@@ -90,6 +93,10 @@ def plain_float(value: Any) -> float:
     if isinstance(value, sympy.Expr) and not value.is_Matrix:
         if not value.is_number:
             raise KindError("it is an expression, and a number is needed")
+        if value in (sympy.nan, sympy.oo, -sympy.oo):
+            return float(value)
+        if found := unreal_part(value):  # also what is too large to be evaluated
+            raise KindError(f"it {found[1]}")
         both = complex(value.evalf(17, maxn=400))
         if both.imag:
             raise KindError("it is not real")
@@ -101,13 +108,19 @@ def plain_float(value: Any) -> float:
         return math.inf if number > 0 else -math.inf
 
 
+@lru_cache(maxsize=4096)
+def _unit_of_sympy(expression: sympy.Expr) -> sympy.Basic | None:
+    units = (a for a in expression.atoms(sympy.AtomicExpr) if hasattr(a, "scale_factor"))
+    return next(units, None)
+
+
 def plain_expression(value: Any) -> sympy.Expr:
     """A number or an expression as an expression."""
     if isinstance(value, sympy.Expr):
         if value.is_Matrix or (not value.is_commutative and value.is_commutative is not None):
             raise KindError
-        if units := [a for a in value.atoms(sympy.AtomicExpr) if hasattr(a, "scale_factor")]:
-            raise KindError(f"{units[0]} is a unit of SymPy; give a quantity of pint")
+        if unit := _unit_of_sympy(value):
+            raise KindError(f"{unit} is a unit of SymPy; give a quantity of pint")
         return sympy.S.Zero if value.is_Float and value.is_zero else value
     number = plain_number(value)
     if number == 0:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import sympy
+from sympy.concrete.expr_with_limits import ExprWithLimits
 from sympy.core.relational import Relational
 
 from codegen.declare.body import Body
@@ -36,6 +37,7 @@ from codegen.declare.symbols import (
     Speed,
     alpha,
 )
+from codegen.declare.table_function import Interpolant
 from codegen.declare.units import in_unit
 
 Names = Iterable["str | Body | Constraint | Effect"]
@@ -44,6 +46,15 @@ NamedValues = tuple[tuple[str, float], ...]
 
 INTERNAL = (Given, Side, Speed, Multiplier, Acceleration)
 """Symbols of the equations of elements, which mean nothing in a declaration."""
+FUNCTIONS = (
+    *(Interpolant, sympy.Piecewise, sympy.Abs, sympy.Heaviside, sympy.Max, sympy.Min, sympy.sign),
+    *(sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan, sympy.atan2),
+    *(sympy.sinh, sympy.cosh, sympy.tanh, sympy.exp, sympy.log),
+    *(sympy.floor, sympy.ceiling, sympy.Mod),
+)
+"""The functions that can be compiled."""
+UNFINISHED = (sympy.Limit, sympy.Derivative, sympy.Subs, ExprWithLimits)
+"""What stands for an expression that is still to be found."""
 CONDITIONS = (Relational, sympy.And, sympy.Or, sympy.Not)
 
 
@@ -68,6 +79,14 @@ def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | N
                 f"{one_line(expression)} contains '{one_line(symbol)}', a placeholder of an "
                 "element's equations; use coordinates, velocities, parameters and t."
             )
+    if unfinished := expression.atoms(*UNFINISHED):
+        part = min(unfinished, key=str)
+        return f"{one_line(expression)} contains {one_line(part)}; write it out, as by doit()."
+    for node in sorted(expression.atoms(sympy.Function), key=str):
+        if node.func not in FUNCTIONS and not node.is_number:
+            known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
+            what = one_line(node)
+            return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
     if found := unreal_part(expression):
         part, why = found
         start = "the value" if part == expression else one_line(expression)
@@ -82,8 +101,8 @@ class Reader:
         self.problems: list[str] = []  # the sentences, in order
 
     def note(self, problem: str) -> None:
-        """Add a problem."""
-        self.problems.append(problem)
+        """Add a problem, on one line."""
+        self.problems.append(one_line(problem, 2000))
 
     def value(self, value: Any, unit: str, where: str, profile: bool = False) -> Any:
         """A number, quantity or expression in `unit`; 1 stands in for one that is noted."""

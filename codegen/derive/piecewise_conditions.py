@@ -13,9 +13,12 @@ import sympy
 from sympy.core.relational import Relational
 from sympy.logic.boolalg import Boolean
 
+from codegen.declare.symbols import Parameter, Time
 from codegen.errors import ModelError
 
 KINKED = (sympy.Abs, sympy.Max, sympy.Min, sympy.sign, sympy.Heaviside)
+STEPS = (sympy.Mod, sympy.ceiling, sympy.floor)
+"""Functions with a jump at every whole number, in which only what is known beforehand may stand."""
 
 
 class Boundary(IntEnum):
@@ -91,6 +94,9 @@ def as_pieces(expression: sympy.Expr) -> sympy.Expr:
     for function in KINKED:
         if expression.has(function):
             expression = expression.replace(function, partial(_pieces, function))
+    if expression.has(sympy.Mod, sympy.ceiling):
+        expression = expression.replace(sympy.Mod, lambda a, b: a - b * sympy.floor(a / b))
+        expression = expression.replace(sympy.ceiling, lambda a: -sympy.floor(-a))
     return expression.replace(sympy.ITE, _alternatives)
 
 
@@ -127,6 +133,11 @@ def switching_function(condition: Relational) -> sympy.Expr:
         )
     g: sympy.Expr = condition.gts - condition.lts
     return without_marks(g) if g.has(Mark) else g
+
+
+def is_known_beforehand(node: sympy.Basic) -> bool:
+    """Whether nothing but the time and parameters is in an expression."""
+    return all(isinstance(symbol, Time | Parameter) for symbol in node.free_symbols)
 
 
 def conditions(expressions: Iterable[sympy.Expr]) -> tuple[Relational, ...]:

@@ -10,8 +10,9 @@ from typing import Any, TypeVar
 import sympy
 
 from codegen.declare import symbols as sy
+from codegen.declare.answers import bodies_of, coordinates_of, own_coordinates
 from codegen.declare.body import Body, Ground, Particle, Point
-from codegen.declare.element import Constraint, Effect, own_coordinates
+from codegen.declare.element import Constraint, Effect
 from codegen.declare.name_rules_and_hints import name_problem
 from codegen.declare.plain_values import one_line, plain_name, shown
 from codegen.declare.scene import Scene
@@ -44,7 +45,7 @@ def bounded_by_errors(method: Callable[..., Any]) -> Callable[..., Any]:
         try:
             answer = method(model, *arguments, **words)
             if read and len(read.problems) > before and isinstance(answer, Constraint | Effect):
-                model.noted.add(answer.name)
+                model.noted.add(plain_name(answer.name))
             return answer
         except LinkwrightError:
             raise
@@ -149,8 +150,9 @@ class Declarations:
         elif isinstance(element, Constraint):
             is_driver = role(element.kind) == "driver"
             word, table = ("driver", self.drivers) if is_driver else ("joint", self.joints)
-        if self._claim(word, element.name):
-            table[element.name] = element
+        name = plain_name(element.name)
+        if self._claim(word, name):
+            table[name] = element
         return element
 
     def _point(self, name: str, place: Any) -> Point:
@@ -208,7 +210,7 @@ class Declarations:
 
     def _coordinates(self) -> tuple[sy.Coordinate, ...]:
         """Those of all bodies, and those that joints bring."""
-        of_bodies = (q for body in self.bodies.values() for q in body.coordinates)
+        of_bodies = (q for body in self.bodies.values() for q in coordinates_of(body))
         of_joints = (q for joint in self.joints.values() for q in own_coordinates(joint))
         return (*of_bodies, *of_joints)
 
@@ -216,5 +218,5 @@ class Declarations:
         symbols = (s for e in expressions for s in sy.kinds(e, sy.Coordinate, sy.Velocity))
         owners = {s.name.rpartition("_")[0] for s in symbols}
         for name in owners & {*self.joints}:
-            owners |= {body.name for body in self.joints[name].bodies}
+            owners |= {body.name for body in bodies_of(self.joints[name])}
         return tuple(body for name, body in self.bodies.items() if name in owners)

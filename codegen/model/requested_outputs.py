@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from codegen.declare.answers import bodies_of
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Reported, label
 from codegen.declare.name_rules_and_hints import nearest
@@ -63,7 +64,7 @@ class Outputs(Declarations):
             name
             for name in self._tracked()
             if "paths" in words or f"path({name})" in words
-            if {body.name for body in self.effects[name].bodies} <= present
+            if {body.name for body in bodies_of(self.effects[name])} <= present
         )
 
     def _read_outputs(self, read: Reader, where: str, outputs: Any) -> tuple[str, ...] | None:

@@ -5,12 +5,14 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any, cast
 
+from codegen.declare.answers import ask, bodies_of, own_coordinates
 from codegen.declare.body import Body
-from codegen.declare.element import Located, own_coordinates
+from codegen.declare.element import Located
 from codegen.declare.name_rules_and_hints import name_problem, nearest
 from codegen.declare.plain_values import plain_name
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
+from codegen.errors import ModelError
 from codegen.model.bodies import Form
 from codegen.model.fidelities import NONE, Fidelities
 from codegen.model.requested_outputs import Outputs
@@ -194,11 +196,11 @@ class Scenes(Fidelities, Outputs):
         places = dict(guess)
         for name, joint in self.joints.items():
             missing = [q for q in own_coordinates(joint) if dotted(q) not in known]
-            taking_part = name not in absent and not any(b.name in absent for b in joint.bodies)
+            taking_part = name not in absent and not any(b.name in absent for b in bodies_of(joint))
             if missing and taking_part and isinstance(joint, Located):
-                with suppress(TypeError, ValueError):  # `build` reports its fault
-                    near = joint.near(numbers)
-                    places |= {dotted(q): near[q] for q in missing}
+                with suppress(ModelError, TypeError, ValueError, KeyError):  # reported by `build`
+                    near = ask(joint, "near", numbers)
+                    places |= {dotted(q): float(near[q]) for q in missing}
         return tuple(places.items())
 
 

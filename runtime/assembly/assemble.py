@@ -31,6 +31,7 @@ _VELOCITY_CLOSED = 1e-9  # accuracy: residual of Φ_q v = ν, scaled, in parts o
 # measured: weight of a coordinate that the scene names no value of; the others have 1
 _UNNAMED_WEIGHT = 1e-3
 _MOVED = 1e-9  # accuracy: change of a start value, relative to its size, that is reported
+_UNRESOLVED = 1e-8  # accuracy: rad; distance of neighbouring numbers at which sin φ has no digits
 _LARGEST = 1e100  # safety: lengths and angles above this overflow when they are squared
 
 
@@ -90,6 +91,7 @@ def assemble(
     t = float(t)
     drivers = mechanism.description.driver_rows
     _require_magnitude(equations, t, start.q, {**(guess or {}), **(parameters or {})})
+    _require_resolved_angles(mechanism.description, t, start.q)
     size, matrix = equations.size(t, start.q), equations.jacobian(t, start.q)
     task = Task(
         equations, t, equations.scale(size), np.where(equations.length_rows(matrix), size, 1.0),
@@ -99,6 +101,7 @@ def assemble(
     closing = close(task, start.q)
     if not closing.closed:
         raise _why_open(task, start, closing, drivers)
+    _require_resolved_angles(mechanism.description, t, closing.q)
     findings = redundancy.find_redundancy(task, closing.q, drivers, start.v)
     if any(drivers[row] for row, _ in findings.lasting):
         raise _redundancy(mechanism.description, findings.lasting, findings.rank, "consistent")
@@ -126,6 +129,19 @@ def _require_magnitude(equations: Equations, t: float, q: FloatArray, given: Val
         f"constraints reach {largest:g} at t = {t:g} s, and {_LARGEST:g} is the most that can be "
         f"computed with. Given: {values or 'nothing but the defaults'}."
     )
+
+
+def _require_resolved_angles(description: Description, t: float, q: FloatArray) -> None:
+    """Refuse angles so large that their sines have lost the digits that closing a joint needs."""
+    problems = [
+        f"{description.title}: at t = {t:g} s {description.coordinates[k].name} is {q[k]:.6g} rad; "
+        f"numbers of this size lie {np.spacing(q[k]):.2g} rad apart, so that its sine is "
+        f"not known to the {_UNRESOLVED:g} to which joints close. Take whole turns off: start "
+        "values and motion laws mean the same without them."
+        for k in np.flatnonzero(~description.is_length & (np.spacing(np.abs(q)) > _UNRESOLVED))
+    ]
+    if problems:
+        raise AssemblyError(problems)
 
 
 def _velocities(task: Task, start: Start, q: FloatArray) -> tuple[FloatArray, FloatArray]:

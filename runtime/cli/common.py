@@ -2,6 +2,7 @@
 
 import json
 import sys
+import traceback
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -65,6 +66,12 @@ def exit_on_error(as_json: bool) -> Iterator[None]:
         refuse(error.problems, 2, as_json)
     except (LinkwrightError, OSError) as error:
         refuse((str(error),), 1, as_json)
+    except EOFError as error:  # of which the command line would say "Aborted." alone
+        reading = [frame.f_locals for frame, _ in traceback.walk_tb(error.__traceback__)]
+        names = [str(names["fullname"]) for names in reading if "fullname" in names]
+        damaged = f"the byte code of {names[-1]} is damaged" if names else "a file ends too early"
+        advice = "Delete the folders __pycache__ of that package, or install it anew."
+        refuse((f"{damaged} ({error}). {advice if names else ''}".strip(),), 1, as_json)
 
 
 def refuse(problems: tuple[str, ...], status: int, as_json: bool) -> NoReturn:

@@ -30,6 +30,7 @@ LOG_ROWS = TABLE.number("log_rows")  # room for changes of the partition
 SAMPLE_TIMES = TABLE.number("sample_time_count")  # instants of samples that are asked for
 OUT_ROWS = TABLE.number("out_rows")  # room for samples
 EVENT_ROWS = TABLE.number("event_rows")  # room for events
+STOPS = TABLE.number("stop_count")  # instants, known beforehand, at which steps end
 MODIFIED = TABLE.number("modified")  # not 0: the right-hand side is not the kernel's alone
 SLIDING_COUNT = TABLE.number("sliding_count")  # functions in sliding mode
 STABILIZED = TABLE.number("stabilized")  # 1: constraints are stabilized by Baumgarte's terms
@@ -71,7 +72,7 @@ TRANSITION = i8(integers, i8, f8, f8)  # context crossing t h
 FRICTION_MARGIN = f8(integers, f8, vector, vector, i8)  # context t q v k
 MARGINS = none(integers, f8, i8, i8)  # context t state slot
 VANISHING = f8(integers, f8, f8, i8)  # context t h state
-GUARD_BRANCHES = i8(integers, f8, f8)  # context t h
+GUARD_BRANCHES = i8(integers, f8, f8, i8)  # context t h taken
 correct_of = TABLE.function("correct", CORRECT)
 trial_step_of = TABLE.function("trial_step", TRIAL_STEP)
 repartition_of = TABLE.function("repartition", REPARTITION)
@@ -116,8 +117,7 @@ TABLE.floats("weights", (4, COORDINATES))  # of Baumgarte's terms
 TABLE.matrix("pivots", (4, None), CONSTRAINT_COUNT)  # see `singularity.prediction`
 TABLE.floats("pivot_history", (2, None))
 TABLE.integers("elimination_plan", PLAN_SIZE)
-TABLE.integers("loop_rows", LOOPS)
-TABLE.floats("loop_nearness", (6, LOOPS))
+TABLE.floats("loop_nearness", (7, LOOPS))
 
 # Switching functions.
 TABLE.integers("rigid", SWITCHES)  # number of the rigid contact, or -1
@@ -146,6 +146,10 @@ TABLE.floats("reaction base_reaction unit_reaction", REACTION_ROWS)  # the first
 # The search for consistent modes; the function of the event that was located.
 TABLE.integers("candidate_modes members signs former_modes", SWITCHES)
 TABLE.integers("crossed", (1, None))
+
+# Instants at which steps end, and whether the run is left there; see `integrate.problem.Stops`.
+TABLE.floats("stop_times", STOPS, allotted=False)
+TABLE.integers("stop_kinds", STOPS, allotted=False)
 
 # Samples and events, made by `recording`.
 TABLE.floats("sample_times", SAMPLE_TIMES, allotted=False)

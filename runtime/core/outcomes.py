@@ -22,6 +22,8 @@ class Outcome(IntEnum):
     LOCKED = 9
     UNBALANCED = 10
     INACCURATE = 11
+    CONTRADICTED = 12
+    DISCONTINUOUS = 13
 
     @property
     def of_switch(self) -> bool:
@@ -119,6 +121,20 @@ _TEXT = {
 
         Ask for less accuracy or for a shorter time, or simulate with rtol in place of accuracy for
         a motion of which only constraints, energy and means are right.
+        """,
+    Outcome.DISCONTINUOUS: """
+        An explicit function of time, a law of motion or a force, has no finite value at this time,
+        or jumps where a motion cannot.
+
+        Write a law that is continuous, a ramp in place of a step, or an angle that counts its
+        turns, 3*t in place of atan2(sin(3*t), cos(3*t)); or end the run before this time.
+        """,
+    Outcome.CONTRADICTED: """
+        The run reached its end, but a check of its results contradicts them.
+
+        Do not rely on what comes after the instant that is named. Take smaller tolerances or
+        correction="step"; where the energy is not balanced, look for a potential or a law of motion
+        that jumps there.
         """,
 }
 """What happened, then what to try next: two paragraphs."""

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,14 +13,13 @@ from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
 from runtime.core.system import System
 from runtime.core.workspace_rows import BAND, STRUCK
-from runtime.hybrid.loop_branch_guard import DEAD_CENTRE_NOTE, find_dead_centre
 from runtime.hybrid.mode_search import MOST_COMBINED
-from runtime.integrate.initialization import start
+from runtime.integrate.initialization import start, start_anew
 from runtime.integrate.loop import advance
 from runtime.integrate.method import LEADING
-from runtime.integrate.problem import Options, Problem
-from runtime.integrate.recording_buffers import Recording
-from runtime.integrate.run_state import RunState
+from runtime.integrate.problem import Options, Passage, Problem
+from runtime.integrate.recording_buffers import Recording, in_order
+from runtime.integrate.run_state import COUNTS, RunState
 from runtime.integrate.sampling import INTERVAL
 from runtime.integrate.singular_crossing.crossing import Crossings
 from runtime.integrate.step import Signal
@@ -29,14 +29,20 @@ from runtime.integrate.validation import check
 Progress = Callable[[float, int], None]
 """Called between chunks with the time reached and the steps taken."""
 
+Change = Callable[["Run", int], tuple["Run", int]]
+"""Called after the start and between chunks with the run and its signal, or code of an outcome.
+
+It answers with those with which the run goes on, perhaps in other coordinates.
+"""
+
 _FIRST_CHUNK = 128  # measured: steps before an interrupt is heard, as before the run
 _LONGEST_CHUNK = 16384  # safety: steps before an interrupt is heard, at most
 _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
 # As integers: looking up a member of an enumeration is slow in Python 3.11.
 _GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
-_COUNTS = tuple(
-    name for name in Statistics.__dataclass_fields__ if name not in ("largest_dq", "seconds")
-)
+_KINK = int(Signal.KINK)
+_STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
+_CLOSE = 1e-6  # safety: of the run; nearer to a pole, the pole is why it ends
 
 
 def integrate(
@@ -50,7 +56,8 @@ def integrate(
     with everything that is wrong with the problem and its options.
     """
     check(system, problem, options)
-    return Run(system, problem, options).execute(progress)
+    path = Run(system, problem, options).execute(progress)
+    return replace(path, events=in_order(path.events, path.final_t))
 
 
 def initial_modes(
@@ -84,6 +91,21 @@ class Run:
         n, s = system.coordinates, system.switches
         self.recording = Recording(self.state.wiring, n, s, t_eval, interval)
         self.crossings = Crossings(self.state, problem)
+        self.first_t = float(problem.t0)
+        self.note = ""  # on the outcome
+        self.fresh = self.state.record.copy()
+        self.most = _LONGEST_CHUNK  # steps until `Change` is called again
+
+    def take_over(self, other: "Run", q: Vector, v: Vector) -> int:
+        """Go on from where `other` stands, in other coordinates; returns the code of an outcome.
+
+        (q, v), (n,) each, is the state in the coordinates of this run. What it has recorded before
+        is forgotten.
+        """
+        self.state.take_over(other.state, self.fresh, q, v)
+        self.recording.begin()
+        self.crossings.begin()
+        return self.start()
 
     def start(self) -> int:
         """Prepare the first step; returns the code of an outcome."""
@@ -100,7 +122,7 @@ class Run:
             elif self.crossings.note:
                 code = Outcome.SINGULAR  # whichever way the search for a start ended
         self.recording.flush()
-        if self.state.system.switches:
+        if self.state.system.switches and not self.state.record["resumed"]:
             self._log_first_impacts()
         return code
 
@@ -113,54 +135,100 @@ class Run:
         self.recording.add_events(record["t"], struck, kinds, self.state.y.ravel())
         record["events"] += len(struck)
 
-    def execute(self, progress: Progress | None) -> Trajectory:
-        """Run to the end or to whatever stops the run before."""
+    def execute(self, progress: Progress | None, change: Change | None = None) -> Trajectory:
+        """Run to the end or to whatever stops the run before.
+
+        Where `change` goes on in other coordinates, the result is that of the last run.
+        """
         began = time.thread_time()  # others on the machine take no part in it
-        record, fixed_chunk = self.state.record, self.state.options.chunk
-        stopped = False
+        run, fixed_chunk, stopped = self, self.state.options.chunk, False
         with Deferral(computing=True, at_once=False) as signals:
             code = self.start()
             if code == Outcome.OK:
                 code = _GOING
+            if change is not None:
+                run, code = change(run, code)
             chunk = fixed_chunk or _FIRST_CHUNK
             while code == _GOING:
-                self.recording.make_room(chunk)
+                steps = min(chunk, run.most)
+                run.recording.make_room(steps)
                 before = time.perf_counter()
-                code = advance(self.state.table, chunk)
+                code = advance(run.state.table, steps)
                 took = time.perf_counter() - before
-                self.recording.flush()
-                if code in (_GOING, _LOOK, _CHANGE):
+                run.recording.flush()
+                if code < 0:
                     signals.begin()
+                if code == _KINK:
+                    code = run._pass_kink()
                 if code == _CHANGE:
-                    self.state.change_method()
+                    run.state.change_method()
                     code = _GOING
                 if fixed_chunk is None and took < 0.5 * _CHUNK_SECONDS:
                     chunk = min(2 * chunk, _LONGEST_CHUNK)
                 elif fixed_chunk is None and took > 2.0 * _CHUNK_SECONDS:
                     chunk = max(1, int(chunk * _CHUNK_SECONDS / took))
                 if progress is not None:
+                    record = run.state.record
                     try:
                         progress(float(record["t"]), int(record["steps"]))
                     except KeyboardInterrupt:
                         stopped = True
                 if code == _LOOK:
-                    code = self.crossings.decide()
+                    code = run.crossings.decide()
+                if change is not None:
+                    run, code = change(run, code)
                 if code == _GOING and (signals.arrived or stopped):
                     code, signals.answered = int(Outcome.INTERRUPTED), not stopped
-        return self._result(Outcome(code), time.thread_time() - began)
+            if code in _STUCK:
+                code = run._end_at_pole(code)
+        return run.result(Outcome(code), time.thread_time() - began)
 
-    def _result(self, outcome: Outcome, seconds: float) -> Trajectory:
+    def _end_at_pole(self, code: int) -> int:
+        """The outcome of a run whose steps get ever shorter up to an instant known beforehand."""
+        r, arrays = self.state.record, self.state.wiring.arrays
+        ahead = np.flatnonzero(arrays["stop_kinds"][r["next_stop"] :] >= 0) + r["next_stop"]
+        if not len(ahead):
+            return code
+        way = float(arrays["stop_times"][ahead[0]] - r["t"])
+        passage = self._passage(ahead[0]) if way <= _CLOSE * float(r["duration"]) else Passage()
+        return code if passage.outcome is Outcome.OK else passage.outcome
+
+    def _passage(self, stop: int) -> Passage:
+        """How the run passes the kink that is a stop of this number."""
+        state, r = self.state, self.state.record
+        assert state.stops is not None
+        q, v = state.y
+        kink = int(state.wiring.arrays["stop_kinds"][stop])
+        passage = state.stops.passage(kink, q.copy(), v.copy(), state.modes.copy())
+        if passage.outcome is not Outcome.OK:
+            r["index"], self.note = passage.row, passage.note
+        return passage
+
+    def _pass_kink(self) -> int:
+        """Go on behind a kink of an explicit function of time, or end before it."""
+        state, r = self.state, self.state.record
+        kink = int(state.wiring.arrays["stop_kinds"][r["next_stop"]])
+        passage = self._passage(int(r["next_stop"]))
+        if passage.outcome is not Outcome.OK:
+            return passage.outcome
+        v = state.y[1]
+        state.leave_kink()
+        if passage.v is not None:
+            v[:] = passage.v
+        code: int = start_anew(state.table)
+        self.recording.flush()
+        if passage.event is not None:
+            number = np.array([state.system.switches + kink])
+            self.recording.add_events(r["t"], number, [passage.event], state.y.ravel())
+            r["events"] += 1
+        return _GOING if code == Outcome.OK else code
+
+    def result(self, outcome: Outcome, seconds: float) -> Trajectory:
+        """What was recorded since the start, or since the run took over from another."""
         state, r = self.state, self.state.record
         n, stopped = state.system.coordinates, float(r["t"])
-        nearness = state.wiring.arrays["loop_nearness"]
-        loop = find_dead_centre(state.system, stopped, state.y, state.p, nearness, outcome)
-        if loop is not None:
-            outcome, r["index"], r["turn"] = Outcome.SINGULAR, loop, stopped
-        note = self.crossings.note or self._search_note(outcome)
-        if not note and outcome is Outcome.SINGULAR and int(r["index"]) in state.system.loop_rows:
-            note = DEAD_CENTRE_NOTE.format(float(r["turn"]))
+        note = self.note or self.crossings.note or self._search_note(outcome)
         t, y, modes = self.recording.samples()
-        counts = {name: int(r[name]) for name in _COUNTS}
         return Trajectory(
             t=t,
             q=y[:, :n],
@@ -168,11 +236,12 @@ class Run:
             modes=modes,
             outcome=outcome,
             index=int(r["index"]),
+            first_t=self.first_t,
             final_t=stopped,
             final_q=state.y[0].copy(),
             final_v=state.y[1].copy(),
             final_modes=state.modes,
-            statistics=Statistics(**counts, largest_dq=float(r["largest_dq"]), seconds=seconds),
+            statistics=Statistics(**{name: r[name].item() for name in COUNTS}, seconds=seconds),
             events=self.recording.events(),
             partitions=self.recording.partitions(),
             methods=tuple((t, LEADING if name == "auto" else name) for t, name in state.methods),

@@ -6,15 +6,17 @@ from numpy.typing import NDArray
 from runtime.constraints.repartitioning import GROWTH_LIMIT
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers, Matrix
+from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.loop_record import ConstraintReturn
+from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.system import System
 from runtime.hybrid.rhs_with_sliding_or_stabilization import TIME_SCALE
 from runtime.integrate.loop import LOG_MARGIN
 from runtime.integrate.method import Method, find_method
-from runtime.integrate.problem import Options, Problem
+from runtime.integrate.problem import Options, Problem, Stops
 from runtime.integrate.sampling import QUADRATURE, STEP_ENDS
-from runtime.integrate.wiring import METHOD_SLOTS, function_table, wire
+from runtime.integrate.trajectory import Statistics
+from runtime.integrate.wiring import METHOD_SLOTS, function_table, place, wire
 
 _FOLLOWED = 2.0  # measured: of Baumgarte's time; in longer steps the stabilisation oscillates
 _MOST_PATIENCE = 1024  # safety: times the first, before a method is changed
@@ -22,6 +24,14 @@ _METHOD_NUMBERS = (
     "estimate_order", "last", "stage_calls", "dense_calls", "dense_rows", "foresight", "beta",
     "safety", "shrink", "grow",
 )  # fmt: skip
+# What a run knows of its switching functions, samples and events whatever its coordinates.
+_OF_SWITCHES = ("modes", "switching_rows", "share", "recent_events")
+_OF_EVENTS = (
+    "t", "usual", "samples", "next_sample", "event_span", "flight", "shrinking", "standing",
+    "patience", "stop", "next_stop",
+)  # fmt: skip
+COUNTS = tuple(name for name in Statistics.__dataclass_fields__ if name != "seconds")
+"""What the record of a run counts."""
 _CORRECTING = {
     "step": ConstraintReturn.BY_PARTITION,
     "stage": ConstraintReturn.BY_PARTITION,
@@ -49,6 +59,7 @@ class RunState:
         self._fill_record(problem)
         self._take(find_method(options.method))
         self._choose_return(problem)
+        self._set_stops(problem.stops)
 
     @property
     def y(self) -> Matrix:
@@ -104,6 +115,52 @@ class RunState:
         n = self.system.coordinates
         arrays["weights"][:n], arrays["weights"][3 * n :] = problem.scale**2, problem.sizes
         arrays["spreads"][:] = problem.spreads
+
+    def _set_stops(self, stops: Stops | None) -> None:
+        """Write the instants at which steps end into the table; a fixed step keeps its length."""
+        self.stops = stops
+        times, kinks = (np.zeros(0), np.zeros(0, np.int64)) if stops is None else stops[:2]
+        if self.options.fixed_step is not None:
+            times, kinks = times[kinks >= 0], kinks[kinks >= 0]
+        self.table[ft.STOPS] = len(times)
+        place(self.table, self.wiring.arrays, "stop_times", times)
+        place(self.table, self.wiring.arrays, "stop_kinds", kinks)
+        self.record["stop"] = times[0] if len(times) else np.inf
+
+    def leave_kink(self) -> None:
+        """Stand behind the kink before which the run stands."""
+        assert self.stops is not None
+        r, times = self.record, self.wiring.arrays["stop_times"]
+        r["t"] = self.stops.after[np.searchsorted(self.stops.times, r["stop"])]
+        r["next_stop"] += 1
+        r["stop"] = times[r["next_stop"]] if r["next_stop"] < len(times) else np.inf
+
+    def take_over(self, other: "RunState", fresh: np.void, q: Vector, v: Vector) -> None:
+        """Go on from where a run of the same machine in other coordinates stands.
+
+        `fresh` is the record of this run before its start, (q, v), (n,), the state in its
+        coordinates.
+        """
+        r, theirs, arrays = self.record, other.record, self.wiring.arrays
+        counted = {name: r[name] for name in COUNTS}
+        arrays["record"][0] = fresh
+        for name, count in counted.items():
+            r[name] = count
+        for name in _OF_EVENTS:
+            r[name] = theirs[name]
+        r["h"], r["resumed"] = theirs["usual"] if theirs["usual"] > 0.0 else theirs["h"], 1
+        r["max_steps"] = fresh["max_steps"] - theirs["steps"] - theirs["rejected"]
+        r["max_events"] = fresh["max_events"] - theirs["events"]
+        r["look_at"] = -np.inf
+        self.y[0], self.y[1] = q, v
+        if self.system.switches:
+            for name in _OF_SWITCHES:
+                arrays[name][:] = other.wiring.arrays[name]
+            sliding = int(np.count_nonzero(self.modes == SLIDING))
+            self.table[ft.SLIDING_COUNT] = sliding
+            self.table[ft.MODIFIED] = sliding + self.table[ft.STABILIZED]
+        self.methods = other.methods
+        self.use_method(self.methods[-1][1])
 
     def _take(self, method: Method) -> None:
         """Write the numbers of the method into the record."""

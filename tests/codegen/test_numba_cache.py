@@ -4,7 +4,6 @@ import os
 import resource
 import signal
 import sys
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
@@ -133,6 +132,10 @@ def test_an_interrupt_waits_until_a_function_is_compiled(
         return result
 
     monkeypatch.setattr(CompilerBase, "compile_extra", interrupted)
-    with warnings.catch_warnings(), pytest.raises(KeyboardInterrupt):
-        _execute(source)
+    usual = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            _execute(source)
+    finally:
+        signal.signal(signal.SIGINT, usual)
     assert finished

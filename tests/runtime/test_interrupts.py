@@ -1,7 +1,7 @@
 """An interrupt is neither lost nor does it cost what was computed."""
 
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
@@ -12,6 +12,14 @@ from runtime.dynamics.kinematics_and_inverse_dynamics import kinematics
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.trajectory import Trajectory
 from runtime.machine_facade import Machine
+
+
+@pytest.fixture(autouse=True)
+def keyboard() -> Iterator[None]:
+    """The interrupt as a terminal has it: a shell's background processes ignore it."""
+    usual = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, usual)
 
 
 def test_a_deferral_raises_at_its_end() -> None:
@@ -36,10 +44,11 @@ def test_an_answered_interrupt_is_not_raised() -> None:
         assert not later.arrived
 
 
-def test_a_deferral_leaves_an_error_alone() -> None:
-    with pytest.raises(ZeroDivisionError), Deferral():  # noqa: PT012
+def test_an_interrupt_is_not_lost_where_an_error_ends_the_block() -> None:
+    with pytest.raises(KeyboardInterrupt) as caught, Deferral():  # noqa: PT012
         signal.raise_signal(signal.SIGINT)
         raise ZeroDivisionError
+    assert isinstance(caught.value.__context__, ZeroDivisionError)
 
 
 @pytest.mark.parametrize("interrupted", [1, 2, 3])

@@ -64,3 +64,15 @@ def test_a_module_that_is_no_text_is_named(tmp_path: Path) -> None:
     path.write_bytes(b"\xff\xfe")
     with pytest.raises(GeneratedFileError, match=r"binary\.py is damaged .* Delete it"):
         generated.import_generated(path)
+
+
+@pytest.mark.parametrize("name", ["slider_crank__compressor.py", "methods/dop853.py"])
+def test_a_module_that_does_not_load_says_how_it_is_built_again(
+    root: Path, tmp_path: Path, name: str
+) -> None:
+    text = (root / "generated" / name).read_text()
+    command = "methods" if "methods" in name else "build models/slider_crank.py --scene compressor"
+    path = tmp_path / "cut.py"
+    path.write_text(text[: len(text) // 2] + "\n(")
+    with pytest.raises(GeneratedFileError, match=rf"rebuild it: python -m codegen {command}$"):
+        generated.import_generated(path)

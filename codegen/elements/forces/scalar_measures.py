@@ -3,7 +3,8 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Element, Pulls, label, sign_problems
+from codegen.declare.conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element import Effect, Element, Pulls, label
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
 
 
@@ -82,12 +83,15 @@ class SpringDamper(Effect):
             force += self.stiffness * (s - free)
         return () if force == 0 else ((s, force),)
 
-    def characteristic_problems(
-        self, keyword: str, *values: tuple[str, sympy.Expr, str]
-    ) -> list[str]:
+    def characteristic_problems(self, keyword: str) -> list[str]:
         """A law that exerts nothing, and numbers that no spring has."""
         idle = self.stiffness == 0 and self.damping == 0 and self.actuator == 0
         advice = f"give it a stiffness, a damping, an actuator or a {keyword}."
         problems = [f"{label(self)} does nothing; {advice}"] if idle else []
-        other = f", and write other characteristics with {keyword}="
-        return problems + sign_problems(label(self), *values, advice=other)
+        return problems + number_problems(self)
+
+
+def characteristic(keyword: str, *values: tuple[str, sympy.Expr, str]) -> tuple[Condition, ...]:
+    """Springs, dampers and lengths that are not negative."""
+    other = f", and write other characteristics with {keyword}="
+    return sign_conditions(*values, advice=other)
