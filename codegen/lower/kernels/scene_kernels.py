@@ -6,6 +6,7 @@ from codegen.derive.equations import Equations
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.kernels.accelerations import accelerations
 from codegen.lower.kernels.corrections import correction
+from codegen.lower.kernels.mobility_spread import mobility_spread, weak_pivot
 from codegen.lower.kernels.rigid_contact_and_stiction import hold_kernels, reaction_outputs
 from codegen.lower.kernels.selection_by_outputs import Selection
 from codegen.lower.linear.factorization import Strategy
@@ -45,9 +46,10 @@ def lower(equations: Equations) -> Lowered:
         gamma = storing("acceleration_rhs", summary, "t q v p gamma", scene.gamma, scene.rows)
         kernels.append(gamma)
     strategy: Strategy | None = None
+    spread = mobility_spread(scene)
     recovered, reported = selection.multipliers(scene), selection.reactions(scene)
     if recovered or not resting:
-        fused, strategy = accelerations(scene, recovered)
+        fused, strategy = accelerations(scene, recovered, spread)
         kernels.append(fused)
     if not resting:
         kernels.append(correction(scene))
@@ -65,7 +67,9 @@ def lower(equations: Equations) -> Lowered:
         kernels += _switching_kernels(scene, resting)
         kernels += hold_kernels(scene, reported)
     _note_weights(scene)
-    program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
+    program = with_constants(
+        scene.graph, tuple(kernels), len(equations.parameters), weak_pivot(spread)
+    )
     description = describe(scene, powers, reported, recovered)
     return Lowered(program, description, strategy, scene)
 
