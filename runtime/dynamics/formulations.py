@@ -6,6 +6,7 @@ import numpy as np
 
 from codegen.errors import InputError
 from runtime.assembly.kernels_for_redundant_constraints import projection_only, with_redundancy
+from runtime.assembly.masses_far_apart import suited_to_masses
 from runtime.core.system import System
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.method import IMPLICIT
@@ -17,6 +18,9 @@ from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 FORMULATIONS = ("cartesian", "reduced")
 # measured: rate of an angle by the kept coordinates that tells a dead centre of its loop
 _STEEP = 1e6
+# safety: ratio of two mobilities, beside typical sizes; their squares are the weights of
+# corrections, and lie as far apart as a pivot may be weak
+_WIDEST = 3e4
 _CORRECTIONS = ("step", "stage")
 
 
@@ -48,12 +52,15 @@ class CartesianCoordinates(Coordinates):
         if begin.redundant:
             self.mechanism = with_redundancy(ready.mechanism, begin)
             self.correction = projection_only(ready.mechanism, begin, method, correction)
+        else:
+            self.mechanism = suited_to_masses(ready.mechanism, begin.t, begin.q, ready.p)
         self.system = self.mechanism.system
         self.spreads = np.zeros(len(self.mechanism.description.switches))
         if method in IMPLICIT:
             self.system = replace(self.system, **self.mechanism.tangents._asdict())
         self.q, self.v = np.ascontiguousarray(begin.q), np.ascontiguousarray(begin.v)
-        self.scale = self.mobility = _mobility(Equations(ready.mechanism, ready.p).mass(begin.q))
+        mass = Equations(ready.mechanism, ready.p).mass(begin.q)
+        self.scale = self.mobility = _mobility(mass, self.sizes)
 
 
 class ReducedCoordinates(Coordinates):
@@ -74,7 +81,7 @@ class ReducedCoordinates(Coordinates):
         values, mass = np.zeros(len(reduced.mass[0])), np.zeros((len(kept), len(kept)))
         reduced.kernels.mass(self.q, self.p, values)
         mass[reduced.mass] = values
-        self.scale = _mobility(mass)
+        self.scale = _mobility(mass, self.sizes)
         self.spreads = _spreads(ready)
         self.mobility = np.ones(len(begin.q))
         self.mobility[kept] = self.scale
@@ -134,15 +141,24 @@ def formulate(
     return CartesianCoordinates(ready, method, correction)
 
 
-def _mobility(mass: FloatArray) -> FloatArray:
+def _mobility(mass: FloatArray, sizes: FloatArray) -> FloatArray:
     """Typical size of a change of each coordinate, 1/√M_kk, shape (n,).
 
     A coordinate without mass, such as the place of a contact on a cam, follows most easily: ten
-    times the size of the most mobile body makes it one of the dependent coordinates.
+    times the size of the most mobile body makes it one of the dependent coordinates. Beside typical
+    `sizes` of the coordinates mobilities lie at most `_WIDEST` apart: they say which coordinate
+    follows more easily, not which constraints are independent.
     """
     inertia = np.diag(mass)
     heavy = inertia > 0.0
-    return 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))
+    mobility: FloatArray = 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))
+    beside = mobility / sizes
+    most, least = float(beside.max()), float(beside.min())
+    if most <= _WIDEST * least:
+        return mobility
+    compressed = (beside / most) ** (np.log(_WIDEST) / np.log(most / least))
+    within: FloatArray = sizes * most * compressed
+    return within
 
 
 def _spreads(ready: PreparedSimulation) -> FloatArray:

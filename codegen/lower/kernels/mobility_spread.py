@@ -20,6 +20,7 @@ FAR = 1e5
 """accuracy: ratio of mobilities, of masses, or of moments of inertia, from which on solutions are
 refined: an elimination that divides by the wrong ones loses as many digits as the ratio has.
 """
+_NEGLIGIBLE = 1e-6  # accuracy: a slope of a length, or an arm beside the longest, that is none
 _POSES = 5  # safety: poses in which arms are looked at; one in which all of them vanish is rare
 
 
@@ -35,15 +36,30 @@ def mobility_spread(scene: SceneGraph) -> float:
     groups: dict[str, list[float]] = {}
     for k, size in inertia.items():
         groups.setdefault(coordinates[k].unit, []).append(size)
-    rows: dict[int, dict[int, float]] = {}
-    for entries in map(_Slopes(scene).at, range(_POSES)):
-        for (i, k), slope in entries.items():
-            if k in inertia and math.isfinite(slope) and slope != 0.0:
-                row = rows.setdefault(i, {})
-                row[k] = max(row.get(k, 0.0), slope**2 / inertia[k])
-    felt = ([x for x in row.values() if x > 0.0] for row in rows.values())
+    lengths = {k for k, q in enumerate(coordinates) if q.unit == "m"}
+    rows = _felt_slopes(scene, lengths)
+    felt = ([s**2 / inertia[k] for k, s in row.items() if k in inertia] for row in rows)
     every = (group for group in chain(felt, groups.values()) if group)
     return max(max(group) / min(group) for group in every)
+
+
+def _felt_slopes(scene: SceneGraph, lengths: set[int]) -> list[dict[int, float]]:
+    """Row by row the largest |Φ_ik| of all poses, beside those of lengths, without rounding."""
+    found: dict[int, dict[int, float]] = {}
+    for entries in map(_Slopes(scene).at, range(_POSES)):
+        for (i, k), slope in entries.items():
+            if math.isfinite(slope) and slope != 0.0:
+                row = found.setdefault(i, {})
+                row[k] = max(row.get(k, 0.0), abs(slope))
+    rows = []
+    for row in found.values():
+        unit = max((s for k, s in row.items() if k in lengths), default=max(row.values()))
+        rows.append({k: s / unit for k, s in row.items()})
+    arms = max((s for row in rows for k, s in row.items() if k not in lengths), default=0.0)
+    return [
+        {k: s for k, s in row.items() if s > _NEGLIGIBLE * (1.0 if k in lengths else arms)}
+        for row in rows
+    ]
 
 
 def weak_pivot(spread: float) -> float:
