@@ -23,6 +23,7 @@ from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 # accuracy: part of a pivot's reference that the masses alone may cost, in weak pivots: beyond it
 # accelerations have nine digits at most
 _MOST = 1e-2
+_DOUBTFUL = 1e-3  # safety: of that; a larger spread in one pose asks for others
 _NEGLIGIBLE = 1e-6  # accuracy: a slope of a length, or an arm beside the longest, that is none
 _VARIANTS: WeakKeyDictionary[Mechanism, Mechanism] = WeakKeyDictionary()
 """Compiled once for each mechanism."""
@@ -33,8 +34,15 @@ def suited_to_masses(mechanism: Mechanism, t: float, q: FloatArray, p: FloatArra
     description = mechanism.description
     if not (description.has_masses and description.weak_pivot and mechanism.sufficient is None):
         return mechanism
-    spread = mobility_spread(Equations(mechanism, p), t, q)
-    if not spread * description.weak_pivot > _MOST:
+    equations = Equations(mechanism, p)
+    inertia, most = np.diag(equations.mass(q)), _MOST / description.weak_pivot
+    slopes = np.abs(equations.jacobian(t, q))
+    if mobility_spread(equations, inertia, slopes) < _DOUBTFUL * most:
+        return mechanism
+    for pose in turned(description, q):
+        slopes = np.maximum(slopes, np.abs(equations.jacobian(t, pose)))
+    spread = mobility_spread(equations, inertia, slopes)
+    if not spread > most:
         return mechanism
     rubbing = [row.name for row in description.effects if row.kind == "friction"]
     if rubbing:
@@ -78,22 +86,19 @@ def _accelerations(mechanism: Mechanism) -> Kernel:
     return compiled
 
 
-def mobility_spread(equations: Equations, t: float, q: FloatArray) -> float:
-    """Largest ratio of two mobilities Φ_ik² / M_kk in a row of Φ_q, here and with angles turned.
+def mobility_spread(equations: Equations, inertia: FloatArray, slopes: FloatArray) -> float:
+    """Largest ratio of two mobilities Φ_ik² / M_kk in a row, from M_kk, (n,), and |Φ_ik|, (m, n).
 
     Slopes of lengths and arms that rounding explains feel nothing.
     """
-    inertia, lengths = np.diag(equations.mass(q)), equations.description.is_length
-    poses = [q, *turned(equations.description, q)]
-    slopes = np.max([np.abs(equations.jacobian(t, pose)) for pose in poses], axis=0)
-    slopes[~np.isfinite(slopes)] = 0.0
+    lengths = equations.description.is_length
+    slopes = np.where(np.isfinite(slopes), slopes, 0.0)
     unit = slopes[:, lengths].max(axis=1, initial=0.0)
     unit = np.where(unit > 0.0, unit, slopes.max(axis=1, initial=0.0))
-    slopes = slopes[unit > 0.0] / unit[unit > 0.0, None]
+    slopes = slopes / np.where(unit > 0.0, unit, 1.0)[:, None]
     arms = slopes[:, ~lengths].max(initial=0.0)
     felt = (inertia > 0.0) & (slopes > _NEGLIGIBLE * np.where(lengths, 1.0, arms))
     mobility = slopes**2 / np.where(inertia > 0.0, inertia, 1.0)
     most = np.max(mobility, axis=1, where=felt, initial=0.0)
     least = np.min(mobility, axis=1, where=felt, initial=np.inf)
-    ratios = most[most > 0.0] / least[most > 0.0]
-    return float(ratios.max(initial=1.0))
+    return float((most / least).max(initial=1.0))

@@ -16,7 +16,7 @@ IntArray = npt.NDArray[np.int64]
 # measured: part of the largest distance from the origin; a machine counts as no smaller
 _LEAST_PART = 0.01
 _ROUNDING = 1e-9  # accuracy: of the longest length known; a length below this part is rounding
-_FAR = 7.0  # safety: logarithm, of a thousand or so; slopes that far from 1 measure their row
+_FAR = 1e3  # safety: scaled slopes above this, or all below its inverse, measure their row
 # safety: of the longest arm in other poses; arms that all fall below it vanish in the one at hand
 _VANISHED = 1e-3
 
@@ -146,13 +146,17 @@ class Equations:
 
         A row whose slopes are far from that, such as the square of a length, is measured by them.
         """
-        matrix = self.jacobian(t, q)
-        even = np.where(self.length_rows(matrix), size, 1.0)
-        poses = (self.jacobian(t, pose) for pose in turned(self.description, q))
-        steep = np.max([np.abs(entries) for entries in (matrix, *poses)], axis=0) * self.scale(size)
-        steepest = steep.max(axis=1, initial=0.0) / even
-        far = np.isfinite(steepest) & (steepest > 0.0) & (np.abs(np.log(steepest + 1e-300)) > _FAR)
-        return np.where(far, even * steepest, even)
+        matrix, scale = self.jacobian(t, q), self.scale(size)
+        even: FloatArray = np.where(self.length_rows(matrix), size, 1.0)
+        steepest = np.abs(matrix * scale).max(axis=1, initial=0.0) / even
+        if np.all((steepest > 1.0 / _FAR) & (steepest < _FAR)):
+            return even
+        for pose in turned(self.description, q):  # a row may be flat by chance
+            slopes = np.abs(self.jacobian(t, pose) * scale).max(axis=1, initial=0.0) / even
+            steepest = np.maximum(steepest, np.where(np.isfinite(slopes), slopes, 0.0))
+        far = (steepest > _FAR) | ((steepest < 1.0 / _FAR) & (steepest > 0.0))
+        measured: FloatArray = np.where(far & np.isfinite(steepest), even * steepest, even)
+        return measured
 
     def scale(self, size: float) -> FloatArray:
         """Typical change of each coordinate: `size` for lengths, else 1, shape (n,)."""

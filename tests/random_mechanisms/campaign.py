@@ -23,7 +23,8 @@ from runtime.machine_facade import Machine
 from runtime.results.result import Result
 from tests.random_mechanisms.dense_dynamics import Dense
 from tests.random_mechanisms.dense_motion import driven_motion, free_motion, growth
-from tests.random_mechanisms.generator import RandomMechanism, random_mechanism
+from tests.random_mechanisms.generator import FRICTION, RandomMechanism, random_mechanism
+from tests.random_mechanisms.kernel_comparison import Generated, differences
 
 MET = 1e-10  # of accelerations and reactions, in a state that both are given
 MOTION = 1e-7  # of positions in typical sizes, for a run at RTOL, without growth of errors
@@ -75,6 +76,27 @@ def judge(machine: RandomMechanism, folder: Path) -> Verdict:
     if apart > permitted:
         complaint = f"the motion is {apart:.1e} off, {permitted:.1e} is permitted"
     return Verdict("OK", statics, apart, complaint)
+
+
+def judge_kernels(machine: RandomMechanism) -> Verdict:
+    """Compare the kernels alone, which Python runs, in the pose of the start and beside it."""
+    try:
+        generated = Generated(machine)
+    except LinkwrightError as error:
+        return Verdict(type(error).__name__, complaint=str(error)[:300])
+    dense = Dense(machine.parts, machine.scales.length)
+    random = np.random.default_rng(machine.seed)
+    states = [(machine.q, machine.v)]
+    for size in (0.03, 0.1):
+        shift = size * random.normal(size=(2, dense.n)) * dense.sizes
+        moved = machine.q + shift[0], machine.v + shift[1] / machine.scales.time
+        try:
+            states.append(dense.closed(*moved, 0.0))
+        except ArithmeticError:  # the joints do not close so far from the pose
+            continue
+    found = [differences(machine, generated, dense, q, v, 0.0).worst for q, v in states]
+    worst = max(found)
+    return Verdict("OK", worst, 0.0, "" if worst < MET else f"kernels are {worst:.1e} apart")
 
 
 def run(loaded: Machine, machine: RandomMechanism, instants: Any) -> Result:
@@ -130,14 +152,19 @@ def main() -> None:
     parser.add_argument("first", type=int)
     parser.add_argument("last", type=int)
     parser.add_argument("--contacts", action="store_true", help="with stops that yield")
+    parser.add_argument("--kernels", action="store_true", help="kernels alone, not compiled")
+    parser.add_argument("--friction", choices=FRICTION, help="of all machines")
     chosen = parser.parse_args()
     seen: Counter[str] = Counter()
     worst = {"statics": 0.0, "motion": 0.0}
     for seed in range(chosen.first, chosen.last):
         began = time.perf_counter()
-        machine = random_mechanism(seed, contacts=chosen.contacts)
-        with tempfile.TemporaryDirectory() as folder:
-            verdict = judge(machine, Path(folder))
+        machine = random_mechanism(seed, friction=chosen.friction, contacts=chosen.contacts)
+        if chosen.kernels:
+            verdict = judge_kernels(machine)
+        else:
+            with tempfile.TemporaryDirectory() as folder:
+                verdict = judge(machine, Path(folder))
         seen[verdict.outcome] += 1
         seen["differ"] += bool(verdict.complaint)
         worst["statics"] = max(worst["statics"], verdict.statics)
