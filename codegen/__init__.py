@@ -6,10 +6,10 @@ holds its equations in the placeholders of the frames `I` and `J`. They load Sym
 are first used, so that the runtime can ask for the errors alone.
 """
 
-from typing import TYPE_CHECKING, Any
-
+from codegen.damaged_byte_code import keep_no_byte_code
 from codegen.errors import InputError, LinkwrightError, ModelError
 
+TYPE_CHECKING = False  # type checkers take it as true; importing typing would load modules
 if TYPE_CHECKING:
     from codegen.declare.body import Body, Curve, Point
     from codegen.declare.element import (
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from codegen.model import Model
 
 __version__ = "0.1.0"
+keep_no_byte_code(__spec__)
 
 _ROOMS = {
     "codegen.model": ("Model",),
@@ -50,7 +51,7 @@ __all__ += ["ModelError", "Point", "Scene", "Statement"]
 __all__ += ["__version__", "alpha", "build", "coordinate", "element", "given", "t"]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name not in _HOMES:
         raise AttributeError(f"module 'codegen' has no attribute {name!r}")
     from importlib import import_module

@@ -1,6 +1,7 @@
 """The command line: ``python -m codegen build``, ``explain``, ``elements`` and ``methods``."""
 
 import json
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from functools import wraps
@@ -14,6 +15,7 @@ from rich.table import Table
 
 from codegen.emit.line_wrapping import quantity
 from codegen.errors import InputError, ParameterError, SceneError
+from codegen.termination_signals import finish
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -251,4 +253,8 @@ def methods(
 
 def main() -> None:
     """Entry point."""
-    app(prog_name="python -m codegen")
+    warnings.formatwarning = lambda message, *_, **__: f"note: {message}\n"
+    try:
+        app(prog_name="python -m codegen")
+    finally:
+        finish()

@@ -19,6 +19,7 @@ from pathlib import Path
 from time import perf_counter
 
 import codegen
+from codegen import argument_readers as readers
 from codegen.check.declaration import check_model, check_scene
 from codegen.check.redundancy import Findings, examine
 from codegen.declare.name_rules_and_hints import nearest
@@ -38,6 +39,12 @@ from codegen.model_file import ModelFile, read_model
 GENERATOR = f"linkwright {codegen.__version__}"
 
 
+@readers.reads(
+    model=readers.model, scene=readers.optional(readers.scenes),
+    out=readers.optional(readers.path), settings=readers.optional(readers.values('{"J1": 900.0}')),
+    progress=readers.function,
+    **dict.fromkeys(("tangents", "reduced", "check", "compile"), readers.flag),
+)  # fmt: skip
 def build(
     model: str | Path | Model, scene: str | Scene | Sequence[str | Scene] | None = None,
     out: str | Path | None = None, *, settings: Mapping[str, float] | None = None,
@@ -133,12 +140,21 @@ def _emit(
 
 def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowered, Findings]:
     """Derive, lower and examine one scene."""
-    with clock("derive"):
-        equations = derive(model, scene)
-    with clock("lower"):
-        lowered = lower(equations)
-    with clock("examine"):
-        findings = examine(equations, lowered)
+    stage = "derive"
+    try:
+        with clock(stage):
+            equations = derive(model, scene)
+        stage = "lower"
+        with clock(stage):
+            lowered = lower(equations)
+        stage = "examine"
+        with clock(stage):
+            findings = examine(equations, lowered)
+    except RecursionError as error:
+        raise ModelError(
+            f"scene '{scene.name}': stage {stage}: an expression is too deep for Python's stack; "
+            "write it in fewer functions of functions."
+        ) from error
     if findings.problems:
         raise ModelError(findings.problems)
     return equations, lowered, findings

@@ -26,6 +26,12 @@ class InputError(LinkwrightError):
     """The user's input is wrong; the command line answers it with exit status 2."""
 
 
+class UnknownNameError(InputError, KeyError):
+    """A table has no row of a name; a `KeyError` as well, as of a mapping."""
+
+    __str__ = Exception.__str__  # a KeyError would quote its message
+
+
 class ModelError(InputError):
     """The declaration of a model contradicts itself or is incomplete."""
 

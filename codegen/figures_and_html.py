@@ -2,8 +2,7 @@
 
 import io
 import shutil
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -83,12 +82,3 @@ def check_parent(path: Path) -> None:
     """Refuse a place for a picture whose folder does not exist."""
     if not path.resolve().parent.is_dir():
         raise InputError(f"--out {path}: the folder {path.resolve().parent} does not exist.")
-
-
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Say which place cannot be written, and why."""
-    try:
-        yield
-    except OSError as error:
-        raise InputError(f"--out {path}: {error.strerror or error}.") from error

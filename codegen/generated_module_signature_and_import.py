@@ -4,6 +4,7 @@ Both sides of the compiler use this module, the driver to compile a file that it
 the runtime to load one. It imports nothing of the compiler.
 """
 
+import contextlib
 import hashlib
 import importlib.util
 import re
@@ -12,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 
 from filelock import FileLock
 
@@ -20,6 +21,7 @@ from codegen.errors import GeneratedFileError, SupersededError
 
 MARK = "# content-sha256: "
 UNSIGNED = "0" * 64
+_REBUILD = re.compile(r"python -m codegen \w+.*")  # in the header
 _SIGNATURE = re.compile(rf"^{MARK}([0-9a-f]{{64}})$", re.MULTILINE)
 
 
@@ -30,8 +32,7 @@ def companion_path(path: Path, kind: str) -> Path:
 
 def signed(text: str) -> str:
     """`text` with the hash of its content put where ``UNSIGNED`` stands."""
-    digest = hashlib.sha256(text.encode()).hexdigest()
-    return text.replace(MARK + UNSIGNED, MARK + digest, 1)
+    return text.replace(MARK + UNSIGNED, MARK + text_hash(text), 1)
 
 
 def is_signed(text: str) -> bool:
@@ -48,12 +49,32 @@ def check_signature(path: Path, text: str, rebuild: str) -> None:
             f"or was edited by hand. Delete it, or rebuild it: {rebuild}"
         )
     blank = text[: match.start(1)] + UNSIGNED + text[match.end(1) :]
-    actual = hashlib.sha256(blank.encode()).hexdigest()
+    actual = text_hash(blank)
     if actual != match.group(1):
         raise GeneratedFileError(
             f"{path} was edited by hand, or cut short: its text hashes to {actual[:12]}..., its "
             f"header says {match.group(1)[:12]}.... Change the model, and rebuild: {rebuild}"
         )
+
+
+def read_generated(path: Path) -> str:
+    """The text of a generated file, whatever line ends version control has given it.
+
+    Raises GeneratedFileError if the file cannot be read.
+    """
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise GeneratedFileError(f"cannot read {path}: {error.strerror or error}.") from error
+    except UnicodeDecodeError as error:
+        raise GeneratedFileError(
+            f"{path} is damaged ({error}). Delete it and load the model again to rebuild it."
+        ) from error
+
+
+def text_hash(text: str) -> str:
+    """SHA-256 of a generated text."""
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def import_generated(path: Path, digest: str | None = None) -> ModuleType:
@@ -65,48 +86,58 @@ def import_generated(path: Path, digest: str | None = None) -> ModuleType:
     SupersededError if its text does not have the SHA-256 `digest`.
     """
     with alone(path):
-        try:
-            content = path.read_bytes()
-        except OSError as error:
-            raise GeneratedFileError(f"cannot read {path}: {error.strerror or error}.") from error
-        actual = hashlib.sha256(content).hexdigest()
+        text = read_generated(path)
+        actual = text_hash(text)
         if digest not in (None, actual):
             raise SupersededError(f"{path} was replaced while it was being loaded; load it again.")
-        name = f"linkwright_generated_{path.stem}_{actual[:16]}"
+        name = f"linkwright_generated_{path.stem}_{actual}"
         if name in sys.modules and sys.modules[name].__file__ == str(path):
             return sys.modules[name]
-        return _execute(name, path)
+        return _execute(name, path, text)
 
 
-def _execute(name: str, path: Path) -> ModuleType:
-    loader = _ContentLoader(name, str(path))
+def _execute(name: str, path: Path, text: str) -> ModuleType:
+    """Execute a text that was verified: no byte code, and nothing else that lies in its folder."""
+    from codegen.numba_cache import checked_caches
+
+    loader = _TextLoader(name, str(path), text)
     spec = importlib.util.spec_from_file_location(name, path, loader=loader)
     assert spec is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:
-        loader.exec_module(module)
-    except Exception as error:
+        with checked_caches():
+            loader.exec_module(module)
+    except BaseException as error:
         del sys.modules[name]
+        if not isinstance(error, Exception):
+            raise
+        command = _REBUILD.search(text[:4000])
         raise GeneratedFileError(
-            f"{path} does not load: {type(error).__name__}: {error}. "
-            "Delete it and load the model again to rebuild it."
+            f"{path} does not load: {type(error).__name__}: {error}. Delete it, and rebuild it: "
+            f"{command.group() if command else 'load the model again.'}"
         ) from error
     return module
 
 
 @contextmanager
 def alone(path: Path) -> Iterator[None]:
-    """Only one process at a time compiles the numba functions of a file.
+    """Only one process at a time compiles the numba functions of a file: the others wait for it.
 
-    Numba writes the index of a cache before its data: a process that reads between the two would
-    take old machine code for new. The others wait, and find the cache filled. Where the folder
-    cannot be written there is no cache beside the file, and no lock.
+    Where the folder cannot be written there is no cache beside the file, and no lock.
     """
     cache = path.parent / "__pycache__"
-    try:
+    with contextlib.suppress(OSError):
         cache.mkdir(exist_ok=True)
-        lock = FileLock(cache / f"{path.stem}.lock")
+    with locked(cache / f"{path.stem}.lock"):
+        yield
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """One process at a time; without a lock where the file `path` cannot be made."""
+    lock = FileLock(path)
+    try:
         lock.acquire()
     except OSError:
         yield
@@ -117,14 +148,17 @@ def alone(path: Path) -> Iterator[None]:
         lock.release()
 
 
-class _ContentLoader(SourceFileLoader):
-    """Python's own loader, with byte code dated by the source's content instead of its clock.
+class _TextLoader(SourceFileLoader):
+    """Python's own loader, of a text in place of what lies on the disk."""
 
-    A module rebuilt within the same second with the same length must not meet old byte code.
-    """
+    def __init__(self, name: str, path: str, text: str) -> None:
+        super().__init__(name, path)
+        self.text = text
 
-    def path_stats(self, path: str) -> dict[str, int]:
-        """Size of the source and, in place of its time, 32 bits of its hash."""
-        source = Path(path).read_bytes()
-        stamp = int.from_bytes(hashlib.sha256(source).digest()[:4], "little")
-        return {"mtime": stamp, "size": len(source)}
+    def get_code(self, fullname: str) -> CodeType:
+        """The text, compiled."""
+        return compile(self.text, self.path, "exec", dont_inherit=True)
+
+    def get_source(self, fullname: str) -> str:
+        """The text."""
+        return self.text

@@ -4,18 +4,30 @@ import ast
 import contextlib
 import hashlib
 import importlib.util
+import io
+import os
 import sys
 import sysconfig
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
+from types import ModuleType
+from typing import cast
 
+from codegen.argument_readers import shortened
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.errors import InputError, ModelFileError
 from codegen.generated_module_signature_and_import import is_signed
 from codegen.model import Model
+
+_IN_USE = {
+    *("codegen", "runtime", "filelock", "llvmlite", "matplotlib", "mpmath", "netCDF4", "numba"),
+    *("numpy", "pandas", "pint", "pyarrow", "rich", "scipy", "sympy", "typer", "xarray"),
+}
+"""Packages that a file beside a model file does not replace."""
 
 
 @dataclass(frozen=True)
@@ -75,16 +87,18 @@ def execute_model_file(path: Path) -> ModelFile:
 
     ModelFileError where it fails, or declares no model, or several without calling one `model`.
     """
-    if is_signed(path.read_text(errors="replace")):
+    _require_plain_name(path)
+    if is_signed(_read(path).decode(errors="replace")):
         # Executed here, its functions would enter numba's cache under a name that nothing can load.
         raise ModelFileError(
             f"{path} is a module that was generated from a model, and declares none; give the "
             "model and the scene that it names in its first lines."
         )
     namespace, files = _execute(path)
-    declared = namespace.get("model")
-    models = {id(v): v for v in namespace.values() if isinstance(v, Model)}
-    if not isinstance(declared, Model):
+    found = (v for v in namespace.values() if issubclass(type(v), Model))
+    models = {id(v): cast("Model", v) for v in found}
+    declared = models.get(id(namespace.get("model")))
+    if declared is None:
         if len(models) != 1:
             names = ", ".join(repr(m.name) for m in models.values())
             raise ModelFileError(
@@ -98,7 +112,25 @@ def execute_model_file(path: Path) -> ModelFile:
 
 def file_hash(path: Path) -> str:
     """SHA-256 of a file's bytes."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    return hashlib.sha256(_read(path)).hexdigest()
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise ModelFileError(f"{path} cannot be read: {error.strerror}.") from error
+
+
+def _require_plain_name(path: Path) -> None:
+    """Refuse a file whose name cannot become part of the names of generated modules."""
+    odd = [c for c in path.stem if not c.isprintable() or c in "{}"]
+    odd = odd or [c for c in str(path) if "\ud800" <= c <= "\udfff"]
+    if odd:
+        raise ModelFileError(
+            f"{shortened(str(path))}: the generated files are named after the model file, and "
+            f"{', '.join(dict.fromkeys(map(repr, odd)))} cannot be part of their names. Rename it."
+        )
 
 
 def local_files(path: Path) -> list[Path]:
@@ -171,37 +203,71 @@ def _execute(path: Path) -> tuple[dict[str, object], list[Path]]:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     try:
-        with _fresh_imports(path.parent), contextlib.redirect_stdout(sys.stderr):
+        with _fresh_imports(path.parent), contextlib.redirect_stdout(_Output()):
             spec.loader.exec_module(module)
             files = local_files(path)
-    except InputError:
+    except (InputError, KeyboardInterrupt):
         raise
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
         frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
         line = f", line {frames[-1].lineno}" if frames else ""
         if isinstance(error, SyntaxError) and error.filename == str(path):
-            line = f", line {error.lineno}"
-        raise ModelFileError(
-            f"{path}{line}: the model file fails with {type(error).__name__}: {error}"
-        ) from error
+            line = f", line {error.lineno}" if error.lineno else ""
+        try:
+            why = f"{type(error).__name__}: {error}"
+        except Exception:
+            why = f"{type(error).__name__}, whose text cannot be had"
+        raise ModelFileError(f"{path}{line}: the model file fails with {why}") from error
     return vars(module), files
+
+
+class _Output(io.TextIOBase):
+    """Prints of a model file, on stderr; closing it closes nothing else."""
+
+    def write(self, text: str) -> int:
+        """Pass the text on."""
+        return sys.stderr.write(text)
+
+
+class _Siblings:
+    """Finder of the modules beside a model file: before installed ones, not before those in use.
+
+    A model file or its neighbour may bear the name of a module of the standard library, or of the
+    compiler's own; these must not import it in place of what they need.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = str(folder)
+
+    def find_spec(
+        self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """The specification of a neighbour; None leaves the search to others."""
+        if path is not None or name in sys.stdlib_module_names or name in _IN_USE:
+            return None
+        return PathFinder.find_spec(name, [self.folder], target)
 
 
 @contextlib.contextmanager
 def _fresh_imports(folder: Path) -> Iterator[None]:
     """Import local files as they are now, those of `folder` first, and forget them afterwards.
 
-    Byte code is not kept, as its date is in seconds, nor are modules: another folder may hold
-    another file of the same name, and this one may be edited before the next build.
+    The working folder and the search path are as before when the model file has ended. Byte code is
+    not kept, as its date is in seconds, nor are modules: another folder may hold another file of
+    the same name, and this one may be edited before the next build.
     """
     before, writes = set(sys.modules), sys.dont_write_bytecode
-    sys.path.insert(0, str(folder))
+    search, here, siblings = sys.path[:], Path.cwd(), _Siblings(folder)
+    sys.meta_path.insert(0, siblings)
+    sys.path.append(str(folder))
     sys.dont_write_bytecode = True
     importlib.invalidate_caches()
     try:
         yield
     finally:
-        sys.path.remove(str(folder))
+        sys.path[:] = search
+        sys.meta_path[:] = [finder for finder in sys.meta_path if finder is not siblings]
+        os.chdir(here)
         sys.dont_write_bytecode = writes
         for name in set(sys.modules) - before:
             origin = getattr(sys.modules[name], "__file__", None)

@@ -8,13 +8,19 @@
 Importing this package loads neither numba nor the code generator; `load` does what it needs.
 """
 
-from typing import TYPE_CHECKING, Any
+import os
 
-from runtime.load import load
+# Python reads this byte code before `codegen.damaged_byte_code` can look after it.
+try:  # noqa: SIM105 (no import)
+    os.unlink(__spec__.cached)  # type: ignore[arg-type]  # noqa: PTH108
+except (OSError, TypeError, AttributeError):
+    pass
 
+TYPE_CHECKING = False  # type checkers take it as true; importing typing would load modules
 if TYPE_CHECKING:
     from runtime.core.outcomes import Outcome
     from runtime.machine_facade import Machine
+    from runtime.machine_loading import load
     from runtime.results.result import Result
     from runtime.studies.effect_ranking import matters
     from runtime.studies.work_precision import accuracy
@@ -24,17 +30,19 @@ _HOMES = {
     "Outcome": "runtime.core.outcomes",
     "Result": "runtime.results.result",
     "accuracy": "runtime.studies.work_precision",
+    "load": "runtime.machine_loading",
     "matters": "runtime.studies.effect_ranking",
 }
 
 __all__ = ["Machine", "Outcome", "Result", "accuracy", "load", "matters"]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name not in _HOMES:
         raise AttributeError(f"module 'runtime' has no attribute {name!r}")
     from importlib import import_module
 
+    import_module("codegen")  # which reads byte code with care
     value = getattr(import_module(_HOMES[name]), name)
     globals()[name] = value
     return value

@@ -88,13 +88,16 @@ class Machine(MechanismTables):
         """
         from runtime.integrate.run import initial_modes
 
-        check(self.mechanism, t=t, **({} if q is None and v is None else {"q": q, "v": v}))
+        state = {} if q is None and v is None else {"q": q, "v": v}
+        given = check(self.mechanism, t=t, parameters=parameters, **state)
+        t, parameters = given["t"], given["parameters"]
+        p = self.parameter_values(parameters)
         if not self.description.switches:
             return np.zeros(0, dtype=np.int64)
         if q is None or v is None:
             start = self.assemble(parameters=parameters, t=t)
             q, v = start.q, start.v
-        return initial_modes(self.mechanism.system, t, q, v, self.parameter_values(parameters))
+        return initial_modes(self.mechanism.system, t, q, v, p)
 
     def assemble(
         self, guess: Values | None = None, parameters: Values | None = None, t: float = 0.0
@@ -127,8 +130,8 @@ class Machine(MechanismTables):
         """
         from runtime.assembly.assemble import assemble
 
-        check(self.mechanism, guess=guess, parameters=parameters, t=t)
-        return assemble(self.mechanism, guess, parameters, t)
+        given = check(self.mechanism, guess=guess, parameters=parameters, t=t)
+        return assemble(self.mechanism, **given)
 
     def simulate(
         self, t_end: float, t_eval: npt.ArrayLike | None = None, *, accuracy: float | None = None,
@@ -197,16 +200,19 @@ class Machine(MechanismTables):
         from runtime.studies.accuracy_target import accuracy_or_tolerances
 
         require_motion(self.mechanism, "simulate")
-        begin = {"t_start": t_start, "parameters": parameters, "guess": guess, "start": start}
-        steps = {"first_step": first_step, "max_step": max_step, "max_steps": max_steps}
-        errors = {"accuracy": accuracy, "rtol": rtol, "atol": atol}
-        check(self.mechanism, t_end=t_end, **errors, **begin, **steps)
+        given = check(
+            self.mechanism, t_end=t_end, t_eval=t_eval, t_start=t_start, parameters=parameters,
+            guess=guess, start=start, correction=correction, time_scale=time_scale,
+            first_step=first_step, max_step=max_step, max_steps=max_steps, progress=progress,
+            accuracy=accuracy, rtol=rtol, atol=atol, quantities=quantities, method=method,
+            formulation=formulation,
+        )  # fmt: skip
+        settings = ("accuracy", "rtol", "atol", "quantities", "method", "formulation")
         analyse = accuracy_or_tolerances(
-            self.mechanism, **errors, quantities=quantities, method=method, formulation=formulation
+            self.mechanism, **{name: given.pop(name) for name in settings}
         )
-        given = {**begin, **steps, "correction": correction, "time_scale": time_scale}
-        with bar(f"simulate {self.mechanism.title}", progress) as report:
-            return analyse(t_end, t_eval, **given, progress=report)
+        with bar(f"simulate {self.mechanism.title}", given.pop("progress")) as report:
+            return analyse(**given, progress=report)
 
     def kinematics(
         self, t_eval: npt.ArrayLike, *, parameters: Values | None = None,
@@ -243,8 +249,10 @@ class Machine(MechanismTables):
         from runtime.dynamics.kinematics_and_inverse_dynamics import kinematics
 
         require_motion(self.mechanism, "kinematics")
-        given = check(self.mechanism, parameters=parameters, guess=guess, t_start=t_start)
-        with bar(f"kinematics of {self.mechanism.title}", progress) as report:
+        given = check(
+            self.mechanism, parameters=parameters, guess=guess, t_start=t_start, progress=progress
+        )
+        with bar(f"kinematics of {self.mechanism.title}", given.pop("progress")) as report:
             return kinematics(self.mechanism, t_eval, **given, progress=report)
 
     def inverse_dynamics(
@@ -272,8 +280,10 @@ class Machine(MechanismTables):
         from runtime.dynamics.kinematics_and_inverse_dynamics import inverse_dynamics
 
         require_motion(self.mechanism, "inverse_dynamics")
-        given = check(self.mechanism, parameters=parameters, guess=guess, t_start=t_start)
-        with bar(f"inverse dynamics of {self.mechanism.title}", progress) as report:
+        given = check(
+            self.mechanism, parameters=parameters, guess=guess, t_start=t_start, progress=progress
+        )
+        with bar(f"inverse dynamics of {self.mechanism.title}", given.pop("progress")) as report:
             return inverse_dynamics(self.mechanism, t_eval, **given, progress=report)
 
     def equilibrium(
@@ -309,9 +319,12 @@ class Machine(MechanismTables):
         """
         from runtime.statics.equilibrium import equilibrium
 
+        given = check(
+            self.mechanism, parameters=parameters, guess=guess, t=t, method=method,
+            progress=progress,
+        )  # fmt: skip
         if method == "settling":
             require_motion(self.mechanism, 'equilibrium(method="settling")')
         require_energy(self.mechanism)
-        given = check(self.mechanism, parameters=parameters, guess=guess, t=t)
-        with bar(f"equilibrium of {self.mechanism.title}", progress) as report:
-            return equilibrium(self.mechanism, method, **given, progress=report)
+        with bar(f"equilibrium of {self.mechanism.title}", given.pop("progress")) as report:
+            return equilibrium(self.mechanism, **given, progress=report)

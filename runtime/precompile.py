@@ -7,7 +7,10 @@ for what another compiles.
 
 import ast
 import os
+import signal
 import sys
+import threading
+import time
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from graphlib import TopologicalSorter
 from importlib import import_module
@@ -15,10 +18,12 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from codegen.errors import InputError
+from codegen.termination_signals import take_over
 from runtime.core.jit import ROOMS
 from runtime.integrate.method import METHODS, REGISTER, find_method
 
 _PROCESSES = 4  # safety: each takes half a GB
+_WATCHED = 0.2  # safety: s between two looks of a process at its parent
 _OUTSIDE = ("dynamics", "continuation", "statics", "mechanism")
 """Rooms with some compiled code beside those that consist of it."""
 _LIBRARY = Path(__file__).parents[1]
@@ -36,7 +41,9 @@ def precompile(*methods: str) -> None:
     order = TopologicalSorter(import_graph(methods or METHODS))
     order.prepare()
     processes = min(_PROCESSES, os.cpu_count() or 1)
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(
+        processes, get_context("spawn"), initializer=_end_with_parent, initargs=(os.getpid(),)
+    ) as pool:
         pending: dict[Future[None], str] = {}
         while order.is_active():
             pending |= {pool.submit(_compile, module): module for module in order.get_ready()}
@@ -80,6 +87,18 @@ def _path(module: str) -> Path:
     return _LIBRARY.joinpath(*module.split(".")).with_suffix(".py")
 
 
+def _end_with_parent(parent: int) -> None:
+    """Have this process end when its parent does, and leave the keyboard's interrupt to that."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(_WATCHED)
+        os._exit(1)
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=watch, daemon=True).start()
+
+
 def _compile(module: str) -> None:
     """Import a module; a method is loaded as runs load it."""
     if module in _METHOD_OF:
@@ -89,6 +108,7 @@ def _compile(module: str) -> None:
 
 
 if __name__ == "__main__":
+    take_over()
     try:
         precompile(*sys.argv[1:])
     except InputError as error:

@@ -3,7 +3,7 @@
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 Progress = Callable[[float], None]
 
@@ -40,4 +40,5 @@ def bar(title: str, wanted: bool = True) -> Iterator[Progress]:
         yield report
     finally:
         if started:
-            shown.stop()
+            with suppress(OSError):  # of a terminal that was closed
+                shown.stop()

@@ -96,9 +96,9 @@ def compilation_apart(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None
     folder = tmp_path_factory.getbasetemp()
     kept = (folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "machine_code"
 
-    def compile_and_execute(name: str, path: Path) -> ModuleType:
-        compile_apart(name, path, kept)
-        return execute(name, path)
+    def compile_and_execute(name: str, path: Path, text: str) -> ModuleType:
+        compile_apart(name, path, text, kept)
+        return execute(name, path, text)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(generated_module_signature_and_import, "_execute", compile_and_execute)

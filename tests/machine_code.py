@@ -19,24 +19,24 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 from numba.core import dispatcher
-from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.caching import CompileResultCacheImpl
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.environment import Environment
 
-from codegen import generated_module_signature_and_import
+from codegen import generated_module_signature_and_import, numba_cache
 
-_Cache: Any = FunctionCache  # numba leaves these untyped
-_Reduction: Any = CompileResultCacheImpl
+_Cache: Any = numba_cache.CheckedCache
+_Reduction: Any = CompileResultCacheImpl  # numba leaves these untyped
 _Dispatcher: Any = dispatcher.Dispatcher
 
 _execute = generated_module_signature_and_import._execute
 
 
-def compile_apart(name: str, path: Path, kept: Path) -> None:
+def compile_apart(name: str, path: Path, text: str, kept: Path) -> None:
     """Fill numba's cache of a file, unless it is fresh, with the help of the kernels in `kept`."""
     if not _has_fresh_cache(path):
         kept.mkdir(parents=True, exist_ok=True)
-        _in_fork(lambda: _execute_and_share(name, path, kept))
+        _in_fork(lambda: _execute_and_share(name, path, text, kept))
 
 
 def _has_fresh_cache(path: Path) -> bool:
@@ -61,11 +61,11 @@ def _in_fork(work: Callable[[], object]) -> None:
     os.waitpid(child, 0)
 
 
-def _execute_and_share(name: str, path: Path, kept: Path) -> None:
-    if "\nOPTIONS = " in path.read_text(encoding="utf-8"):  # kernels; a method has none
+def _execute_and_share(name: str, path: Path, text: str, kept: Path) -> None:
+    if "\nOPTIONS = " in text:  # kernels; a method has none
         _SharingCache.kept = kept
-        dispatcher.FunctionCache = _SharingCache
-    _execute(name, path)
+        numba_cache._checked = _SharingCache
+    _execute(name, path, text)
 
 
 class _NamelessReduction(_Reduction):  # type: ignore[misc]

@@ -6,38 +6,33 @@ from itertools import combinations
 import sympy
 
 from codegen.check.expressions import all_problems
+from codegen.declare.conditions import ROUNDING
 from codegen.declare.element import Rigid, Sticking, label
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import Coordinate, Parameter, Time, Velocity, kinds
+from codegen.declare.symbols import Coordinate, Time, Velocity, kinds
 from codegen.derive.effect_terms import effect_terms
 from codegen.derive.switching_functions import Named, switches
 from codegen.model import Model
 
-Numbers = dict[sympy.Symbol, float]
-# accuracy: difference of two ratios of friction coefficients that rounding explains
-ROUNDING = 1e-12
-
 
 def contact_problems(model: Model, scene: Scene) -> list[str]:
-    """Check the numbers that parameters give, and surfaces that two effects share."""
+    """Check that what must not vary does not, and surfaces that two effects share."""
     bodies = tuple(model.bodies[name] for name in scene.bodies)
     chosen = [] if scene.analysis == "kinematics" else list(model.acting(scene).values())
     named = [(effect.name, effect_terms(effect, bodies)) for effect in chosen]
     if not any(terms.hold for _, terms in named):
         return []
-    overrides = {Parameter(name, real=True): value for name, value in scene.parameters}
-    numbers = model.defaults | overrides
     problems: list[str] = []
     for effect, (_, terms) in zip(chosen, named, strict=True):
         where = f"scene '{scene.name}': {label(effect)}"
         if isinstance(terms.hold, Sticking):
-            problems += _friction(where, terms.hold, numbers)
+            problems += _friction(where, terms.hold)
         elif isinstance(terms.hold, Rigid):
-            problems += _contact(where, terms.hold, numbers)
+            problems += _contact(where, terms.hold)
     return [*problems, *_shared(scene, named)]
 
 
-def _friction(where: str, hold: Sticking, numbers: Numbers) -> Iterator[str]:
+def _friction(where: str, hold: Sticking) -> Iterator[str]:
     for word, value in (("coefficient", hold.kinetic), ("static coefficient", hold.static)):
         if value is not None and kinds(value, Coordinate, Velocity, Time):
             yield (
@@ -45,29 +40,13 @@ def _friction(where: str, hold: Sticking, numbers: Numbers) -> Iterator[str]:
                 "numbers and parameters: give creep= for one that varies."
             )
             return
-    if hold.static is None:
-        return
-    kinetic, static = (float(e.subs(numbers)) for e in (hold.kinetic, hold.static))
-    if static < kinetic:
-        yield (
-            f"{where}: the static coefficient {hold.static} is {static:g}, below the kinetic one, "
-            f"{hold.kinetic} = {kinetic:g}; give parameters with which it is not."
-        )
 
 
-def _contact(where: str, hold: Rigid, numbers: Numbers) -> Iterator[str]:
+def _contact(where: str, hold: Rigid) -> Iterator[str]:
     for word, value in (("restitution", hold.restitution), ("typical force", hold.scale)):
         if kinds(value, Coordinate, Velocity, Time):
             yield f"{where}: the {word} {value} varies in a run; give a number or parameters."
             return
-    e, scale = (float(x.subs(numbers)) for x in (hold.restitution, hold.scale))
-    if not 0 <= e <= 1:
-        yield (
-            f"{where}: the restitution {hold.restitution} is {e:g}; give parameters with which it "
-            "is from 0 (no rebound) to 1 (no loss)."
-        )
-    if not scale > 0:
-        yield f"{where}: the typical force {hold.scale} is {scale:g} N; make it positive."
     yield from all_problems(where, [hold.gap], may_switch=False)
 
 

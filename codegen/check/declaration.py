@@ -4,7 +4,6 @@ Each finding is a sentence that names the element, shows the numbers and says wh
 them are reported together.
 """
 
-import re
 from collections.abc import Iterable, Iterator
 from itertools import chain
 
@@ -12,16 +11,44 @@ import sympy
 
 from codegen.check.contact_and_stiction_declaration import contact_problems
 from codegen.check.expressions import all_problems, constraint_problems
+from codegen.check.potential_steps import step_problems
 from codegen.check.requested_outputs import output_problems
 from codegen.declare import element as el
+from codegen.declare.answers import (
+    WORDS,
+    bodies_of,
+    check_body,
+    coordinates_of,
+    forces_of,
+    friction_law,
+    optional_answers,
+    own_coordinates,
+    potential_of,
+    problems_of,
+    statement_of,
+)
 from codegen.declare.body import Body
+from codegen.declare.cam_profile_checks import profile_problems
 from codegen.declare.name_rules_and_hints import nearest
+from codegen.declare.plain_values import one_line, plain_expression, shown
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import SPEED, Coordinate, Given, Velocity, kinds, side, t
-from codegen.derive.equations import active_joints
+from codegen.declare.symbols import (
+    SPEED,
+    Coordinate,
+    Given,
+    Parameter,
+    Velocity,
+    alpha,
+    kinds,
+    side,
+    t,
+)
+from codegen.derive.conditions_on_parameters import closed_curves, element_conditions
+from codegen.derive.equations import acting_elements, active_joints
+from codegen.errors import ModelError
 from codegen.model import Model
 
-WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
+LONGEST = 2000  # layout: characters of a sentence
 
 
 def check_model(model: Model) -> list[str]:
@@ -29,22 +56,45 @@ def check_model(model: Model) -> list[str]:
     problems = list(model.problems)
     if not model.bodies:
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
-    masses = {body.name: list(_mass_problems(model, body)) for body in model.bodies.values()}
+    masses = {name: list(_body_problems(model, body)) for name, body in model.bodies.items()}
     sound = tuple(body for name, body in model.bodies.items() if not masses[name])
     elements: list[el.Constraint | el.Effect] = [*model.joints.values(), *model.drivers.values()]
     for element in (*elements, *_all_effects(model)):
-        faults = element.problems()
-        problems += [*_words_and_bodies(model, element), *faults]
-        if isinstance(element, el.Constraint):
-            problems += [] if faults else _statement_problems(model, element)
-        elif not faults:
-            terms = _effect_expressions(element, sound)
-            problems += _unknown_symbols(model, element, terms)
-            problems += all_problems(el.label(element), terms, may_switch=True)
+        if element.name in model.noted:
+            continue
+        try:
+            problems += _element_problems(model, element, sound)
+        except ModelError as error:
+            problems += error.problems
+        except Exception as error:  # of an expression too deep, of SymPy
+            reason = f"{type(error).__name__}: {one_line(error)}"
+            problems.append(f"{el.label(element)}: its expressions cannot be read, {reason}.")
     problems += chain.from_iterable(masses.values())
     problems += filter(None, (p.problem(p.value) for p in model.parameters.values()))
     problems += _collisions(model)
-    return list(dict.fromkeys(problems))
+    return list(dict.fromkeys(one_line(p, LONGEST) for p in problems))
+
+
+def _element_problems(
+    model: Model, element: el.Constraint | el.Effect, sound: tuple[Body, ...]
+) -> Iterator[str]:
+    """Problems of one element, as it says them and as its answers show."""
+    yield from _words_and_bodies(model, element)
+    faults = problems_of(element)
+    yield from faults
+    if faults:
+        return
+    if isinstance(element, el.Constraint):
+        yield from _statement_problems(model, element)
+        return
+    for speed in kinds(potential_of(element, sound) or sympy.S.Zero, Velocity):
+        yield (
+            f"{el.label(element)}: its potential contains the velocity {speed.name}; answer a "
+            "force that depends on a velocity by forces()."
+        )
+    terms = _effect_expressions(element, sound)
+    yield from _unknown_symbols(model, element, terms)
+    yield from all_problems(el.label(element), terms, may_switch=True)
 
 
 def check_scene(model: Model, scene: Scene) -> list[str]:
@@ -82,8 +132,26 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
                 f"{where}: {name} has a start value, but its {model.kind(owner)} takes no part."
             )
     problems += [*output_problems(model, scene), *contact_problems(model, scene)]
+    problems += _broken_conditions(model, scene)
     values = (model.parameters[name].problem(value) for name, value in scene.parameters)
-    return problems + [f"{where}: {problem}" for problem in values if problem]
+    problems += [f"{where}: {problem}" for problem in values if problem]
+    return problems or list(step_problems(model, scene))
+
+
+def _broken_conditions(model: Model, scene: Scene) -> Iterator[str]:
+    """Conditions and shapes that the scene's values of parameters break."""
+    numbers = model.defaults | {Parameter(k, real=True): value for k, value in scene.parameters}
+    bodies = tuple(model.bodies[name] for name in scene.bodies)
+    for element in acting_elements(model, scene):
+        where = f"scene '{scene.name}': "
+        for one in element_conditions(element, bodies):
+            yield from one.condition.problems(where + one.element, numbers)
+        for where_it_is, curve, convex in closed_curves(element) if scene.parameters else ():
+            shape = curve.at(alpha).subs(numbers)
+            yield from (
+                f"{where}{where_it_is}: {problem}"
+                for problem in profile_problems(shape, closed=True, convex=convex)
+            )
 
 
 def _all_effects(model: Model) -> list[el.Effect]:
@@ -95,10 +163,11 @@ def _all_effects(model: Model) -> list[el.Effect]:
 
 def _words_and_bodies(model: Model, element: el.Element) -> Iterator[str]:
     """Check the text of an element's kind, and whose its bodies are."""
-    where, bodies = el.label(element), element.bodies
-    if not WORDS.fullmatch(str(element.kind)):
-        kind = f"its kind {element.kind!r} must be a few words of ASCII letters"
-        yield f"element {element.name!r}: {kind}."
+    where, bodies = el.label(element), bodies_of(element)
+    kind: object = element.kind
+    if not isinstance(kind, str) or not WORDS.fullmatch(kind):
+        reason = f"its kind {shown(kind)} must be a few words of ASCII letters"
+        yield f"element {shown(element.name)}: {reason}."
     for body in bodies:
         if body.model is not model.token:
             advice = f"use a body of '{model.name}'."
@@ -111,24 +180,11 @@ def _words_and_bodies(model: Model, element: el.Element) -> Iterator[str]:
 
 def _statement_problems(model: Model, constraint: el.Constraint) -> Iterator[str]:
     """Check the form of a statement, its texts in the generated module, and its expressions."""
-    where, statement = el.label(constraint), constraint.statement()
-    phi: object = statement.phi
-    if not isinstance(phi, tuple):
-        form = type(phi).__name__
-        yield f"{where}: its phi is of type {form}; give a tuple, of one equation (phi,)."
-        return
-    rows, reaction, count = statement.rows, statement.reaction, len(phi)
+    where, statement = el.label(constraint), statement_of(constraint)
     axes: tuple[sympy.Expr, ...] = ()
-    if len(rows) != count or not all(WORDS.fullmatch(str(row)) for row in rows):
-        yield f"{where}: its rows {rows!r} must be {count} ASCII words, one an equation."
-    if isinstance(reaction, el.ConjugateReaction):
-        parts = reaction.components
-        texts = [text for pair in parts for text in pair if text]
-        if len(parts) != count or not all(WORDS.fullmatch(str(text)) for text in texts):
-            yield f"{where}: its reactions {parts!r} must be {count} pairs of a word and a unit."
-    elif isinstance(reaction, el.JointReaction):
+    if isinstance(reaction := statement.reaction, el.JointReaction):
         arm = reaction.on.A * reaction.on.s if reaction.arm is None else reaction.arm
-        direction, arm = (tuple(map(sympy.sympify, v)) for v in (reaction.direction, arm))
+        direction, arm = (tuple(map(plain_expression, v)) for v in (reaction.direction, arm))
         size = sympy.Add(*(c**2 for c in direction))
         if len(direction) != 2 or (size.is_number and abs(float(size) - 1) > 1e-9):
             yield (
@@ -146,14 +202,14 @@ def _statement_problems(model: Model, constraint: el.Constraint) -> Iterator[str
 
 def _orientations(constraint: el.Constraint) -> Iterator[str]:
     """Joints that would turn a particle, or ask for an angle that a body has not."""
-    statement = constraint.statement()
+    statement = statement_of(constraint)
     phi = sympy.Tuple(*statement.phi)
     for frame in (el.I, el.J):
         centred = phi.xreplace(dict.fromkeys(frame.s, sympy.S.Zero))
         if not centred.has(frame.phi):
             continue
         at = statement.bindings.get(frame.x)
-        body = next((b for b in constraint.bodies if at == b.position[0]), None)
+        body = next((b for b in bodies_of(constraint) if at == b.position[0]), None)
         if body and body.angle is None and phi.xreplace(statement.bindings).has(frame.phi):
             letters = ", ".join(q.letter for q in body.coordinates)
             yield (
@@ -171,9 +227,9 @@ def _orientations(constraint: el.Constraint) -> Iterator[str]:
 def _needed(model: Model, scene: Scene, name: str) -> list[str]:
     """The bodies, and joints with coordinates, that an effect or driver acts on or looks at."""
     element: el.Constraint | el.Effect = model.drivers.get(name) or model.acting(scene)[name]
-    needed = [body.name for body in element.bodies if not body.fixed]
+    needed = [body.name for body in bodies_of(element) if not body.fixed]
     if isinstance(element, el.Effect):
-        if law := el.friction_law(element):
+        if law := friction_law(element):
             needed.append(law.joint)
         bodies = tuple(model.bodies[b] for b in scene.bodies)
         for expression in _effect_expressions(element, bodies):
@@ -182,9 +238,9 @@ def _needed(model: Model, scene: Scene, name: str) -> list[str]:
 
 
 def _effect_expressions(effect: el.Effect, bodies: tuple[Body, ...]) -> list[sympy.Basic]:
-    forces = effect.forces(bodies)
-    expressions: list[sympy.Basic | None] = [*forces, *forces.values(), effect.potential(bodies)]
-    law, hold, pulls, reported = el.optional_answers(effect, bodies)
+    forces, potential = forces_of(effect, bodies), potential_of(effect, bodies)
+    expressions: list[sympy.Basic | None] = [*forces, *forces.values(), potential]
+    law, hold, pulls, reported = optional_answers(effect, bodies)
     expressions += chain.from_iterable(pulls)
     expressions += [value for _, _, value in reported]
     expressions += vars(hold).values() if hold else ()
@@ -198,13 +254,13 @@ def _unknown_symbols(
     """Symbols that mean nothing in the model."""
     known: set[sympy.Symbol] = {*model.defaults, SPEED, side(element.name), t}
     coordinates = [
-        q for body in (*model.bodies.values(), *element.bodies) for q in body.coordinates
+        q for body in (*model.bodies.values(), *bodies_of(element)) for q in coordinates_of(body)
     ]
-    coordinates += [q for joint in model.joints.values() for q in el.own_coordinates(joint)]
+    coordinates += [q for joint in model.joints.values() for q in own_coordinates(joint)]
     known |= {symbol for q in coordinates for symbol in (q, q.rate)}
     symbols = set().union(*(e.free_symbols for e in expressions)) - known
     if isinstance(element, el.Constraint):
-        symbols -= {s for place in element.statement().bindings for s in place.free_symbols}
+        symbols -= {s for place in statement_of(element).bindings for s in place.free_symbols}
     for symbol in sorted(symbols, key=lambda s: s.name):
         yield _unknown(model, el.label(element), symbol)
 
@@ -236,6 +292,19 @@ def _unknown(model: Model, where: str, symbol: sympy.Symbol) -> str:
     )
 
 
+def _body_problems(model: Model, body: Body) -> Iterator[str]:
+    """Problems of a body: what one of a modeller's own class answers, its mass and inertia."""
+    numbers: tuple[object, ...] = (vars(body).get("mass"), vars(body).get("inertia"))
+    plain = all(number is None or isinstance(number, sympy.Expr) for number in numbers)
+    if not type(body).__module__.startswith("codegen.") or not plain:
+        try:
+            check_body(body)
+        except ModelError as error:
+            yield from error.problems
+            return
+    yield from _mass_problems(model, body)
+
+
 def _mass_problems(model: Model, body: Body) -> Iterator[str]:
     for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
         value = getattr(body, word)
@@ -259,10 +328,8 @@ def _mass_problems(model: Model, body: Body) -> Iterator[str]:
 def _collisions(model: Model) -> Iterator[str]:
     """Two things that would have one name in the generated text."""
     owners: dict[str, str] = {"t": "the time"}
-    declared = [("body", body.name, body.coordinates) for body in model.bodies.values()]
-    declared += [
-        ("joint", joint.name, el.own_coordinates(joint)) for joint in model.joints.values()
-    ]
+    declared = [("body", body.name, coordinates_of(body)) for body in model.bodies.values()]
+    declared += [("joint", joint.name, own_coordinates(joint)) for joint in model.joints.values()]
     for kind, owner, coordinates in declared:
         for symbol in (s for q in coordinates for s in (q, q.rate)):
             owners[symbol.name] = f"a coordinate or velocity of {kind} '{owner}'"

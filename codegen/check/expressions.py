@@ -7,7 +7,9 @@ import sympy
 from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
 
+from codegen.declare.answers import statement_of
 from codegen.declare.element import Constraint, label
+from codegen.declare.real_range import unreal_part
 from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
 from codegen.declare.table_function import Interpolant
 from codegen.derive.piecewise_conditions import KINKED
@@ -15,14 +17,13 @@ from codegen.lower.sympy_translation import FUNCTIONS
 
 KNOWN = ", ".join(sorted(f.__name__ for f in (*FUNCTIONS, *KINKED)))
 ARITHMETIC = (sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow)
-NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 FINITE = "; give finite real numbers."
-UNDEFINED = f"contains nan{FINITE}"
+UNDEFINED = f"nan{FINITE}"
 
 
 def constraint_problems(constraint: Constraint) -> Iterator[str]:
     """Problems of a constraint: its equations contain coordinates, parameters and time only."""
-    where, statement = label(constraint), constraint.statement()
+    where, statement = label(constraint), statement_of(constraint)
     fixed = {k: v for k, v in statement.bindings.items() if isinstance(k, Given)}
     expressions = (*statement.phi, *fixed.values())
     yield from all_problems(where, expressions, may_switch=False)
@@ -51,12 +52,13 @@ def all_problems(where: str, expressions: Iterable[sympy.Basic], may_switch: boo
 
 def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
     """Parts of an expression without smooth pieces, or unknown to the compiler."""
+    if found := unreal_part(expression):
+        start = "the value" if found[0] == expression else expression
+        yield f"{where}: {start} {found[1]}{FINITE}"
     stack: list[Any] = [expression]
     while stack:
         node = stack.pop()
-        if node in NUMBERLESS:
-            yield f"{where}: {expression} contains {node}{FINITE}"
-        elif isinstance(node, sympy.Piecewise | ExprCondPair):
+        if isinstance(node, sympy.Piecewise | ExprCondPair):
             stack += [a for a in node.args if a not in (sympy.true, sympy.false)]
             if isinstance(node, sympy.Piecewise):
                 yield from _piecewise_problems(where, node)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from codegen.declare.answers import bodies_of
 from codegen.declare.element import label
 from codegen.declare.scene import Scene
 from codegen.derive.constraint_terms import constraint_terms
@@ -37,7 +38,7 @@ def output_problems(model: Model, scene: Scene) -> Iterator[str]:
                 yield f"{where}: there is no output '{word}', as {reason}"
             continue
         if group == "path":  # the point's body takes no part, or the scene leaves out the point
-            (body,) = model.effects[name].bodies
+            (body,) = bodies_of(model.effects[name])
             gone = name if body.name in scene.bodies else body.name
             kind, advice = "point" if gone == name else model.kind(gone), f"take '{gone}' in"
         else:

@@ -11,8 +11,9 @@ from typing import Any, ClassVar
 
 import sympy
 
-from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate
-from codegen.declare.units import is_quantity, plain_length
+from codegen.declare.plain_values import members
+from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate, rate
+from codegen.declare.units import expression, plain_length
 
 
 class Pose:
@@ -149,11 +150,15 @@ class Body(Pose):
 
     def circle(self, radius: Any, center: tuple[Any, Any] = (0, 0)) -> "Curve":
         """A circle in this body, m, run through counter-clockwise."""
-        r, (x, y) = plain_length(radius), map(plain_length, center)
         try:
-            return Curve(self, x + r * sympy.cos(alpha), y + r * sympy.sin(alpha))
-        except Exception:  # no length, and reported with its joint
-            return Curve(self, *((r, y) if is_quantity(r) or r is None else (x, y)))
+            x, y = (expression(plain_length(c)) for c in members(center, 2))
+        except Exception:  # reported with its joint
+            return Curve(self, center, center)
+        r = plain_length(radius)
+        try:
+            return Curve(self, x + expression(r) * sympy.cos(alpha), y + r * sympy.sin(alpha))
+        except Exception:
+            return Curve(self, r, y)
 
     def polar(self, radius: Any) -> "Curve":
         """The curve at the distance r(α), m, from the body's centre in the direction α."""
@@ -188,7 +193,11 @@ class Ground(Body):
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A point fixed in a body, at (sx, sy) of the body's frame, in metres."""
+    """A point of a body, at (sx, sy) of the body's frame, in metres.
+
+    Where sx or sy depends on t or on coordinates, the point moves in the body by itself, and its
+    velocity has that motion.
+    """
 
     body: Body
     sx: Any
@@ -209,12 +218,23 @@ class Point:
     @property
     def vx(self) -> sympy.Expr:
         """Horizontal velocity in the global frame."""
-        return self.body.velocity[0] - self.body.angular_velocity * (self.y - self.body.position[1])
+        (c, s), (own_x, own_y) = self.body.rotation, self.own_velocity
+        turning = self.body.angular_velocity * (self.y - self.body.position[1])
+        return self.body.velocity[0] - turning + c * own_x - s * own_y
 
     @property
     def vy(self) -> sympy.Expr:
         """Vertical velocity in the global frame."""
-        return self.body.velocity[1] + self.body.angular_velocity * (self.x - self.body.position[0])
+        (c, s), (own_x, own_y) = self.body.rotation, self.own_velocity
+        turning = self.body.angular_velocity * (self.x - self.body.position[0])
+        return self.body.velocity[1] + turning + s * own_x + c * own_y
+
+    @property
+    def own_velocity(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """The velocity in the body's frame, d(sx, sy)/dt; zero for a point fixed in it."""
+        ends = (self.sx, self.sy)
+        x, y = (rate(s) if isinstance(s, sympy.Expr) else sympy.S.Zero for s in ends)
+        return x, y
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,4 +251,4 @@ class Curve:
 
     def at(self, parameter: sympy.Expr) -> sympy.Matrix:
         """The point of the curve at a parameter, in the body's frame, 2 × 1."""
-        return sympy.Matrix([sympy.sympify(c).subs(alpha, parameter) for c in (self.x, self.y)])
+        return sympy.Matrix([expression(c).subs(alpha, parameter) for c in (self.x, self.y)])

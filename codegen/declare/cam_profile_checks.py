@@ -10,11 +10,8 @@ import sympy
 from codegen.declare.body import Curve
 from codegen.declare.symbols import alpha
 from codegen.declare.table_function import TableAtom
+from codegen.parameter_conditions import ALPHAS, shape_problems
 
-SAMPLES = 720  # safety: places on a profile at which its shape is looked at, every half degree
-ALPHAS = tuple(2 * math.pi * k / SAMPLES for k in range(SAMPLES + 1))
-# accuracy: gap, corner or stop of a profile, in parts of its size, that rounding explains
-TOLERANCE = 1e-9
 UNDEFINED = (ArithmeticError, ValueError, TypeError, NameError)
 """Errors that functions of numbers raise outside their domain."""
 Samples = npt.NDArray[np.float64]
@@ -30,51 +27,22 @@ def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Itera
         names = ", ".join(sorted(repr(s.name) for s in strangers))
         yield f"unknown symbol {names}; a profile is written in alpha and parameters."
         return
-    first, second = profile.diff(alpha), profile.diff(alpha, 2)
-    if first.is_zero_matrix:
+    if profile.diff(alpha).is_zero_matrix:
         yield f"{tuple(profile)} is a point, not a curve; write it in alpha."
         return
     if not closed:
         return
     try:
-        points = _sampled((*profile, *first, *second))
+        points = _sampled(derivatives(profile))
     except UNDEFINED as error:
         yield f"the profile {tuple(profile)} cannot be evaluated from α = 0 to 2π: {error}."
         return
-    if not np.isfinite(points).all():
-        yield f"the profile {tuple(profile)} is not finite everywhere from α = 0 to 2π."
-        return
-    size = float(np.abs(points[:, :2]).max()) or 1.0
-    gaps = np.abs(points[-1] - points[0])
-    for fault, ends, gap in (
-        ("does not close", "ends", gaps[:2].max()),
-        ("has a corner where it closes", "tangents", gaps[2:4].max()),
-    ):
-        if gap > TOLERANCE * size:
-            yield (
-                f"the profile {fault}: its {ends} at α = 0 and 2π are {gap:.3g} m apart; give "
-                "functions of period 2π."
-            )
-            return
-    dx, dy, x2, y2 = points.T[2:] / size  # no product overflows, however large it is
-    speeds = np.hypot(dx, dy)
-    slowest = int(np.argmin(speeds))
-    if speeds[slowest] <= TOLERANCE:
-        yield (
-            f"the profile has a cusp: at α = {ALPHAS[slowest]:.4g} rad its tangent is "
-            f"{size * speeds[slowest]:.3g} m per rad; give a smooth profile."
-        )
-    elif convex:
-        bends = dx * y2 - dy * x2
-        bends *= 1.0 if bends.sum() > 0 else -1.0
-        least = int(np.argmin(bends))
-        if bends[least] <= TOLERANCE:
-            curvature = bends[least] / speeds[least] ** 3 / size
-            yield (
-                f"the profile is not convex: at α = {ALPHAS[least]:.4g} rad its curvature is "
-                f"{curvature:.3g} 1/m, and a flat face needs a positive one everywhere; enlarge "
-                "the base circle, or use a roller."
-            )
+    yield from shape_problems(points, convex)
+
+
+def derivatives(profile: sympy.Matrix) -> tuple[sympy.Expr, ...]:
+    """x, y and their first and second derivatives by α."""
+    return (*profile, *profile.diff(alpha), *profile.diff(alpha, 2))
 
 
 def pace(profile: sympy.Matrix) -> float:

@@ -3,12 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import chain
-from typing import Any, ClassVar, NamedTuple, Protocol, runtime_checkable
+from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
 
 import sympy
 
 from codegen.declare.body import Body, Curve, Point, Pose
+from codegen.declare.plain_values import KindError, plain_expression, plain_name, shown
 from codegen.declare.symbols import KINDS, Coordinate, given
+from codegen.declare.units import expression
 from codegen.errors import ModelError
 
 
@@ -48,7 +50,7 @@ class Frame(Pose):
             bindings |= dict(zip(ends, body.rotation, strict=True))
         else:
             bindings[self.phi] = body.angle
-        return bindings | {sx: sympy.sympify(point.sx), sy: sympy.sympify(point.sy)}
+        return bindings | {sx: expression(point.sx), sy: expression(point.sy)}
 
 
 I, J = Frame("i"), Frame("j")  # noqa: E741 (Haug's names for the two bodies of a joint)
@@ -123,10 +125,10 @@ class Statement:
         bindings = {}
         for place, value in self.bindings.items():
             try:
-                bindings[place] = sympy.sympify(value, strict=True)
-            except sympy.SympifyError:
+                bindings[place] = plain_expression(value)
+            except KindError:
                 raise ModelError(
-                    f"the placeholder '{place}' is bound to {value!r}; give a number or an "
+                    f"the placeholder '{place}' is bound to {shown(value)}; give a number or an "
                     "expression."
                 ) from None
         object.__setattr__(self, "bindings", bindings)
@@ -181,7 +183,9 @@ class Element(Protocol):
     """The common part of joints, drivers and effects.
 
     A class may derive from `Constraint` or `Effect`, and then inherits the answers that stand
-    here, or answer the same words without deriving from them.
+    here, or answer the same words without deriving from them. One that asks something of its
+    numbers, also as parameters, answers, besides, ``conditions() -> (Condition, ...)``; one with
+    closed curves ``profiles() -> ((curve, whether it must be convex), ...)``.
     """
 
     kind: ClassVar[str]
@@ -258,49 +262,10 @@ class OptionalAnswers(NamedTuple):
     reported: Reported
 
 
-def label(element: Element) -> str:
+def label(element: object) -> str:
     """``revolute 'A'``: the element in messages."""
-    return f"{element.kind} '{element.name}'"
-
-
-def sign_problems(
-    where: str,
-    *values: tuple[str, sympy.Expr | None, str],
-    positive: bool = False,
-    advice: str = "",
-) -> list[str]:
-    """Values, each with its word and unit, that are numbers of the wrong sign."""
-    needed = f"a {'positive number' if positive else 'number that is not negative'}{advice}"
-    return [
-        f"{where}: the {word} is {float(value):g}{unit and f' {unit}'}; give {needed}."
-        for word, value, unit in values
-        if value is not None and value.is_number and value.is_extended_real is not False
-        if value.is_extended_negative or (positive and not value.is_extended_positive)
-    ]
-
-
-def own_coordinates(constraint: Constraint) -> tuple[Coordinate, ...]:
-    """The coordinates that a sound joint brings itself."""
-    return () if constraint.problems() else tuple(q for _, q in constraint.statement().own)
-
-
-def optional_answers(effect: Effect, bodies: tuple[Body, ...]) -> OptionalAnswers:
-    """The answers of the methods that an effect has, and those of one without them."""
-    return OptionalAnswers(
-        friction_law(effect),
-        _optional(effect, "hold", None, bodies),
-        _optional(effect, "pulls", (), bodies),
-        _optional(effect, "reported", (), bodies),
-    )
-
-
-def friction_law(effect: Effect) -> FrictionLaw | None:
-    """The law of an effect that follows from a joint's reaction; None for others."""
-    law: FrictionLaw | None = _optional(effect, "friction", None)
-    return law
-
-
-def _optional(effect: Effect, word: str, otherwise: Any, *arguments: Any) -> Any:
-    """The answer of a method that not every effect has, or that a class sets to None."""
-    method = getattr(effect, word, None)
-    return otherwise if method is None else method(*arguments)
+    try:
+        kind, name = (getattr(element, word, "body") for word in ("kind", "name"))
+        return f"{plain_name(kind)} '{plain_name(name)}'"
+    except Exception:  # a property of a modeller's own
+        return f"element of class {type(element).__name__}"

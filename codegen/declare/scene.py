@@ -4,6 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
+from codegen.declare.plain_values import NotText, plain_name, shown
+from codegen.errors import SceneError
+
 Analysis = Literal["dynamics", "kinematics", "equilibrium"]
 ANALYSES = ("dynamics", "kinematics", "equilibrium")
 Pairs = tuple[tuple[str, float], ...]
@@ -51,6 +54,12 @@ class Request(Choices):
         for key in ("fidelity", "start", "guess", "parameters"):
             changes[key] = tuple(dict(both(key)).items())
         return replace(self, **changes)
+
+
+def name_of(element: Any) -> str:
+    """The name of an element that is given by its name or as an object; else `NotText`."""
+    name = element if isinstance(element, str) else getattr(element, "name", None)
+    return plain_name(name) if isinstance(name, str) else NotText(shown(element))
 
 
 class Owner(Protocol):
@@ -127,12 +136,12 @@ class Scene(Choices):
         """
         words = fidelity
         if fidelity is not None and not isinstance(fidelity, Mapping):
-            words = {str(getattr(e, "name", e)): fidelity for e in elements}
+            words = {name_of(e): fidelity for e in elements}
         return self._owner().varied(self, out=(), taken=elements, fidelity=words, **changes)
 
     def _owner(self) -> Owner:
         if self.owner is None:
-            raise TypeError(f"scene '{self.name}' belongs to no model, so it cannot be varied.")
+            raise SceneError(f"scene '{self.name}' belongs to no model, so it cannot be varied.")
         return self.owner
 
     def __str__(self) -> str:

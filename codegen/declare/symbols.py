@@ -171,3 +171,9 @@ def kinds(expression: sympy.Basic, *classes: type[Any]) -> list[Any]:
     """Symbols of the given classes in an expression, in the order of their names."""
     symbols = [s for s in expression.free_symbols if isinstance(s, classes)]
     return sorted(symbols, key=lambda s: s.name)
+
+
+def rate(s: sympy.Expr) -> sympy.Expr:
+    """ds/dt = s_q q̇ + s_t."""
+    slopes = (sympy.diff(s, q) * q.rate for q in kinds(s, Coordinate))
+    return sympy.Add(*slopes, sympy.diff(s, t))

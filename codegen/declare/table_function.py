@@ -8,7 +8,9 @@ from typing import Any
 import sympy
 
 from codegen.cubic_spline import Table
+from codegen.declare.plain_values import KindError, plain_expression, shown
 from codegen.declare.units import is_quantity
+from codegen.errors import ModelError
 
 DEGREE = 3
 FEWEST = 4
@@ -84,7 +86,13 @@ class TableFunction:
         """The table at `at`: t, coordinates, `alpha` or parameters, in SI units, or a quantity."""
         if is_quantity(at):
             at = at.to_base_units().magnitude
-        return Interpolant(TableAtom(self.table), sympy.S.Zero, sympy.sympify(at))
+        try:
+            place = plain_expression(at)
+        except KindError:
+            raise ModelError(
+                f"{self!r} is called with {shown(at)}; give a number or an expression."
+            ) from None
+        return Interpolant(TableAtom(self.table), sympy.S.Zero, place)
 
     def __repr__(self) -> str:
         return f"table '{self.table.name}' of {len(self.table.knots)} points"

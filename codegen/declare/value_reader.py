@@ -1,34 +1,96 @@
-"""Values and names in a declaration → SymPy expressions in SI units, and names that are known.
+"""The boundary of a declaration: whatever a modeller gives is read here, by its kind.
 
-Problems are collected, one sentence each; unknown names get a hint.
+Scalar, pair, vector, number, condition, word, flag, mapping, names: each kind has one method of
+`Reader`. It answers plain numbers, SymPy expressions in SI units and text, and never fails: what is
+of another kind is noted, one sentence each, and a value of the kind stands in for it.
 """
 
-import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from math import isfinite
 from typing import Any
 
+import numpy as np
 import sympy
+from sympy.concrete.expr_with_limits import ExprWithLimits
 from sympy.core.relational import Relational
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.symbols import Coordinate, ParameterDeclaration
-from codegen.declare.units import expression, in_unit
+from codegen.declare.plain_values import (
+    bounded,
+    members,
+    one_line,
+    plain_expression,
+    plain_float,
+    shown,
+)
+from codegen.declare.real_range import unreal_part
+from codegen.declare.scene import name_of
+from codegen.declare.symbols import (
+    Acceleration,
+    Coordinate,
+    Given,
+    Multiplier,
+    ParameterDeclaration,
+    Side,
+    Speed,
+    alpha,
+)
+from codegen.declare.table_function import Interpolant
+from codegen.declare.units import in_unit
 
 Names = Iterable["str | Body | Constraint | Effect"]
 Values = Mapping["str | sympy.Symbol", Any]
 NamedValues = tuple[tuple[str, float], ...]
 
-
-def name_of(element: Any) -> str:
-    """The name of an element that is given by its name or as an object."""
-    return str(getattr(element, "name", element))
+INTERNAL = (Given, Side, Speed, Multiplier, Acceleration)
+"""Symbols of the equations of elements, which mean nothing in a declaration."""
+FUNCTIONS = (
+    *(Interpolant, sympy.Piecewise, sympy.Abs, sympy.Heaviside, sympy.Max, sympy.Min, sympy.sign),
+    *(sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan, sympy.atan2),
+    *(sympy.sinh, sympy.cosh, sympy.tanh, sympy.exp, sympy.log),
+)
+"""The functions that can be compiled."""
+UNFINISHED = (sympy.Limit, sympy.Derivative, sympy.Subs, ExprWithLimits)
+"""What stands for an expression that is still to be found."""
+CONDITIONS = (Relational, sympy.And, sympy.Or, sympy.Not)
 
 
 def dotted(symbol: sympy.Symbol) -> str:
     """``crank_phi`` → ``crank.phi``."""
     return ".".join(symbol.name.rsplit("_", 1))
+
+
+def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | None:
+    """Why an expression can stand nowhere in a declaration; a `profile` may contain `alpha`."""
+    if expression.is_Symbol and not isinstance(expression, INTERNAL):
+        return None
+    for symbol in sorted(expression.free_symbols, key=str):
+        if symbol == alpha and not profile:
+            return (
+                f"{one_line(expression)} contains alpha, the parameter of a profile, which means "
+                "nothing outside of body.curve(...) and body.polar(...); a cam's contact is at "
+                "joint.alpha."
+            )
+        if isinstance(symbol, INTERNAL) and symbol != alpha:
+            return (
+                f"{one_line(expression)} contains '{one_line(symbol)}', a placeholder of an "
+                "element's equations; use coordinates, velocities, parameters and t."
+            )
+    if unfinished := expression.atoms(*UNFINISHED):
+        part = min(unfinished, key=str)
+        return f"{one_line(expression)} contains {one_line(part)}; write it out, as by doit()."
+    for node in sorted(expression.atoms(sympy.Function), key=str):
+        if node.func not in FUNCTIONS and not node.is_number:
+            known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
+            what = one_line(node)
+            return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
+    if found := unreal_part(expression):
+        part, why = found
+        start = "the value" if part == expression else one_line(expression)
+        return f"{start} {one_line(why)}; give finite real numbers."
+    return None
 
 
 class Reader:
@@ -38,30 +100,42 @@ class Reader:
         self.problems: list[str] = []  # the sentences, in order
 
     def note(self, problem: str) -> None:
-        """Add a problem."""
-        self.problems.append(problem)
+        """Add a problem, on one line."""
+        self.problems.append(one_line(problem, 2000))
 
-    def value(self, value: Any, unit: str, where: str) -> Any:
+    def value(self, value: Any, unit: str, where: str, profile: bool = False) -> Any:
         """A number, quantity or expression in `unit`; 1 stands in for one that is noted."""
         if value is None:
             self.note(f"{where} is missing; give it{f' in {unit}' if unit else ''}.")
             return sympy.S.One
         try:
-            return expression(in_unit(value, unit, where, self.problems))
-        except (TypeError, sympy.SympifyError):
-            self.note(f"{where}: {value!r} is neither a number nor an expression.")
-            return sympy.S.One
+            read = plain_expression(in_unit(value, unit, where, self.problems))
+            problem = expression_problem(read, profile)
+        except Exception as error:
+            why = f" ({one_line(error)})" if str(error) else ""
+            problem = f"{shown(value)} is neither a number nor an expression{why}."
+        if problem is None:
+            return read
+        self.note(f"{where}: {problem}")
+        return sympy.S.One
+
+    def vector(
+        self, value: Any, units: tuple[str, ...], where: str, like: str, stand_in: Any = None
+    ) -> tuple[Any, ...]:
+        """As many values as `units`; anything else is noted, and read as the stand-in or zeros."""
+        try:
+            given = members(value, len(units))
+        except Exception:
+            self.note(f"{where}: {shown(value)} {like}.")
+            given = list(stand_in or (0,) * len(units))
+        return tuple(self.value(v, unit, where) for v, unit in zip(given, units, strict=True))
 
     def pair(
         self, value: Any, unit: str, where: str, like: str = "two values, (1, 0)"
     ) -> tuple[Any, Any]:
         """Two values; anything else is noted as a problem and read as (1, 0)."""
-        try:
-            first, second = value
-        except (TypeError, ValueError):
-            self.note(f"{where}: {value!r} is no pair; write {like}.")
-            first, second = 1, 0
-        return self.value(first, unit, where), self.value(second, unit, where)
+        x, y = self.vector(value, (unit, unit), where, f"is no pair; write {like}", (1, 0))
+        return x, y
 
     def axis(self, value: Any, name: str) -> tuple[sympy.Expr, sympy.Expr]:
         """The components of an axis, m; anything but a pair is noted and read as (1, 0)."""
@@ -72,62 +146,131 @@ class Reader:
         force = self.value(value, unit, where)
         if when is None:
             return force
-        if not isinstance(when, Relational | sympy.And | sympy.Or | sympy.Not):
-            reason = "never changes" if str(when) in ("True", "False") else "is no condition"
+        if not isinstance(when, CONDITIONS):
+            constant = when is True or when is False or when in (sympy.true, sympy.false)
+            reason = "never changes" if constant else "is no condition"
             self.note(
-                f"{where}: when={when!r} {reason}; compare coordinates, velocities, parameters or "
-                "t by <, <=, > or >=, joined by And, Or and Not, or leave it out."
+                f"{where}: when={shown(when)} {reason}; compare coordinates, velocities, "
+                "parameters or t by <, <=, > or >=, joined by And, Or and Not, or leave it out."
             )
             return force
+        if problem := self._condition_problem(when):
+            self.note(f"{where}: when={shown(when)}: {problem}")
+            return force
         return sympy.S.Zero if force == 0 else sympy.Piecewise((force, when), (0, True))
+
+    def _condition_problem(self, when: Any) -> str | None:
+        """Why a condition can hold nowhere, or means nothing."""
+        if isinstance(when, Relational):
+            return next(filter(None, map(expression_problem, when.args)), None)
+        if isinstance(when, CONDITIONS):
+            return next(filter(None, map(self._condition_problem, when.args)), None)
+        return f"{shown(when)} is no comparison; compare it with something."
 
     def number(self, value: Any, unit: str, where: str) -> float:
         """A plain number in `unit`."""
         try:
-            return float(in_unit(value, unit, where, self.problems))
-        except (TypeError, ValueError, OverflowError):
-            self.note(f"{where}: {value!r} is not a number.")
+            return plain_float(in_unit(value, unit, where, self.problems))
+        except Exception as error:
+            why = f" ({one_line(error)})" if str(error) else ""
+            self.note(f"{where}: {shown(value)} is not a number{why}.")
             return 1.0
 
     def finite(self, value: Any, unit: str, where: str) -> float:
         """A plain number that is neither infinite nor undefined."""
         number = self.number(value, unit, where)
-        if math.isfinite(number):
+        if isfinite(number):
             return number
         self.note(f"{where}: the value is {number}; give a finite number.")
         return 0.0
 
+    def numbers(self, value: Any, unit: str, where: str, word: str, fewest: int) -> list[float]:
+        """A list of plain finite numbers, whose entries are counted from 0."""
+        try:
+            given = members(value)
+        except Exception as error:
+            why = f" ({one_line(error)})" if str(error) else ""
+            self.note(f"{where}: {word} is {shown(value)}{why}; give at least {fewest} numbers.")
+            return []
+        return [self.finite(v, unit, f"{where}, {word}[{k}]") for k, v in enumerate(given)]
+
     def choice(self, value: Any, allowed: tuple[str, ...], where: str) -> Any:
         """One of a few words."""
-        if value in allowed:
-            return value
-        self.note(f"{where}: {value!r} is none of {', '.join(map(repr, allowed))}.")
+        if isinstance(value, str) and value in allowed:
+            return str.__str__(value)
+        self.note(f"{where}: {shown(value)} is none of {', '.join(map(repr, allowed))}.")
         return allowed[0]
+
+    def flag(self, value: Any, where: str, otherwise: bool = False) -> bool:
+        """True or False, and nothing that Python takes for either."""
+        if isinstance(value, bool | np.bool_):
+            return bool(value)
+        self.note(f"{where}={shown(value)}: write True or False.")
+        return otherwise
+
+    def answer(
+        self, function: Callable[..., Any], arguments: tuple[Any, ...], unit: str, where: str
+    ) -> Any:
+        """What a modeller's function answers to expressions, a value in `unit`; 0 if it fails."""
+        try:
+            answer = function(*arguments)
+        except Exception as error:
+            self.note(
+                f"{where}: the function fails with {type(error).__name__}: {one_line(error)}; it "
+                f"is called with {len(arguments)} expressions, and answers one."
+            )
+            return sympy.S.Zero
+        if answer is None:
+            self.note(f"{where}: the function answers None; return the value.")
+            return sympy.S.Zero
+        return self.value(answer, unit, where)
 
     def mapping(self, value: Any, word: str, like: str, where: str) -> Mapping[Any, Any]:
         """The mapping that the keyword `word` takes; None, and anything else, is read as empty."""
-        if value is None or isinstance(value, Mapping):
-            return value or {}
-        self.note(f"{where}: {word}={value!r} is no mapping; write {like}.")
+        if value is None:
+            return {}
+        if isinstance(value, Mapping):
+            return dict(value)
+        self.note(f"{where}: {word}={shown(value)} is no mapping; write {like}.")
         return {}
+
+    def names(
+        self, value: Any, word: str, where: str, known: Mapping[str, Any] | None = None
+    ) -> list[str]:
+        """Names of elements, given one or several, by name or as objects of the `known` ones."""
+        if isinstance(value, str) or isinstance(getattr(value, "name", None), str):
+            given = [value]
+        else:
+            try:
+                given = bounded(value)
+            except Exception:
+                self.note(f"{where}: {word} {shown(value)} is no list; write ['a', 'b'].")
+                return []
+        chosen = [name_of(e) for e in given]
+        for name, e in zip(chosen, given, strict=True):
+            if not isinstance(e, str) and known and known.get(name, e) is not e:
+                self.note(f"{where}: {word} '{name}' is given as an object of another model.")
+        return chosen
 
     def elements(
         self, names: Names, known: Mapping[str, Any], kind: str, where: str
     ) -> tuple[str, ...]:
         """The known elements among `names`, in the order of their declaration."""
-        chosen = [name_of(e) for e in ((names,) if isinstance(names, str) else names)]
+        chosen = self.names(names, kind, where, known)
         for name in (n for n in chosen if n not in known):
             self.note(f"{where}: no {kind} '{name}'; {nearest(name, known)}")
         return tuple(name for name in known if name in chosen)
 
-    def states(self, values: Values, coordinates: Iterable[Coordinate], where: str) -> NamedValues:
+    def states(
+        self, values: Any, coordinates: Iterable[Coordinate], word: str, where: str
+    ) -> NamedValues:
         """Values of coordinates and velocities (``"crank.phi"``, or the symbol) in SI units."""
         units: dict[str, str] = {}
         for q in coordinates:
             units |= {dotted(q): q.unit, dotted(q.rate): q.measure.rate_unit}
         numbers = {}
-        for key, value in values.items():
-            name = key if isinstance(key, str) else dotted(key)
+        for key, value in self.mapping(values, word, "{'crank.phi': 1.0}", where).items():
+            name = dotted(key) if isinstance(key, sympy.Symbol) else name_of(key)
             if name in units:
                 numbers[name] = self.finite(value, units[name], f"{where}, {name}")
             else:
@@ -136,11 +279,12 @@ class Reader:
         return tuple(numbers.items())
 
     def overrides(
-        self, values: Values, parameters: Mapping[str, ParameterDeclaration], where: str
+        self, values: Any, parameters: Mapping[str, ParameterDeclaration], where: str
     ) -> NamedValues:
         """Values of parameters in their declared units."""
         numbers = {}
-        for name, value in ((name_of(key), value) for key, value in values.items()):
+        given = self.mapping(values, "parameters", "{'mass': 2.0}", where)
+        for name, value in ((name_of(key), value) for key, value in given.items()):
             if name in parameters:
                 unit = parameters[name].unit
                 numbers[name] = self.number(value, unit, f"{where}, parameter '{name}'")

@@ -9,6 +9,7 @@ from functools import cache, cached_property
 
 import sympy
 
+from codegen.declare.answers import statement_of
 from codegen.declare.element import ConjugateReaction, Constraint, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, Multiplier, kinds, t
 from codegen.derive.fast_derivative import derivative
@@ -49,7 +50,7 @@ class ConstraintTerms:
 
 def constraint_terms(element: Constraint) -> tuple[Statement, ConstraintTerms]:
     """The element's statement, and everything that follows from it."""
-    statement = element.statement()
+    statement = statement_of(element)
     return statement, statement_terms(statement)
 
 

@@ -7,12 +7,12 @@ import sympy
 from sympy.core.relational import Relational
 
 from codegen.declare import element as el
+from codegen.declare.answers import forces_of, optional_answers, potential_of
 from codegen.declare.body import Body
-from codegen.declare.symbols import SPEED, Coordinate, kinds, side, t
+from codegen.declare.symbols import SPEED, Coordinate, Time, kinds, rate, side, t
 from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import as_pieces
 from codegen.derive.power_continuation import continue_powers
-from codegen.elements.forces.scalar_measures import rate
 
 
 @dataclass(frozen=True)
@@ -65,13 +65,17 @@ class EffectTerms:
 
 def effect_terms(effect: el.Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     """Potential and forces of `effect` in a scene with `bodies`."""
-    potential = effect.potential(bodies)
+    potential = potential_of(effect, bodies)
+    elastic: el.Pulls = ()
     if potential is not None:
         potential = _pieces(potential)
-    forces = sorted(effect.forces(bodies).items(), key=lambda pair: pair[0].name)
+        if kinds(potential, Time):
+            # What moves by itself, such as the far end of a spring, does work: no energy is stored.
+            potential, elastic = None, ((potential, sympy.S.One),)
+    forces = sorted(forces_of(effect, bodies).items(), key=lambda pair: pair[0].name)
     loads = tuple((q, f) for q, f in ((q, _pieces(force)) for q, force in forces) if f != 0)
-    law, hold, along_scalars, reported = el.optional_answers(effect, bodies)
-    pulls = tuple((s, _pull(s, f)) for s, f in along_scalars if f != 0)
+    law, hold, along_scalars, reported = optional_answers(effect, bodies)
+    pulls = tuple((s, _pull(s, f)) for s, f in along_scalars if f != 0) + elastic
     components = tuple((part, unit, _pieces(value)) for part, unit, value in reported)
     friction = None if law is None else _friction(effect.name, law, hold)
     weights = effect.weights(bodies) if hasattr(effect, "weights") else ()

@@ -1,15 +1,24 @@
 """A model and one of its scenes → all equations, element by element, as immutable values."""
 
-from dataclasses import dataclass, is_dataclass, replace
+from dataclasses import dataclass, replace
 
 import sympy
 
+from codegen.declare.answers import bodies_of
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Element, Statement
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration
 from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
+from codegen.derive.conditions_on_parameters import (
+    ElementCondition,
+    Profile,
+    carried,
+    element_conditions,
+    expressions_in,
+    profiles_of,
+)
 from codegen.derive.effect_terms import EffectTerms, effect_terms
 from codegen.derive.inertia import inertia
 from codegen.model import Model
@@ -62,6 +71,8 @@ class Equations:
     sides: tuple[sf.SideValue, ...] = ()  # values, by mode, of the symbols of frictions, contacts
     stiction: tuple[tuple[str, int], ...] = ()  # (effect, switch): a run determines the force
     contacts: tuple[sf.RigidContact, ...] = ()
+    conditions: tuple[ElementCondition, ...] = ()  # on parameters, in terms of `parameters` alone
+    profiles: tuple[Profile, ...] = ()
 
     def with_effects(self, effects: tuple[EffectEquations, ...]) -> "Equations":
         """These equations with other effects and their switching functions."""
@@ -93,9 +104,16 @@ def active_joints(model: Model, scene: Scene) -> dict[str, Constraint]:
         stands_for = getattr(joint, "instead_of", None)
         replaced = stands_for is None or stands_for.name not in present
         closed = name not in scene.inactive_joints
-        if closed and replaced and all(body.name in present for body in joint.bodies):
+        if closed and replaced and all(body.name in present for body in bodies_of(joint)):
             chosen[name] = joint
     return chosen
+
+
+def acting_elements(model: Model, scene: Scene) -> list[Element]:
+    """The joints, drivers and, but in kinematics, effects that act in a scene."""
+    elements: list[Element] = [*active_joints(model, scene).values()]
+    elements += [model.drivers[name] for name in scene.drivers]
+    return elements + ([] if scene.analysis == "kinematics" else [*model.acting(scene).values()])
 
 
 def body_equations(body: Body) -> ConstraintEquations:
@@ -148,6 +166,12 @@ def derive(model: Model, scene: Scene) -> Equations:
         left_out=tuple((e.name, e.kind) for e in everything if e.name not in taking_part),
         unused=tuple(name for name in model.parameters if name not in used),
     )
+    if parameters and not scene.frozen:
+        acting = acting_elements(model, scene)
+        conditions = [c for element in acting for c in element_conditions(element, bodies)]
+        profiles = tuple(profile for element in acting for profile in profiles_of(element))
+        conditions_carried = carried(conditions, parameters, model.defaults)
+        equations = replace(equations, conditions=conditions_carried, profiles=profiles)
     return equations.with_effects(effects)
 
 
@@ -157,16 +181,8 @@ def _symbols(
     effects: tuple[EffectEquations, ...],
 ) -> frozenset[str]:
     """Names of the parameters of the elements that take part."""
-    symbols: set[sympy.Basic] = set()
-    stack: list[object] = [inertial, effects]
+    parts: list[object] = [inertial, effects]
     for constraint in constraints:
-        stack += [constraint.terms, list(constraint.statement.bindings.values())]
-    while stack:
-        part = stack.pop()
-        if isinstance(part, sympy.Basic):
-            symbols |= part.free_symbols
-        elif isinstance(part, tuple | list):
-            stack += part
-        elif is_dataclass(part):
-            stack += vars(part).values()
+        parts += [constraint.terms, list(constraint.statement.bindings.values())]
+    symbols = {symbol for e in expressions_in(parts) for symbol in e.free_symbols}
     return frozenset(s.name for s in symbols if isinstance(s, Parameter))

@@ -4,7 +4,16 @@ import builtins
 from collections.abc import Iterator
 
 from codegen.emit.argument_docstrings import Arguments
-from codegen.emit.line_wrapping import PAGE, comments, quantity, wrap_pieces, wrap_statement
+from codegen.emit.line_wrapping import (
+    PAGE,
+    comments,
+    identifier,
+    literal,
+    prose,
+    quantity,
+    wrap_pieces,
+    wrap_statement,
+)
 from codegen.emit.placement import Path, Placement
 from codegen.emit.readable_formula import formula
 from codegen.emit.sincos_function import NAME as SIN_COS
@@ -54,9 +63,9 @@ class KernelText:
         return [
             f'@numba.njit("{signature(kernel)}", **OPTIONS)',
             f"def {kernel.name}({', '.join(kernel.arguments)}):",
-            f'    """{kernel.summary}',
+            f'    """{prose(kernel.summary)}',
             "",
-            *(f"    {line}" for line in self.arguments.lines(self.program, kernel)),
+            *(f"    {prose(line)}" for line in self.arguments.lines(self.program, kernel)),
             f"    {quantity(operations(self.program, kernel), 'operation')}.",
             '    """',
             *self._loads(),
@@ -74,7 +83,7 @@ class KernelText:
             if number in self.constants:
                 name, source = f"p_{self.constants[number]}", f"p[{self.constants[number]}]"
                 meaning = formula(self.program, number)
-                note = f"  # {meaning}" if len(meaning) <= NOTE_WIDTH else ""
+                note = f"  # {prose(meaning)}" if len(meaning) <= NOTE_WIDTH else ""
             elif isinstance(literal, Input):
                 name, source = literal.name, f"{literal.array}[{literal.slot}]"
             elif self.values[number].op is Op.MODE:
@@ -126,7 +135,7 @@ class KernelText:
                 serves = None
             elif depth == 1 and value.serves != serves:
                 serves = value.serves
-                yield f"{indent}# {BESIDE_ELEMENTS.get(serves, serves)}"
+                yield f"{indent}# {prose(BESIDE_ELEMENTS.get(serves, serves))}"
             yield from self._line(number, depth)
 
     def _titles(self, step: int) -> Iterator[str]:
@@ -135,7 +144,9 @@ class KernelText:
         titles = enumerate(self.kernel.steps[: step + 1])
         new = ((k, title) for k, title in titles if k > self._step)
         always = ("Eliminate", "Solve")
-        yield from comments([title for k, title in new if k in busy or title.startswith(always)])
+        yield from comments(
+            [prose(title) for k, title in new if k in busy or title.startswith(always)]
+        )
         self._step = max(step, self._step)
 
     def _pair(self, number: int, indent: str) -> Iterator[str]:
@@ -190,7 +201,7 @@ class KernelText:
             yield "    # Outputs"
         for out in outputs:
             head = f"    {out.array}[{out.slot}] = " if out.array != "return" else "    return "
-            note = f"  # {out.note}" if out.note else ""
+            note = f"  # {prose(out.note)}" if out.note else ""
             yield from wrap_statement(head, self._text(out.value, NOTHING), note)
 
     def _watch(self) -> Iterator[str]:
@@ -199,7 +210,7 @@ class KernelText:
         for check in self.kernel.checks:
             pivot = self._text(check.pivot, SUM)
             reference = self._text(check.reference, SIGN)
-            limit = "WEAK_PIVOT" if check.part == 1.0 else f"{check.part!r} * WEAK_PIVOT"
+            limit = "WEAK_PIVOT" if check.part == 1.0 else f"{literal(check.part)} * WEAK_PIVOT"
             yield f"    if not {pivot} > {limit} * {reference}:"
             yield f"        return {1 + check.constraint}"
         yield "    return 0"
@@ -216,7 +227,7 @@ class KernelText:
     def _expression(self, number: int, outer: int = NOTHING) -> str:
         value = self.values[number]
         if value.op is Op.CONST:
-            text = repr(value.literal)
+            text = literal(value.literal)
             level = SUM if text.startswith("-") else SIGN
         elif value.op in UNARY:
             word, level, inner = UNARY[value.op]
@@ -260,7 +271,7 @@ class KernelText:
         while name in self._taken:
             name += "_"
         self._taken.add(name)
-        return name
+        return identifier(name)
 
 
 def signature(kernel: Kernel) -> str:

@@ -1,9 +1,13 @@
 """How the lines of a generated module fit the page: statements, comments, Python literals."""
 
-import json
+import math
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
+from codegen.errors import GeneratedFileError
+
+IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 PAGE = 100  # characters in a line
 
 
@@ -80,13 +84,50 @@ def assignment(name: str, value: Any) -> list[str]:
 
 
 def literal(value: Any) -> str:
-    """A number, text, or tuple of them."""
+    """A number, text, or tuple of them, as it stands in the text; nothing else can be written."""
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
-    if isinstance(value, Sequence):
+        return f'"{_escaped(value)}"'
+    if isinstance(value, bool) or value is None:
+        return str(value)
+    if isinstance(value, int):
+        return int.__repr__(value)
+    if isinstance(value, float) and math.isfinite(value):
+        return float.__repr__(value)
+    if isinstance(value, tuple | list):
         inside = ", ".join(literal(item) for item in value)
         return f"({inside},)" if len(value) == 1 else f"({inside})"
-    return repr(value)
+    raise GeneratedFileError(
+        f"a value of type {type(value).__name__} stands where a generated module holds numbers, "
+        "names and text; nothing else is written."
+    )
+
+
+def _escaped(text: str) -> str:
+    """The characters of a text between quotes, those that do not print by their numbers."""
+    marks = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t", "\r": "\\r"}
+    return "".join(marks.get(c) or (c if c.isprintable() else ascii(c)[1:-1]) for c in text)
+
+
+def identifier(name: str) -> str:
+    """A name in the text."""
+    if not IDENTIFIER.fullmatch(name):
+        raise GeneratedFileError(f"{literal(name)} cannot be a name in a generated module.")
+    return name
+
+
+def prose(text: str) -> str:
+    """Text of a comment or a docstring: one line, that ends neither of them."""
+    plain = text.replace("\\", "/").replace('"""', "'" * 3)
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in plain)
+
+
+def checked(lines: Sequence[str]) -> str:
+    """The text of lines, each of which is one."""
+    if broken := [line for line in lines if not line.isprintable()]:
+        raise GeneratedFileError(
+            f"{literal(broken[0])} cannot be a line of a generated module; use plain names."
+        )
+    return "\n".join(lines) + "\n"
 
 
 def _row(item: Any) -> list[str]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from codegen.emit.line_wrapping import literal, prose
 from codegen.lower.program import Folded, Input, Lookup, Op, Program
 
 SIGNS = {Op.ADD: "+", Op.SUB: "-", Op.MUL: "*", Op.DIV: "/"}
@@ -54,7 +55,8 @@ def folded_numbers(program: Program) -> Iterator[str]:
     if folded:
         yield "# Folded numbers"
     for number, origin in sorted(folded.items()):
-        yield f"#     {number!r} = {_origin(origin)}{f' ({origin.note})' if origin.note else ''}"
+        note = f" ({prose(origin.note)})" if origin.note else ""
+        yield f"#     {literal(number)} = {_origin(origin)}{note}"
 
 
 def _origin(origin: Folded) -> str:
@@ -62,7 +64,7 @@ def _origin(origin: Folded) -> str:
     if origin.sign in ("+", "-"):
         x, y = origin.numbers[0], float(f"{origin.sign}1") * origin.numbers[1]
         first, second = (x, y) if abs(x) >= abs(y) else (y, x)
-        return f"{abs(first)!r} {'+' if first * second > 0 else '-'} {abs(second)!r}"
+        return f"{literal(abs(first))} {'+' if first * second > 0 else '-'} {literal(abs(second))}"
     if origin.sign in ("*", "/"):
-        return f" {origin.sign} ".join(repr(abs(number)) for number in origin.numbers)
-    return f"{origin.sign}({', '.join(map(repr, origin.numbers))})"
+        return f" {origin.sign} ".join(literal(abs(number)) for number in origin.numbers)
+    return f"{origin.sign}({', '.join(map(literal, origin.numbers))})"

@@ -6,7 +6,7 @@ loop over the 2 n entries of the state.
 
 from collections.abc import Iterator, Sequence
 
-from codegen.emit.line_wrapping import items, wrap_pieces
+from codegen.emit.line_wrapping import items, literal, wrap_pieces
 from codegen.tableaus.tableau import Stage, Tableau, Weights
 
 COMMAND = "python -m codegen methods"
@@ -60,8 +60,8 @@ def _step_control(tableau: Tableau) -> Iterator[str]:
     if tableau.stability_edge is None:
         yield "from runtime.integrate.step_control import propose"
         return
-    powers = ", ".join(repr(float(x)) for x in reversed(tableau.stability_function))
-    yield from ("", f"EDGE = {tableau.stability_edge!r}  # accuracy: as the tableau says")
+    powers = ", ".join(literal(float(x)) for x in reversed(tableau.stability_function))
+    yield from ("", f"EDGE = {literal(tableau.stability_edge)}  # accuracy: as the tableau says")
     yield from wrap_pieces("POWERS = np.array([", items(powers), "])")
 
 
@@ -80,7 +80,7 @@ def _stage(number: int, stage: Stage) -> Iterator[str]:
     """State and derivative of a stage."""
     yield LOOP
     yield from wrap_pieces("        z[j] = y0[j] + h * (", _terms(stage.a), ")")
-    instant = "t + h" if stage.c == 1 else f"t + {float(stage.c)!r} * h"
+    instant = "t + h" if stage.c == 1 else f"t + {literal(float(stage.c))} * h"
     yield f"    taken += evaluate_rhs(context, {instant}, ws.STAGE, {_row(number)})"
 
 
@@ -134,7 +134,7 @@ def _propose(tableau: Tableau) -> Iterator[str]:
 
 
 def _record(tableau: Tableau) -> Iterator[str]:
-    nodes = ", ".join(repr(float(stage.c)) for stage in tableau.all_stages)
+    nodes = ", ".join(literal(float(stage.c)) for stage in tableau.all_stages)
     yield from ("", "", "METHOD = Method(")
     yield f"    estimate_order={tableau.error_order + 1},"
     yield f"    stage_calls={len(tableau.stages)},"
@@ -143,7 +143,7 @@ def _record(tableau: Tableau) -> Iterator[str]:
     yield f"    dense_calls={len(tableau.further)},"
     yield from wrap_pieces("    nodes=(", items(nodes), "),")
     for name in ("beta", "safety", "shrink", "grow"):
-        yield f"    {name}={getattr(tableau, name)!r},"
+        yield f"    {name}={literal(getattr(tableau, name))},"
     for name in FUNCTIONS:
         yield f"    {name}={name},"
     yield "    accepted=stability_limit.idle,"
@@ -185,7 +185,7 @@ def _used(*rows: Weights) -> list[int]:
 def _terms(row: Weights, first: bool = True) -> list[str]:
     """The products of a linear combination of stages, each with its sign in front."""
     weights = [(number, float(x)) for number, x in enumerate(row, 1) if x]
-    terms = [f"{'-' if x < 0 else '+'} {abs(x)!r} * k{number}[j]" for number, x in weights]
+    terms = [f"{'-' if x < 0 else '+'} {literal(abs(x))} * k{number}[j]" for number, x in weights]
     if first and terms:
         terms[0] = terms[0].removeprefix("+ ").replace("- ", "-", 1)
     return terms

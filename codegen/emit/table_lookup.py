@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from codegen.cubic_spline import MARGIN, Table
-from codegen.emit.line_wrapping import assignment
+from codegen.emit.line_wrapping import assignment, literal, prose
 from codegen.lower.program import Lookup, Program
 
 POLYNOMIALS = (
@@ -42,7 +42,7 @@ def spline_lines(program: Program) -> Iterator[str]:
 def _table(table: Table, name: str) -> Iterator[str]:
     upper = name.upper()
     first, length = table.knots[0], table.knots[-1] - table.knots[0]
-    yield from ("", "", f"# {table.name}")
+    yield from ("", "", f"# {prose(table.name)}")
     yield from assignment(f"{upper}_KNOTS", table.knots)
     yield from assignment(f"{upper}_ROWS", table.rows)
     yield f"{upper}_X, {upper}_C = np.array({upper}_KNOTS), np.array({upper}_ROWS)"
@@ -51,10 +51,11 @@ def _table(table: Table, name: str) -> Iterator[str]:
     kind = "periodic" if table.periodic else "nan beyond its ends"
     yield f'    """Interval of the table and the distance from its left knot; {kind}."""'
     if table.periodic:
-        yield f"    x -= {length!r} * math.floor((x - {first!r}) / {length!r})"
+        begin, size = literal(first), literal(length)
+        yield f"    x -= {size} * math.floor((x - {begin}) / {size})"
     else:
         low, high = first - MARGIN * length, first + (1 + MARGIN) * length
-        yield f"    if not {low!r} <= x <= {high!r}:"
+        yield f"    if not {literal(low)} <= x <= {literal(high)}:"
         yield "        return 0, math.nan"
     yield f"    low, high = 0, {len(table.rows)}"
     yield "    while high - low > 1:"
@@ -70,7 +71,7 @@ def _function(look: Lookup, name: str, table: str) -> Iterator[str]:
     yield from ("", "", '@numba.njit("f8(f8)", **OPTIONS)')
     yield f"def {name}(x):"
     what = f"Derivative {look.order} of the" if look.order else "The"
-    yield f'    """{what} cubic spline {look.table.name}."""'
+    yield f'    """{what} cubic spline {prose(look.table.name)}."""'
     yield f"    k, s = {table}_at(x)"
     yield f"    c = {table.upper()}_C"
     yield f"    return {POLYNOMIALS[look.order]}"

@@ -15,8 +15,8 @@ from codegen.figures_and_html import (
     html_page,
     new_figure,
     save_figure,
-    writing,
 )
+from codegen.whole_files import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,11 +40,11 @@ def write(ledgers: Sequence[Ledger], path: Path) -> Path:
     """
     if path.suffix not in ENDINGS:
         raise InputError(f"--out {path}: a ledger is saved as {', '.join(ENDINGS)}.")
-    with writing(path):
+    with whole_file(path) as temporary:
         if path.suffix == ".html":
-            path.write_text(page(ledgers), encoding="utf-8")
+            temporary.write_text(page(ledgers), encoding="utf-8")
         else:
-            save_figure(figure(ledgers), path)
+            save_figure(figure(ledgers), temporary)
     return path
 
 

@@ -1,7 +1,5 @@
 """A generated file: its text, the time that each stage took, and writing it in one step."""
 
-import hashlib
-import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
@@ -10,7 +8,8 @@ from time import perf_counter
 from typing import NamedTuple
 
 from codegen.errors import GeneratedFileError
-from codegen.generated_module_signature_and_import import alone
+from codegen.generated_module_signature_and_import import alone, text_hash
+from codegen.whole_files import whole_file
 
 Progress = Callable[[str], None]
 
@@ -48,7 +47,7 @@ class File:
     @property
     def digest(self) -> str:
         """SHA-256 of the text."""
-        return hashlib.sha256(self.text.encode()).hexdigest()
+        return text_hash(self.text)
 
     def bring_up_to_date(self, check: bool) -> None:
         """Write the file unless it is current or this is a check; note whether it was stale."""
@@ -89,24 +88,19 @@ def write_if_changed(path: Path, text: str) -> bool:
         if is_current(path, text):
             return False
         path.parent.mkdir(parents=True, exist_ok=True)
-        with alone(path) if path.suffix == ".py" else nullcontext():
-            _write(path, text)
     except OSError as error:
         raise GeneratedFileError(
             f"cannot write {path}: {error.strerror or error}; choose another folder with --out, "
             "or make this one writable."
         ) from error
+    with (
+        alone(path) if path.suffix == ".py" else nullcontext(),
+        whole_file(path, GeneratedFileError) as temporary,
+    ):
+        temporary.write_bytes(text.encode())
     return True
 
 
 def is_current(path: Path, text: str) -> bool:
-    """Whether `path` holds `text`."""
-    return path.is_file() and path.read_bytes() == text.encode()
-
-
-def _write(path: Path, text: str) -> None:
-    with tempfile.TemporaryDirectory(prefix=f".{path.stem}-", dir=path.parent) as folder:
-        temporary = Path(folder) / path.name
-        temporary.write_bytes(text.encode())
-        temporary.chmod(0o644)  # whatever the umask: others load the file as well
-        temporary.replace(path)
+    """Whether `path` holds `text`, with the line ends of any system."""
+    return path.is_file() and path.read_text(encoding="utf-8", errors="replace") == text

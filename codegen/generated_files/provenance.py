@@ -7,6 +7,7 @@ from pathlib import Path
 import sympy
 
 from codegen.derive.equations import Equations
+from codegen.emit.line_wrapping import literal
 from codegen.emit.module import Origin
 from codegen.model_file import ModelFile, library_folder
 
@@ -22,7 +23,7 @@ def file_name(stem: str, equations: Equations, settings: Mapping[str, float]) ->
     """``model__scene.py`` after the model file, with a tail for a build with other defaults."""
     stem = f"{stem}__{equations.scene.name}"
     if settings:
-        text = ",".join(f"{name}={value!r}" for name, value in sorted(settings.items()))
+        text = ",".join(f"{name}={literal(value)}" for name, value in sorted(settings.items()))
         stem += f"__{hashlib.sha256(text.encode()).hexdigest()[:8]}"
     return f"{stem}.py"
 
@@ -41,7 +42,10 @@ def origin(
         ((source.relative_to(base) if source.is_relative_to(base) else source).as_posix(), digest)
         for source, digest in file.sources
     ]
-    options = "".join(f" --set {name}={value!r}" for name, value in sorted(settings.items())) + more
+    options = (
+        "".join(f" --set {name}={literal(value)}" for name, value in sorted(settings.items()))
+        + more
+    )
     varied = equations.scene.root is not None  # by without() or with_(): not declared in a file
     scene = equations.scene.expression if varied else f"'{equations.scene.name}'"
     command = f"build({file.model.name}, scene={scene})"

@@ -20,10 +20,12 @@ def with_constants(
     These values stand in ``p`` behind the declared parameters and are computed once a run. Before
     them stand the stiction forces, which a run sets as it goes.
     """
-    bare = Program(orient_differences(graph, kernels), kernels, (), WEAK_PIVOT)
+    # What is asked of parameters once a run is no constant of its steps.
+    stepping = tuple(kernel for kernel in kernels if kernel.name != "conditions")
+    bare = Program(orient_differences(graph, stepping), kernels, (), WEAK_PIVOT)
     hoisted: dict[int, None] = {}
     slots: dict[int, int] = {}
-    for kernel in kernels:
+    for kernel in stepping:
         needed = set(kernel.roots)
         for number in bare.reachable(kernel):
             value = graph.values[number]

@@ -5,6 +5,7 @@ and the build uses it to look at a mechanism before there is any machine code.
 """
 
 import cmath
+import math
 import operator
 from collections import defaultdict
 from collections.abc import Callable, Mapping
@@ -14,6 +15,17 @@ from typing import Any
 
 from codegen.lower.program import Input, Lookup, Op, Program
 
+
+def power(base: Any, exponent: Any) -> Any:
+    """base ** exponent; as in machine code, no complex number comes of real ones."""
+    real = isinstance(base, int | float) and isinstance(exponent, int | float)
+    if real and base < 0 and exponent != math.floor(exponent):
+        return math.nan
+    if real and base == 0 and exponent < 0:
+        return math.inf
+    return base**exponent
+
+
 ARITHMETIC: dict[Op, Callable[..., Any]] = {
     Op.ADD: operator.add,
     Op.SUB: operator.sub,
@@ -22,7 +34,7 @@ ARITHMETIC: dict[Op, Callable[..., Any]] = {
     Op.NEG: operator.neg,
     Op.NOT: operator.not_,
     Op.SLIDING: lambda mode: mode == 2,
-    Op.POW: operator.pow,
+    Op.POW: power,
     Op.AND: lambda a, b: a and b,
     Op.OR: lambda a, b: a or b,
     Op.SELECT: lambda condition, yes, no: yes if condition else no,

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from codegen.lower.scene_graph import Reaction, SceneGraph
 
@@ -53,6 +54,10 @@ class Description:
     # (coordinate or velocity, value, role): "fixed", "guess", or before these "neutral", where the
     # neutral pose is not at zero
     start: tuple[tuple[str, float, str], ...]
+    # (element, sentence, least, whether that is too small, largest, count of numbers) of what is
+    # asked of parameters, and (curve, whether it is convex) of profiles that depend on them
+    conditions: tuple[tuple[Any, ...], ...]
+    profiles: tuple[tuple[str, bool], ...]
     jacobian: Pattern  # pattern of Φ_q
     mass: Pattern  # pattern of M
 
@@ -99,6 +104,8 @@ def describe(
         reactions=tuple(row[:3] for row in reported),
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=start,
+        conditions=tuple((*one.condition.row(one.element),) for one in equations.conditions),
+        profiles=tuple((curve.element, curve.convex) for curve in equations.profiles),
         jacobian=Pattern.of(scene.jacobian),
         mass=Pattern.of(scene.mass),
     )

@@ -1,18 +1,24 @@
 """The common state of a declaration: its elements, their names and the problems found."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import wraps
+from inspect import isfunction, signature
 from pathlib import Path
 from typing import Any, TypeVar
 
 import sympy
 
 from codegen.declare import symbols as sy
+from codegen.declare.answers import bodies_of, coordinates_of, own_coordinates
 from codegen.declare.body import Body, Ground, Particle, Point
-from codegen.declare.element import Constraint, Effect, own_coordinates
+from codegen.declare.element import Constraint, Effect
 from codegen.declare.name_rules_and_hints import name_problem
+from codegen.declare.plain_values import one_line, plain_name, shown
 from codegen.declare.scene import Scene
 from codegen.declare.value_reader import Reader
 from codegen.elements.registry import role
+from codegen.errors import LinkwrightError, ModelError
 
 Declared = TypeVar("Declared", bound=Constraint | Effect | Body)
 Place = Point | Body  # a body means its centre of mass
@@ -20,8 +26,52 @@ Pair = tuple[Any, Any]
 Ends = tuple[Point, Point]
 
 
+def bounded_by_errors(method: Callable[..., Any]) -> Callable[..., Any]:
+    """A method that takes text as its name, and fails with errors of ours alone.
+
+    What its arguments do where they are read (iterate, compare, convert) is theirs, and may fail.
+    """
+    about = signature(method)
+    named = "name" in about.parameters
+
+    @wraps(method)
+    def call(model: Any, *arguments: Any, **words: Any) -> Any:
+        if named and "name" in words:
+            words["name"] = plain_name(words["name"])
+        elif named and arguments:
+            arguments = (plain_name(arguments[0]), *arguments[1:])
+        read = getattr(model, "_read", None)
+        before = len(read.problems) if read else 0
+        try:
+            answer = method(model, *arguments, **words)
+            if read and len(read.problems) > before and isinstance(answer, Constraint | Effect):
+                model.noted.add(plain_name(answer.name))
+            return answer
+        except LinkwrightError:
+            raise
+        except Exception as error:
+            name = words.get("name", arguments[0] if arguments else None)
+            label = f" '{name}'" if named and name is not None else ""
+            reason = f"fails with {type(error).__name__}: {one_line(error)}"
+            try:
+                about.bind(model, *arguments, **words)
+            except TypeError as mismatch:
+                reason = f"{mismatch}; it takes {about}".replace("(self, ", "(")
+            word = "Model" if method.__name__ == "__init__" else f"model.{method.__name__}"
+            raise ModelError(f"{word}{label}: {reason}.") from error
+
+    return call
+
+
 class Declarations:
     """All that has been declared, by name; a name stands for one thing only."""
+
+    def __init_subclass__(cls) -> None:
+        """Bound the public methods of a declaration."""
+        super().__init_subclass__()
+        for word, method in list(vars(cls).items()):
+            if isfunction(method) and (word == "__init__" or not word.startswith("_")):
+                setattr(cls, word, bounded_by_errors(method))
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -37,6 +87,8 @@ class Declarations:
         self.scenes: dict[str, Scene] = {}
         self.couplers: dict[str, tuple[Body, ...]] = {}
         self.files: list[Path] = []
+        self.noted: set[str] = set()
+        """Elements that hold stand-ins for what was noted; no more is said of them."""
         self._read = Reader()
         self._note = self._read.note
         self._kinds: dict[str, str] = {"ground": "body"}
@@ -98,18 +150,21 @@ class Declarations:
         elif isinstance(element, Constraint):
             is_driver = role(element.kind) == "driver"
             word, table = ("driver", self.drivers) if is_driver else ("joint", self.joints)
-        if self._claim(word, element.name):
-            table[element.name] = element
+        name = plain_name(element.name)
+        if self._claim(word, name):
+            table[name] = element
         return element
 
     def _point(self, name: str, place: Any) -> Point:
         point = place.at(0, 0) if isinstance(place, Body) else place
-        if not isinstance(point, Point):
-            self._note(f"'{name}': {place!r} is neither a point nor a body; write body.at(x, y).")
+        if not isinstance(point, Point) or not isinstance(point.body, Body):
+            what = shown(place)
+            self._note(f"'{name}': {what} is neither a point nor a body; write body.at(x, y).")
             point = self.ground.at(0, 0)
         where = f"point of '{name}' on body '{point.body.name}'"
         before = self.problems
         sx, sy = (self._read.value(s, "m", where) for s in (point.sx, point.sy))
+        self._note_speeds(where, sx, sy)
         if not (point.body.turns or sx == sy == 0):
             if self.problems == before:  # else the place is not the modeller's
                 self._note(
@@ -119,12 +174,43 @@ class Declarations:
             sx = sy = sympy.S.Zero
         return Point(point.body, sx, sy)
 
+    def _note_speeds(self, where: str, *place: sympy.Expr) -> None:
+        """Note the velocities on which a place depends."""
+        for speed in sy.kinds(sympy.Tuple(*place), sy.Velocity):
+            self._note(
+                f"{where} depends on the velocity {speed.name}; a place is an expression of t, "
+                "coordinates and parameters."
+            )
+
+    def _body(self, where: str, body: Any, advice: str) -> Body:
+        """A body, where a point means nothing."""
+        if isinstance(body, Body):
+            return body
+        at_point = isinstance(body, Point) and isinstance(body.body, Body)
+        label = f"Point of '{body.body.name}'" if at_point else shown(body)
+        self._note(f"{where}: {label} is no body; {advice}")
+        return self.ground
+
+    def _own_body(self, where: str, word: str, body: Any) -> Body | None:
+        """A declared body of this model, or None, which stands in for anything else as well."""
+        if body is None:
+            return None
+        if not isinstance(body, Body):
+            self._note(f"{where}: {word}={shown(body)} is no body; give one, or leave it out.")
+        elif body.fixed:
+            self._note(f"{where}: {word} is the ground, which always takes part; give a body.")
+        elif self.bodies.get(body.name) is not body:
+            self._note(f"{where}: {word} is body '{body.name}', which is not of this model.")
+        else:
+            return body
+        return None
+
     def _pair(self, name: str, i: Any, j: Any) -> Ends:
         return self._point(name, i), self._point(name, j)
 
     def _coordinates(self) -> tuple[sy.Coordinate, ...]:
         """Those of all bodies, and those that joints bring."""
-        of_bodies = (q for body in self.bodies.values() for q in body.coordinates)
+        of_bodies = (q for body in self.bodies.values() for q in coordinates_of(body))
         of_joints = (q for joint in self.joints.values() for q in own_coordinates(joint))
         return (*of_bodies, *of_joints)
 
@@ -132,5 +218,5 @@ class Declarations:
         symbols = (s for e in expressions for s in sy.kinds(e, sy.Coordinate, sy.Velocity))
         owners = {s.name.rpartition("_")[0] for s in symbols}
         for name in owners & {*self.joints}:
-            owners |= {body.name for body in self.joints[name].bodies}
+            owners |= {body.name for body in bodies_of(self.joints[name])}
         return tuple(body for name, body in self.bodies.items() if name in owners)

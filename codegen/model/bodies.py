@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import sympy
 
+from codegen.declare.answers import bodies_of
 from codegen.declare.body import Body, Particle, Point
 from codegen.declare.value_reader import Reader
 from codegen.model.base import Place
@@ -84,7 +85,7 @@ class Bodies(Joints):
         for name, (rod, *halves) in self.couplers.items():
             form = forms.get(name, "body")
             link = self.joints.get(f"{name}_link")
-            ends = [body.name for body in link.bodies] if link else []
+            ends = [body.name for body in bodies_of(link)] if link else []
             if form != "body":
                 absent.append(rod.name)
                 pins = (f"{name}_i", f"{name}_j")
@@ -92,7 +93,7 @@ class Bodies(Joints):
                     f"{where}: joint '{joint.name}' holds '{name}', which is no body as '{form}'; "
                     "take it as 'body', or leave the joint out."
                     for joint in self.joints.values()
-                    if rod in joint.bodies and joint.name not in (*pins, *without)
+                    if rod in bodies_of(joint) and joint.name not in (*pins, *without)
                 ]
             if form != "lumped" or any(end in without for end in ends):
                 absent += [half.name for half in halves]

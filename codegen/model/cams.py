@@ -10,6 +10,7 @@ import sympy
 from codegen.cubic_spline import fit
 from codegen.declare.body import Body, Curve
 from codegen.declare.cam_profile_checks import pace, profile_problems
+from codegen.declare.plain_values import members, shown
 from codegen.declare.symbols import alpha
 from codegen.declare.table_function import FEWEST, TableFunction
 from codegen.elements.joints.cam_flat_follower import CamFlatFollower
@@ -76,10 +77,22 @@ class Cams(Declarations):
         """
         where = f"curve '{name}'"
         before = len(self.problems)
+        on = self._body(where, body, "a curve is fixed in a body.")
+        closed = self._read.flag(closed, f"{where}: closed", True)
         rows = []
-        for k, point in enumerate(points):
-            pair = self._read.pair(point, "m", f"{where}, point {k}")
-            rows.append([self._read.finite(c, "m", f"{where}, point {k}") for c in pair])
+        try:
+            given = members(points)
+        except Exception:
+            self._note(f"{where}: points={shown(points)} is no list; write [(x, y), ...].")
+            given = []
+        for k, point in enumerate(given):
+            place = f"{where}, point {k}"
+            try:
+                pair = members(point, 2)
+            except Exception:
+                self._note(f"{place}: {shown(point)} is no pair; write two values, (1, 0).")
+                pair = [1, 0]
+            rows.append([self._read.finite(c, "m", place) for c in pair])
         if closed and len(rows) > 1:
             size = max(abs(c) for row in rows for c in row)
             if all(abs(a - b) <= ROUNDING * size for a, b in zip(rows[0], rows[-1], strict=True)):
@@ -91,27 +104,27 @@ class Cams(Declarations):
             if chord == 0.0:
                 self._note(f"{where}: points {k} and {k + 1} are both {tuple(rows[k])}; drop one.")
         if len(rows) < FEWEST:
-            self._note(f"{where}: {len(points)} points are too few; give at least {FEWEST}.")
+            self._note(f"{where}: {len(given)} points are too few; give at least {FEWEST}.")
         if not self._claim("curve", name) or len(self.problems) > before:
-            return body.circle(1)
+            return on.circle(1)
         unit = 2 * pi if closed else 1.0
         at = [unit * (distance / along[-1]) for distance in along]
         x, y = (
             TableFunction(fit(f"{name}_{axis}", at, [row[k] for row in rows], closed))(alpha)
             for k, axis in enumerate("xy")
         )
-        return body.curve(x, y)
+        return on.curve(x, y)
 
     def _curve(self, name: str, curve: Any, closed: bool = False, convex: bool = False) -> Curve:
         """The curve with its expressions read, its shape looked at for the default parameters."""
-        if not isinstance(curve, Curve):
+        if not isinstance(curve, Curve) or not isinstance(curve.body, Body):
             self._note(
-                f"'{name}': {curve!r} is no curve; write body.circle(r) or body.curve(x, y)."
+                f"'{name}': {shown(curve)} is no curve; write body.circle(r) or body.curve(x, y)."
             )
             return self.ground.circle(1)
         where = f"curve of '{name}' on body '{curve.body.name}'"
         before = len(self.problems)
-        x, y = (self._read.value(c, "m", where) for c in (curve.x, curve.y))
+        x, y = (self._read.value(c, "m", where, profile=True) for c in (curve.x, curve.y))
         shape = sympy.Matrix([x, y]).subs(self.defaults)
         if len(self.problems) == before:
             for problem in profile_problems(shape, closed, convex):

@@ -7,11 +7,11 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.symbols import SignRule
+from codegen.declare.plain_values import shown
+from codegen.declare.symbols import Coordinate, SignRule, Time, Velocity, kinds, rate
 from codegen.elements.forces.given_load_friction import DryFriction
 from codegen.elements.forces.joint_friction import JointFriction
 from codegen.elements.forces.rigid_contact import RigidContact
-from codegen.elements.forces.scalar_measures import rate
 from codegen.elements.forces.spring_damper_contact import Contact, gap_between
 from codegen.model.base import Declarations, Ends, Pair, Place
 
@@ -56,7 +56,8 @@ class Contacts(Declarations):
         where = f"contact '{name}'"
         g, bodies = self._gap(name, i, j, free_length, direction, gap)
         soft = stiffness is not None or damping is not None
-        both = self._read.choice(fidelity or "", ("", "penalty", "rigid"), f"{where}, fidelity")
+        pulling = self._read.flag(may_pull, f"{where}: may_pull", True)
+        both = self._law_word(fidelity, ("penalty", "rigid"), f"{where}, fidelity")
         forms: dict[str, Effect | str] = {
             "penalty": "needs stiffness= in its declaration.",
             "rigid": "needs restitution= in its declaration.",
@@ -72,7 +73,7 @@ class Contacts(Declarations):
                 self._note(f"{where}: typical_force= is a rigid contact's; leave it out.")
             k = self._value(stiffness, "N/m", f"stiffness of {where}")
             c = self._value(0 if damping is None else damping, "N s/m", f"damping of {where}")
-            forms["penalty"] = Contact(name, g, k, c, bodies, bool(may_pull))
+            forms["penalty"] = Contact(name, g, k, c, bodies, pulling)
         if restitution is not None:
             if soft and not both:
                 self._note(
@@ -80,7 +81,7 @@ class Contacts(Declarations):
                     "for a rigid contact, or the others for one that yields, or all with "
                     "fidelity='rigid' or 'penalty' to let scenes choose."
                 )
-            if not may_pull and not (both and soft):
+            if not pulling and not (both and soft):
                 self._note(f"{where}: a rigid contact never pulls; leave may_pull out.")
             e = self._value(restitution, "", f"restitution of {where}", "nonnegative")
             scale = self._optional(typical_force, "N", f"typical force of {where}", "positive")
@@ -122,6 +123,10 @@ class Contacts(Declarations):
             self._optional(size, "m", f"{word} of {where}", "positive")
             for size, word in ((radius, "radius"), (length, "length"))
         )
+        given: object = joint
+        if isinstance(given, Constraint) and self.joints.get(joint.name) is not joint:
+            what = shown(joint.name)
+            self._note(f"{where}: joint {what} is not declared in '{self.name}'; give one that is.")
         law = JointFriction(name, joint, mu, speed, pin, bearing, mu_s)
         return self._friction_law(where, law, fidelity)
 
@@ -166,9 +171,18 @@ class Contacts(Declarations):
             missing = f"{where} has no slip; give two points, or slip= a velocity."
             ends, bodies = self._surfaces(name, i, j, missing)
             along = self._direction(where, "axis", axis) or (sympy.S.One, sympy.S.Zero)
+            if moving := kinds(sympy.Tuple(*along), Coordinate, Velocity, Time):
+                self._note(
+                    f"{where}: the axis {along} depends on {moving[0].name}, and one that turns by "
+                    "itself slides on nothing; give an axis fixed in body i, or slip= a velocity."
+                )
             s = rate(gap_between(*ends, along, sympy.S.Zero))
         law = DryFriction(name, s, load, mu, bodies, mu_s, speed)
         return self._friction_law(where, law, fidelity)
+
+    def _law_word(self, word: Any, allowed: tuple[str, ...], where: str) -> str:
+        """One of the words, or None, which is the empty text."""
+        return "" if word is None else self._read.choice(word, ("", *allowed), where)
 
     def _chosen_form(self, where: str, word: str, forms: dict[str, Effect | str]) -> Effect:
         """Declare an effect of several fidelities, of which `word` is the default."""
@@ -184,8 +198,7 @@ class Contacts(Declarations):
         self, where: str, law: JointFriction | DryFriction, fidelity: str | None
     ) -> Effect:
         """Declare a friction in each fidelity that it has the numbers for."""
-        words = ("", "sticking", "regularised")
-        chosen = self._read.choice(fidelity or "", words, f"{where}, fidelity")
+        chosen = self._law_word(fidelity, ("sticking", "regularised"), f"{where}, fidelity")
         creeps = law.creep is not None
         if not chosen and creeps and law.static is not None:
             return self._declare(law)  # two laws at once, as its check says

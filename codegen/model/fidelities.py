@@ -5,8 +5,9 @@ from typing import Any
 
 from codegen.declare.element import Effect
 from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.scene import Scene
-from codegen.declare.value_reader import Reader, name_of
+from codegen.declare.plain_values import NotText, plain_name, shown
+from codegen.declare.scene import Scene, name_of
+from codegen.declare.value_reader import Reader
 from codegen.model.bodies import FORMS, Bodies
 
 NONE = "none"  # the fidelity of an effect that a scene does without
@@ -35,20 +36,23 @@ class Fidelities(Bodies):
         where = f"alternatives '{name}'"
         known = self.elements
         read: dict[str, tuple[str, ...]] = {}
-        for choice, elements in choices.items():
-            names = [name_of(e) for e in elements]
+        like = "{'held': ['joint'], 'free': ['contact']}"
+        for choice, elements in self._read.mapping(choices, "choices", like, where).items():
+            if isinstance(word := plain_name(choice), NotText):
+                self._note(f"{where}: choice {word} is no word.")
+            names = self._read.names(elements, "elements", f"{where}, {word}", known)
             for missing in (n for n in names if n not in known):
-                self._note(f"{where}, {choice}: there is no '{missing}'; {nearest(missing, known)}")
-            read[str(choice)] = tuple(n for n in names if n in known)
+                self._note(f"{where}, {word}: there is no '{missing}'; {nearest(missing, known)}")
+            read[word] = tuple(n for n in names if n in known)
         if len(read) < 2:
             self._note(f"{where}: {len(read)} choice is no choice; give at least two.")
-        if default is not None and default not in read:
-            self._note(f"{where}: no choice {default!r}; {nearest(str(default), read)}")
+        if default is not None and (default := plain_name(default)) not in read:
+            self._note(f"{where}: no choice {default!r}; {nearest(default, read)}")
             default = None
         if self._claim("group of alternatives", name) and read:
             chosen = default or next(iter(read))
             self.groups[name] = {chosen: read[chosen]} | read
-        return str(name)
+        return name
 
     def acting(self, scene: Scene) -> dict[str, Effect]:
         """Name → the effects of a scene, in the fidelity that it asks for."""
@@ -71,18 +75,18 @@ class Fidelities(Bodies):
             else:
                 read.note(f"{where}: there is no coupler '{name}'; {nearest(name, self.couplers)}")
         for key, word in read.mapping(fidelity, "fidelity", "{'rub': 'sticking'}", where).items():
-            name = name_of(key)
-            if problem := self._fidelity_problem(name, word, fidelities.get(name, word)):
+            name, form = name_of(key), plain_name(word) if isinstance(word, str) else word
+            if problem := self._fidelity_problem(name, form, fidelities.get(name, form)):
                 read.note(f"{where}: {problem}")
             else:
-                fidelities[name] = word
+                fidelities[name] = form
         return tuple(fidelities.items())
 
     def _fidelity_problem(self, name: str, word: Any, named: Any) -> str | None:
         """Why an element cannot be taken as `word`; `named`: its form among the couplers."""
         if not isinstance(word, str):
             return (
-                f"'{name}' with the fidelity {word!r}; a scene takes one at a time: "
+                f"'{name}' with the fidelity {shown(word)}; a scene takes one at a time: "
                 "give one word, or declare a scene for each."
             )
         if named != word:

@@ -5,9 +5,10 @@ from typing import Any, Literal
 
 import sympy
 
-from codegen.declare.body import Body, Point
+from codegen.declare.body import Body
 from codegen.declare.element import Effect
-from codegen.declare.symbols import Coordinate
+from codegen.declare.plain_values import shown
+from codegen.declare.symbols import Coordinate, rate
 from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.forces.applied import AppliedForce, AppliedTorque
 from codegen.elements.forces.bushing import AXES, Bushing, Triple
@@ -40,8 +41,10 @@ class Forces(Declarations):
 
     def torque(self, name: str, on: Body, value: Any, when: Any = None) -> Effect:
         """A torque in N m on a body, while the condition `when` holds."""
-        gated = self._read.gated(value, "N m", f"torque '{name}'", when)
-        return self._declare(AppliedTorque(name, on, gated))
+        where = f"torque '{name}'"
+        gated = self._read.gated(value, "N m", where, when)
+        body = self._body(where, on, "a torque turns a body as a whole, wherever it acts.")
+        return self._declare(AppliedTorque(name, body, gated))
 
     def potential(self, name: str, energy: Any) -> Effect:
         """A potential energy V(q) in J, as a plain expression."""
@@ -53,9 +56,13 @@ class Forces(Declarations):
     ) -> Effect:
         """Generalized forces Q: coordinate → plain expression (N for lengths, N m for angles)."""
         pairs = []
-        for coordinate, force in components.items():
+        like = "{body.x: 5.0}"
+        given = self._read.mapping(components, "components", like, f"force '{name}'")
+        if not given:
+            self._note(f"force '{name}' has no components; write {like}.")
+        for coordinate, force in given.items():
             if not isinstance(coordinate, Coordinate):
-                self._note(f"force '{name}': {coordinate!r} is no coordinate; write body.x.")
+                self._note(f"force '{name}': {shown(coordinate)} is no coordinate; write body.x.")
                 continue
             unit = coordinate.measure.force_unit
             pairs.append((coordinate, self._read.gated(force, unit, f"force '{name}'", when)))
@@ -113,10 +120,11 @@ class Forces(Declarations):
             torque in N m on body `i`; added to the rest.
         """
         where = f"torsion spring '{name}'"
-        first, second = self._whole(where, i), self._whole(where, j)
+        advice = "a torsion spring turns two bodies."
+        first, second = (self._body(where, body, advice) for body in (i, j))
         turning = self._value(actuator, "N m", f"actuator of {where}")
         theta = measures.relative_angle(first, second)
-        angle = theta, measures.rate(theta)
+        angle = theta, rate(theta)
         turning += self._characteristic(torque, angle, "torque", "N m", where)
         stiff = self._value(stiffness, "N m/rad", f"stiffness of {where}")
         free = self._value(free_angle, "rad", f"free angle of {where}")
@@ -149,10 +157,8 @@ class Forces(Declarations):
 
     def _along_axes(self, values: Any, units: tuple[str, ...], where: str) -> Triple:
         """Three values, one an axis."""
-        if not isinstance(values, tuple | list) or len(values) != len(units):
-            self._note(f"{where}: {values!r} must be three values, along x, along y and about φ.")
-            values = (0,) * len(units)
-        x, y, phi = (self._value(v, u, where) for v, u in zip(values, units, strict=True))
+        advice = "must be three values, along x, along y and about φ"
+        x, y, phi = self._read.vector(values, units, where, advice)
         return x, y, phi
 
     def _characteristic(
@@ -167,16 +173,8 @@ class Forces(Declarations):
             return sympy.S.Zero
         if not callable(law):
             self._note(
-                f"{where}: {word}={law!r} is no function; write {word}=lambda s, rate: ..., or "
-                "give an expression as actuator=."
+                f"{where}: {word}={shown(law)} is no function; write {word}=lambda s, rate: ..., "
+                "or give an expression as actuator=."
             )
             return sympy.S.Zero
-        return self._value(law(*measure), unit, f"{word} of {where}")
-
-    def _whole(self, where: str, body: Any) -> Body:
-        """A body, where a point means nothing."""
-        if isinstance(body, Body):
-            return body
-        label = f"Point of '{body.body.name}'" if isinstance(body, Point) else repr(body)
-        self._note(f"{where}: {label} is no body; a torsion spring turns two bodies.")
-        return self.ground
+        return self._read.answer(law, measure, unit, f"{word} of {where}")

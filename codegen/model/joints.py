@@ -53,7 +53,8 @@ class Joints(Declarations):
         With `instead_of`, the link acts in those scenes that leave this body out.
         """
         span = self._value(length, "m", f"length of '{name}'", "positive")
-        return self._declare(RevoluteRevolute(name, *self._pair(name, i, j), span, instead_of))
+        stood_for = self._own_body(f"'{name}'", "instead_of", instead_of)
+        return self._declare(RevoluteRevolute(name, *self._pair(name, i, j), span, stood_for))
 
     def revolute_translational(
         self, name: str, i: Place, j: Place, axis: Pair = (1, 0), distance: Any = 0,
@@ -78,7 +79,8 @@ class Joints(Declarations):
         line = self._read.axis(axis, name)
         offset = self._value(distance, "m", f"distance of '{name}'")
         pair = self._pair(name, i, j)
-        return self._declare(RevoluteTranslational(name, *pair, line, offset, instead_of))
+        stood_for = self._own_body(f"'{name}'", "instead_of", instead_of)
+        return self._declare(RevoluteTranslational(name, *pair, line, offset, stood_for))
 
     def weld(self, name: str, i: Place, j: Place, angle: Any = 0) -> Constraint:
         """Points `i` and `j` coincide and φ_j - φ_i keeps `angle`, rad: two bodies move as one."""

@@ -7,7 +7,9 @@ of them at once (`codegen.check.declaration`).
 from typing import Any
 
 from codegen.declare.body import Body
-from codegen.declare.element import Constraint, Effect
+from codegen.declare.element import Constraint, Effect, label
+from codegen.declare.plain_values import one_line, shown
+from codegen.errors import ModelError
 from codegen.model.base import Declared
 from codegen.model.cams import Cams
 from codegen.model.contacts_and_friction import Contacts
@@ -47,10 +49,17 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
         A body takes ``model.token`` as its `model`.
         """
         candidate: object = element
-        if isinstance(candidate, Body | Constraint | Effect):
+        try:
+            known = isinstance(candidate, Body | Constraint | Effect)
+        except Exception as error:  # of a property of its own
+            reason = f"{type(error).__name__}: {one_line(error)}"
+            raise ModelError(
+                f"{label(element)}: one of its properties fails with {reason}."
+            ) from error
+        if known:
             return self._declare(element)
         self._note(
-            f"model.add({element!r}): neither a Body, a Constraint nor an Effect; it needs kind, "
-            "name, bodies, problems(), and statement() or potential() and forces()."
+            f"model.add({shown(element)}): neither a Body, a Constraint nor an Effect; it needs "
+            "kind, name, bodies, problems(), and statement() or potential() and forces()."
         )
         return element

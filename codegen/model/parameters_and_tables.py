@@ -1,11 +1,11 @@
 """The numbers of a declaration: parameters, tables, and the files that they come from."""
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from codegen.cubic_spline import fit
 from codegen.declare import units as quantities
+from codegen.declare.plain_values import one_line, plain_name, shown
 from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule
 from codegen.declare.table_function import FEWEST, TableFunction, point_problems
 from codegen.model.base import Declarations
@@ -15,8 +15,8 @@ def known_units(units: Any) -> bool:
     """Whether they are two SI units."""
     pair = isinstance(units, tuple | list) and len(units) == 2
     return pair and all(
-        isinstance(unit, str) and quantities.known_unit(unit) and quantities.si_factor(unit) == 1.0
-        for unit in units
+        quantities.known_unit(unit) and quantities.si_factor(unit) == 1.0
+        for unit in map(plain_name, units)
     )
 
 
@@ -38,10 +38,11 @@ class Values(Declarations):
         """
         symbol = Parameter(str(name), real=True)
         where = f"parameter '{name}'"
-        unit = " ".join(unit.split())
+        unit = " ".join(plain_name(unit).split())
         sign = self._read.choice(sign, ("", "positive", "nonnegative"), f"{where}, sign")
         if not quantities.known_unit(unit):
-            self._note(f"{where}: the unit {unit!r} is not known; use SI names, 'kg m^2'.")
+            what = shown(unit)
+            self._note(f"{where}: the unit {what} is not known; use SI names, 'kg m^2'.")
             unit = ""
         elif (factor := quantities.si_factor(unit)) != 1.0:
             self._note(
@@ -74,28 +75,32 @@ class Values(Declarations):
         """
         where = f"table '{name}'"
         if not known_units(units):
-            self._note(f"{where}: units={units!r}; give the SI units of x and y: ('s', 'm').")
+            self._note(f"{where}: units={shown(units)}; give the SI units of x and y: ('s', 'm').")
             units = ("", "")
-        for axis, given in (("x", x), ("y", y)):
-            if not isinstance(given, Iterable):
-                self._note(f"{where}: {axis} is {given!r}; give at least {FEWEST} numbers.")
-                x, y = (), ()
+        before = len(self.problems)
+        periodic = self._read.flag(periodic, f"{where}: periodic")
         at, values = (
-            [self._read.finite(v, unit, f"{where}, {axis}[{k}]") for k, v in enumerate(given)]
+            self._read.numbers(given, unit, where, axis, FEWEST)
             for given, unit, axis in ((x, units[0], "x"), (y, units[1], "y"))
         )
-        before = len(self.problems)
-        for problem in point_problems(at, values, periodic):
-            self._note(f"{where}: {problem}")
+        if len(self.problems) == before:
+            for problem in point_problems(at, values, periodic):
+                self._note(f"{where}: {problem}")
         if self._claim("table", name) and len(self.problems) == before:
             return TableFunction(fit(name, at, values, periodic))
         return TableFunction(fit("none", (0.0, 1.0, 2.0, 3.0), (0.0,) * 4, periodic=False))
 
     def depends_on(self, path: str | Path) -> Path:
         """Name a data file that the declaration reads: a change of it makes builds stale."""
-        file = Path(path).resolve()
-        if file.is_file():
+        try:
+            file = Path(path).resolve()
+            found = file.is_file()
+        except Exception as error:
+            reason = f"is no path of a file ({one_line(error)})"
+            self._note(f"depends_on({shown(path)}): {shown(path)} {reason}.")
+            return Path()
+        if found:
             self.files.append(file)
         else:
-            self._note(f"depends_on('{path}'): there is no file {file}.")
+            self._note(f"depends_on({shown(path)}): there is no file {one_line(file)}.")
         return file

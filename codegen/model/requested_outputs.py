@@ -5,9 +5,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from codegen.declare.answers import bodies_of
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Reported, label
 from codegen.declare.name_rules_and_hints import nearest
+from codegen.declare.plain_values import NotText, bounded, plain_name, shown
 from codegen.declare.value_reader import Reader
 from codegen.model.base import Declarations, Place
 
@@ -62,20 +64,23 @@ class Outputs(Declarations):
             name
             for name in self._tracked()
             if "paths" in words or f"path({name})" in words
-            if {body.name for body in self.effects[name].bodies} <= present
+            if {body.name for body in bodies_of(self.effects[name])} <= present
         )
 
     def _read_outputs(self, read: Reader, where: str, outputs: Any) -> tuple[str, ...] | None:
         """The words in a fixed order, each once; None for all that there is."""
-        if outputs is None or outputs == "all":
+        if outputs is None or (isinstance(outputs, str) and outputs == "all"):
             return None
-        if not isinstance(outputs, str | Iterable):
+        try:
+            given = [outputs] if isinstance(outputs, str) else bounded(outputs)
+        except Exception:
+            what = shown(outputs)
             read.note(
-                f"{where}: outputs={outputs!r} is no list; write outputs=['energy', 'power(gas)']."
+                f"{where}: outputs={what} is no list; write outputs=['energy', 'power(gas)']."
             )
             return None
         words = []
-        for word in (outputs,) if isinstance(outputs, str) else outputs:
+        for word in given:
             if problem := self._output_problem(word):
                 read.note(f"{where}: {problem}")
             else:
@@ -84,15 +89,16 @@ class Outputs(Declarations):
         return tuple(word for word in order if word in words)
 
     def _output_problem(self, word: Any) -> str | None:
+        word = plain_name(word)
         if word in GROUPS:
             return None
-        match = ONE.match(word) if isinstance(word, str) else None
+        match = None if isinstance(word, NotText) else ONE.match(word)
         points = self._tracked()
         acting = [n for n in (*self.joints, *self.drivers, *self.effects) if n not in points]
         if match is None:
             words = [f"{group}({n})" for group in ("reaction", "power", "work") for n in acting]
             words += [f"path({n})" for n in points]
-            return f"no output {word!r}; {nearest(str(word), (*GROUPS, *words))}"
+            return f"no output {word!r}; {nearest(word, (*GROUPS, *words))}"
         group, name = match.groups()
         if group == "path" and name not in points:
             hint = nearest(name, points) if points else "declare it with model.track(...)."

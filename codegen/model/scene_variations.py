@@ -1,13 +1,15 @@
 """Variations of scenes: elements left out or taken in, under a name that says so."""
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import chain
 from typing import Any
 
 from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.scene import Request, Scene
-from codegen.declare.value_reader import Reader, name_of
+from codegen.declare.plain_values import plain_number, shown
+from codegen.declare.scene import Request, Scene, name_of
+from codegen.declare.value_reader import Reader
 from codegen.model.scenes import Scenes
 
 WIDEST = 100  # letters of a name, which names a file; a longer one is cut and told apart by a hash
@@ -27,7 +29,8 @@ class Variations(Scenes):
         """
         read, root = Reader(), scene.root or scene
         where, known = f"scene '{scene.name}', varied", self.elements
-        removed, added = (tuple(map(name_of, names)) for names in (out, taken))
+        removed = read.names(out, "elements", where, known)
+        added = read.names(taken, "elements", where, known)
         for name in (*removed, *added):
             if name not in known and not (name in added and name in self.groups):
                 leave = name in removed
@@ -50,13 +53,14 @@ class Variations(Scenes):
         returned = tuple(n for n in scene.request.without if n not in added)
         base = replace(scene.request, without=returned)
         merged = self._extend(read, where, replace(scene, request=base), request, explicit)
-        merged = self._remove_elements(merged, removed)
+        merged = self._remove_elements(merged, tuple(removed))
         expression = scene.expression if scene.root else f"{self.name}.scene({scene.name!r})"
         if removed:
-            expression += f".without({', '.join(map(repr, removed))})"
+            expression += f".without({', '.join(map(_written, removed))})"
         if added or changes or fidelity:
-            parts = [repr(name) for name in added]
-            parts += [f"{k}={v!r}" for k, v in (("fidelity", fidelity), *changes.items()) if v]
+            parts = [*map(_written, added)]
+            words = {"fidelity": fidelity} | changes
+            parts += [f"{k}={_written(v)}" for k, v in words.items() if v is not None]
             expression += f".with_({', '.join(parts)})"
         name = self._variation_name(root, merged)
         variation = self._compose(read, name, merged, expression=expression, root=root)
@@ -114,3 +118,19 @@ class Variations(Scenes):
 
 def _hash(value: object) -> str:
     return hashlib.sha256(repr(value).encode()).hexdigest()[:8]
+
+
+def _written(value: Any) -> str:
+    """A keyword's value in the comment that says how a scene was varied: names and numbers."""
+    if value is None or isinstance(value, bool):
+        return str(value)
+    if isinstance(value, str) or isinstance(getattr(value, "name", None), str):
+        return repr(name_of(value))
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{_written(k)}: {_written(v)}' for k, v in value.items())}}}"
+    if isinstance(value, tuple | list):
+        return f"[{', '.join(map(_written, value))}]"
+    try:
+        return repr(plain_number(value))
+    except Exception:
+        return shown(value)

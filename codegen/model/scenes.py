@@ -5,11 +5,14 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any, cast
 
+from codegen.declare.answers import ask, bodies_of, own_coordinates
 from codegen.declare.body import Body
-from codegen.declare.element import Located, own_coordinates
+from codegen.declare.element import Located
 from codegen.declare.name_rules_and_hints import name_problem, nearest
+from codegen.declare.plain_values import plain_name
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
+from codegen.errors import ModelError
 from codegen.model.bodies import Form
 from codegen.model.fidelities import NONE, Fidelities
 from codegen.model.requested_outputs import Outputs
@@ -71,7 +74,7 @@ class Scenes(Fidelities, Outputs):
         """
         base = self.scenes.get(name)
         values = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)
-        bare = not any(map(bool, values)) and (frozen, analysis, outputs) == (None,) * 3
+        bare = all(map(_is_empty, values)) and (frozen, analysis, outputs).count(None) == 3
         if bare and base is not None and base.request != Request():
             return base
         where, read = f"scene '{name}'", self._read
@@ -103,10 +106,10 @@ class Scenes(Fidelities, Outputs):
             drivers=read.elements(drivers, self.drivers, "driver", where),
             without=read.elements(words["without"], self.elements, "body or joint", where),
             fidelity=self._read_fidelities(read, where, words["fidelity"], words["couplers"]),
-            start=read.states(words["start"] or {}, coordinates, where),
-            guess=read.states(words["guess"] or {}, coordinates, where),
-            parameters=read.overrides(words["parameters"] or {}, self.parameters, where),
-            frozen=bool(chosen["frozen"]),
+            start=read.states(words["start"], coordinates, "start", where),
+            guess=read.states(words["guess"], coordinates, "guess", where),
+            parameters=read.overrides(words["parameters"], self.parameters, where),
+            frozen=read.flag(chosen["frozen"], f"{where}: frozen"),
             analysis=read.choice(chosen["analysis"], ANALYSES, f"{where}, analysis"),
             outputs=self._read_outputs(read, where, chosen["outputs"]),
         )
@@ -120,10 +123,15 @@ class Scenes(Fidelities, Outputs):
         request: Request,
         explicit: frozenset[str],
     ) -> Request:
-        base = extends if isinstance(extends, Scene) else self.scenes.get(extends)
+        named = plain_name(extends)
+        base = extends if isinstance(extends, Scene) else self.scenes.get(named)
         if base is None:
-            hint = nearest(str(extends), self.scenes)
-            read.note(f"{where} extends '{extends}', which is no scene; {hint}")
+            read.note(
+                f"{where} extends {named!r}, which is no scene; {nearest(named, self.scenes)}"
+            )
+            return request
+        if cast(object, base.owner) is not self:
+            read.note(f"{where} extends scene '{base.name}' of another model.")
             return request
         inherited = base.request
         for group, choice in request.fidelity:
@@ -188,9 +196,14 @@ class Scenes(Fidelities, Outputs):
         places = dict(guess)
         for name, joint in self.joints.items():
             missing = [q for q in own_coordinates(joint) if dotted(q) not in known]
-            taking_part = name not in absent and not any(b.name in absent for b in joint.bodies)
+            taking_part = name not in absent and not any(b.name in absent for b in bodies_of(joint))
             if missing and taking_part and isinstance(joint, Located):
-                with suppress(TypeError, ValueError):  # `build` reports its fault
-                    near = joint.near(numbers)
-                    places |= {dotted(q): near[q] for q in missing}
+                with suppress(ModelError, TypeError, ValueError, KeyError):  # reported by `build`
+                    near = ask(joint, "near", numbers)
+                    places |= {dotted(q): float(near[q]) for q in missing}
         return tuple(places.items())
+
+
+def _is_empty(value: object) -> bool:
+    """Whether a keyword was left out, or given as a list or mapping of nothing."""
+    return value is None or (type(value) in (tuple, list, dict) and not value)

@@ -37,6 +37,7 @@ class Angle(NamedTuple):
     s: int  # sine
     c: int  # cosine
     discriminant: int | None = None  # ρ², which vanishes at a dead centre
+    size: int | None = None  # the largest that ρ² may be
     slope: int | None = None  # σ ρ, whose sign is the branch; None where other equations decide
     branch: int | None = None  # the input σ
 
@@ -54,14 +55,17 @@ class Loop(NamedTuple):
 
 
 def find_loops(
-    graph: Graph, q: Sequence[int], phi: Mapping[int, int], angles: Sequence[int], first_branch: int
-) -> list[Loop]:
+    graph: Graph, q: Sequence[int], phi: Mapping[int, int], angles: Sequence[int],
+    first_branch: int, own: Mapping[int, int],
+) -> list[Loop]:  # fmt: skip
     """The loops with a solution in closed form, in an order in which each needs only those before.
 
     `q`: the inputs that are the coordinates, by column; `phi`: row → value in the coordinates that
-    are left; `angles`: columns that may be solved for; `first_branch`: slot of ``p``.
+    are left; `angles`: columns that may be solved for; `first_branch`: slot of ``p``; `own`: row of
+    each own coordinate of a joint. It alone determines the coordinate: another row of the joint may
+    contain the place of a contact, but its derivative by it vanishes wherever the curves touch.
     """
-    search, loops = _LoopSearch(graph, q, first_branch), []
+    search, loops = _LoopSearch(graph, q, first_branch, own), []
     phi, angles = dict(phi), list(angles)
     while loop := search.next_loop(phi, angles):
         loops.append(loop)
@@ -75,8 +79,10 @@ def find_loops(
 class _LoopSearch:
     """The forms of a loop, and the branches that they have taken."""
 
-    def __init__(self, graph: Graph, q: Sequence[int], first_branch: int) -> None:
-        self.graph, self.q, self.branch = graph, q, first_branch
+    def __init__(
+        self, graph: Graph, q: Sequence[int], first_branch: int, own: Mapping[int, int]
+    ) -> None:
+        self.graph, self.q, self.branch, self.own = graph, q, first_branch, own
 
     def next_loop(self, phi: dict[int, int], angles: list[int]) -> Loop | None:
         """A loop of one row, else of two."""
@@ -86,16 +92,22 @@ class _LoopSearch:
             reachable = dependencies(self.graph.values, [value])
             support[i] = tuple(sorted(unknown[number] for number in unknown if number in reachable))
         for i, columns in support.items():
-            if len(columns) == 1 and (form := self._form(phi[i], columns)):
+            determined = self._is_determined(columns, (i,))
+            if len(columns) == 1 and determined and (form := self._form(phi[i], columns)):
                 start, ((a, b),) = form
                 return Loop((i,), (self._angle(i, *columns, a, b, start),))
         for i, j in combinations(support, 2):
             columns = tuple(sorted({*support[i], *support[j]}))
-            if len(columns) == 2 and len(support[i]) > 0 < len(support[j]):
+            determined = self._is_determined(columns, (i, j))
+            if len(columns) == 2 and len(support[i]) > 0 < len(support[j]) and determined:
                 for pair in (columns, columns[::-1]):
                     if loop := self._pair((i, j), (phi[i], phi[j]), *pair):
                         return loop
         return None
+
+    def _is_determined(self, columns: tuple[int, ...], rows: tuple[int, ...]) -> bool:
+        """Whether the row that determines each own coordinate of a joint is among the rows."""
+        return all(self.own[k] in rows for k in columns if k in self.own)
 
     # -- forms -------------------------------------------------------------------------------
 
@@ -118,7 +130,8 @@ class _LoopSearch:
         sine = graph.mul(two, graph.add(graph.mul(u, a), graph.mul(w, f)))
         cosine = graph.mul(two, graph.add(graph.mul(u, b), graph.mul(w, g)))
         rest = graph.add(self._squares(u, w), graph.sub(arm, reach))
-        angle = self._angle(max(rows), column, sine, cosine, rest)
+        size = graph.mul(graph.constant(4.0), graph.mul(arm, reach))
+        angle = self._angle(max(rows), column, sine, cosine, rest, size)
         x = graph.total([u, graph.mul(a, angle.s), graph.mul(b, angle.c)])
         y = graph.total([w, graph.mul(f, angle.s), graph.mul(g, angle.c)])
         # [d e; h k] (s, c) = -(x, y), by the transposed.
@@ -127,7 +140,9 @@ class _LoopSearch:
         c = graph.mul(inverse, graph.add(graph.mul(e, x), graph.mul(k, y)))
         return Loop(rows, (angle, Angle(last, max(rows), s, c)))
 
-    def _angle(self, row: int, column: int, a: int, b: int, start: int) -> Angle:
+    def _angle(
+        self, row: int, column: int, a: int, b: int, start: int, size: int | None = None
+    ) -> Angle:
         graph = self.graph
         name = graph.values[self.q[column]].literal.name  # type: ignore[union-attr]
         branch = graph.input("p", self.branch, f"branch_{name}")
@@ -140,9 +155,9 @@ class _LoopSearch:
         c = graph.sub(graph.mul(a, root), graph.mul(b, start))
         sine, cosine = self._sine_cosine(column)
         slope = graph.sub(graph.mul(a, cosine), graph.mul(b, sine))
-        return Angle(
-            column, row, graph.mul(inverse, s), graph.mul(inverse, c), discriminant, slope, branch
-        )
+        ends = graph.mul(inverse, s), graph.mul(inverse, c)
+        size = square if size is None else size
+        return Angle(column, row, *ends, discriminant, size, slope, branch)
 
     def _squares(self, a: int, b: int) -> int:
         return self.graph.add(self.graph.mul(a, a), self.graph.mul(b, b))

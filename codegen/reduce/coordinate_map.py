@@ -30,6 +30,7 @@ class CoordinateMap:
         rates = enumerate(self.rate_names)
         self.accelerations = [graph.input("a", k, f"{name}_rate") for k, name in rates]
         massless = frozenset(k for k in range(scene.n) if scene.mass[k, k] == graph.zero)
+        self.own = {k: i for i, k in scene.massless}  # column → row of joints' own coordinates
         fixed = frozenset(fixed_at_start(self.description))
         self.explicit = ExplicitCoordinates(
             graph, scene.q, scene.phi, scene.jacobian, scene.nu, scene.gamma, fixed, massless
@@ -70,7 +71,7 @@ class CoordinateMap:
         while True:
             phi = {i: row.value for i, row in rows.items()}
             declared = len(self.description.parameters)
-            loops = find_loops(self.graph, self.scene.q, phi, angles, declared)
+            loops = find_loops(self.graph, self.scene.q, phi, angles, declared, self.own)
             bare = set()
             for loop in loops:
                 others = [row.value for i, row in rows.items() if i not in loop.rows]

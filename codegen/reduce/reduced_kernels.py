@@ -87,7 +87,7 @@ def _motion_kernels(equations: ProjectedEquations) -> list[Kernel]:
     pull = "Generalized forces Q_r = Tᵀ (Q - M γ)."
     phi, nu = equations.phi, equations.nu
     return [
-        storing("mass", sparse, "q p values", list(mass.values()), notes),
+        storing("reduced_mass", sparse, "t q p values", list(mass.values()), notes),
         storing("applied_forces", pull, "t q v p modes Q", equations.force, names),
         equations.accelerations(),
         least_correction(
@@ -144,7 +144,7 @@ def _expansion_kernels(mapping: CoordinateMap) -> list[Kernel]:
 
 
 def _dead_centres(mapping: CoordinateMap, names: list[str]) -> Kernel:
-    """ρ² of each loop with a branch, and its rate."""
+    """ρ² of each loop with a branch, its rate, and the largest that ρ² may be."""
     graph, scene = mapping.graph, mapping.scene
     seeds = {scene.time: graph.one}
     for k in mapping.kept:
@@ -152,8 +152,9 @@ def _dead_centres(mapping: CoordinateMap, names: list[str]) -> Kernel:
     values, notes = [], []
     for angle, name in zip(mapping.branching, names, strict=True):
         assert angle.discriminant is not None
-        (discriminant,) = mapping.substituted([angle.discriminant])
-        values += [discriminant, *differentiate(graph, [discriminant], seeds)]
-        notes += [f"{name}: ρ²", f"{name}: its rate"]
-    summary = "ρ² of each loop in closed form, which vanishes at its dead centres, and its rate."
+        assert angle.size is not None
+        discriminant, size = mapping.substituted([angle.discriminant, angle.size])
+        values += [discriminant, *differentiate(graph, [discriminant], seeds), size]
+        notes += [f"{name}: ρ²", f"{name}: its rate", f"{name}: the largest that it may be"]
+    summary = "ρ² of each loop in closed form, which vanishes at its dead centres; rate and size."
     return storing("dead_centres", summary, "t q v p out", values, notes)

@@ -10,6 +10,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from codegen.argument_readers import real, shortened
 from codegen.errors import AssemblyError, RedundancyError
 from runtime.assembly import redundancy
 from runtime.assembly.accurate_start_near_singularity import start_on_branch
@@ -20,7 +21,7 @@ from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.module_tables import Description, unknown
 from runtime.results.assembled_state import Assembly, Moved, Redundant
-from runtime.validation.arguments import number
+from runtime.validation.finite_equations import require_finite
 from runtime.validation.parameters import parameter_values
 
 BoolArray = npt.NDArray[np.bool_]
@@ -30,6 +31,7 @@ _VELOCITY_CLOSED = 1e-9  # accuracy: residual of Φ_q v = ν, scaled, in parts o
 # measured: weight of a coordinate that the scene names no value of; the others have 1
 _UNNAMED_WEIGHT = 1e-3
 _MOVED = 1e-9  # accuracy: change of a start value, relative to its size, that is reported
+_UNRESOLVED = 1e-8  # accuracy: rad; distance of neighbouring numbers at which sin φ has no digits
 _LARGEST = 1e100  # safety: lengths and angles above this overflow when they are squared
 
 
@@ -57,9 +59,11 @@ def start_values(mechanism: Mechanism, guess: Values | None) -> Start:
             values[place], fixed[place], named[place] = row.value, row.role == "fixed", True
     problems = []
     for name, value in (guess or {}).items():
-        finite = number(value)
+        finite = real(value)
         if finite is None or not np.isfinite(finite):
-            problems.append(f"Start value {name} is {value!r}; it must be a finite number.")
+            problems.append(
+                f"Start value {name} is {shortened(value)}; it must be a finite number."
+            )
         elif name in places:
             values[places[name]], named[places[name]] = finite, True
         else:
@@ -87,6 +91,7 @@ def assemble(
     t = float(t)
     drivers = mechanism.description.driver_rows
     _require_magnitude(equations, t, start.q, {**(guess or {}), **(parameters or {})})
+    _require_resolved_angles(mechanism.description, t, start.q)
     size, matrix = equations.size(t, start.q), equations.jacobian(t, start.q)
     task = Task(
         equations, t, equations.scale(size), equations.row_scale(t, start.q, size),
@@ -96,15 +101,18 @@ def assemble(
     closing = close(task, start.q)
     if not closing.closed:
         raise _why_open(task, start, closing, drivers)
+    _require_resolved_angles(mechanism.description, t, closing.q)
     findings = redundancy.find_redundancy(task, closing.q, drivers, start.v)
     if any(drivers[row] for row, _ in findings.lasting):
         raise _redundancy(mechanism.description, findings.lasting, findings.rank, "consistent")
+    require_finite(equations, t, closing.q, np.zeros_like(start.v))
     v, velocity_gaps = _velocities(task, start, closing.q)
     near = None if findings.lasting else start_on_branch(task, closing.q, v, start.fixed_v)
     if near is not None:
         q, v = near
         closing = Closing(q, equations.constraints(t, q), closing.gap)
         velocity_gaps = equations.jacobian(t, q) @ v - equations.velocity_rhs(t, q)
+    require_finite(equations, t, closing.q, v)
     return _report(task, start, closing, v, velocity_gaps, findings)
 
 
@@ -114,12 +122,26 @@ def _require_magnitude(equations: Equations, t: float, q: FloatArray, given: Val
     largest = max(float(np.abs(values).max(initial=0.0)) for values in arrays)
     if largest <= _LARGEST:
         return
+    require_finite(equations, t, q, np.zeros_like(q))
     values = ", ".join(f"{name} = {value:g}" for name, value in given.items())
     raise AssemblyError(
         f"{equations.description.title}: the values are out of scale: lengths and angles in the "
         f"constraints reach {largest:g} at t = {t:g} s, and {_LARGEST:g} is the most that can be "
         f"computed with. Given: {values or 'nothing but the defaults'}."
     )
+
+
+def _require_resolved_angles(description: Description, t: float, q: FloatArray) -> None:
+    """Refuse angles so large that their sines have lost the digits that closing a joint needs."""
+    problems = [
+        f"{description.title}: at t = {t:g} s {description.coordinates[k].name} is {q[k]:.6g} rad; "
+        f"numbers of this size lie {np.spacing(q[k]):.2g} rad apart, so that its sine is "
+        f"not known to the {_UNRESOLVED:g} to which joints close. Take whole turns off: start "
+        "values and motion laws mean the same without them."
+        for k in np.flatnonzero(~description.is_length & (np.spacing(np.abs(q)) > _UNRESOLVED))
+    ]
+    if problems:
+        raise AssemblyError(problems)
 
 
 def _velocities(task: Task, start: Start, q: FloatArray) -> tuple[FloatArray, FloatArray]:

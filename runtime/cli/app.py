@@ -1,11 +1,13 @@
 """The command line: `python -m runtime simulate | kinematics | … | report | matters | accuracy`.
 
 Exit status: 0 done, 1 the run failed (the message says at which t, and what was saved), 2 the
-user's input is wrong. Messages and progress go to stderr; with --json, stdout holds one object.
+user's input is wrong, 128 + n stopped by signal n: 129 SIGHUP, 130 SIGINT, 143 SIGTERM. Messages
+and progress go to stderr; with --json, stdout holds one object.
 """
 
 import math
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
@@ -13,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import typer
 
 from codegen.errors import InputError
+from codegen.termination_signals import finish, keep_results
 from runtime.cli import common, studies
 from runtime.cli.common import Guess, Json, Model, MotionStart, Scene, TEnd, TStart, Values, option
 from runtime.integrate.method import METHODS, alternatives
@@ -149,7 +152,11 @@ def equilibrium(
 
 def main() -> None:
     """Entry point."""
-    app(prog_name="python -m runtime")
+    common.show_warnings_as_notes()
+    try:
+        app(prog_name="python -m runtime")
+    finally:
+        finish()
 
 
 def _run(
@@ -162,12 +169,13 @@ def _run(
             from runtime.results.export import check_place
 
             check_place(out)
-        from runtime.load import load
+        from runtime.machine_loading import load
 
         machine = load(model, scene)
+        keep_results()
         result = analyse(machine, **common.start_values(settings, guess))
-        saved = None if out is None else result.save(out)
-    failed = result.failed
+        saved = None if out is None else _save(result, out)
+    failed = result.failed or saved != out
     error = [] if result.accuracy is None else result.accuracy.sentences()[1:]
     for line in (repr(result), *(f"  {sentence}" for sentence in error), *_event_lines(result)):
         common.write_line(line)
@@ -185,6 +193,21 @@ def _run(
         for row, q in zip(result.description.coordinates, result.samples.q[-1], strict=True):
             sys.stdout.write(f"{row.name:<{width}}  {q: .9g} {row.unit}\n")
     raise typer.Exit(1 if failed else 0)
+
+
+def _save(result: "Result", out: Path) -> Path:
+    """Save a result, where that fails in the system's folder for temporary files: it took time."""
+    try:
+        return result.save(out)
+    except InputError as error:
+        folder = Path(tempfile.mkdtemp(prefix="linkwright-"))
+        try:
+            saved = result.save(folder / out.name)
+        except InputError:
+            folder.rmdir()
+            raise error from None
+        common.write_line(f"error: {error}")
+        return saved
 
 
 def summary(result: "Result", saved: Path | None) -> dict[str, Any]:

@@ -2,8 +2,10 @@
 
 import json
 import sys
+import traceback
+import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -50,6 +52,11 @@ def start_values(parameters: list[str] | None, guess: list[str] | None) -> dict[
     return values
 
 
+def show_warnings_as_notes() -> None:
+    """Have a warning shown as one line, without the place in the source that it comes from."""
+    warnings.formatwarning = lambda message, *_, **__: f"note: {message}\n"
+
+
 @contextmanager
 def exit_on_error(as_json: bool) -> Iterator[None]:
     """End the process with status 2 for wrong input, with 1 for an analysis that failed."""
@@ -59,6 +66,12 @@ def exit_on_error(as_json: bool) -> Iterator[None]:
         refuse(error.problems, 2, as_json)
     except (LinkwrightError, OSError) as error:
         refuse((str(error),), 1, as_json)
+    except EOFError as error:  # of which the command line would say "Aborted." alone
+        reading = [frame.f_locals for frame, _ in traceback.walk_tb(error.__traceback__)]
+        names = [str(names["fullname"]) for names in reading if "fullname" in names]
+        damaged = f"the byte code of {names[-1]} is damaged" if names else "a file ends too early"
+        advice = "Delete the folders __pycache__ of that package, or install it anew."
+        refuse((f"{damaged} ({error}). {advice if names else ''}".strip(),), 1, as_json)
 
 
 def refuse(problems: tuple[str, ...], status: int, as_json: bool) -> NoReturn:
@@ -71,8 +84,9 @@ def refuse(problems: tuple[str, ...], status: int, as_json: bool) -> NoReturn:
 
 
 def write_line(text: str) -> None:
-    """Write a line to stderr."""
-    sys.stderr.write(text + "\n")
+    """Write a line to stderr, if that is still there: a terminal may have been closed."""
+    with suppress(OSError):
+        sys.stderr.write(text + "\n")
 
 
 def print_json(content: dict[str, Any]) -> None:

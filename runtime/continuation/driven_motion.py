@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from codegen.termination_signals import Deferral
 from runtime.continuation import motion_across_branch_point as across
 from runtime.continuation import singular_position_messages as classification
 from runtime.continuation.arclength import Curve, Point
@@ -71,9 +72,17 @@ class Continuation:
         return max([1e-3, *(float(rate) for rate in rates if np.isfinite(rate))])
 
     def run(self, progress: Progress) -> tuple[Outcome, str]:
-        """Continue to the last instant, or to the end of the motion."""
+        """Continue to the last instant, to the end of the motion, or to an interrupt."""
+        with Deferral(computing=True) as signals:
+            return self._run(progress, signals)
+
+    def _run(self, progress: Progress, signals: Deferral) -> tuple[Outcome, str]:
         state, farthest, idle = self.state, (-1, 0.0), 0
         while not state.finished:
+            if signals.arrived:
+                signals.answered, outcome = True, Outcome.INTERRUPTED
+                text = f"Stopped at t = {state.t:.9g} s. {outcome.meaning} {outcome.advice}"
+                return outcome, text
             status = state.advance()
             progress(abs(state.t - state.began) / state.span)
             if status == DONE:

@@ -30,6 +30,7 @@ DONE, STUCK, SUSPECT, ARRIVED = 0, 1, 2, 3
 # measured: scaled error of a prediction up to which it is trusted to name the branch
 _PREDICTED = 0.05
 _TRAVEL = 0.5  # measured: scaled motion of the longest step
+_TRIES = 4096  # safety: steps, rejected ones included, before an interrupt is heard
 _ITERATIONS = 30  # safety: of Newton's method for a position
 # measured: of the smallest pivot: scaled motion after which pivots are compared again
 _MARGIN = 0.5
@@ -193,13 +194,16 @@ def advance(kernels: Any, times: Any, s: Any, r: Any) -> int:
 
     `r.mark` counts the instants done.
 
-    Returns DONE; STUCK with the state at the last position reached; SUSPECT, where the pivots at
-    `r.end` are suspicious, with the state of the last good ones; ARRIVED at the barrier.
+    Returns DONE, where it may go on if instants are left; STUCK with the state at the last position
+    reached; SUSPECT, where the pivots at `r.end` are suspicious, with the state of the last good
+    ones; ARRIVED at the barrier.
     """
     q, v = s.trial[0], s.trial[1]
     if r.least < 0.0:
         record_pivots(kernels, s, r)
-    while r.mark < len(times):
+    tries = 0
+    while r.mark < len(times) and tries < _TRIES:
+        tries += 1
         target, t = times[r.mark], r.t
         if t == target:
             copy_vector(s.q, s.q_out[r.mark])

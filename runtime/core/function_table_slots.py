@@ -71,7 +71,7 @@ TRANSITION = i8(integers, i8, f8, f8)  # context crossing t h
 FRICTION_MARGIN = f8(integers, f8, vector, vector, i8)  # context t q v k
 MARGINS = none(integers, f8, i8, i8)  # context t state slot
 VANISHING = f8(integers, f8, f8, i8)  # context t h state
-GUARD_BRANCHES = i8(integers, f8, f8)  # context t h
+GUARD_BRANCHES = i8(integers, f8, f8, i8)  # context t h taken
 correct_of = TABLE.function("correct", CORRECT)
 trial_step_of = TABLE.function("trial_step", TRIAL_STEP)
 repartition_of = TABLE.function("repartition", REPARTITION)
@@ -116,8 +116,7 @@ TABLE.floats("weights", (4, COORDINATES))  # of Baumgarte's terms
 TABLE.matrix("pivots", (4, None), CONSTRAINT_COUNT)  # see `singularity.prediction`
 TABLE.floats("pivot_history", (2, None))
 TABLE.integers("elimination_plan", PLAN_SIZE)
-TABLE.integers("loop_rows", LOOPS)
-TABLE.floats("loop_nearness", (6, LOOPS))
+TABLE.floats("loop_nearness", (7, LOOPS))
 
 # Switching functions.
 TABLE.integers("rigid", SWITCHES)  # number of the rigid contact, or -1

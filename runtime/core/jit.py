@@ -6,9 +6,9 @@ A cached function is taken for fresh as long as its *own* file is unchanged, alt
 what it calls. So the cache of every function is stamped with the hash of all files of the runtime
 that hold compiled code: an edit anywhere makes all of them stale.
 
-Numba writes the index of a cache before its data, so a process that reads between the two would
-take old machine code for new. Each function therefore has a lock, under which one process compiles
-it while the others wait; different functions compile in different processes at the same time.
+Each function has a lock, under which one process compiles it while the others wait; different
+functions compile in different processes at the same time. What lies in the cache is checked before
+it is run (`codegen.numba_cache`).
 
 A function that is handed to compiled code as an argument costs about 0.1 ms a call, in which numba
 looks up its address. So addresses are looked up once and handed over as integers, and `at` turns
@@ -17,17 +17,20 @@ them back into functions inside.
 
 import hashlib
 from collections.abc import Callable, Iterable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numpy as np
 import numpy.typing as npt
-from filelock import FileLock
 from numba import njit, types
 from numba.core import cgutils
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
+
+from codegen.generated_module_signature_and_import import locked
+from codegen.numba_cache import checked_caches
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -78,7 +81,9 @@ class _Locked(_Dispatcher):  # type: ignore[misc]
     """
 
     def compile(self, signature: Any) -> Any:
-        with global_compiler_lock, FileLock(f"{self._cache._cache_file._index_path}.lock"):
+        files = _cache_files(self)
+        alone = locked(Path(f"{files._index_path}.lock")) if files else nullcontext()
+        with global_compiler_lock, alone:
             return super().compile(signature)
 
     def get_call_template(self, arguments: Any, named: Any) -> Any:
@@ -101,7 +106,7 @@ class _Addressed(_Locked):
 
 def inner(function: F) -> F:
     """Compile with the compiled functions that call it: it is neither loaded nor called alone."""
-    return cast(F, _stamped(njit(**_BARE, **_INSIDE)(function)))
+    return cast(F, _cached(function, **_BARE, **_INSIDE))
 
 
 def closure(function: F) -> F:
@@ -111,12 +116,12 @@ def closure(function: F) -> F:
 
 def inlined(function: F) -> F:
     """As `inner`, copied into every place of its use: for what is small and called in stages."""
-    return cast(F, _stamped(njit(**_BARE, **_INSIDE, forceinline=True)(function)))
+    return cast(F, _cached(function, **_BARE, **_INSIDE, forceinline=True))
 
 
 def fetched(function: F) -> F:
     """As `inlined`, for what answers with an array, which lies in a workspace."""
-    return cast(F, _stamped(njit(**_COUNTED, **_INSIDE, forceinline=True)(function)))
+    return cast(F, _cached(function, **_COUNTED, **_INSIDE, forceinline=True))
 
 
 def addresses(functions: Iterable[Any]) -> npt.NDArray[np.int64]:
@@ -155,20 +160,28 @@ def _address(function: Any) -> int:
 
 def _for(signature: Any, options: dict[str, Any]) -> Callable[[F], F]:
     def decorate(function: F) -> F:
-        dispatcher: Any = _stamped(njit(**options)(function))
-        dispatcher.compile(signature)
+        dispatcher: Any = _cached(function, **options)
+        with checked_caches():
+            dispatcher.compile(signature)
         dispatcher.disable_compile()
         return cast(F, dispatcher)
 
     return decorate
 
 
-def _stamped(dispatcher: Any) -> Any:
-    """Make the dispatcher's cache depend on all compiled code of the runtime, and lock it."""
-    index = dispatcher._cache._cache_file
-    index._source_stamp = (index._source_stamp, _STAMP)
+def _cached(function: Any, **options: Any) -> Any:
+    """A dispatcher with a lock, whose cache depends on all compiled code of the runtime."""
+    with checked_caches():
+        dispatcher: Any = njit(**options)(function)
+    if files := _cache_files(dispatcher):
+        files._source_stamp = (files._source_stamp, _STAMP)
     dispatcher.__class__ = _Locked
     return dispatcher
+
+
+def _cache_files(dispatcher: Any) -> Any:
+    """Index and data of its cache; None where no folder can be written."""
+    return getattr(dispatcher._cache, "_cache_file", None)
 
 
 def _stamp() -> str:

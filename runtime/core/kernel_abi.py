@@ -77,6 +77,9 @@ def _no_energy(q: Any, v: Any, p: Any) -> float:
     return 0.0
 
 
+def _no_profile(t: Any, p: Any, out: Any) -> None: ...
+
+
 def _full_shares(p: Any, low: Any, high: Any) -> None:
     low[:] = 0.0
     high[:] = 1.0
@@ -94,7 +97,7 @@ class Kernels:
     `switched_reactions` fills the rows of REACTIONS that modes decide, `reactions` the others of
     the same array; between modes they mix as q̈ and λ do. A switch in STICTION has a mode 2: its
     friction exerts the force that stands in p behind the parameters, in the order of STICTION.
-    `dead_centres` are x² and its rate of each loop that is closed in closed form.
+    `dead_centres` are x² of each loop in closed form, its rate, and the largest that it may be.
     """
 
     constants: Kernel = _kernel("constants", "p", _skip_1)
@@ -116,6 +119,8 @@ class Kernels:
     holds: Kernel = _kernel("holds", "p low high", _full_shares)
     gap_accelerations: Kernel = _kernel("gap_accelerations", "t q v a p out", _skip_6)
     restitution: Kernel = _kernel("restitution", "p out", _skip_2)
+    conditions: Kernel = _kernel("conditions", "p out", _skip_2)
+    profiles: Kernel = _kernel("profiles", "t p out", _no_profile)
     contact_scale: Kernel = _kernel("contact_scale", "p out", _skip_2)
     switched_reactions: Kernel = _kernel("switched_reactions", "t q v p modes lam out", _skip_7)
     accelerations_tangent: Kernel = _kernel(

@@ -34,9 +34,7 @@ _FLOATS += [
     "permitted",  # error that a step may have, over the tolerance: 1 but where rounding exceeds it
     "vanishing",  # time from now at which constraints seem to become dependent
     "tried",  # length of a step that was taken for good, but for this; 0 for none
-    # instant at which the step over a singular position begins, or of a position that is missed
-    # (MISSING), or of the dead centre of a loop at which a run ends
-    "turn",
+    "turn",  # instant at which the step over a singular position begins, or (MISSING) of a position
     "length_across",  # of the step over it; MISSING: half the width of the bend
     "blind_from",  # samples between these two instants stay as they are interpolated
     "blind_to",
@@ -88,6 +86,7 @@ _INTEGERS += [
     "changed",  # events that were logged at its end
     "due",  # 1: another method is due
     "plan",  # about a singular position, a `Plan`
+    "resumed",  # 1: it goes on from a run in other coordinates, whose modes it takes over
 ]
 
 

@@ -22,6 +22,7 @@ class Outcome(IntEnum):
     LOCKED = 9
     UNBALANCED = 10
     INACCURATE = 11
+    CONTRADICTED = 12
 
     @property
     def of_switch(self) -> bool:
@@ -119,6 +120,13 @@ _TEXT = {
 
         Ask for less accuracy or for a shorter time, or simulate with rtol in place of accuracy for
         a motion of which only constraints, energy and means are right.
+        """,
+    Outcome.CONTRADICTED: """
+        The run reached its end, but a check of its results contradicts them.
+
+        Do not rely on what comes after the instant that is named. Take smaller tolerances or
+        correction="step"; where the energy is not balanced, look for a potential or a law of motion
+        that jumps there.
         """,
 }
 """What happened, then what to try next: two paragraphs."""

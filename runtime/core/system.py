@@ -26,9 +26,7 @@ class System(Kernels):
     stiction: tuple[tuple[int, int], ...] = ()
     # constraints of which none follows from others everywhere; None: all
     independent: tuple[int, ...] | None = None
-    # Loops that the kernels close in closed form, on one branch, in the order of `dead_centres`:
-    # how each is named as `index` of an outcome, by a number not below `constraint_count`.
-    loop_rows: tuple[int, ...] = ()
+    loops: int = 0  # that the kernels close in closed form, on one branch: those of `dead_centres`
 
     @property
     def rank(self) -> int:

@@ -8,16 +8,16 @@ from codegen.errors import InputError
 from runtime.assembly.kernels_for_redundant_constraints import projection_only, with_redundancy
 from runtime.assembly.masses_far_apart import suited_to_masses
 from runtime.core.system import System
+from runtime.dynamics.changes_of_coordinates import Changes
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.method import IMPLICIT
-from runtime.integrate.problem import Correction, Formulation
+from runtime.integrate.problem import Correction, Formulation, Options, Problem
+from runtime.integrate.run import Progress, integrate
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 
 FORMULATIONS = ("cartesian", "reduced")
-# measured: rate of an angle by the kept coordinates that tells a dead centre of its loop
-_STEEP = 1e6
 # safety: ratio of two mobilities, beside typical sizes; their squares are the weights of
 # corrections, and lie as far apart as a pivot may be weak
 _WIDEST = 3e4
@@ -29,26 +29,29 @@ class Coordinates:
 
     mechanism: Mechanism  # with kernels of least norm where constraints are redundant
     system: System
-    p: FloatArray  # parameters of the equations
-    q: FloatArray  # at the start, (f,)
-    v: FloatArray
-    scale: FloatArray  # typical changes, (f,)
-    sizes: FloatArray  # typical sizes, (f,)
     mobility: FloatArray  # typical changes of all coordinates, (n,)
     spreads: FloatArray  # see `Problem`, (s,)
     correction: Correction
 
-    def all_coordinates(self, run: Trajectory) -> Trajectory:
-        """A run in all coordinates, its outcome in terms of all constraints."""
-        return run
+    def __init__(self, ready: PreparedSimulation) -> None:
+        self.ready, self.begin = ready, ready.begin
+
+    def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
+        """The problem of a run from a state in all coordinates, (n,) each, to the end."""
+        raise NotImplementedError
+
+    def run(self, options: Options, progress: Progress) -> Trajectory:
+        """One integration from the start; its run in all coordinates."""
+        begin = self.begin
+        return integrate(self.system, self.problem(begin.t, begin.q, begin.v), options, progress)
 
 
 class CartesianCoordinates(Coordinates):
     """The machine's own coordinates."""
 
     def __init__(self, ready: PreparedSimulation, method: str, correction: Correction) -> None:
+        super().__init__(ready)
         begin, self.mechanism, self.correction = ready.begin, ready.mechanism, correction
-        self.p, self.sizes = ready.p, ready.sizes
         if begin.redundant:
             self.mechanism = with_redundancy(ready.mechanism, begin)
             self.correction = projection_only(ready.mechanism, begin, method, correction)
@@ -58,9 +61,13 @@ class CartesianCoordinates(Coordinates):
         self.spreads = np.zeros(len(self.mechanism.description.switches))
         if method in IMPLICIT:
             self.system = replace(self.system, **self.mechanism.tangents._asdict())
-        self.q, self.v = np.ascontiguousarray(begin.q), np.ascontiguousarray(begin.v)
         mass = Equations(ready.mechanism, ready.p).mass(begin.q)
-        self.scale = self.mobility = _mobility(mass, self.sizes)
+        self.mobility = _compressed(_mobility(mass), ready.sizes)
+
+    def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
+        """In the machine's own coordinates."""
+        ready, q, v = self.ready, np.ascontiguousarray(q), np.ascontiguousarray(v)
+        return Problem(t, ready.t_end, q, v, ready.p, self.mobility, ready.sizes, self.spreads)
 
 
 class ReducedCoordinates(Coordinates):
@@ -70,24 +77,37 @@ class ReducedCoordinates(Coordinates):
     """
 
     def __init__(self, ready: PreparedSimulation, correction: Correction) -> None:
+        super().__init__(ready)
         _refuse(ready, correction)
         begin, self.mechanism, self.correction = ready.begin, ready.mechanism, correction
-        self.reduced = reduced = ready.mechanism.reduced
-        self.system, self._start, kept = reduced.system, (begin.t, begin.q), reduced.kept
-        self.q, self.v = begin.q[kept].copy(), begin.v[kept].copy()
-        self.sizes = ready.sizes[kept]
-        self.p = reduced.parameters(ready.p, begin.t, begin.q)
-        self._refuse_dead_centre()
-        values, mass = np.zeros(len(reduced.mass[0])), np.zeros((len(kept), len(kept)))
-        reduced.kernels.mass(self.q, self.p, values)
-        mass[reduced.mass] = values
-        self.scale = _mobility(mass, self.sizes)
-        self.spreads = _spreads(ready)
+        self.reduced = ready.mechanism.reduced
+        self.system, self.spreads = self.reduced.system, _spreads(ready)
         self.mobility = np.ones(len(begin.q))
-        self.mobility[kept] = self.scale
+        scale = self.problem(begin.t, begin.q, begin.v).scale
+        self.mobility[self.reduced.kept] = np.where(np.isfinite(scale), scale, 1.0)
 
-    def all_coordinates(self, run: Trajectory) -> Trajectory:
-        """All coordinates at the samples, the events and the end."""
+    def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
+        """In the kept coordinates, on the branches on which the machine stands at (t, q)."""
+        reduced, ready = self.reduced, self.ready
+        kept, p = reduced.kept, reduced.parameters(ready.p, t, q)
+        scale, sizes = _mobility(reduced.inertia(t, q[kept], p)), ready.sizes[kept]
+        return Problem(t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads)
+
+    def run(self, options: Options, progress: Progress) -> Trajectory:
+        """One integration from the start, past dead centres in all coordinates."""
+        return Changes(self, options).run(progress)
+
+    def cartesian(self, method: str) -> CartesianCoordinates:
+        """The machine's own coordinates, in which a run passes dead centres."""
+        return CartesianCoordinates(self.ready, method, self.correction)
+
+    def all_coordinates(
+        self, run: Trajectory, start: tuple[float, FloatArray], p: FloatArray
+    ) -> Trajectory:
+        """A run in all coordinates: its samples, its events and its end.
+
+        `start` is where it begins, with all coordinates, (n,), `p` has the branches of its loops.
+        """
         reduced, events = self.reduced, run.events
         count, n = len(run.t), len(self.mechanism.description.coordinates)
         t = np.concatenate([run.t, events.t, [run.final_t]])
@@ -96,7 +116,7 @@ class ReducedCoordinates(Coordinates):
         order = np.argsort(t, kind="stable")
         all_q, all_v = np.empty((len(t), n)), np.empty((len(t), n))
         all_q[order], all_v[order] = reduced.expanded(
-            t[order], q[order], v[order], self.p, self._start, self.sizes
+            t[order], q[order], v[order], p, start, self.ready.sizes[reduced.kept]
         )
         free = np.zeros((len(run.partitions.t), n), dtype=np.bool_)
         free[:, reduced.kept] = run.partitions.independent
@@ -114,21 +134,6 @@ class ReducedCoordinates(Coordinates):
             index=run.index if switched else reduced.row(run.index), crossings=tuple(crossings),
         )  # fmt: skip
 
-    def _refuse_dead_centre(self) -> None:
-        description, (t, _) = self.mechanism.description, self._start
-        steep = self.reduced.steepness(t, self.q, self.p, self.sizes)
-        problems = [
-            f"{description.title}: the run starts with {description.constraints[row].name} at a "
-            "dead centre of its loop, where both ways to close it meet "
-            f"({description.coordinates[column].name} moves {ratio:.1e} times as fast as what is "
-            "left), and reduced coordinates follow one of them; "
-            f'start further away, or take formulation="cartesian".'
-            for (column, row), ratio in zip(self.reduced.branches, steep, strict=True)
-            if not ratio < _STEEP
-        ]
-        if problems:
-            raise InputError(problems)
-
 
 def formulate(
     ready: PreparedSimulation, formulation: Formulation, method: str, correction: Correction
@@ -141,17 +146,22 @@ def formulate(
     return CartesianCoordinates(ready, method, correction)
 
 
-def _mobility(mass: FloatArray, sizes: FloatArray) -> FloatArray:
+def _mobility(mass: FloatArray) -> FloatArray:
     """Typical size of a change of each coordinate, 1/√M_kk, shape (n,).
 
     A coordinate without mass, such as the place of a contact on a cam, follows most easily: ten
-    times the size of the most mobile body makes it one of the dependent coordinates. Beside typical
-    `sizes` of the coordinates mobilities lie at most `_WIDEST` apart: they say which coordinate
-    follows more easily, not which constraints are independent.
+    times the size of the most mobile body makes it one of the dependent coordinates.
     """
     inertia = np.diag(mass)
     heavy = inertia > 0.0
-    mobility: FloatArray = 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))
+    return 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))
+
+
+def _compressed(mobility: FloatArray, sizes: FloatArray) -> FloatArray:
+    """Mobilities at most `_WIDEST` apart beside the typical sizes of their coordinates.
+
+    They say which coordinate follows more easily, not which constraints are independent.
+    """
     beside = mobility / sizes
     most, least = float(beside.max()), float(beside.min())
     if most <= _WIDEST * least:

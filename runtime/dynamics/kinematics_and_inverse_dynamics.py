@@ -19,8 +19,10 @@ from runtime.assembly.masses_far_apart import suited_to_masses
 from runtime.continuation.driven_motion import follow
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.end_checks import check_result
 from runtime.dynamics.output_quantities import evaluate
-from runtime.mechanism.dense_equations import Equations
+from runtime.integrate.problem import Options
+from runtime.mechanism.dense_equations import Equations, magnitudes
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
@@ -60,12 +62,15 @@ def kinematics(
             f"accelerations and reactions are not a number there."
         )
     motion.stats["wall_seconds"] = clock.perf_counter() - began
-    return Result(
+    result = Result(
         mechanism.description, samples, p, analysis=analysis, outcome=motion.outcome,
         message=message + redundancy_note(start), stats=motion.stats,
         events=[_event(row) for row in motion.singular if row.kind in _DIRECTIONS],
         not_unique=start.not_unique, singular=motion.singular,
     )  # fmt: skip
+    equations = Equations(mechanism, p)
+    check_result(result, equations, magnitudes(equations, start.t, start.q), Options(rtol=0.0))
+    return result
 
 
 def inverse_dynamics(

@@ -3,8 +3,7 @@
 from typing import TYPE_CHECKING
 
 from runtime.assembly.assemble import assemble
-from runtime.integrate.problem import Options, Problem
-from runtime.integrate.run import integrate
+from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, magnitudes
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
@@ -46,10 +45,4 @@ class PreparedSimulation:
         """One integration in the coordinates `taken`; its run in all coordinates."""
         first = self.begin.t
         span = max(self.t_end - first, 1e-300)
-        problem = Problem(
-            first, self.t_end, taken.q, taken.v, taken.p, taken.scale, taken.sizes, taken.spreads
-        )
-        run = integrate(
-            taken.system, problem, options, lambda t, steps: progress((t - first) / span)
-        )
-        return taken.all_coordinates(run)
+        return taken.run(options, lambda t, steps: progress((t - first) / span))

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.end_checks import check_result
 from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.friction_jam import describe_jam
 from runtime.dynamics.output_quantities import evaluate
@@ -24,6 +25,7 @@ from runtime.results.event_records import Event
 from runtime.results.result import Result
 from runtime.results.samples import Partition
 from runtime.validation.arguments import instants
+from runtime.validation.finite_equations import describe_infinite
 from runtime.validation.scene_support import driven_note
 
 
@@ -52,20 +54,22 @@ def simulate(
 
 def finish_simulation(
     ready: PreparedSimulation, coordinates: Coordinates, options: Options, began: float,
-    progress: Progress, run: Trajectory | None = None,
+    progress: Progress, run: Trajectory | None = None, *, works: bool = True,
 ) -> Result:  # fmt: skip
     """The result of a simulation that `began` at an instant of `time.perf_counter`, s.
 
-    `run` is its run, if that exists already; a scene with works needs another one.
+    `run` is its run, if that exists already; a scene with works needs another one,
+    unless they are left out.
     """
     begin, mechanism = ready.begin, coordinates.mechanism
-    works = bool(mechanism.description.work_rows)
+    works = works and bool(mechanism.description.work_rows)
     if works or run is None:
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
     result = _result(mechanism, run, ready.p, began, begin)
     if works:
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
+    check_result(result, equations, ready.sizes, options, run)
     result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
     result.message += driven_note(mechanism, begin.degrees_of_freedom)
     return result
@@ -170,6 +174,10 @@ def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
     jam = describe_jam(mechanism, run, p)
     if jam:
         return f"Stopped at t = {run.final_t:.9g} s{where}. {jam}"
+    if run.outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL):
+        state = run.final_t, run.final_q, run.final_v, run.final_modes
+        if infinite := describe_infinite(Equations(mechanism, p), *state):
+            return f"Stopped at t = {run.final_t:.9g} s{where}. {infinite}"
     note, advice = f" {run.note}" if run.note else "", f" {run.outcome.advice}"
     if run.outcome is Outcome.SINGULAR and run.note:
         advice = ""  # the note has its own

@@ -22,6 +22,7 @@ LOOK_AHEAD = 0.05  # measured: of a step; look-ahead in which modes are judged
 _BEGAN, _CEASED = int(Direction.BEGAN), int(Direction.CEASED)
 _HOLDS, _IMPACT = int(Direction.HOLDS), int(Direction.IMPACT)
 _FREE = 0.02  # measured: difference of the ratio of two flights in a row from that of free flights
+_SAME_BOUNCING = 10.0  # measured: next flights by which the ratio may err within one bouncing
 _STILL = 1e-12  # accuracy: of the rate before an impact; slower contacts after it stay closed
 _CLOCK = 8.0 * EPS  # accuracy: of the time; difference of instants that the clock cannot resolve
 
@@ -54,12 +55,16 @@ def predict_flights(context: Context, k: int, t: float, free: float) -> float:
     """Total time of all further flights of contact `k`.
 
     It is `free`, T/(1 - e), where they are free; where friction or another contact interferes, each
-    is shorter than the one before in the ratio of the last two.
+    is shorter than the one before in the ratio of the last two. Only flights of one bouncing have a
+    ratio: the next one, T, then is about as long as the ratio says. The flight of a ball that its
+    floor threw off is no part of the bouncing that ends it.
     """
     e, before = context.restitution_coefficients[context.rigid[k]], context.flight[k]
     flight = t - context.impact_at[k]
     ratio = flight / before if before > 0.0 else e
     if abs(ratio - e) < _FREE * e or not 0.0 < ratio < 1.0:
+        return free
+    if not flight * ratio < _SAME_BOUNCING * (1.0 - e) * free:
         return free
     return float(flight * ratio / (1.0 - ratio))
 

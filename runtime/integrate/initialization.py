@@ -56,7 +56,7 @@ def place_on_constraints(context: Context, t: float) -> int:
     """Choose the independent coordinates and return Y0 onto the constraints."""
     r = run_record(context)
     ft.repartition_of(context)(context, t, Y0)
-    r.repartitions = 0
+    r.repartitions *= r.resumed  # what a run begins with is no change
     if r.rank < context[ft.RANK]:
         r.index = context.row_order[r.rank]
         return Outcome.SINGULAR
@@ -157,7 +157,7 @@ def start(context: Context) -> int:
             return Outcome.SINGULAR
     else:  # accelerations are those by continuity
         copy_vector(v, ws.position_rates(context, K))
-    if context[ft.SWITCHES] > 0:
+    if context[ft.SWITCHES] > 0 and r.resumed == 0:
         outcome = choose_modes(context, t)
     if not is_finite(a):
         jammed = find_jamming_friction(context, t, q, v, a)
@@ -171,5 +171,6 @@ def start(context: Context) -> int:
         r.rhs += 1
     r.rhs += 1
     ft.restart_of(context)(context, t, r.h)
-    record_start(context, t)
+    if r.resumed == 0:
+        record_start(context, t)
     return outcome

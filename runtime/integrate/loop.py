@@ -65,13 +65,12 @@ def try_step(context: Integers) -> int:
     r = run_record(context)
     t, h, end = r.t, r.length, r.end
     code = ft.trial_step_of(context)(context, t, h)
+    if context[ft.LOOPS] != 0:
+        taken = 1 if code == TrialStep.DONE else 0
+        if ft.guard_branches_of(context)(context, t, h, taken) != 0:
+            r.rejected += 1
+            return Signal.LEAVE
     if code == TrialStep.DONE:
-        if context[ft.LOOPS] != 0:
-            passed = ft.guard_branches_of(context)(context, t, h)
-            if passed > 0:
-                return int(passed)
-            if passed < 0:
-                return Signal.RETRY
         return Signal.PROCEED
     if code == TrialStep.TOO_LARGE:
         h *= max(r.shrink, r.safety / r.error**r.exponent)

@@ -7,6 +7,7 @@ import numpy as np
 
 from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.function_table_slots import EVENT_ROWS, OUT_ROWS, SAMPLE_TIMES
+from runtime.core.modes_and_event_kinds import Direction
 from runtime.integrate.trajectory import Events, Partitions
 from runtime.integrate.wiring import Wiring, place
 
@@ -49,9 +50,14 @@ class Recording:
         self._place(EVENT_ROWS, rows, _EVENTS, self.events_out)
         instants = np.zeros(0) if t_eval is None else t_eval
         self._place(SAMPLE_TIMES, instants.size, ("sample_times",), (instants,))
-        self.sample_rows, self.event_rows, self.partition_rows = _Rows(), _Rows(), _Rows()
         self.instants = instants.size
         self._allot(self.instants if self.fixed_size else 1)
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget what was taken over: what follows is another part of the run."""
+        self.sample_rows, self.event_rows, self.partition_rows = _Rows(), _Rows(), _Rows()
+        self.first = int(self.record["samples"])
 
     def _place(self, count: int, rows: int, names: Iterable[str], arrays: Iterable[Any]) -> None:
         table = self.wiring.table
@@ -88,13 +94,13 @@ class Recording:
     def samples(self) -> tuple[Vector, Matrix, IntegerMatrix]:
         """Times (k,), states (k, 2 n) and modes (k, s)."""
         if self.fixed_size:
-            t, y, modes = (array[: self.record["samples"]] for array in self.out)
+            t, y, modes = (array[self.first : self.record["samples"]] for array in self.out)
         else:
             t, y, modes = self.sample_rows.joined(*self.out)
         return t, y, modes
 
     def events(self) -> Events:
-        """All events so far."""
+        """All events so far, as they were logged; see `in_order`."""
         t, kind, y = self.event_rows.joined(*self.events_out)
         return Events(t, kind[:, 0], kind[:, 1], y[:, : self.n], y[:, self.n :])
 
@@ -102,3 +108,23 @@ class Recording:
         """The first partition and all changes so far."""
         t, sets = self.partition_rows.joined(*self.log)
         return Partitions(t, sets.astype(bool))
+
+
+def in_order(events: Events, now: float) -> Events:
+    """The events of a run that has reached the instant `now`, in order of time.
+
+    The end of bouncing is logged at the contact's last visible impact, with the instant at which
+    its flights will be over: an event of the same contact, or the end of the run, that comes before
+    it is the latest at which that can be.
+    """
+    t = events.t
+    if not ((np.diff(t) < 0.0).any() or (t[-1:] > now).any()):
+        return events
+    limit: dict[int, float] = {}
+    for i in range(len(t) - 1, -1, -1):
+        k = int(events.index[i])
+        if events.direction[i] == Direction.HOLDS:
+            t[i] = min(t[i], limit.get(k, now))
+        limit[k] = float(t[i])
+    order = np.argsort(t, kind="stable")
+    return Events(*(column[order] for column in vars(events).values()))

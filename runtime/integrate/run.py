@@ -1,28 +1,25 @@
 """Integrate the equations of motion: the Python face of the compiled loop."""
 
-import signal
-import threading
 import time
 from collections.abc import Callable
-from types import FrameType
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
 from codegen.errors import AnalysisError
+from codegen.termination_signals import Deferral
 from runtime.core.array_types import Integers, Vector
 from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
 from runtime.core.system import System
 from runtime.core.workspace_rows import BAND, STRUCK
-from runtime.hybrid.loop_branch_guard import DEAD_CENTRE_NOTE, find_dead_centre
 from runtime.hybrid.mode_search import MOST_COMBINED
 from runtime.integrate.initialization import start
 from runtime.integrate.loop import advance
 from runtime.integrate.method import LEADING
 from runtime.integrate.problem import Options, Problem
-from runtime.integrate.recording_buffers import Recording
-from runtime.integrate.run_state import RunState
+from runtime.integrate.recording_buffers import Recording, in_order
+from runtime.integrate.run_state import COUNTS, RunState
 from runtime.integrate.sampling import INTERVAL
 from runtime.integrate.singular_crossing.crossing import Crossings
 from runtime.integrate.step import Signal
@@ -32,14 +29,17 @@ from runtime.integrate.validation import check
 Progress = Callable[[float, int], None]
 """Called between chunks with the time reached and the steps taken."""
 
+Change = Callable[["Run", int], tuple["Run", int]]
+"""Called after the start and between chunks with the run and its signal, or code of an outcome.
+
+It answers with those with which the run goes on, perhaps in other coordinates.
+"""
+
 _FIRST_CHUNK = 128  # measured: steps before an interrupt is heard, as before the run
 _LONGEST_CHUNK = 16384  # safety: steps before an interrupt is heard, at most
 _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
 # As integers: looking up a member of an enumeration is slow in Python 3.11.
 _GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
-_COUNTS = tuple(
-    name for name in Statistics.__dataclass_fields__ if name not in ("largest_dq", "seconds")
-)
 
 
 def integrate(
@@ -49,11 +49,12 @@ def integrate(
 
     `progress` is called now and then with the time reached and the number of steps taken. A
     `KeyboardInterrupt`, here or, after 128 steps, from the keyboard, ends the run with what was
-    computed; one from the keyboard before that is raised. Raises InputError with everything that is
-    wrong with the problem and its options.
+    computed; one from the keyboard before that, or in the last steps, is raised. Raises InputError
+    with everything that is wrong with the problem and its options.
     """
     check(system, problem, options)
-    return Run(system, problem, options).execute(progress)
+    path = Run(system, problem, options).execute(progress)
+    return replace(path, events=in_order(path.events, path.final_t))
 
 
 def initial_modes(
@@ -76,31 +77,6 @@ def initial_modes(
     return run.state.modes
 
 
-class _InterruptHandler:
-    """Notes the keyboard's interrupt from its installation until it is left.
-
-    So no chunk is lost. Taking over the signal and handing it back takes as long as a hundred
-    evaluations of a small machine, which a short run does without.
-    """
-
-    def __enter__(self) -> "_InterruptHandler":
-        self.interrupted = self.installed = False
-        return self
-
-    def install(self) -> None:
-        """Take over the signal, unless that is done or another thread's."""
-        if not self.installed and threading.current_thread() is threading.main_thread():
-            self.previous: Any = signal.signal(signal.SIGINT, self._note)
-            self.installed = True
-
-    def _note(self, number: int, frame: FrameType | None) -> None:
-        self.interrupted = True
-
-    def __exit__(self, *error: object) -> None:
-        if self.installed:
-            signal.signal(signal.SIGINT, self.previous)
-
-
 class Run:
     """One run: its state, what it records, and its way into and out of the compiled loop."""
 
@@ -112,6 +88,20 @@ class Run:
         n, s = system.coordinates, system.switches
         self.recording = Recording(self.state.wiring, n, s, t_eval, interval)
         self.crossings = Crossings(self.state, problem)
+        self.first_t = float(problem.t0)
+        self.fresh = self.state.record.copy()
+        self.most = _LONGEST_CHUNK  # steps until `Change` is called again
+
+    def take_over(self, other: "Run", q: Vector, v: Vector) -> int:
+        """Go on from where `other` stands, in other coordinates; returns the code of an outcome.
+
+        (q, v), (n,) each, is the state in the coordinates of this run. What it has recorded before
+        is forgotten.
+        """
+        self.state.take_over(other.state, self.fresh, q, v)
+        self.recording.begin()
+        self.crossings.begin()
+        return self.start()
 
     def start(self) -> int:
         """Prepare the first step; returns the code of an outcome."""
@@ -128,7 +118,7 @@ class Run:
             elif self.crossings.note:
                 code = Outcome.SINGULAR  # whichever way the search for a start ended
         self.recording.flush()
-        if self.state.system.switches:
+        if self.state.system.switches and not self.state.record["resumed"]:
             self._log_first_impacts()
         return code
 
@@ -141,51 +131,56 @@ class Run:
         self.recording.add_events(record["t"], struck, kinds, self.state.y.ravel())
         record["events"] += len(struck)
 
-    def execute(self, progress: Progress | None) -> Trajectory:
-        """Run to the end or to whatever stops the run before."""
+    def execute(self, progress: Progress | None, change: Change | None = None) -> Trajectory:
+        """Run to the end or to whatever stops the run before.
+
+        Where `change` goes on in other coordinates, the result is that of the last run.
+        """
         began = time.thread_time()  # others on the machine take no part in it
-        record, fixed_chunk = self.state.record, self.state.options.chunk
-        with _InterruptHandler() as handler:
+        run, fixed_chunk, stopped = self, self.state.options.chunk, False
+        with Deferral(computing=True, at_once=False) as signals:
             code = self.start()
             if code == Outcome.OK:
                 code = _GOING
+            if change is not None:
+                run, code = change(run, code)
             chunk = fixed_chunk or _FIRST_CHUNK
             while code == _GOING:
-                self.recording.make_room(chunk)
+                steps = min(chunk, run.most)
+                run.recording.make_room(steps)
                 before = time.perf_counter()
-                code = advance(self.state.table, chunk)
+                code = advance(run.state.table, steps)
                 took = time.perf_counter() - before
-                self.recording.flush()
-                if code in (_GOING, _LOOK, _CHANGE):
-                    handler.install()
+                run.recording.flush()
+                if code < 0:
+                    signals.begin()
                 if code == _CHANGE:
-                    self.state.change_method()
+                    run.state.change_method()
                     code = _GOING
                 if fixed_chunk is None and took < 0.5 * _CHUNK_SECONDS:
                     chunk = min(2 * chunk, _LONGEST_CHUNK)
+                elif fixed_chunk is None and took > 2.0 * _CHUNK_SECONDS:
+                    chunk = max(1, int(chunk * _CHUNK_SECONDS / took))
                 if progress is not None:
+                    record = run.state.record
                     try:
                         progress(float(record["t"]), int(record["steps"]))
                     except KeyboardInterrupt:
-                        handler.interrupted = True
+                        stopped = True
                 if code == _LOOK:
-                    code = self.crossings.decide()
-                if handler.interrupted and code == _GOING:
-                    code = Outcome.INTERRUPTED
-        return self._result(Outcome(code), time.thread_time() - began)
+                    code = run.crossings.decide()
+                if change is not None:
+                    run, code = change(run, code)
+                if code == _GOING and (signals.arrived or stopped):
+                    code, signals.answered = int(Outcome.INTERRUPTED), not stopped
+        return run.result(Outcome(code), time.thread_time() - began)
 
-    def _result(self, outcome: Outcome, seconds: float) -> Trajectory:
+    def result(self, outcome: Outcome, seconds: float) -> Trajectory:
+        """What was recorded since the start, or since the run took over from another."""
         state, r = self.state, self.state.record
         n, stopped = state.system.coordinates, float(r["t"])
-        nearness = state.wiring.arrays["loop_nearness"]
-        loop = find_dead_centre(state.system, stopped, state.y, state.p, nearness, outcome)
-        if loop is not None:
-            outcome, r["index"], r["turn"] = Outcome.SINGULAR, loop, stopped
         note = self.crossings.note or self._search_note(outcome)
-        if not note and outcome is Outcome.SINGULAR and int(r["index"]) in state.system.loop_rows:
-            note = DEAD_CENTRE_NOTE.format(float(r["turn"]))
         t, y, modes = self.recording.samples()
-        counts = {name: int(r[name]) for name in _COUNTS}
         return Trajectory(
             t=t,
             q=y[:, :n],
@@ -193,11 +188,12 @@ class Run:
             modes=modes,
             outcome=outcome,
             index=int(r["index"]),
+            first_t=self.first_t,
             final_t=stopped,
             final_q=state.y[0].copy(),
             final_v=state.y[1].copy(),
             final_modes=state.modes,
-            statistics=Statistics(**counts, largest_dq=float(r["largest_dq"]), seconds=seconds),
+            statistics=Statistics(**{name: r[name].item() for name in COUNTS}, seconds=seconds),
             events=self.recording.events(),
             partitions=self.recording.partitions(),
             methods=tuple((t, LEADING if name == "auto" else name) for t, name in state.methods),

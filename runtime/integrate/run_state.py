@@ -6,14 +6,16 @@ from numpy.typing import NDArray
 from runtime.constraints.repartitioning import GROWTH_LIMIT
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers, Matrix
+from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.loop_record import ConstraintReturn
+from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.system import System
 from runtime.hybrid.rhs_with_sliding_or_stabilization import TIME_SCALE
 from runtime.integrate.loop import LOG_MARGIN
 from runtime.integrate.method import Method, find_method
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.sampling import QUADRATURE, STEP_ENDS
+from runtime.integrate.trajectory import Statistics
 from runtime.integrate.wiring import METHOD_SLOTS, function_table, wire
 
 _FOLLOWED = 2.0  # measured: of Baumgarte's time; in longer steps the stabilisation oscillates
@@ -22,6 +24,14 @@ _METHOD_NUMBERS = (
     "estimate_order", "last", "stage_calls", "dense_calls", "dense_rows", "foresight", "beta",
     "safety", "shrink", "grow",
 )  # fmt: skip
+# What a run knows of its switching functions, samples and events whatever its coordinates.
+_OF_SWITCHES = ("modes", "switching_rows", "share", "recent_events")
+_OF_EVENTS = (
+    "t", "usual", "samples", "next_sample", "event_span", "flight", "shrinking", "standing",
+    "patience",
+)  # fmt: skip
+COUNTS = tuple(name for name in Statistics.__dataclass_fields__ if name != "seconds")
+"""What the record of a run counts."""
 _CORRECTING = {
     "step": ConstraintReturn.BY_PARTITION,
     "stage": ConstraintReturn.BY_PARTITION,
@@ -104,6 +114,33 @@ class RunState:
         n = self.system.coordinates
         arrays["weights"][:n], arrays["weights"][3 * n :] = problem.scale**2, problem.sizes
         arrays["spreads"][:] = problem.spreads
+
+    def take_over(self, other: "RunState", fresh: np.void, q: Vector, v: Vector) -> None:
+        """Go on from where a run of the same machine in other coordinates stands.
+
+        `fresh` is the record of this run before its start, (q, v), (n,), the state in its
+        coordinates.
+        """
+        r, theirs, arrays = self.record, other.record, self.wiring.arrays
+        counted = {name: r[name] for name in COUNTS}
+        arrays["record"][0] = fresh
+        for name, count in counted.items():
+            r[name] = count
+        for name in _OF_EVENTS:
+            r[name] = theirs[name]
+        r["h"], r["resumed"] = theirs["usual"] if theirs["usual"] > 0.0 else theirs["h"], 1
+        r["max_steps"] = fresh["max_steps"] - theirs["steps"] - theirs["rejected"]
+        r["max_events"] = fresh["max_events"] - theirs["events"]
+        r["look_at"] = -np.inf
+        self.y[0], self.y[1] = q, v
+        if self.system.switches:
+            for name in _OF_SWITCHES:
+                arrays[name][:] = other.wiring.arrays[name]
+            sliding = int(np.count_nonzero(self.modes == SLIDING))
+            self.table[ft.SLIDING_COUNT] = sliding
+            self.table[ft.MODIFIED] = sliding + self.table[ft.STABILIZED]
+        self.methods = other.methods
+        self.use_method(self.methods[-1][1])
 
     def _take(self, method: Method) -> None:
         """Write the numbers of the method into the record."""

@@ -35,6 +35,7 @@ class Signal(IntEnum):
     CHANGE = -3  # another method is due
     PROCEED = -4  # the step goes on with its next part
     RETRY = -5  # the step is not taken; the next one is shorter
+    LEAVE = -6  # it is not taken, as other coordinates are due
 
 
 SAME = 0  # code: no result of a return: no coordinates are better

@@ -73,6 +73,7 @@ class Trajectory:
     modes: IntegerMatrix  # (k, s): in force on the step that ends at or contains the sample
     outcome: Outcome
     index: int  # the switching function or constraint that the outcome concerns; -1: none
+    first_t: float  # where the run began
     final_t: float  # where the run stopped, ready to go on from
     final_q: Vector
     final_v: Vector

@@ -83,7 +83,7 @@ _kernels = cache(System.table)  # addresses of a machine's kernels, in the order
 def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     """Lay out the table of a run, with room for `log_rows` changes of the partition."""
     n, m, s = system.coordinates, system.constraint_count, system.switches
-    nonzeros, loops = len(system.jacobian_rows), len(system.loop_rows)
+    nonzeros = len(system.jacobian_rows)
     table = np.zeros(ft.TABLE.size, np.int64)
     table[: len(KERNELS)] = _kernels(system)
     table[METHOD_SLOTS] = function_table(name)
@@ -98,7 +98,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         ft.PARAMETER_COUNT: p.size,
         ft.RIGID_COUNT: len(system.rigid),
         ft.REACTION_ROWS: system.reaction_rows,
-        ft.LOOPS: loops,
+        ft.LOOPS: system.loops,
         ft.PLAN_SIZE: plan_capacity(m, nonzeros),
         ft.WORKSPACE_SIZE: 2 * n * ws.ROWS,
         ft.SWITCHING_SIZE: s * ws.SWITCH_ROWS,
@@ -116,8 +116,6 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     table[ft.RECORD] = arrays["record"].ctypes.data
     arrays["row_order"][:], arrays["column_order"][:] = np.arange(m), np.arange(n)
     arrays["recent_events"][:] = -np.inf
-    if loops:
-        arrays["loop_rows"][:] = system.loop_rows
     if s:
         _describe_switches(system, p, arrays)
     return Wiring(table, arrays)

@@ -8,6 +8,10 @@ from typing import Any, NamedTuple, Protocol, SupportsIndex, TypeVar, get_args, 
 import numpy as np
 import numpy.typing as npt
 
+from codegen.argument_readers import shortened
+from codegen.errors import UnknownNameError
+from codegen.parameter_conditions import ConditionRow, ProfileRow
+
 Indices = npt.NDArray[np.int64]
 
 
@@ -41,9 +45,9 @@ class Table(tuple[RowT, ...]):
     def __getitem__(self, item: slice) -> tuple[RowT, ...]: ...
     def __getitem__(self, item: SupportsIndex | str | slice) -> RowT | tuple[RowT, ...]:
         """Row by position or name."""
-        if isinstance(item, str):
-            return super().__getitem__(self.index(item))
-        return super().__getitem__(item)
+        if isinstance(item, int | np.integer | slice):
+            return super().__getitem__(item)
+        return super().__getitem__(self.index(item))
 
     def index(self, item: object, *bounds: SupportsIndex) -> int:
         """Position of a row, or of the row of that name."""
@@ -51,8 +55,11 @@ class Table(tuple[RowT, ...]):
             try:
                 return self.names.index(item, *bounds)
             except ValueError:
-                raise KeyError(unknown("name", item, self.names)) from None
-        return super().index(item, *bounds)
+                raise UnknownNameError(unknown("name", item, self.names)) from None
+        try:
+            return super().index(item, *bounds)
+        except Exception as error:
+            raise UnknownNameError(unknown("name", item, self.names)) from error
 
 
 class Coordinate(NamedTuple):
@@ -190,6 +197,8 @@ class Description(NamedTuple):
     rigid: Table[RigidContact] = Table()
     stiction: tuple[int, ...] = ()
     weak_pivot: float = 0.0  # part of its reference below which a pivot is weak; 0: none is watched
+    conditions: tuple[ConditionRow, ...] = ()  # on parameters, judged before each run
+    profiles: tuple[ProfileRow, ...] = ()
 
     @property
     def title(self) -> str:
@@ -261,17 +270,19 @@ def describe(module: ModuleType) -> Description:
             literals[name] = Table(row(*entry) for entry in literals.get(name, ()))
         elif kind == Indices:
             literals[name] = np.array(literals.get(name, ()), dtype=np.int64)
+    literals["conditions"] = tuple(map(ConditionRow._make, literals.get("conditions", ())))
+    literals["profiles"] = tuple(map(ProfileRow._make, literals.get("profiles", ())))
     literals["stiction"] = tuple(switch for _, switch in literals.get("stiction", ()))
     return Description(
         **literals, has_masses=hasattr(module, "mass"), kernels=frozenset(vars(module))
     )
 
 
-def unknown(what: str, name: str, names: Iterable[str]) -> str:
+def unknown(what: str, name: object, names: Iterable[str]) -> str:
     """Sentence saying that a name does not exist, with the nearest that do."""
     names = tuple(names)
-    near = get_close_matches(name, names, n=3, cutoff=0.5)
+    near = get_close_matches(name, names, n=3, cutoff=0.5) if isinstance(name, str) else []
     if near:
-        return f"There is no {what} {name!r}; nearest: {', '.join(near)}."
+        return f"There is no {what} {shortened(name)}; nearest: {', '.join(near)}."
     listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
-    return f"There is no {what} {name!r}; there are: {listed or 'none'}."
+    return f"There is no {what} {shortened(name)}; there are: {listed or 'none'}."

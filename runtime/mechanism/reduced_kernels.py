@@ -26,6 +26,7 @@ class Reduced:
     # (t, all_q, p, out): a number for each of `branches`, whose sign is that of the branch
     sides: Kernel
     dead_centres: Kernel
+    reduced_mass: Kernel  # (t, q, p, values): structural non-zeros of M_r
     kept: Integers  # columns of the coordinates that are integrated
     closures: tuple[int, ...]  # rows of the constraints between them
     angles: Integers  # columns of the angles in closed form
@@ -41,7 +42,7 @@ class Reduced:
         return replace(
             common_system(self.description, self.kernels, *self.jacobian, n, m),
             dead_centres=self.dead_centres,
-            loop_rows=tuple(m + row for _, row in self.branches),
+            loops=len(self.branches),
             **self.tangents._asdict(),
         )
 
@@ -65,21 +66,22 @@ class Reduced:
         self.kernels.constants(values)
         return values
 
-    def steepness(self, t: float, q: Vector, p: Vector, sizes: Vector) -> Vector:
-        """Largest rate of each of `branches` by those of the kept coordinates, in their sizes.
+    def inertia(self, t: float, q: Vector, p: Vector) -> Matrix:
+        """M_r, (f, f), by the kept coordinates, (f,)."""
+        values, mass = np.zeros(len(self.mass[0])), np.zeros((len(q), len(q)))
+        self.reduced_mass(t, q, p, values)
+        mass[self.mass] = values
+        return mass
 
-        It grows without bound at a dead centre. q and `sizes` are of the kept coordinates, (f,).
+    def squares(self, t: float, q: Vector, v: Vector, p: Vector) -> tuple[Vector, Vector, Vector]:
+        """ρ² of each of `branches` at a state in all coordinates, its rate, and its bound.
+
+        ρ² vanishes at a dead centre. `p` is that of the machine; q and v have shape (n,).
         """
-        columns = [column for column, _ in self.branches]
-        turns, unit, found = np.zeros(len(self.angles)), np.zeros(len(q)), np.zeros(len(columns))
-        place, rest, rate = np.zeros((3, len(self.description.coordinates)))
-        self.expand(t, q, unit, p, turns, place, rest)
-        for j, size in enumerate(sizes):
-            unit[j] = size
-            self.expand(t, q, unit, p, turns, place, rate)
-            unit[j] = 0.0
-            found = np.maximum(found, np.abs(rate - rest)[columns])
-        return found
+        out = np.zeros(3 * len(self.branches))
+        place = self.parameters(p, t, q)
+        self.dead_centres(t, q[self.kept], v[self.kept], place, out)
+        return out[::3], out[1::3], out[2::3]
 
     def expanded(
         self, t: Vector, q: Matrix, v: Matrix, p: Vector,
@@ -108,7 +110,8 @@ def gather_reduced(module: ModuleType, description: Description) -> Reduced:
     kept, angles, rows, columns, mass_rows, mass_columns = indices
     return Reduced(
         description=description, kernels=kernels.gather(module), tangents=gather_tangents(module),
-        expand=module.expand, sides=module.branches, dead_centres=module.dead_centres, kept=kept,
+        expand=module.expand, sides=module.branches, dead_centres=module.dead_centres,
+        reduced_mass=module.reduced_mass, kept=kept,
         closures=tuple(module.CLOSURES), angles=angles, branches=tuple(module.BRANCHES),
         jacobian=(rows, columns), mass=(mass_rows, mass_columns),
         slots=len(description.parameters) + len(module.BRANCHES) + len(module.CONSTANTS),

@@ -5,7 +5,6 @@ companion belongs to one text of that file, whose SHA-256 it names: with any oth
 ``p`` might differ, and it is built again.
 """
 
-import hashlib
 import re
 from pathlib import Path
 from types import ModuleType
@@ -16,6 +15,8 @@ from codegen.generated_module_signature_and_import import (
     check_signature,
     companion_path,
     import_generated,
+    read_generated,
+    text_hash,
 )
 
 if TYPE_CHECKING:
@@ -25,6 +26,8 @@ Kind = Literal["tangents", "reduced"]
 
 _BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
 _CONTENTS = {"tangents": "derivatives", "reduced": "reduced equations"}
+# What each has to define: without it, an older generator wrote the file.
+_DEFINES = {"tangents": "def accelerations_tangent(", "reduced": "def reduced_mass("}
 
 
 class Origin(NamedTuple):
@@ -52,7 +55,7 @@ def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) ->
     if text is not None:
         place = companion_path(origin.path, kind)
         check_signature(place, text, _command(origin, kind))
-        return import_generated(place, hashlib.sha256(text.encode()).hexdigest())
+        return import_generated(place, text_hash(text))
     from codegen import build
 
     folder, wanted = origin.path.parent, {kind: True}
@@ -79,9 +82,10 @@ def _text(origin: Origin, kind: Kind) -> str | None:
     place = companion_path(origin.path, kind)
     if not place.is_file():
         return None
-    text = place.read_text(encoding="utf-8")
+    text = read_generated(place)
     belongs = _BELONGS.search(text)
-    return text if belongs is not None and belongs.group(1) == origin.digest else None
+    current = belongs is not None and belongs.group(1) == origin.digest
+    return text if current and _DEFINES[kind] in text else None
 
 
 def _command(origin: Origin, kind: Kind) -> str:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from codegen.errors import UnknownNameError
 from runtime.mechanism.module_tables import Coordinate, Table, unknown
 
 FloatArray = npt.NDArray[np.float64]
@@ -77,12 +78,10 @@ class Assembly:
     def __getitem__(self, name: str) -> float:
         """Value of a coordinate or velocity by name."""
         for index, row in enumerate(self.coordinates):
-            if name == row.name:
-                return float(self.q[index])
-            if name == row.velocity:
-                return float(self.v[index])
-        names = [name for row in self.coordinates for name in row[:2]]
-        raise KeyError(unknown("coordinate or velocity", name, names))
+            if type(name) is str and name in row[:2]:
+                return float(self.q[index] if name == row.name else self.v[index])
+        names = [text for row in self.coordinates for text in row[:2]]
+        raise UnknownNameError(unknown("coordinate or velocity", name, names))
 
     def __str__(self) -> str:
         """The report as text."""

@@ -6,12 +6,15 @@ The table of a .csv or .parquet file has one column a series, its unit in bracke
 import csv
 import tempfile
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
+from codegen.whole_files import whole_file
 from runtime.results.dataset import dataset
 from runtime.results.result import Result
 
@@ -22,9 +25,9 @@ def check_place(path: Path) -> None:
     """Refuse a file that cannot be written, before any time is spent on its contents."""
     if path.is_dir():
         raise InputError(f"{path} is a folder; name a file in it, such as {path / 'run.nc'}.")
-    if path.suffix not in _WRITERS:
+    if path.suffix not in _FORMATS:
         raise InputError(
-            f"{path}: a result is saved as {', '.join(_WRITERS)}, not as "
+            f"{path}: a result is saved as {', '.join(_FORMATS)}, not as "
             f"{path.suffix or 'a file without ending'!r}. Change the ending."
         )
     folder = path.resolve().parent
@@ -38,21 +41,21 @@ def check_place(path: Path) -> None:
             f"{path}: nothing can be written in the folder {folder} ({error.strerror}). "
             f"Choose another one."
         ) from error
+    for library in _FORMATS[path.suffix].libraries:
+        try:
+            import_module(library)
+        except ImportError as error:
+            raise InputError(
+                f"{path}: writing {path.suffix} needs the library {library}, which cannot be "
+                f"imported ({error}). Install linkwright[files], or save as .csv."
+            ) from error
 
 
 def save(result: Result, path: Path) -> Path:
     """Write `result` by the ending of `path`; a file of that name is replaced at the end."""
     check_place(path)
-    with tempfile.TemporaryDirectory(prefix=f".{path.stem}-", dir=path.parent) as folder:
-        temporary = Path(folder) / path.name
-        try:
-            _WRITERS[path.suffix](result, temporary)
-        except ImportError as error:
-            raise InputError(
-                f"{path}: writing {path.suffix} needs the library {error.name}, which is not "
-                f"installed. Install linkwright[files], or save as .csv."
-            ) from error
-        temporary.replace(path)
+    with whole_file(path) as temporary:
+        _FORMATS[path.suffix].write(result, temporary)
     return path
 
 
@@ -94,13 +97,18 @@ def _write_parquet(result: Result, path: Path) -> None:
     import pyarrow.parquet as pq
 
     table = pa.table(columns(result)).replace_schema_metadata(result.about())
-    pq.write_table(table, path)
+    with path.open("wb") as file:  # closed also where the disk is full
+        pq.write_table(table, file)
 
 
 def _write_netcdf(result: Result, path: Path) -> None:
-    import netCDF4  # noqa: F401  (xarray's own message about a missing engine is obscure)
+    """Write the file's image: HDF's own writing keeps a file open where the disk is full."""
+    import netCDF4
+    from xarray.backends import NetCDF4DataStore
 
-    dataset(result).to_netcdf(path, engine="netcdf4")
+    file = netCDF4.Dataset(path.name, mode="w", format="NETCDF4", memory=1 << 16)
+    dataset(result).dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
+    path.write_bytes(file.close())
 
 
 def _write_page(result: Result, path: Path) -> None:
@@ -110,9 +118,16 @@ def _write_page(result: Result, path: Path) -> None:
     path.write_text(page(result), encoding="utf-8")
 
 
-_WRITERS: dict[str, Callable[[Result, Path], None]] = {
-    ".nc": _write_netcdf,
-    ".csv": _write_csv,
-    ".parquet": _write_parquet,
-    ".html": _write_page,
+class _Format(NamedTuple):
+    """A format of files."""
+
+    write: Callable[[Result, Path], None]
+    libraries: tuple[str, ...] = ()  # that it needs, loaded before the time is spent on a run
+
+
+_FORMATS = {
+    ".nc": _Format(_write_netcdf, ("xarray", "netCDF4")),
+    ".csv": _Format(_write_csv),
+    ".parquet": _Format(_write_parquet, ("pyarrow", "pyarrow.parquet")),
+    ".html": _Format(_write_page, ("matplotlib.figure",)),
 }

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen import __version__
+from codegen import argument_readers as readers
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
 from runtime.results.accuracy_target_record import ReachedAccuracy
@@ -91,6 +92,7 @@ class Result(TimeSeries):
 
         return dataset(self)
 
+    @readers.reads(path=readers.path)
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write to a file, whole or not at all.
 

@@ -1,16 +1,38 @@
 """Series of a result by name: coordinates, reactions, modes, powers, works, paths, energies."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import wraps
+from typing import Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from codegen.argument_readers import shortened
 from codegen.errors import InputError
 from runtime.mechanism.module_tables import Description, unknown
 from runtime.results.samples import Samples
 
 FloatArray = npt.NDArray[np.float64]
 ENERGIES = ("kinetic", "potential", "total")
+Names = ParamSpec("Names")
+Column = TypeVar("Column")
+Lookup = Callable[Concatenate["TimeSeries", Names], Column]
+
+
+def by_names(lookup: Lookup[Names, Column]) -> Lookup[Names, Column]:
+    """A lookup that refuses arguments that are no texts."""
+
+    @wraps(lookup)
+    def checked(result: "TimeSeries", /, *names: Names.args, **keywords: Names.kwargs) -> Column:
+        for name in (*names, *keywords.values()):
+            if not isinstance(name, str):
+                raise InputError(
+                    f"{result.description.title}: {lookup.__name__}({shortened(name)}): a name is "
+                    f"a text, such as {result.description.coordinates.names[0]!r} of a coordinate."
+                )
+        return lookup(result, *names, **keywords)
+
+    return checked
 
 
 class TimeSeries:
@@ -24,6 +46,7 @@ class TimeSeries:
     works: dict[str, FloatArray]
     analysis: str
 
+    @by_names
     def q(self, name: str) -> FloatArray:
         """A coordinate over time.
 
@@ -39,6 +62,7 @@ class TimeSeries:
         """
         return self._column(self.samples.q, name, velocity=False)
 
+    @by_names
     def v(self, name: str) -> FloatArray:
         """A velocity over time.
 
@@ -54,6 +78,7 @@ class TimeSeries:
         """
         return self._column(self.samples.v, name)
 
+    @by_names
     def a(self, name: str) -> FloatArray:
         """An acceleration over time.
 
@@ -69,6 +94,7 @@ class TimeSeries:
         """
         return self._column(self.samples.a, name)
 
+    @by_names
     def reaction(self, joint: str, component: str) -> FloatArray:
         """Force or torque that the first body of a joint exerts on the second, in joint axes.
 
@@ -105,6 +131,7 @@ class TimeSeries:
             self._require_output("reaction", joint)
         raise self._unknown("reaction of", joint, dict.fromkeys(row.element for row in rows))
 
+    @by_names
     def mode(self, condition: str) -> npt.NDArray[np.int64]:
         """Mode of a switching condition over time.
 
@@ -122,6 +149,7 @@ class TimeSeries:
         """
         return self.samples.modes[:, self._switch(condition)]
 
+    @by_names
     def share(self, condition: str) -> FloatArray:
         """Filippov's share α of a condition over time, where its mode is 2.
 
@@ -140,6 +168,7 @@ class TimeSeries:
         """
         return self.samples.share[:, self._switch(condition)]
 
+    @by_names
     def power(self, source: str) -> FloatArray:
         """Power of an effect or driver on the machine.
 
@@ -166,6 +195,7 @@ class TimeSeries:
             raise self._unknown("power of", source, names)
         return self.samples.power[:, rows.index(source)]
 
+    @by_names
     def work(self, source: str) -> FloatArray:
         """Work of an effect or driver on the machine since the start of a simulation.
 
@@ -201,6 +231,7 @@ class TimeSeries:
             raise InputError(description.suggest_output(f"work({source})"))
         raise self._unknown("work of", source, description.work_rows or self._sources)
 
+    @by_names
     def path(self, point: str) -> FloatArray:
         """Global coordinates of a tracked point over time.
 
@@ -228,6 +259,7 @@ class TimeSeries:
             raise InputError(description.suggest_output(f"path({point})"))
         raise self._unknown("path of", point, description.tracked)
 
+    @by_names
     def energy(self, part: str = "total") -> FloatArray:
         """Energy over time.
 
@@ -255,6 +287,7 @@ class TimeSeries:
         energies = self.samples.energy
         return energies.sum(axis=1) if part == "total" else energies[:, ENERGIES.index(part)]
 
+    @by_names
     def series(self, name: str) -> tuple[FloatArray, str]:
         """A column by any of its names, and its unit.
 

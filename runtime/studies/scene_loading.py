@@ -5,8 +5,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from codegen import argument_readers as readers
 from codegen.errors import AnalysisError, InputError
-from runtime.load import load
+from runtime.machine_loading import load
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
@@ -14,6 +15,15 @@ if TYPE_CHECKING:
 
 CACHE = ".linkwright_cache"  # folder for modules of undeclared scenes, in the user's folder
 LEFT_OUT = "none"  # fidelity of an effect left out: `codegen.one_change_scenes.Variant.word`
+
+_VALUES = readers.optional(readers.values('{"mass": 2.0}'))
+_INSTANT = readers.number("a finite number of seconds")
+READERS = {
+    "model": readers.model, "scene": readers.optional(readers.scene),
+    "folder": readers.optional(readers.path), "parameters": _VALUES, "guess": _VALUES,
+    "t_end": readers.optional(_INSTANT), "t_start": _INSTANT, "progress": readers.function,
+}  # fmt: skip
+"""Arguments that all studies take."""
 
 
 class Source(NamedTuple):

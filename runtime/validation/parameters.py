@@ -5,11 +5,12 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from codegen.argument_readers import real, shortened
 from codegen.errors import ParameterError
+from codegen.parameter_conditions import ALPHAS, broken_conditions, shape_problems
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.module_tables import unknown
-from runtime.validation.arguments import check, number
-from runtime.validation.requirements_of_contact_and_stiction import require_sound
+from runtime.validation.arguments import check
 
 
 def parameter_values(
@@ -34,19 +35,36 @@ def parameter_values(
             problems.append(f"{description.title}: {unknown('parameter', name, table.names)}")
             continue
         row = table[name]
-        finite = number(value)
+        finite = real(value)
         if finite is None or not math.isfinite(finite):
-            problems.append(f"Parameter {name} is {value!r}; it must be a finite number.")
-        elif row.sign == "positive" and finite <= 0.0:
+            problems.append(f"Parameter {name} is {shortened(value)}; it must be a finite number.")
+            continue
+        if row.sign == "positive" and finite <= 0.0:
             problems.append(
                 f"Parameter {name} is {finite:g} {row.unit}; it must be greater than zero."
             )
         elif row.sign == "nonnegative" and finite < 0.0:
             problems.append(f"Parameter {name} is {finite:g} {row.unit}; it must not be negative.")
-        else:
-            values[table.index(name)] = finite
+        values[table.index(name)] = finite
+    mechanism.kernels.constants(values)
+    if (values[: len(table)] != [row.default for row in table]).any():
+        problems += _broken(mechanism, values)  # the build judged the defaults
     if problems:
         raise ParameterError(problems)
-    mechanism.kernels.constants(values)
-    require_sound(mechanism, values)
     return values
+
+
+def _broken(mechanism: Mechanism, p: npt.NDArray[np.float64]) -> list[str]:
+    """What the elements ask of the parameters p, and these do not meet."""
+    description, kernels = mechanism.description, mechanism.kernels
+    numbers = np.zeros(sum(row.shown for row in description.conditions))
+    kernels.conditions(p, numbers)
+    problems = [*broken_conditions(description.conditions, numbers)]
+    if description.profiles:
+        points = np.zeros((len(ALPHAS), 6 * len(description.profiles)))
+        for at, row in zip(ALPHAS, points, strict=True):
+            kernels.profiles(at, p, row)
+        for k, curve in enumerate(description.profiles):
+            found = shape_problems(points[:, 6 * k : 6 * k + 6], curve.convex)
+            problems += [f"{curve.element}: {problem}" for problem in found]
+    return [f"{description.title}: {problem}" for problem in problems]

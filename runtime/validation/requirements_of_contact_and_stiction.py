@@ -3,44 +3,11 @@
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import AnalysisError, InputError, ParameterError
+from codegen.errors import AnalysisError, InputError
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.samples import Samples
 
 FloatArray = npt.NDArray[np.float64]
-_ROUNDING = 1e-12  # by which a ratio of coefficients may miss one
-
-
-def require_sound(mechanism: Mechanism, p: FloatArray) -> None:
-    """Refuse parameters p with impossible restitution, typical forces and static friction."""
-    description = mechanism.description
-    problems = []
-    e, force = np.zeros(len(description.rigid)), np.ones(len(description.rigid))
-    mechanism.kernels.restitution(p, e)
-    mechanism.kernels.contact_scale(p, force)
-    for contact, returned, typical in zip(description.rigid, e, force, strict=True):
-        where = f"{description.title}: contact {contact.name}"
-        if not 0.0 <= returned <= 1.0:
-            problems.append(
-                f"{where}: the restitution is {returned:g}; give parameters with which it is from "
-                "0 (no rebound) to 1 (no loss)."
-            )
-        if not 0.0 < typical < np.inf:
-            problems.append(
-                f"{where}: the typical force is {typical:g} N; give parameters with which it is "
-                "positive."
-            )
-    low, high = np.zeros(len(description.switches)), np.ones(len(description.switches))
-    mechanism.kernels.holds(p, low, high)
-    for switch, first, last in zip(description.switches, low, high, strict=True):
-        if switch.kind == "friction" and not last - first >= 1.0 - _ROUNDING:
-            problems.append(
-                f"{description.title}: friction {switch.name}: the static coefficient is "
-                f"{last - first:g} times the kinetic one; give parameters with which it is at "
-                "least as large."
-            )
-    if problems:
-        raise ParameterError(problems)
 
 
 def require_apart(

@@ -55,8 +55,8 @@ def test_equal_kernels_are_compiled_once(tmp_path: Path) -> None:
     kept = tmp_path / "kept"
     for rate in (3.0, 4.0):
         path = tmp_path / f"rate_{rate:g}.py"
-        path.write_text(TEXT.format(rate=rate))
-        compile_apart(path.stem, path, kept)
+        path.write_text(text := TEXT.format(rate=rate))
+        compile_apart(path.stem, path, text, kept)
         module = import_generated(path)
         assert (module.twice(1.0), module.scaled(1.0)) == (2.0, rate)
         assert not {**module.twice.stats.cache_misses, **module.scaled.stats.cache_misses}
@@ -69,8 +69,8 @@ def test_kernels_that_differ_in_a_builtin_or_an_attribute_are_compiled_each(tmp_
     kept, answers = tmp_path / "kept", {}
     for function, choice in (("sin", "max"), ("cos", "min")):
         path = tmp_path / f"{function}_{choice}.py"
-        path.write_text(ATTRIBUTES.format(function=function, choice=choice))
-        compile_apart(path.stem, path, kept)
+        path.write_text(text := ATTRIBUTES.format(function=function, choice=choice))
+        compile_apart(path.stem, path, text, kept)
         module = import_generated(path)
         answers[function] = (module.of_module(1.0), module.builtin(1.0))
     assert answers == {"sin": (math.sin(1.0), 2.0), "cos": (math.cos(1.0), 1.0)}

@@ -1,5 +1,6 @@
 """Implicit methods on machines of the library: tolerances kept, and what stiffness costs."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
 from pathlib import Path
@@ -206,3 +207,22 @@ def test_all_ways_back_onto_the_constraints(root: Path, method: str, correction:
 def test_what_lacks_derivatives_is_refused() -> None:
     with pytest.raises(InputError, match="needs the derivatives of the kernels"):
         integrate(PENDULUM, pendulum_problem(0.3, 0.0, 1.0), Options(method="radau5"))
+
+
+@pytest.mark.parametrize("method", ACCURATE_IMPLICIT)
+def test_errors_fall_with_the_tolerance_where_derivatives_change(
+    library: Callable[[str, str], Machine], method: str
+) -> None:
+    """Steps that end after one iteration see nothing of how fast Newton's method converges.
+
+    The compressor's derivatives change along every turn, and its Newton matrices with them.
+    """
+    machine, instants = library("slider_crank", "compressor"), np.linspace(0.0, 2.0, 201)
+    with_flywheel = {"parameters": {"J1": 900.0}, "progress": False}
+    exact = both(machine.simulate(2.0, instants, rtol=1e-14, correction="stage", **with_flywheel))
+    for rtol in (1e-7, 1e-9, 1e-10, 1e-11):
+        result = machine.simulate(
+            2.0, instants, rtol=rtol, method=method, formulation="reduced", **with_flywheel
+        )
+        error = np.abs(both(result) - exact) / (1.0 + np.abs(exact))
+        assert error.max() < 5e3 * rtol

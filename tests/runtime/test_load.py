@@ -2,11 +2,9 @@
 
 import hashlib
 import json
-import os
 import subprocess
 import sys
 from collections import namedtuple
-from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -140,7 +138,7 @@ def test_models_of_the_library_may_be_a_link(
     (tmp_path / "elsewhere").mkdir()
     (library / "models").symlink_to(tmp_path / "elsewhere")
     (library / "models" / "stone.py").touch()
-    loading = sys.modules["runtime.load"]
+    loading = sys.modules["runtime.machine_loading"]
     monkeypatch.setattr(loading, "_LIBRARY", library)
     found = tmp_path / "elsewhere" / "stone.py", library / "generated"
     assert loading._locate("stone", tmp_path / "work") == found
@@ -169,21 +167,6 @@ def test_importing_the_runtime_loads_nothing_heavy() -> None:
         _python("import runtime, sys, json; print(json.dumps(sorted(sys.modules)))")
     )
     assert not {"numba", "numpy", "sympy", "xarray", "rich", "typer"} & set(modules)
-
-
-def test_byte_code_follows_the_content_not_the_clock(
-    make: Callable[..., Machine], tmp_path: Path, mechanisms: ModuleType
-) -> None:
-    from codegen.generated_module_signature_and_import import _ContentLoader
-
-    path = tmp_path / "a.py"
-    stamps = []
-    for value in ("1", "2"):
-        path.write_text(f"x = {value}\n")
-        os.utime(path, (1, 1))
-        stamps.append(_ContentLoader("a", str(path)).path_stats(str(path)))
-    assert stamps[0]["size"] == stamps[1]["size"]
-    assert stamps[0]["mtime"] != stamps[1]["mtime"]
 
 
 def _python(script: str) -> str:

@@ -141,8 +141,8 @@ def test_failed_write_leaves_the_old_file(
         path.write_text("half")
         raise OSError("disk full")
 
-    monkeypatch.setitem(export._WRITERS, ".csv", fail)
-    with pytest.raises(OSError, match="disk full"):
+    monkeypatch.setitem(export._FORMATS, ".csv", export._Format(fail))
+    with pytest.raises(InputError, match=r"cannot write .*run\.csv: disk full"):
         result.save(path)
     assert path.read_text() == "old"
     assert [file.name for file in tmp_path.iterdir()] == ["run.csv"]

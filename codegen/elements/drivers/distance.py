@@ -3,7 +3,8 @@
 import sympy
 
 from codegen.declare.body import Point
-from codegen.declare.element import ConjugateReaction, I, J, Statement, label
+from codegen.declare.conditions import Condition, number_problems
+from codegen.declare.element import ConjugateReaction, I, J, Statement
 from codegen.declare.symbols import t
 from codegen.elements.drivers.driver_base_class import Driver
 from codegen.elements.registry import element
@@ -43,12 +44,13 @@ class DistanceDriver(Driver):
 
     def problems(self) -> list[str]:
         """The law is one of time, and positive as far as can be told: always, or at t = 0."""
-        problems = super().problems()
-        first = self.law.subs(t, 0)
-        if not problems and first.is_number and first.is_nonpositive:
-            problems.append(
-                f"{label(self)}: the law {self.law} is {float(first):g} m at t = 0; a distance "
-                "stays positive: where two points pass each other drive with "
-                "model.translation_driver or model.relative_driver."
-            )
-        return problems
+        return super().problems() or number_problems(self)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """A law that is positive at t = 0."""
+        law = str(self.law).replace("{", "{{").replace("}", "}}")
+        text = (
+            f"the law {law} is {{:g}} m at t = 0; a distance stays positive: where two points pass "
+            "each other drive with model.translation_driver or model.relative_driver."
+        )
+        return (Condition(text, (self.law.subs(t, 0),), open=True),)

@@ -3,9 +3,10 @@
 import sympy
 
 from codegen.declare.body import Point
+from codegen.declare.conditions import Condition, number_problems
 from codegen.declare.element import ConjugateReaction, I, J, Statement
 from codegen.elements.drivers.driver_base_class import Driver
-from codegen.elements.joints.body_line import ALONG, Axis, axis_problems, bind_axis
+from codegen.elements.joints.body_line import ALONG, Axis, axis_conditions, bind_axis
 from codegen.elements.registry import element
 
 
@@ -33,4 +34,8 @@ class TranslationDriver(Driver):
 
     def problems(self) -> list[str]:
         """The law is one of time, and the axis has a direction."""
-        return super().problems() + axis_problems(self, self.axis)
+        return super().problems() + number_problems(self)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """An axis with a direction."""
+        return axis_conditions(self.axis)

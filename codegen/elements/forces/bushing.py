@@ -3,7 +3,8 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Pulls, label, sign_problems
+from codegen.declare.conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element import Effect, Pulls, label
 from codegen.declare.symbols import SPEED
 from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.registry import element
@@ -55,10 +56,18 @@ class Bushing(Effect):
         problems += measures.same_body(label(self), self.bodies)
         if not any((*self.stiffness, *self.damping)):
             problems.append(f"{label(self)}: stiffness and damping are all 0; give at least one.")
-        for (axis, *units), *values in zip(AXES, self.stiffness, self.damping, strict=True):
-            words = (f"{word} along {axis}" for word in ("stiffness", "damping"))
-            problems += sign_problems(label(self), *zip(words, values, units, strict=True))
-        return problems
+        return problems + number_problems(self)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """Springs and dampers that resist."""
+        rows = zip(AXES, self.stiffness, self.damping, strict=True)
+        return sign_conditions(
+            *(
+                (f"{word} along {axis}", value, unit)
+                for (axis, *units), *values in rows
+                for word, value, unit in zip(("stiffness", "damping"), values, units, strict=True)
+            )
+        )
 
     @property
     def _conservative(self) -> bool:

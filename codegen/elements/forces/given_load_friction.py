@@ -3,7 +3,13 @@
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Effect, Reported, Sticking, label, sign_problems
+from codegen.declare.conditions import (
+    Condition,
+    number_problems,
+    sign_conditions,
+    static_condition,
+)
+from codegen.declare.element import Effect, Reported, Sticking, label
 from codegen.declare.symbols import Coordinate, Velocity, kinds, side
 from codegen.elements.forces.scalar_measures import is_constant, same_body
 from codegen.elements.registry import element
@@ -12,10 +18,8 @@ from codegen.elements.registry import element
 def coefficient_problems(
     effect: Effect, kinetic: sympy.Expr, static: sympy.Expr | None, creep: sympy.Expr | None
 ) -> list[str]:
-    """Numbers that no friction has, and two laws at once."""
-    where = label(effect)
-    problems = sign_problems(where, ("coefficient of friction", kinetic, ""))
-    problems += sign_problems(where, ("creep speed", creep, ""), positive=True)
+    """A static coefficient that contradicts the kinetic one, and two laws at once."""
+    where, problems = label(effect), list[str]()
     if static is None:
         return problems
     if creep is not None:
@@ -29,12 +33,18 @@ def coefficient_problems(
             f"{where}: the coefficient of friction is 0 and the static one {static}; a friction "
             "that sticks also acts when it slides: give a positive coefficient."
         )
-    elif kinetic.is_number and static.is_number and static < kinetic:
-        problems.append(
-            f"{where}: the static coefficient {float(static):g} is below the kinetic one, "
-            f"{float(kinetic):g}; give one that is not, or leave static= out."
-        )
+    elif kinetic.is_number and static.is_number:
+        (condition,) = static_condition(kinetic, static)
+        problems += condition.problems(where, {})
     return problems
+
+
+def coefficients(kinetic: sympy.Expr, creep: sympy.Expr | None) -> tuple[Condition, ...]:
+    """A coefficient that is not negative, and a positive creep speed."""
+    return (
+        *sign_conditions(("coefficient of friction", kinetic, "")),
+        *sign_conditions(("creep speed", creep, ""), positive=True),
+    )
 
 
 @element
@@ -98,7 +108,10 @@ class DryFriction(Effect):
                 f"{where}: the slip {self.slip} is not linear in {curved[0].name}; write the "
                 "velocity itself, such as block.vx - speed."
             )
-        problems += sign_problems(
-            where, ("normal force", self.normal, "N"), advice=", as it presses"
-        )
+        problems += number_problems(self)
         return problems + coefficient_problems(self, self.coefficient, self.static, self.creep)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """A normal force that presses, and coefficients that a friction has."""
+        normal = sign_conditions(("normal force", self.normal, "N"), advice=", as it presses")
+        return normal + coefficients(self.coefficient, self.creep)

@@ -6,8 +6,10 @@ import sympy
 
 from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.elements.forces.given_load_friction import coefficient_problems
-from codegen.elements.forces.scalar_measures import angle_problems, rate, relative_angle, span
+from codegen.declare.conditions import Condition, number_problems, sign_conditions
+from codegen.declare.symbols import rate
+from codegen.elements.forces.given_load_friction import coefficient_problems, coefficients
+from codegen.elements.forces.scalar_measures import angle_problems, relative_angle, span
 from codegen.elements.joints.revolute import Revolute
 from codegen.elements.joints.revolute_translational import RevoluteTranslational
 from codegen.elements.joints.translational import Translational
@@ -105,5 +107,10 @@ class JointFriction(el.Effect):
                 f"{where}: joint '{joint.name}' has no long bearing; leave out length=."
             )
         problems += coefficient_problems(self, self.coefficient, self.static, self.creep)
+        return problems + number_problems(self)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """Coefficients and sizes that a friction has."""
         sizes = (("radius", self.radius, "m"), ("length", self.length, "m"))
-        return problems + el.sign_problems(where, *sizes, positive=True)
+        conditions = coefficients(self.coefficient, self.creep)
+        return conditions + sign_conditions(*sizes, positive=True)

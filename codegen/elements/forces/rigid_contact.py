@@ -3,7 +3,8 @@
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Effect, Pulls, Reported, Rigid, sign_problems
+from codegen.declare.conditions import hold_conditions
+from codegen.declare.element import Effect, Pulls, Reported, Rigid
 from codegen.declare.symbols import side
 from codegen.elements.forces.spring_damper_contact import gap_problems
 from codegen.elements.registry import element
@@ -52,16 +53,10 @@ class RigidContact(Effect):
         """A gap that is none, and numbers that no impact has."""
         where = f"contact '{self.name}'"
         problems = gap_problems(where, self.gap, self.bodies)
-        e = self.restitution
-        if e.is_number and not 0 <= e <= 1:
-            problems.append(
-                f"{where}: the restitution is {float(e):g}; give a number from 0 (no rebound) to 1 "
-                "(no loss)."
-            )
-        scale, advice = self.typical_force, ", or leave it out for the weight of the bodies"
-        return problems + sign_problems(
-            where, ("typical force", scale, "N"), positive=True, advice=advice
-        )
+        scale = sympy.S.One if self.typical_force is None else self.typical_force
+        for condition in hold_conditions(Rigid(self.gap, self.restitution, scale)):
+            problems += condition.problems(where, {}) if condition.known else ()
+        return problems
 
     def _scale(self, bodies: tuple[Body, ...]) -> sympy.Expr:
         if self.typical_force is not None:

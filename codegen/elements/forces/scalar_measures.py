@@ -3,8 +3,9 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Element, Pulls, label, sign_problems
-from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds, t
+from codegen.declare.conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element import Effect, Element, Pulls, label
+from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
 
 
 def span(i: Point, j: Point) -> tuple[sympy.Expr, sympy.Expr]:
@@ -28,12 +29,6 @@ def relative_angle(i: Body, j: Body) -> sympy.Expr:
     """θ = φ_j - φ_i, rad, counted through full turns; `angle_problems` refuses other bodies."""
     phi_i, phi_j = (sympy.S.Zero if b.angle is None else b.angle for b in (i, j))
     return phi_j - phi_i
-
-
-def rate(s: sympy.Expr) -> sympy.Expr:
-    """ds/dt = s_q q̇ + s_t."""
-    slopes = (sympy.diff(s, q) * q.rate for q in kinds(s, Coordinate))
-    return sympy.Add(*slopes, sympy.diff(s, t))
 
 
 def is_constant(*expressions: sympy.Expr) -> bool:
@@ -88,12 +83,15 @@ class SpringDamper(Effect):
             force += self.stiffness * (s - free)
         return () if force == 0 else ((s, force),)
 
-    def characteristic_problems(
-        self, keyword: str, *values: tuple[str, sympy.Expr, str]
-    ) -> list[str]:
+    def characteristic_problems(self, keyword: str) -> list[str]:
         """A law that exerts nothing, and numbers that no spring has."""
         idle = self.stiffness == 0 and self.damping == 0 and self.actuator == 0
         advice = f"give it a stiffness, a damping, an actuator or a {keyword}."
         problems = [f"{label(self)} does nothing; {advice}"] if idle else []
-        other = f", and write other characteristics with {keyword}="
-        return problems + sign_problems(label(self), *values, advice=other)
+        return problems + number_problems(self)
+
+
+def characteristic(keyword: str, *values: tuple[str, sympy.Expr, str]) -> tuple[Condition, ...]:
+    """Springs, dampers and lengths that are not negative."""
+    other = f", and write other characteristics with {keyword}="
+    return sign_conditions(*values, advice=other)

@@ -3,8 +3,9 @@
 import sympy
 
 from codegen.declare.body import Point
+from codegen.declare.conditions import Condition
 from codegen.declare.element import label
-from codegen.elements.forces.scalar_measures import SpringDamper, distance
+from codegen.elements.forces.scalar_measures import SpringDamper, characteristic, distance
 from codegen.elements.registry import element
 
 
@@ -45,7 +46,11 @@ class Spring(SpringDamper):
                 f"{label(self)}: both ends, ({i.sx}, {i.sy}) and ({j.sx}, {j.sy}), are on body "
                 f"'{i.body.name}' and {reason}; connect two bodies."
             )
-        return problems + self.characteristic_problems(
+        return problems + self.characteristic_problems("force")
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """Numbers of a spring."""
+        return characteristic(
             "force",
             ("stiffness", self.stiffness, "N/m"),
             ("free length", self.free_length, "m"),

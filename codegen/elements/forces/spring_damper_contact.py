@@ -3,7 +3,8 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Pulls, label, sign_problems
+from codegen.declare.conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element import Effect, Pulls, label
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
 from codegen.elements.forces.scalar_measures import distance, is_constant, same_body
 from codegen.elements.registry import element
@@ -86,8 +87,13 @@ class Contact(Effect):
             return problems
         if self.stiffness == 0 and self.damping == 0:
             problems.append(f"{label(self)}: stiffness and damping are both 0; give one of them.")
-        values = (("stiffness", self.stiffness, "N/m"), ("damping", self.damping, "N s/m"))
-        return problems + sign_problems(label(self), *values)
+        return problems + number_problems(self)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """A spring and a damper that resist."""
+        return sign_conditions(
+            ("stiffness", self.stiffness, "N/m"), ("damping", self.damping, "N s/m")
+        )
 
     @property
     def _conservative(self) -> bool:

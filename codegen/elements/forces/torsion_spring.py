@@ -3,6 +3,7 @@
 import sympy
 
 from codegen.declare.body import Body
+from codegen.declare.conditions import Condition
 from codegen.declare.element import label
 from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.registry import element
@@ -34,7 +35,11 @@ class TorsionSpring(measures.SpringDamper):
         """A body against itself, and numbers that no spring has."""
         problems = measures.angle_problems(self, *self.bodies)
         problems += measures.same_body(label(self), self.bodies)
-        return problems + self.characteristic_problems(
+        return problems + self.characteristic_problems("torque")
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """Numbers of a spring."""
+        return measures.characteristic(
             "torque",
             ("stiffness", self.stiffness, "N m/rad"),
             ("damping", self.damping, "N m s/rad"),

@@ -8,7 +8,8 @@ i, since the part of s'_i is constant: u_iᵀ A_i s'_i = u'_iᵀ s'_i.
 
 import sympy
 
-from codegen.declare.element import Element, I, J, label
+from codegen.declare.conditions import Condition
+from codegen.declare.element import I, J
 from codegen.declare.symbols import given
 
 Axis = tuple[sympy.Expr, sympy.Expr]
@@ -25,8 +26,8 @@ def bind_axis(axis: Axis, placeholders: sympy.Matrix = AXIS) -> dict[sympy.Symbo
     return {place: a / length for place, a in zip(placeholders, axis, strict=True)}
 
 
-def axis_problems(element: Element, axis: Axis) -> list[str]:
+def axis_conditions(axis: Axis) -> tuple[Condition, ...]:
     """A zero axis has no direction."""
-    if all(a == 0 for a in axis):
-        return [f"{label(element)}: the axis (0, 0) has no direction; give one."]
-    return []
+    ux, uy = axis
+    text = "the axis ({1:g}, {2:g}) has no direction; give one."
+    return (Condition(text, (ux**2 + uy**2, ux, uy), open=True),)

@@ -7,11 +7,13 @@ import numpy as np
 import sympy
 
 from codegen.declare.body import Curve, Point
-from codegen.declare.cam_profile_checks import ALPHAS, places
+from codegen.declare.cam_profile_checks import places
+from codegen.declare.conditions import Condition, number_problems
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, alpha, coordinate, given, own_coordinate
-from codegen.elements.joints.body_line import Axis, axis_problems, bind_axis
+from codegen.elements.joints.body_line import Axis, axis_conditions, bind_axis
 from codegen.elements.registry import element
+from codegen.parameter_conditions import ALPHAS
 
 AXIS = sympy.Matrix([given("j_ux"), given("j_uy")])
 NORMAL = sympy.Matrix([-AXIS[1], AXIS[0]])
@@ -62,4 +64,12 @@ class CamFlatFollower(Constraint):
 
     def problems(self) -> list[str]:
         """A face needs a direction."""
-        return axis_problems(self, self.axis)
+        return number_problems(self)
+
+    def profiles(self) -> tuple[tuple[Curve, bool], ...]:
+        """The closed curves, and whether each has to be convex."""
+        return ((self.cam, True),)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """An axis with a direction."""
+        return axis_conditions(self.axis)

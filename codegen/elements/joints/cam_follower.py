@@ -6,10 +6,11 @@ import numpy as np
 import sympy
 
 from codegen.declare.body import Curve
-from codegen.declare.cam_profile_checks import ALPHAS, in_ground, outward
+from codegen.declare.cam_profile_checks import in_ground, outward
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, coordinate, own_coordinate
 from codegen.elements.registry import element
+from codegen.parameter_conditions import ALPHAS
 
 AT_I, AT_J = coordinate("contact", "alpha"), coordinate("contact", "beta")
 
@@ -55,6 +56,10 @@ class CamFollower(Constraint):
             bindings,
             (("along", self.alpha), ("slope", self.beta)),
         )
+
+    def profiles(self) -> tuple[tuple[Curve, bool], ...]:
+        """The closed curves, and whether each has to be convex."""
+        return (self.cam, False), (self.follower, False)
 
     def near(self, numbers: Mapping[sympy.Symbol, float]) -> dict[Coordinate, float]:
         """The contact for a rough pose: from outside, where the curves face each other closest.

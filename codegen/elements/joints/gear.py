@@ -5,7 +5,8 @@ from collections.abc import Mapping
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Constraint, I, J, JointReaction, Statement, label
+from codegen.declare.conditions import Condition, number_problems
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import given
 from codegen.elements.joints.revolute import Revolute
 from codegen.elements.registry import element
@@ -62,37 +63,38 @@ class Gear(Constraint):
 
     def problems(self) -> list[str]:
         """Radii that make no gear set, or none at the distance of the gears' bearings."""
-        problem = self._radius_problem() or self._distance_problem()
-        return [f"{label(self)}: {problem}"] if problem else []
+        return number_problems(self)[:1]  # what is wrong with the distance may follow from the rest
 
-    def _radius_problem(self) -> str | None:
-        pair = f"the radii ({self.radius_i}, {self.radius_j}) m"
-        if any(radius == 0 for radius in (self.radius_i, self.radius_j)):
-            return f"{pair} contain a 0; give the radii of the pitch circles."
-        if self.radius_i.is_negative and self.radius_j.is_negative:
-            return f"{pair} are those of two internal gears; make one positive."
-        if sympy.expand(self.radius_i + self.radius_j) == 0:
-            return (
-                f"{pair} add up to 0, so that the centres coincide and the gears cannot turn on "
-                "each other; give the internal gear the larger radius."
+    def conditions(self) -> tuple[Condition, ...]:
+        """Radii of two pitch circles, which touch at the distance of the gears' bearings."""
+        i, j = self.radius_i, self.radius_j
+        pair = f"the radii ({i}, {j}) m"
+        radii: tuple[tuple[sympy.Expr, str], ...] = (
+            ((i * j) ** 2, "contain a 0{}; give the radii of the pitch circles."),
+            (sympy.Max(i, j), "are those of two internal gears{}; make one positive."),
+            (
+                sympy.expand(i + j) ** 2,
+                "add up to 0{}, and the centres coincide; give the internal gear the larger one.",
+            ),
+        )
+        conditions = tuple(
+            Condition(
+                f"{pair} {text.format('' if v.is_number else ', {1:g} and {2:g}')}", (v, i, j),
+                open=True,
             )
-        return None
-
-    def _distance_problem(self) -> str | None:
+            for v, text in radii
+        )  # fmt: skip
         span = find_carrier(self.i, self.j, self.joints)
         if span is None:
-            return None
+            return conditions
         carrier, dx, dy = span
-        distance, mesh = sympy.sqrt(dx**2 + dy**2), sympy.Abs(self.radius_i + self.radius_j)
-        if not (distance.is_number and mesh.is_number):
-            return None
-        if abs(distance - mesh) <= ROUNDING * mesh:
-            return None
-        return (
-            f"the bearings on '{carrier.name}' hold the centres {float(distance):.9g} m apart, but "
-            f"the radii ({self.radius_i}, {self.radius_j}) m mesh at {float(mesh):.9g} m; change "
-            "one or the other (an internal gear has a negative radius)."
+        distance, mesh = sympy.sqrt(dx**2 + dy**2), sympy.Abs(i + j)
+        text = (
+            f"the bearings on '{carrier.name}' hold the centres {{1:.9g}} m apart, but {pair} mesh "
+            "at {2:.9g} m; change one or the other (an internal gear has a negative radius)."
         )
+        apart = sympy.Abs(distance - mesh) - ROUNDING * mesh
+        return (*conditions, Condition(text, (apart, distance, mesh), low=None, high=0.0))
 
     def _line(self) -> sympy.Expr:
         if self.line is not None:
@@ -123,7 +125,8 @@ def _axle(point: Point, joints: Mapping[str, Constraint]) -> list[Point]:
     for place in points:
         for pin in pins:
             for here, there in ((pin.i, pin.j), (pin.j, pin.i)):
-                same = here.body is place.body and (here.sx, here.sy) == (place.sx, place.sy)
+                apart = here.sx - place.sx, here.sy - place.sy  # 1.0 and 1 are the same place
+                same = here.body is place.body and all(gap.is_zero for gap in apart)
                 if same and not any(other.body is there.body for other in points):
                     points.append(there)
     return points

@@ -3,7 +3,8 @@
 import sympy
 
 from codegen.declare.body import Point
-from codegen.declare.element import Constraint, I, J, JointReaction, Statement, label, sign_problems
+from codegen.declare.conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import given
 from codegen.elements.joints import body_line as line
 from codegen.elements.registry import element
@@ -43,8 +44,10 @@ class RackAndPinion(Constraint):
 
     def problems(self) -> list[str]:
         """A rack needs a direction, and a pinion a radius."""
+        return number_problems(self)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """An axis with a direction, and a pinion with a radius."""
         advice = "; for a pinion on the other side of the rack reverse the rack's axis"
-        value = ("radius", self.radius, "m")
-        return line.axis_problems(self, self.axis) + sign_problems(
-            label(self), value, positive=True, advice=advice
-        )
+        radius = sign_conditions(("radius", self.radius, "m"), positive=True, advice=advice)
+        return line.axis_conditions(self.axis) + radius

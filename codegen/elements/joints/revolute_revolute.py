@@ -3,7 +3,8 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Constraint, I, J, JointReaction, Statement, label, sign_problems
+from codegen.declare.conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import given
 from codegen.elements.registry import element
 
@@ -39,5 +40,9 @@ class RevoluteRevolute(Constraint):
 
     def problems(self) -> list[str]:
         """A link of length 0 is a revolute joint, and singular as a distance."""
+        return number_problems(self)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """A link with a length."""
         value = ("length", self.length, "m")
-        return sign_problems(label(self), value, positive=True, advice=", or use a revolute joint")
+        return sign_conditions(value, positive=True, advice=", or use a revolute joint")

@@ -3,9 +3,10 @@
 import sympy
 
 from codegen.declare.body import Point
+from codegen.declare.conditions import Condition, number_problems
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import given
-from codegen.elements.joints.body_line import ACROSS, DIRECTION, Axis, axis_problems, bind_axis
+from codegen.elements.joints.body_line import ACROSS, DIRECTION, Axis, axis_conditions, bind_axis
 from codegen.elements.registry import element
 
 OFFSET = given("angle_offset")
@@ -35,4 +36,8 @@ class Translational(Constraint):
 
     def problems(self) -> list[str]:
         """A zero axis has no direction."""
-        return axis_problems(self, self.axis)
+        return number_problems(self)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """An axis with a direction."""
+        return axis_conditions(self.axis)

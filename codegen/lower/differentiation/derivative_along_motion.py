@@ -10,6 +10,7 @@ Haug's formulas come out: ω² times the components of A s, that are there.
 from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
+from codegen.lower.differentiation.broken_powers import BrokenPower, broken_power
 from codegen.lower.differentiation.program_tangents import slopes_of
 from codegen.lower.factored_sums import PLAIN, Parts
 from codegen.lower.graph import SUMS, Graph
@@ -57,6 +58,8 @@ class Direction:
         parts = [self._known[a] for a in value.args]
         if not any(part.first for part in parts):
             return self._nothing
+        if (power := broken_power(graph, number)) is not None:
+            return self._power(power)
         match value.op:
             case Op.ADD | Op.SUB | Op.NEG:
                 return self._sum(parts, SUMS[value.op])
@@ -118,6 +121,16 @@ class Direction:
                 (-2.0, first.product(two.first).times(inverse)),
             ),
         )
+
+    def _power(self, power: BrokenPower) -> Jet:
+        """n = bᵉ: n' = e bᵉ⁻¹ b', n'' = e bᵉ⁻¹ b'' + e (e - 1) bᵉ⁻² b'²."""
+        under, slope = self._known[power.base], power.slope(self.graph)
+
+        def second() -> Iterable[tuple[float, Parts]]:
+            yield 1.0, under.second.times(slope)
+            yield 1.0, self._plain(power.bend(self.graph, under.first.value()))
+
+        return self._jet(under.first.times(slope), second)
 
     def _root(self, number: int, under: Jet) -> Jet:
         """n = √u: n' = u'/(2n), n'' = (u''/2 - n'²)/n."""

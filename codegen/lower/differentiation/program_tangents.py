@@ -13,6 +13,7 @@ of its next derivative, and its third, constant between two knots, has none.
 
 from collections.abc import Callable, Mapping, Sequence
 
+from codegen.lower.differentiation.broken_powers import broken_power
 from codegen.lower.graph import Graph
 from codegen.lower.program import (
     LOGICAL,
@@ -27,7 +28,8 @@ from codegen.lower.program import (
 )
 from codegen.lower.substitution import ARITHMETIC
 
-TINY = 1e-300  # safety: added under a root that divides: √(vᵀv) has the slope 0 at v = 0, not 0/0
+# safety: added under a root that divides: √(vᵀv) and (vᵀv)^0.3 have the slope 0 at v = 0, not 0/0
+TINY = 1e-300
 
 
 def differentiate(graph: Graph, outputs: Sequence[int], seeds: Mapping[int, int]) -> list[int]:
@@ -51,6 +53,8 @@ def _tangent(graph: Graph, number: int, value: Value, known: Mapping[int, int]) 
     parts = [known.get(a, graph.zero) for a in value.args]
     if all(part == graph.zero for part in parts):
         return graph.zero
+    if (power := broken_power(graph, number)) is not None:
+        return graph.mul(power.slope(graph), known.get(power.base, graph.zero))
     match value.op:
         case Op.ADD | Op.SUB | Op.NEG:
             return ARITHMETIC[value.op](graph, *parts)
@@ -59,6 +63,10 @@ def _tangent(graph: Graph, number: int, value: Value, known: Mapping[int, int]) 
         case Op.DIV:
             rest = graph.sub(parts[0], graph.mul(number, parts[1]))
             return graph.mul(graph.div(graph.one, value.args[1]), rest)
+        case Op.POW if 0.0 < (graph.number(value.args[1]) or 0.0) < 1.0:
+            base, exponent = value.args
+            root = graph.div(number, graph.add(base, graph.constant(TINY)))
+            return graph.mul(graph.mul(exponent, root), parts[0])
     terms = zip(slopes_of(graph, number), parts, strict=True)
     return graph.total([graph.mul(s, part) for s, part in terms if part != graph.zero])
 

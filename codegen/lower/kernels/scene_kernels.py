@@ -7,6 +7,7 @@ from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.kernels.accelerations import accelerations
 from codegen.lower.kernels.corrections import correction
 from codegen.lower.kernels.mobility_spread import mobility_spread, weak_pivot
+from codegen.lower.kernels.parameter_conditions import condition_kernels
 from codegen.lower.kernels.rigid_contact_and_stiction import hold_kernels, reaction_outputs
 from codegen.lower.kernels.selection_by_outputs import Selection
 from codegen.lower.linear.factorization import Strategy
@@ -66,6 +67,7 @@ def lower(equations: Equations) -> Lowered:
     if equations.switches:
         kernels += _switching_kernels(scene, resting)
         kernels += hold_kernels(scene, reported)
+    kernels += condition_kernels(scene)
     _note_weights(scene)
     program = with_constants(
         scene.graph, tuple(kernels), len(equations.parameters), weak_pivot(spread)

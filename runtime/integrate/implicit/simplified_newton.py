@@ -22,6 +22,7 @@ from runtime.integrate.method import Method
 Solver = Callable[[Integers, float, float], int]
 
 _SLOW = 0.05  # measured: rate of convergence above which the next step takes derivatives anew
+_FORGOTTEN = 0.9  # measured: power of the last rate of convergence with which a step begins
 _LOOSEST = 0.03  # measured: of the tolerance of a step; how far Newton's method is taken at least
 _ROUNDED = 64.0 * EPS  # accuracy: rounding in a difference of high order, of a step's change
 _STIFF = 16.0 * EPS  # accuracy: the same of velocities, where stiff forces hold a position
@@ -92,6 +93,7 @@ def newton_iteration(
     def iterate(context: Context, t: float, scale: float) -> int:
         memory, notes = context.method_floats, context.method_integers
         taken, before = 0, 0.0
+        memory[mem.RATE] = max(memory[mem.RATE], EPS) ** _FORGOTTEN
         for iteration in range(most):
             result = evaluate(context, t, scale)
             if result == FAILED:

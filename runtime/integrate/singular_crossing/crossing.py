@@ -57,6 +57,10 @@ class Crossings:
         self.handover = cs.MethodHandover(state)
         if system.constraints is find_stand_in("constraints") or m == 0:
             self.record["quiet"] = np.inf  # nothing tells a position that is passed from one missed
+        self.begin()
+
+    def begin(self) -> None:
+        """Nothing is planned, where the run starts or goes on from one in other coordinates."""
         self.passed: list[Crossing] = []  # those that were crossed
         self.note = ""  # says why one was not
         self.position: Singularity | None = None

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from runtime.core.outcomes import Outcome
-from runtime.integrate.problem import Options
+from runtime.integrate.problem import Formulation, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.module_tables import Description
 from runtime.results.accuracy_target_record import Trial
@@ -161,7 +161,7 @@ def tenfold_time(found: Difference) -> float | None:
 class Run:
     """A run with the settings that it had."""
 
-    formulation: str
+    formulation: Formulation
     options: Options
     path: Trajectory
     values: FloatArray  # of the quantities, (≥ k, c)

@@ -29,6 +29,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
+from codegen.termination_signals import Deferral
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
@@ -97,6 +98,10 @@ def simulate_to(
     return _Search(ready, *settings, accuracy, chosen, options, progress).result(began)
 
 
+class _InterruptedError(Exception):
+    """The user wants no more runs."""
+
+
 class _Choice(NamedTuple):
     """Method and coordinates of a run."""
 
@@ -118,10 +123,20 @@ class _Search:
     quantities: Quantities
     options: Options
     progress: Progress
+    signals: Deferral = field(default_factory=lambda: Deferral(computing=True))
     runs: list[Run] = field(default_factory=list)
+    pair: Pair | None = None  # the last runs that were compared
 
     def result(self, began: float) -> Result:
-        """Run until the target is met, or cannot be met."""
+        """Run until the target is met, cannot be met, or the user interrupts."""
+        with self.signals:
+            try:
+                return self._search(began)
+            except _InterruptedError:
+                self.signals.answered = True
+                return self._interrupted(began)
+
+    def _search(self, began: float) -> Result:
         choice = self._first_choice()
         rtol = min(max(_FIRST * (self.target / 1e-3) ** _SLOPE, _TIGHTEST / _WIDE), _LOOSEST)
         while True:  # until there is a run that can be compared with others
@@ -140,6 +155,28 @@ class _Search:
         ready, coordinates = self.ready, choice.coordinates
         result = finish_simulation(ready, coordinates, run.options, began, silent, run.path)
         return with_accuracy(result, self.target, self.quantities, self.runs, pair, choice.reasons)
+
+    def _interrupted(self, began: float) -> Result:
+        """The run whose error is known best; before two were compared, the one that went farthest.
+
+        Works, which take one more run, are left out.
+        """
+        pair = self.pair
+        run = pair.by_merit[0] if pair else max(self.runs, key=lambda run: len(run.path.t))
+        taken = formulate(self.ready, run.formulation, run.options.method, self.correction)
+        result = finish_simulation(
+            self.ready, taken, run.options, began, silent, run.path, works=False
+        )
+        error = "its error is not known, since it was compared with no other run"
+        if pair is not None:
+            error = f"its error is about {pair.share * pair.difference.largest:.1e}"
+        advice, result.outcome = Outcome.INTERRUPTED.advice, Outcome.INTERRUPTED
+        result.message = (
+            f"Interrupted in run {len(self.runs)} of the search for an accuracy of "
+            f"{self.target:.1e}. Of these runs the best is kept, that at rtol = "
+            f"{run.options.rtol:.1e}, up to t = {run.path.final_t:.6g} s; {error}. {advice}"
+        )
+        return result
 
     def _first_choice(self) -> _Choice:
         """Method and coordinates of the first run."""
@@ -190,7 +227,8 @@ class _Search:
         found = runs.difference(t, loose.values, tight.values, self.quantities, tight.wholes)
         run.difference = found.largest
         resolved = runs.is_resolved(found, tight.values[: len(t)], self.target)
-        return Pair(loose, tight, found, resolved)
+        self.pair = Pair(loose, tight, found, resolved)
+        return self.pair
 
     @property
     def _sampled(self) -> float:
@@ -247,4 +285,6 @@ class _Search:
             if path.outcome is Outcome.OK:  # else another run may go further
                 require_numbers(result.description, quantities.names, values)
         self.runs.append(Run(choice.formulation, options, path, values, wholes, seconds))
+        if self.signals.arrived or path.outcome is Outcome.INTERRUPTED:
+            raise _InterruptedError
         return self.runs[-1]

@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
-from codegen.figures_and_html import check_parent, finish_axes, new_figure, writing
+from codegen.figures_and_html import check_parent, finish_axes, new_figure
+from codegen.whole_files import whole_file
 from runtime.studies.effect_ranking.ranking import Matters, Row, Verdict
 
 if TYPE_CHECKING:
@@ -30,8 +31,8 @@ def check_place(path: Path) -> None:
 def save(ranking: Matters, path: Path) -> tuple[Path]:
     """Draw to a file; returns the path."""
     check_place(path)
-    with writing(path):
-        figure(ranking).savefig(path)
+    with whole_file(path) as temporary:
+        figure(ranking).savefig(temporary)
     return (path,)
 
 

@@ -12,6 +12,7 @@ from functools import reduce
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+from codegen import argument_readers as readers
 from codegen.errors import InputError
 from runtime.machine_facade import Machine
 from runtime.studies import scene_loading
@@ -30,6 +31,13 @@ LEAST_ROUNDS, MOST_ROUNDS = 5, 40  # measured: rounds of timed runs, however lon
 SECONDS = 3.0  # measured: wall-clock time for all rounds
 
 
+@readers.reads(
+    **scene_loading.READERS, asked=readers.either(readers.text("a quantity"), readers.function),
+    error=readers.optional(readers.number("a number")), fidelities=readers.flag,
+    analysis=readers.optional(readers.text("a name")), method=readers.text("a name"),
+    rtol=readers.number("a number"), points=readers.count(-(2**62)),
+    rounds=readers.optional(readers.count(-(2**62))),
+)  # fmt: skip
 def matters(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     asked: str | Function, t_end: float | None = None, t_start: float = 0.0,

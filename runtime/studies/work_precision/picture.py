@@ -8,7 +8,8 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
-from codegen.figures_and_html import check_parent, finish_axes, new_figure, writing
+from codegen.figures_and_html import check_parent, finish_axes, new_figure
+from codegen.whole_files import whole_file
 from runtime.integrate.method import METHODS
 from runtime.studies.work_precision.diagram import Line, Point, WorkPrecision
 from runtime.studies.work_precision.interpretation import front, headline
@@ -43,11 +44,16 @@ def save(study: WorkPrecision, folder: Path) -> tuple[Path, Path]:
     """Write MODEL__SCENE.jsonl and .png into a folder, which is created; returns the paths."""
     check_place(folder)
     picture = figure(study)
-    with writing(folder):
+    records = folder / f"{study.model}__{study.scene}.jsonl"
+    drawn = records.with_suffix(".png")
+    try:
         folder.mkdir(exist_ok=True)
-        records = write_records(study, folder / f"{study.model}__{study.scene}.jsonl")
-        drawn = records.with_suffix(".png")
-        picture.savefig(drawn)
+    except OSError as error:
+        raise InputError(f"--out {folder}: {error.strerror or error}.") from error
+    with whole_file(records) as temporary:
+        write_records(study, temporary)
+    with whole_file(drawn) as temporary:
+        picture.savefig(temporary)
     return records, drawn
 
 

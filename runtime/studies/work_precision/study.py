@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from codegen import argument_readers as readers
 from codegen.errors import AnalysisError, InputError
 from runtime.integrate.method import METHODS
 from runtime.machine_facade import Machine
@@ -38,6 +39,15 @@ REPEATS = 5, 0.1  # measured: least number of timed runs of a setting, and their
 QUICK_REPEATS = 3, 0.01  # measured: the same of a quick study
 
 
+@readers.reads(
+    **scene_loading.READERS, quantities=readers.texts('("crank.phi",)'),
+    methods=readers.texts('("dop853",)'), formulations=readers.texts('("cartesian",)'),
+    rtols=readers.optional(readers.several(readers.number("a number"), "a sequence of numbers")),
+    reference=readers.optional(readers.path), beside=readers.several(readers.scene, "scenes"),
+    building=readers.optional(readers.flag), points=readers.count(-(2**62)),
+    limit=readers.number("a finite number of seconds"), steps=readers.count(-(2**62)),
+    **dict.fromkeys(("modelling", "quick"), readers.flag),
+)  # fmt: skip
 def accuracy(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     quantities: Sequence[str] = (), t_end: float | None = None, t_start: float = 0.0,
@@ -92,7 +102,7 @@ def accuracy(
     """
     further = FURTHER if rtols is None and not quick else ()
     rtols = (QUICK if quick else RTOLS) if rtols is None else rtols
-    _check(quantities, methods, formulations, beside, rtols, points, limit, steps)
+    _check(methods, formulations, rtols, points, limit, steps)
     source = scene_loading.read_source(model, scene, folder)
     machine = source.machine()
     names, instants, file = _comparison(machine, quantities, reference, t_start, t_end, points)
@@ -191,21 +201,14 @@ def _choices(
 
 
 def _check(
-    quantities: Sequence[str], methods: Sequence[str], formulations: Sequence[str],
-    beside: Sequence[object], rtols: Sequence[float], points: int, limit: float, steps: int,
+    methods: Sequence[str], formulations: Sequence[str], rtols: Sequence[float], points: int,
+    limit: float, steps: int,
 ) -> None:  # fmt: skip
-    """Refuse arguments that make no study, all at once; texts where sequences belong before."""
-    sequences = {"quantities": quantities, "methods": methods, "formulations": formulations}
-    problems = [
-        f"{argument} is {value!r}; it must be a sequence of names, such as ({value!r},)."
-        for argument, value in {**sequences, "beside": beside}.items()
-        if isinstance(value, str)
-    ]
-    if problems:
-        raise InputError(problems)
+    """Refuse arguments that make no study, all at once."""
+    names = {"method": methods, "formulation": formulations}
+    problems = []
     for thing, known in (("method", METHODS), ("formulation", diagram.FORMULATIONS)):
-        names = sequences[f"{thing}s"]
-        problems += [unknown(thing, name, known) for name in names if name not in known]
+        problems += [unknown(thing, name, known) for name in names[thing] if name not in known]
     for thing, values in (("method", methods), ("formulation", formulations), ("rtol", rtols)):
         if not values:
             problems.append(f"There is no {thing} to try; name one, or leave the argument out.")

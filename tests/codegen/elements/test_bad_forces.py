@@ -49,7 +49,7 @@ def test_contact_of_a_body_with_itself_is_one_problem(tmp_path: Path) -> None:
         ),
         (
             "model.spring('s', a, b, force=3 * k)",
-            ["spring 's': force=3.k is no function; write", "spring 's' does nothing"],
+            ["spring 's': force=3.k is no function; write"],
         ),
         (
             "model.spring('s', a, b, force=lambda length, rate: Symbol('c') * rate)",
@@ -71,7 +71,6 @@ model.torsion_spring('s', a, b, torque=lambda angle, rate: gamma(rate))
             "model.torsion_spring('s', a, b.at(0, 0), -3)",
             [
                 "torsion spring 's': Point.* is no body; a torsion spring turns two",
-                "torsion spring 's': the stiffness is -3 N m/rad",
             ],
         ),
         ("model.torsion_spring('s', a, b)", ["torsion spring 's' does nothing"]),
@@ -102,7 +101,7 @@ model.torsion_spring('s', a, b, torque=lambda angle, rate: gamma(rate))
         ),
         ("model.contact('c', a, b, stiffness=0)", ["stiffness and damping are both 0"]),
         ("model.bushing('r', a, b)", ["bushing 'r': stiffness and damping are all 0"]),
-        ("model.bushing('r', a, b, 3)", ["stiffness of bushing 'r': 3 must be three", "all 0"]),
+        ("model.bushing('r', a, b, 3)", ["stiffness of bushing 'r': 3 must be three"]),
         ("model.bushing('r', a, a, (1, 2, 3))", ["bushing 'r' is between body 'a' and itself"]),
         (
             "model.bushing('r', a, b, (1, 2, 3), (0, -1, 0))",

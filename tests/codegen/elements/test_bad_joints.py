@@ -50,7 +50,7 @@ model.revolute('B', b, c.at(2, 0))
             ["cam and flat-faced follower 'A': the axis .0, 0. has no direction"],
         ),
         ("model.distance('A', a, b, -1.5)", [r"distance 'A': the length is -1\.5 m; give a posi"]),
-        ("model.distance('A', a, b, float('nan'))", ["distance 'A': the length is nan m; give"]),
+        ("model.distance('A', a, b, float('nan'))", ["distance of 'A': the value is nan; give"]),
         (
             "model.revolute_translational('A', a, b, axis=(0, 0))",
             ["revolute-translational 'A': the axis .0, 0. has no direction"],

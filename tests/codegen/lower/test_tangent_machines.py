@@ -17,7 +17,7 @@ from codegen.lower.operation_count import operations
 from codegen.lower.program import Program
 from codegen.model_file import read_model
 from tests.codegen.directions import assembled, by_complex_step, by_tangent, dependent
-from tests.codegen.elements.test_joint_friction import rubbing
+from tests.codegen.elements.rubbing_slider_crank import rubbing_slider_crank
 from tests.codegen.workbench import STEP, Interpreted, State, plain, python_functions
 
 
@@ -27,7 +27,7 @@ def library(name: str, scene: str) -> Callable[[Path], Interpreted]:
 
 def with_friction(count: int) -> Callable[[Path], Interpreted]:
     def made(root: Path) -> Interpreted:
-        model = rubbing(count)
+        model = rubbing_slider_crank(count)
         guess = {"crank.phi": 0.8, "rod.x": 1.0, "rod.y": 0.2, "rod.phi": -0.4, "slider.x": 1.5}
         model.scene("run", effects=model.effects, guess=guess)
         return Interpreted(model, "run")

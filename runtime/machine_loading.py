@@ -11,8 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from codegen import __version__
+from codegen import argument_readers as readers
 from codegen.errors import ModelFileError, SupersededError
-from codegen.generated_module_signature_and_import import check_signature, import_generated
+from codegen.generated_module_signature_and_import import (
+    check_signature,
+    import_generated,
+    read_generated,
+    text_hash,
+)
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
@@ -23,6 +29,10 @@ _ATTEMPTS = 5
 _FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 
+@readers.reads(
+    model=readers.model, scene=readers.optional(readers.scene),
+    folder=readers.optional(readers.path),
+)  # fmt: skip
 def load(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     folder: str | os.PathLike[str] | None = None,
@@ -100,11 +110,11 @@ def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> 
     """A generated module that agrees with the model file, and its hash; built if there is none."""
     name = scene if scene is not None else _first_scene(model)
     if isinstance(name, str) and (path := generated / f"{model.stem}__{name}.py").is_file():
-        text = path.read_text(encoding="utf-8")
+        text = read_generated(path)
         rebuild = f"python -m codegen build {model} --scene {name} --out {generated}"
         check_signature(path, text, rebuild)
         if _sources_match(path, text, model):
-            return path, hashlib.sha256(text.encode()).hexdigest()
+            return path, text_hash(text)
     return _build(model, scene, generated)
 
 
@@ -120,11 +130,13 @@ def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) 
 def _first_scene(model: Path) -> str | None:
     """Name of the first scene if the model file says it literally at its top level, else None."""
     try:
-        tree = ast.parse(model.read_text(encoding="utf-8"))
-    except SyntaxError as error:
-        raise ModelFileError(
-            f"{model}, line {error.lineno}: {error.msg}. Correct the model file."
-        ) from error
+        tree = ast.parse(model.read_bytes())
+    except OSError as error:
+        raise ModelFileError(f"{model} cannot be read: {error.strerror}.") from error
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        line = f", line {error.lineno}" if isinstance(error, SyntaxError) and error.lineno else ""
+        fault = error.msg if isinstance(error, SyntaxError) else str(error) or type(error).__name__
+        raise ModelFileError(f"{model}{line}: {fault}. Correct the model file.") from error
     for statement in tree.body:
         calls = [node for node in ast.walk(statement) if isinstance(node, ast.Call)]
         scenes = [c for c in calls if isinstance(c.func, ast.Attribute) and c.func.attr == "scene"]

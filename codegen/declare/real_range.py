@@ -1,0 +1,119 @@
+"""Where the values of an expression can lie, to find what is no finite real number anywhere.
+
+Every symbol may have any value, and each operation answers an interval that holds its results,
+rounded outwards: whatever is refused here has no value for any motion and any parameters.
+"""
+
+import math
+import sys
+from functools import reduce
+from typing import Any
+
+import sympy
+
+Interval = tuple[float, float]
+ALL: Interval = (-math.inf, math.inf)
+HUGE = sys.float_info.max
+RANGES: dict[Any, Interval] = {
+    sympy.sin: (-1.0, 1.0),
+    sympy.cos: (-1.0, 1.0),
+    sympy.tanh: (-1.0, 1.0),
+    sympy.sign: (-1.0, 1.0),
+    sympy.Heaviside: (0.0, 1.0),
+    sympy.cosh: (1.0, math.inf),
+    sympy.atan: (-1.6, 1.6),
+    sympy.asin: (-1.6, 1.6),
+    sympy.acos: (0.0, 3.2),
+    sympy.atan2: (-3.2, 3.2),
+}
+"""Function → an interval that holds its values."""
+NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
+
+
+def unreal_part(expression: sympy.Basic) -> tuple[sympy.Basic, str] | None:
+    """A part of an expression that never is a finite real number, and why; None: there is none."""
+    known: dict[sympy.Basic, Interval] = {}
+    for node in sympy.postorder_traversal(expression):
+        if node in known or not isinstance(node, sympy.Expr):
+            continue
+        verb = "is" if node == expression else "contains"
+        if node in NUMBERLESS:
+            return node, f"{verb} {node}"
+        if node.is_Symbol or (node.is_Atom and not node.is_number):
+            known[node] = ALL
+            continue
+        interval = _range(node, [known.get(a, ALL) for a in node.args])
+        if interval is None:
+            return node, f"{verb} {node}, which is never a real number"
+        if node.is_number and not (interval[0] < HUGE and interval[1] > -HUGE):
+            return node, f"{verb} a number beyond 1e308"
+        known[node] = interval
+    return None
+
+
+def _range(node: sympy.Expr, args: list[Interval]) -> Interval | None:
+    """An interval that holds the values of a node; None where it has none."""
+    if node.is_Number or node.is_NumberSymbol:
+        return _number(node)
+    if node.is_Add:
+        return reduce(lambda a, b: _outwards(a[0] + b[0], a[1] + b[1]), args)
+    if node.is_Mul:
+        return reduce(_product, args)
+    if isinstance(node, sympy.exp):
+        low, high = (_pow(math.e, end) for end in args[0])
+        return max(0.0, _outwards(low, low)[0]), _outwards(high, high)[1]
+    if node.is_Pow:
+        return _power(args[0], node.exp, args[1])
+    if isinstance(node, sympy.Abs):
+        low, high = args[0]
+        return (0.0 if low <= 0 <= high else min(abs(low), abs(high))), max(abs(low), abs(high))
+    if isinstance(node, sympy.log) and args[0][1] <= 0:
+        return None
+    if isinstance(node, sympy.asin | sympy.acos) and (args[0][0] > 1 or args[0][1] < -1):
+        return None
+    return RANGES.get(node.func, ALL)
+
+
+def _number(node: sympy.Expr) -> Interval:
+    try:
+        value = float(node)
+    except OverflowError:
+        return (math.inf, math.inf) if node > 0 else (-math.inf, -math.inf)
+    return value, value
+
+
+def _outwards(low: float, high: float) -> Interval:
+    """The interval with its ends rounded outwards; an end that is undefined is open."""
+    low, high = (math.nextafter(low, -math.inf), math.nextafter(high, math.inf))
+    return (-math.inf if math.isnan(low) else low), (math.inf if math.isnan(high) else high)
+
+
+def _product(a: Interval, b: Interval) -> Interval:
+    ends = [0.0 if 0.0 in (x, y) else x * y for x in a for y in b]
+    low, high = min(ends), max(ends)
+    return (low and _outwards(low, low)[0]), (high and _outwards(high, high)[1])
+
+
+def _pow(x: float, exponent: float) -> float:
+    try:
+        return float(abs(x) ** exponent)
+    except (OverflowError, ZeroDivisionError):
+        return math.inf
+
+
+def _power(base: Interval, exponent: sympy.Expr, exponents: Interval) -> Interval | None:
+    """base ** exponent; of a negative base only whole powers are real."""
+    low, high = base
+    if not exponent.is_number or exponent.is_real is not True:
+        return (0.0, math.inf) if low >= 0 else ALL
+    if not exponent.is_integer and high < 0:
+        return None
+    e = exponents[0]
+    ends = sorted(_pow(x, e) for x in base)
+    if exponent.is_integer and exponent.is_odd and low < 0:
+        return (
+            ALL if low < 0 < high or e < 0 else (-_pow(low, e), math.copysign(_pow(high, e), high))
+        )
+    low = 0.0 if base[0] <= 0 <= base[1] and e > 0 else ends[0]
+    high = math.inf if base[0] <= 0 <= base[1] and e < 0 else ends[1]
+    return max(0.0, math.nextafter(low, -math.inf)), math.nextafter(high, math.inf)

@@ -1,0 +1,66 @@
+"""Files that are written whole or not at all; where that fails, one message says what to do."""
+
+import errno
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from filelock import FileLock
+
+from codegen.errors import InputError
+from codegen.termination_signals import Deferral
+
+_PREFIX = ".linkwright-"  # of the folder in which a file is written
+_NEW = 60.0  # safety: s; a folder of this age is locked by the process that made it, if that lives
+_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+
+
+@contextmanager
+def whole_file(path: Path, kind: type[InputError] = InputError) -> Iterator[Path]:
+    """The path at which to write the content of `path`, which replaces an older file at the end.
+
+    Raises an error of `kind` that names `path` and says what to do where it cannot be written.
+    """
+    try:
+        with (
+            Deferral(at_once=False),
+            tempfile.TemporaryDirectory(
+                prefix=_PREFIX, dir=path.parent, ignore_cleanup_errors=True
+            ) as folder,
+            FileLock(Path(folder, ".lock")),
+        ):
+            _remove_leftovers(path.parent)
+            temporary = Path(folder, path.name)
+            yield temporary
+            with temporary.open("rb") as file:
+                os.fsync(file.fileno())  # the name must not reach the disk before the content
+            temporary.chmod(0o644)  # whatever the umask: others read the file as well
+            temporary.replace(path)
+    except OSError as error:
+        raise kind(f"cannot write {path}: {error.strerror or error}. {_advice(path, error)}") from (
+            error
+        )
+
+
+def _advice(path: Path, error: OSError) -> str:
+    folder = path.resolve().parent
+    if error.errno not in _FULL or not folder.is_dir():
+        return "Choose another folder with --out, or make this one writable."
+    free = shutil.disk_usage(folder).free >> 10
+    return (
+        f"There are {free} KiB free in {folder}: free some space, or choose a place on another "
+        "disk. A file that had this name before is unchanged."
+    )
+
+
+def _remove_leftovers(folder: Path) -> None:
+    """Remove what processes that were killed have left: folders that none has locked."""
+    for left in folder.glob(f"{_PREFIX}*"):
+        with suppress(OSError):
+            if time.time() - left.stat().st_mtime > _NEW:
+                with FileLock(left / ".lock", timeout=0):
+                    shutil.rmtree(left, ignore_errors=True)

@@ -1,0 +1,199 @@
+"""Runs in reduced coordinates that pass the dead centres of their loops in all coordinates.
+
+Near a dead centre the kept coordinates describe the motion badly, as a poor partition does. The
+run then goes on in all coordinates, and returns to the reduced ones where every loop is well away
+from its dead centre, on the branches on which the machine stands by then. It is one run: modes,
+events, samples, counts and the length of the steps are handed over, and each change is a
+repartition of the result. Where reduced equations fail for another reason, all coordinates take
+over as well: what ends a run is an outcome in these.
+"""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.core.array_types import Vector
+from runtime.core.loop_record import Plan
+from runtime.core.outcomes import Outcome
+from runtime.core.workspace_rows import PARTITION
+from runtime.hybrid.loop_branch_guard import LEAST
+from runtime.integrate.problem import Options
+from runtime.integrate.recording_buffers import in_order
+from runtime.integrate.run import Progress, Run
+from runtime.integrate.run_state import COUNTS
+from runtime.integrate.step import Signal
+from runtime.integrate.trajectory import Events, Partitions, Trajectory
+from runtime.integrate.validation import check
+
+if TYPE_CHECKING:
+    from runtime.dynamics.formulations import ReducedCoordinates
+
+_BACK = 0.16  # measured: of the largest ρ²; above it a run returns to reduced coordinates
+_AWAY = 4.0  # measured: steps to the next dead centre, without which it does not return
+_LOOK_EVERY = 4  # measured: steps in all coordinates between two looks
+_PATIENCE = 16  # safety: steps in all coordinates after reduced equations fail, at first
+_GOING, _LEAVE, _OK = int(Signal.GOING), int(Signal.LEAVE), int(Outcome.OK)
+_FAILED = {
+    int(outcome)
+    for outcome in (
+        Outcome.SINGULAR, Outcome.NEWTON_FAILED, Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL,
+    )
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Leg:
+    """A part of the run in one kind of coordinates."""
+
+    path: Trajectory  # in all coordinates
+    t: float  # its start, s
+    free: npt.NDArray[np.bool_]  # (n,): independent coordinates there
+
+
+class Changes:
+    """One run in reduced coordinates, and in all coordinates where these are poor."""
+
+    def __init__(self, taken: "ReducedCoordinates", options: Options) -> None:
+        self.taken, self.reduced, self.options = taken, taken.reduced, options
+        self.less: Run | None = None  # in reduced coordinates
+        self.whole: Run | None = None  # in all of them, where needed
+        self.legs: list[_Leg] = []
+        self.largest = np.zeros(self.reduced.system.loops)
+        self.until, self.patience = 0, _PATIENCE
+
+    def run(self, progress: Progress) -> Trajectory:
+        """The whole run, in all coordinates."""
+        begin = self.taken.begin
+        self.start = begin.t, begin.q  # where the present leg starts
+        self.free = np.isin(np.arange(len(begin.q)), self.reduced.kept)  # what is independent there
+        if self._is_safe(begin.t, begin.q, begin.v, LEAST, 0.0):
+            first = self._make_less(begin.t, begin.q, begin.v)
+        else:
+            first = self._make_whole()
+        return self._joined(first.execute(progress, self))
+
+    def __call__(self, run: Run, code: int) -> tuple[Run, int]:
+        """Change coordinates where that is due; see `runtime.integrate.run.Change`."""
+        if run is self.whole:
+            r = run.state.record
+            free = r["plan"] == Plan.FREE and not r["lent"] and r["steps"] >= self.until
+            if code == _GOING and r["steps"] > 0 and free:
+                (q, v), h = run.state.y, float(r["h"])
+                if self._is_safe(float(r["t"]), q, v, _BACK, _AWAY * h):
+                    return self._return(run, q, v)
+            return run, code
+        unstarted = code > 0 and run.state.record["steps"] == 0 and not self.legs
+        if unstarted and code not in (Outcome.MAX_STEPS, Outcome.INTERRUPTED):
+            self._be_patient(0)
+            run = self._make_whole()
+            code = run.start()
+            return run, _GOING if code == _OK else code
+        if code == _LEAVE or code in _FAILED:
+            return self._leave(run, code)
+        return run, code
+
+    # -- changes -----------------------------------------------------------------------------
+
+    def _leave(self, less: Run, code: int) -> tuple[Run, int]:
+        """Go on in all coordinates from where the reduced ones are poor, or failed."""
+        path = self._finish(less, less.result(Outcome.OK, 0.0))
+        whole = self.whole or self._make_whole()
+        if code != _LEAVE:
+            self._be_patient(int(whole.state.record["steps"]))
+        code = whole.take_over(less, path.final_q, path.final_v)
+        self.free = whole.state.rows[PARTITION, 0] == 0.0
+        return whole, _GOING if code == _OK else code
+
+    def _return(self, whole: Run, q: Vector, v: Vector) -> tuple[Run, int]:
+        """Go on in reduced coordinates, if a run starts there."""
+        t, kept = float(whole.state.record["t"]), self.reduced.kept
+        less = self.less or self._make_less(t, q, v)
+        less.state.p[:] = self.reduced.parameters(self.taken.ready.p, t, q)
+        if less.take_over(whole, q[kept], v[kept]) != _OK:
+            self._be_patient(int(whole.state.record["steps"]))
+            return whole, _GOING
+        self._finish(whole, whole.result(Outcome.OK, 0.0))
+        independent = less.state.rows[PARTITION, 0] == 0.0
+        self.free = np.zeros(len(q), dtype=np.bool_)
+        self.free[kept] = independent if self.reduced.closures else True
+        return less, _GOING
+
+    def _finish(self, run: Run, path: Trajectory) -> Trajectory:
+        """End the present leg; its path in all coordinates."""
+        if run is self.less:
+            path = self.taken.all_coordinates(path, self.start, run.state.p)
+        self.legs.append(_Leg(path, self.start[0], self.free))
+        self.start = path.final_t, path.final_q
+        return path
+
+    def _be_patient(self, steps: int) -> None:
+        """Stay in all coordinates for longer, as the reduced equations failed."""
+        self.until = steps + self.patience
+        self.patience *= 2
+
+    def _is_safe(self, t: float, q: Vector, v: Vector, least: float, ahead: float) -> bool:
+        """Whether all loops are away from their dead centres, by the time `ahead` at least.
+
+        (q, v) are all coordinates, (n,) each; `least` is the part of the largest ρ² to be exceeded.
+        """
+        if not self.largest.size:
+            return True
+        square, rate, size = self.reduced.squares(t, q, v, self.taken.ready.p)
+        np.fmax(self.largest, size, out=self.largest)
+        far = (square > least * self.largest) & (2.0 * square > -rate * ahead)
+        return bool(far.all())
+
+    # -- runs --------------------------------------------------------------------------------
+
+    def _make_less(self, t: float, q: Vector, v: Vector) -> Run:
+        problem = replace(self.taken.problem(t, q, v), t0=self.taken.begin.t)
+        check(self.taken.system, problem, self.options)
+        self.less = Run(self.taken.system, problem, self.options)
+        return self.less
+
+    def _make_whole(self) -> Run:
+        cartesian = self.taken.cartesian(self.options.method)
+        begin, system = self.taken.begin, cartesian.system
+        problem = cartesian.problem(begin.t, begin.q, begin.v)
+        check(system, problem, self.options)
+        self.whole = Run(system, problem, self.options)
+        self.whole.most = _LOOK_EVERY
+        return self.whole
+
+    # -- the result --------------------------------------------------------------------------
+
+    def _joined(self, last: Trajectory) -> Trajectory:
+        """The legs as one run, that ended as the last of them."""
+        run = self.less if last.q.shape[1] == len(self.reduced.kept) and self.less else self.whole
+        assert run is not None
+        last = self._finish(run, last)
+        if len(self.legs) == 1:
+            return replace(last, events=in_order(last.events, last.final_t))
+        paths = [leg.path for leg in self.legs]
+        records = [made.state.record for made in (self.less, self.whole) if made is not None]
+        counts = {name: sum(r[name].item() for r in records) for name in COUNTS}
+        counts["largest_dq"] = max(r["largest_dq"].item() for r in records)
+        partitions = self._partitions()
+        counts["repartitions"] = len(partitions.t) - 1
+        samples = zip(*((path.t, path.q, path.v, path.modes) for path in paths), strict=True)
+        t, q, v, modes = map(np.concatenate, samples)
+        logged = zip(*(vars(path.events).values() for path in paths), strict=True)
+        events = in_order(Events(*map(np.concatenate, logged)), last.final_t)
+        return replace(
+            last, t=t, q=q, v=v, modes=modes, statistics=replace(last.statistics, **counts),
+            events=events, partitions=partitions,
+            crossings=tuple(crossing for path in paths for crossing in path.crossings),
+        )  # fmt: skip
+
+    def _partitions(self) -> Partitions:
+        """Every change of the independent coordinates, those between the legs included."""
+        changes: list[tuple[float, npt.NDArray[np.bool_]]] = []
+        for leg in self.legs:
+            logged = leg.path.partitions
+            if not len(logged.t) or logged.t[0] > leg.t:
+                changes.append((leg.t, leg.free))
+            changes += zip(logged.t.tolist(), logged.independent, strict=True)
+        times, free = zip(*changes, strict=True)
+        return Partitions(np.array(times), np.array(free))

@@ -1,0 +1,82 @@
+"""Checks at the end of a run that reached its end: what they find contradicts the outcome OK."""
+
+import numpy as np
+
+from runtime.core.outcomes import Outcome
+from runtime.integrate.problem import Options
+from runtime.integrate.trajectory import Trajectory
+from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.results.result import Result
+from runtime.results.samples import Samples
+
+_CLOSED = 1e-9  # accuracy: of a coordinate's size; to this the joints close, however fine rtol is
+# measured: tolerances; Baumgarte's method with dopri5 leaves 0.4 of one, each other return 1e-5
+_RESIDUAL = 10.0
+
+
+def check_result(
+    result: Result, equations: Equations, sizes: FloatArray, options: Options,
+    run: Trajectory | None = None,
+) -> None:  # fmt: skip
+    """Take the outcome OK from a result that a check contradicts, and say where and by how much."""
+    if result.outcome is not Outcome.OK:
+        return
+    found = _residuals(equations, result.samples, sizes, options)
+    if run is not None:
+        found = f"{_order_of_events(run)} {found}".strip()
+    if found:
+        outcome = result.outcome = Outcome.CONTRADICTED
+        result.message = f"{outcome.meaning} {found} {outcome.advice} {result.message}"
+
+
+def _residuals(equations: Equations, samples: Samples, sizes: FloatArray, options: Options) -> str:
+    """A sentence on samples whose residual exceeds what the tolerances permit; empty for none.
+
+    A coordinate may err by `atol + rtol size`, and a constraint by the sum of that over what enters
+    it. Sizes, (n,), are those of the run, and at least the lengths and speeds that it reached;
+    angles have the size 1 however many turns they have made, since sin φ knows nothing of them.
+    """
+    if not len(samples.t) or not equations.m:
+        return ""
+    reached = np.abs(samples.q).max(axis=0)
+    lengths = np.where(equations.description.is_length, np.maximum(sizes, reached), sizes)
+    speeds = np.maximum(sizes, np.abs(samples.v).max(axis=0))
+    slopes = np.abs(equations.jacobian(float(samples.t[-1]), samples.q[-1]))
+    for column, atol, size, name, unit in (
+        (0, options.atol_q, lengths, "Φ", "m or rad"),
+        (1, options.atol_v, speeds, "Φ_q v - ν", "m/s or rad/s"),
+    ):
+        rtol = max(options.rtol, _CLOSED)
+        absolute = rtol * np.minimum(1.0, sizes) if atol is None else np.asarray(atol)
+        permitted = _RESIDUAL * float((slopes @ (absolute + rtol * size)).max())
+        residual = samples.residual[:, column]
+        broken = np.flatnonzero(residual > permitted)
+        if len(broken):
+            first, worst = float(samples.t[broken[0]]), float(residual[broken].max())
+            return (
+                f"From t = {first:.6g} s on the constraints are not satisfied: |{name}| reaches "
+                f"{worst:.3g} {unit}, and the tolerances permit {permitted:.3g}."
+                + _unresolved_angles(equations, samples, permitted)
+            )
+    return ""
+
+
+def _unresolved_angles(equations: Equations, samples: Samples, permitted: float) -> str:
+    """A sentence on angles that are too large for their sines to be as exact as `permitted`."""
+    last = np.where(equations.description.is_length, 0.0, np.abs(samples.q[-1]))
+    names = [equations.description.coordinates[k].name for k in np.flatnonzero(last > 1.0)]
+    if not names or np.spacing(last.max()) < 0.1 * permitted:
+        return ""
+    return f" The angles {', '.join(names)} are as large as {last.max():.3g} rad: too few digits."
+
+
+def _order_of_events(run: Trajectory) -> str:
+    """A sentence on events that are out of order or outside of the run; empty for none."""
+    times = np.concatenate([[run.first_t], run.events.t, [run.final_t]])
+    back = np.flatnonzero(np.diff(times) < 0.0)
+    if not len(back):
+        return ""
+    return (
+        f"Its events are not in order: t = {times[back[0]]:.9g} s comes before "
+        f"{times[back[0] + 1]:.9g} s."
+    )

@@ -1,0 +1,141 @@
+"""Machine code on the disk that is damaged, old or cannot be kept is compiled anew, with a note."""
+
+import os
+import resource
+import signal
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from codegen import numba_cache
+from codegen.damaged_byte_code import CacheWarning
+from codegen.generated_module_signature_and_import import _TextLoader
+from codegen.numba_cache import checked_caches
+
+TEXT = """import numba
+
+
+@numba.njit("f8(f8)", cache=True)
+def scaled(x):
+    return {factor} * x
+"""
+
+
+@pytest.fixture
+def source(tmp_path: Path) -> Iterator[Path]:
+    path = tmp_path / "scaled.py"
+    path.write_text(TEXT.format(factor=2.0))
+    _execute(path)
+    yield path
+    sys.modules.pop("scaled", None)
+
+
+def _execute(path: Path) -> ModuleType:
+    """As `import_generated`, of a module that numba finds by its name when it loads its code."""
+    numba_cache._noted.clear()
+    module = sys.modules["scaled"] = ModuleType("scaled")
+    module.__file__ = str(path)
+    code = _TextLoader("scaled", str(path), path.read_text()).get_code("scaled")
+    with checked_caches():
+        exec(code, vars(module))
+    return module
+
+
+def _hits(module: ModuleType) -> int:
+    return sum(module.scaled.stats.cache_hits.values())
+
+
+def test_an_undamaged_cache_is_taken(source: Path) -> None:
+    module = _execute(source)
+    assert (module.scaled(1.0), _hits(module)) == (2.0, 1)
+
+
+@pytest.mark.parametrize("kept", [0, 1, 20, 0.3, 0.9, -1])
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+def test_a_file_that_is_cut_short_is_made_anew(source: Path, ending: str, kept: float) -> None:
+    (path,) = source.parent.glob(f"__pycache__/*.{ending}")
+    content = path.read_bytes()
+    path.write_bytes(content[: int(kept * len(content)) if isinstance(kept, float) else kept])
+    with pytest.warns(CacheWarning, match=rf"damaged \({path.name}: .*compiled anew"):
+        module = _execute(source)
+    assert (module.scaled(1.0), _hits(module)) == (2.0, 0)
+    assert _hits(_execute(source)) == 1  # without a warning, which would be an error
+
+
+def test_a_bit_that_has_changed_is_noticed(source: Path) -> None:
+    (path,) = source.parent.glob("__pycache__/*.nbc")
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+    with pytest.warns(CacheWarning, match="damaged"):
+        assert _execute(source).scaled(1.0) == 2.0
+
+
+def test_machine_code_of_an_older_source_is_not_run(source: Path) -> None:
+    """A process that is killed between index and data leaves the new index beside the old data."""
+    (path,) = source.parent.glob("__pycache__/*.nbc")
+    old = path.read_bytes()
+    source.write_text(TEXT.format(factor=3.0))
+    assert _execute(source).scaled(1.0) == 3.0
+    path.write_bytes(old)
+    with pytest.warns(CacheWarning, match="not what was written for this source"):
+        assert _execute(source).scaled(1.0) == 3.0
+
+
+def test_a_full_disk_keeps_nothing_and_blocks_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "scaled.py"
+    path.write_text(TEXT.format(factor=2.0))
+    limit, most = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, most))
+    try:
+        with pytest.warns(CacheWarning, match=r"not kept \(File too large\)"):
+            module = _execute(path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, most))
+        sys.modules.pop("scaled", None)
+    assert module.scaled(1.0) == 2.0
+    assert not list(tmp_path.glob("__pycache__/*.tmp.*"))
+
+
+def test_no_folder_that_can_be_written_blocks_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "scaled.py"
+    path.write_text(TEXT.format(factor=2.0))
+
+    def none(function: object) -> None:
+        raise RuntimeError("no locator available")
+
+    monkeypatch.setattr(numba_cache.CheckedCache, "_impl_class", staticmethod(none))
+    with pytest.warns(CacheWarning, match="kept nowhere"):
+        assert _execute(path).scaled(1.0) == 2.0
+    sys.modules.pop("scaled", None)
+
+
+def test_an_interrupt_waits_until_a_function_is_compiled(
+    source: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Raised within LLVM it would end the process: "double free or corruption"."""
+    for path in source.parent.glob("__pycache__/*"):
+        path.unlink()
+    from numba.core.compiler import CompilerBase
+
+    compiling, finished = CompilerBase.compile_extra, []
+
+    def interrupted(self: object, function: object) -> object:
+        os.kill(os.getpid(), signal.SIGINT)
+        result = compiling(self, function)
+        finished.append(True)
+        return result
+
+    monkeypatch.setattr(CompilerBase, "compile_extra", interrupted)
+    usual = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            _execute(source)
+    finally:
+        signal.signal(signal.SIGINT, usual)
+    assert finished

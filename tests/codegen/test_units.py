@@ -1,0 +1,122 @@
+"""Quantities in a declaration: converted to SI, cycles and radians told apart, zeros all alike."""
+
+import math
+from typing import Any
+
+import pytest
+import sympy
+from pint import UnitRegistry, get_application_registry
+from sympy.physics import units as of_sympy
+
+from codegen import Model, ModelError, t
+from codegen.declare.units import in_unit
+from codegen.driver import valid_scenes
+
+u = get_application_registry()
+
+CONVERTED = [
+    (60 * u.rpm, "rad/s", 2 * math.pi),
+    (1 * u.turn / u.s, "rad/s", 2 * math.pi),
+    (180 * u.deg / u.s, "rad/s", math.pi),
+    (2 * math.pi * u.rad * (50 * u.Hz), "rad/s", 100 * math.pi),
+    (5 / u.s, "rad/s", 5.0),
+    (2 * u.kHz, "Hz", 2000.0),
+    (3 * u.Hz, "1/s", 3.0),
+    (300 * u.W / (60 * u.rpm), "N m", 150 / math.pi),
+    (2 * u.N * u.m / u.rpm, "N m s/rad", 60 / math.pi),
+    (10 * u.N * u.m / u.deg, "N m/rad", 1800 / math.pi),
+    (30 * u.N * u.m, "N m/rad", 30.0),
+    (60 * u.rpm * u.mm, "m/s", 2e-3 * math.pi),
+    (90 * u.deg, "rad", math.pi / 2),
+    (u.Quantity(20.0, "degC"), "K", 293.15),
+    (60 * UnitRegistry().rpm, "rad/s", 2 * math.pi),
+]
+
+
+@pytest.mark.parametrize(("quantity", "unit", "number"), CONVERTED)
+def test_quantities_convert(quantity: Any, unit: str, number: float) -> None:
+    problems: list[str] = []
+    assert in_unit(quantity, unit, "value", problems) == pytest.approx(number, rel=1e-14)
+    assert problems == []
+
+
+CONFUSED = [
+    (1 * u.hertz, "rad/s", "counts cycles, but rad/s counts radians"),
+    (2 * u.kHz, "rad/s", "counts cycles"),
+    (7 * u.counts_per_second, "rad/s", "counts cycles"),
+    (1 * u.Hz / u.s, "rad/s^2", "counts cycles"),
+    (1 * u.N * u.m / u.Hz, "N m s/rad", "counts cycles"),
+    (60 * u.rpm, "Hz", "counts an angle, but Hz does not"),
+    (60 * u.rpm, "1/s", "counts an angle"),
+    (1 * u.rad / u.s, "Hz", "counts an angle"),
+    (1 * u.rad / u.s**2, "1/s^2", "counts an angle"),
+]
+
+
+@pytest.mark.parametrize(("quantity", "unit", "why"), CONFUSED)
+def test_cycles_and_radians_are_told_apart(quantity: Any, unit: str, why: str) -> None:
+    problems: list[str] = []
+    in_unit(quantity, unit, "speed of 'motor'", problems)
+    (problem,) = problems
+    assert problem.startswith(f"speed of 'motor': {quantity} {why}")
+
+
+def problems_of(model: Model) -> str:
+    with pytest.raises(ModelError) as error:
+        valid_scenes(model, None)
+    return str(error.value)
+
+
+def test_every_way_in_tells_them_apart() -> None:
+    model = Model("ways")
+    wheel = model.body("wheel", mass=1.0, inertia=1.0)
+    hub = model.revolute("hub", model.ground.at(0, 0), wheel.at(0, 0))
+    model.parameter("speed", 1 * u.hertz, "rad/s")
+    model.parameter("pulse", 60 * u.rpm, "Hz")
+    model.parameter("rate", 2.0, "rad/s")
+    model.friction("rubbing", hub, 0.1, creep=1 * u.Hz, radius=0.1)
+    model.torsion_spring("coil", model.ground, wheel, damping=1 * u.N * u.m / u.Hz)
+    model.table("law", [1 * u.Hz, 2, 3, 4], [0, 1, 2, 3], units=("rad/s", "N m"))
+    model.scene("run", start={"wheel.omega": 1 * u.hertz}, parameters={"rate": 1 * u.hertz})
+    told = problems_of(model)
+    for where in (
+        "parameter 'speed'", "parameter 'pulse'", "creep speed of friction 'rubbing'",
+        "damping of torsion spring 'coil'", r"table 'law', x[0]", "scene 'run', wheel.omega",
+        "scene 'run', parameter 'rate'",
+    ):  # fmt: skip
+        (line,) = (line for line in told.splitlines() if line.startswith(f"{where}: "))
+        assert "counts" in line
+
+
+def test_units_of_sympy_are_refused_by_name() -> None:
+    model = Model("sympy_units")
+    ball = model.particle("ball", mass=5 * of_sympy.kg)
+    model.spring("s", model.ground.at(3 * of_sympy.mm, 0), ball, stiffness=1, free_length=1)
+    model.driver("d", ball.x, 3 * of_sympy.radian * t)
+    model.scene("a", start={ball.x: 2 * of_sympy.m})
+    told = problems_of(model)
+    for line in (
+        "mass of particle 'ball': 5*kilogram is neither a number nor an expression",
+        "(kilogram is a unit of SymPy; give a quantity of pint).",
+        "point of 's' on body 'ground': 3*millimeter is neither",
+        "law of driver 'd': 3*radian*t is neither",
+        "scene 'a', ball.x: 2*meter is not a number",
+    ):
+        assert line in told
+
+
+@pytest.mark.parametrize("zero", [0, 0.0, -0.0, sympy.Float(0), 0.0 * u.m])
+def test_a_zero_is_a_zero(zero: Any) -> None:
+    """SymPy's 0.0 is not equal to its 0."""
+    model = Model("zeros")
+    bead = model.particle("bead", mass=1.0)
+    model.spring("line", model.ground.at(zero, 1), bead.at(zero, zero), 5.0, free_length=zero)
+    assert len(valid_scenes(model, None)) == 1
+    plate, wheel = (model.body(name, mass=1.0, inertia=1.0) for name in ("plate", "wheel"))
+    model.spring("idle", plate, wheel, 0.0, free_length=zero, damping=0.0)
+    model.translational("guide", model.ground, plate, axis=(zero, zero))
+    model.gear("mesh", plate, wheel, zero, 1.0)
+    told = problems_of(model)
+    assert "'idle' does nothing" in told
+    assert "the axis (0, 0) has no direction" in told
+    assert "contain a 0" in told

@@ -1,0 +1,1 @@
+"""Seeded campaigns of misuse: every answer is a sentence of ours, soon, or a right one."""

@@ -1,0 +1,190 @@
+"""Calls of the runtime's public functions with arguments of the wrong kind, from a seed.
+
+    python -m tests.fuzz.calls --count 100000 --seed 1
+
+A call takes one to three arguments of kinds that mean nothing there. It must be refused by an error
+of Linkwright's own that says which argument it was, soon, and without warnings; a kind that an
+argument accepts is written down here.
+"""
+
+import argparse
+import os
+import random
+import sys
+import tempfile
+import traceback
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from time import monotonic
+from typing import Any, NamedTuple
+
+from codegen import build
+from codegen.errors import LinkwrightError
+from runtime import accuracy, load, matters
+from runtime.machine_facade import Machine
+from tests.fuzz.nonsense import KINDS, NUMBERS, POSITIVE, TEXTS
+
+SLOW = 20.0  # seconds after which a call counts as hanging
+NONE = {"none"}
+PATHS = {"text", "number as text", "newline", "code", "path-like text", "path"}
+FUNCTIONS = {"function"}
+THEIRS = {"failing function", "class"}  # kinds that raise the user's own error when called
+NAMELESS = {"Assembly[]", "Table.index", "Result.plot"}  # calls whose arguments have no names
+
+
+class Call(NamedTuple):
+    """A function, its good arguments, and the kinds that each argument accepts."""
+
+    title: str
+    function: Callable[..., Any]
+    good: dict[str, Any]
+    accepts: dict[str, set[str]]
+
+
+class Case(NamedTuple):
+    """A call with arguments replaced by values of the kinds that it names."""
+
+    call: Call
+    kinds: dict[str, str]
+
+    def __str__(self) -> str:
+        return f"{self.call.title}({', '.join(f'{k}: {v}' for k, v in self.kinds.items())})"
+
+
+def calls(free: Machine, driven: Machine) -> list[Call]:
+    """Public functions: of a machine that moves freely, of one that is driven, of their results."""
+    result = free.simulate(0.01, [0.0, 0.01], progress=False)
+    assembly = free.assemble()
+    name, joint = free.coordinates.names[0], free.constraints[0].element
+    values = {"parameters": NONE, "guess": NONE}
+    of_run = {
+        **values, "t_end": POSITIVE | {"zero"}, "t_eval": NONE | {"zero"},
+        "t_start": {"zero", "minus"},
+        "rtol": NONE | POSITIVE, "start": NONE, "correction": set(), "formulation": NONE,
+        "atol": NONE | POSITIVE | {"list", "tuple", "array"}, "quantities": NONE, "method": NONE,
+        **dict.fromkeys(("time_scale", "first_step", "max_step"), NONE | POSITIVE),
+        "max_steps": {"one", "data array"}, "progress": {"true"},
+    }  # fmt: skip
+    accuracies = {"accuracy": NONE | POSITIVE, "quantities": NONE}
+    studied = {
+        "model": set(), "scene": NONE, "folder": NONE | PATHS, **values, "t_start": NUMBERS,
+        "t_end": NUMBERS | NONE, "progress": FUNCTIONS,
+    }  # fmt: skip
+    wrong = {"model": str(free.path), "scene": "abc", "t_end": 1.0}
+    flags = {name: {"true"} for name in ("tangents", "reduced", "check", "compile")}
+    several = ("quantities", "methods", "formulations", "beside")
+    of_accuracy = {name: {"empty list"} for name in several}
+    target = {"t_end": 0.01, "accuracy": 1e-4}
+    described = [
+        Call("simulate", free.simulate, {"t_end": 0.01}, of_run),
+        Call("simulate to an accuracy", free.simulate, target, accuracies),
+        Call("assemble", free.assemble, {}, {**values, "t": NUMBERS}),
+        Call("initial_modes", free.initial_modes, {}, {"t": NUMBERS, "parameters": NONE}),
+        Call("parameter_values", free.parameter_values, {}, {"overrides": NONE}),
+        Call(
+            "equilibrium", free.equilibrium, {},
+            {**values, "t": NUMBERS, "method": set(), "progress": {"true"}},
+        ),
+        Call("Result.plot", result.plot, {"name": name}, {"name": set()}),
+        Call("Result.save", result.save, {"path": "a.csv"}, {"path": set()}),
+        Call("Result.reaction", result.reaction, {"joint": joint, "component": "fx"},
+             {"joint": set(), "component": set()}),
+        Call("Assembly[]", assembly.__getitem__, {"name": name}, {"name": set()}),
+        Call("Table.index", free.coordinates.index, {"item": name}, {"item": set()}),
+        Call("load", load, {"model": "hard/pendulum"},
+             {"model": set(), "scene": NONE, "folder": NONE | PATHS}),
+        Call("matters", matters, {**wrong, "asked": "kinetic"}, {
+            **studied, "asked": TEXTS | FUNCTIONS, "error": NUMBERS | NONE, "fidelities": {"true"},
+            "analysis": NONE | TEXTS, "method": TEXTS, "rtol": NUMBERS, "points": NUMBERS,
+            "rounds": NUMBERS | NONE,
+        }),
+        Call("accuracy", accuracy, wrong, {
+            **studied, **of_accuracy, "rtols": NONE, "points": NUMBERS, "limit": NUMBERS,
+            "steps": NUMBERS, "reference": NONE | PATHS, "building": NONE | {"true"},
+            "modelling": {"true"}, "quick": {"true"},
+        }),
+        Call("build", build, {"model": "abc", "compile": False},
+             {"model": set(), "scene": NONE, "out": NONE | PATHS, "settings": NONE,
+              "progress": FUNCTIONS, **flags}),
+    ]  # fmt: skip
+    lookups = ("q", "v", "a", "mode", "share", "power", "work", "path", "energy", "series")
+    for lookup in lookups:
+        function = getattr(result, lookup)
+        parameter = next(iter(function.__wrapped__.__code__.co_varnames[1:2]))
+        described.append(Call(f"Result.{lookup}", function, {parameter: name}, {parameter: set()}))
+    for analysis in ("kinematics", "inverse_dynamics"):
+        times = NUMBERS | {"list", "tuple", "array", "range"}
+        accepts = {**values, "t_eval": times, "t_start": NUMBERS, "progress": {"true"}}
+        described.append(Call(analysis, getattr(driven, analysis), {"t_eval": [0.0]}, accepts))
+    return described
+
+
+def cases(described: list[Call], count: int, seed: int) -> Iterator[Case]:
+    """Random cases, the same for a seed."""
+    draw = random.Random(seed)
+    for _ in range(count):
+        call = draw.choice(described)
+        arguments = draw.sample(
+            sorted(call.accepts), min(draw.choice((1, 1, 1, 2, 3)), len(call.accepts))
+        )
+        yield Case(call, {name: draw.choice(list(KINDS)) for name in arguments})
+
+
+def fault(case: Case) -> str:
+    """What is wrong with the answer to a case; nothing if it is refused as it should be."""
+    call, kinds = case
+    given = {name: KINDS[kind]() for name, kind in kinds.items()}
+    began = monotonic()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            if call.title in NAMELESS:
+                call.function(*(call.good | given).values())
+            else:
+                call.function(**call.good | given)
+    except LinkwrightError as error:
+        if not error.problems or not all(problem.strip() for problem in error.problems):
+            return "an error without a sentence"
+    except Exception as error:
+        if kinds.get("progress") in THEIRS:  # a user's own way to end a study
+            return ""
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        return f"{type(error).__name__}: {error} at {Path(frame.filename).name}:{frame.lineno}"
+    else:
+        odd = [name for name, kind in kinds.items() if kind not in call.accepts[name]]
+        if odd:
+            return f"accepted {', '.join(odd)}"
+    spent = monotonic() - began
+    return f"took {spent:.0f} s" if spent > SLOW else ""
+
+
+def faults(described: list[Call], count: int, seed: int) -> Iterator[tuple[Case, str]]:
+    """The cases whose answers are wrong."""
+    for case in cases(described, count, seed):
+        if found := fault(case):
+            yield case, found
+
+
+def main() -> None:
+    """Run a campaign and list its faults; exit status 1 if there are any."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--count", type=int, default=10_000)
+    options.add_argument("--seed", type=int, default=1)
+    chosen = options.parse_args()
+    described = calls(load("hard/pendulum", "bar"), load("four_bar", "inverse_dynamics"))
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        found = list(faults(described, chosen.count, chosen.seed))
+    for case, what in found[:50]:
+        sys.stdout.write(f"{case}: {what}\n")
+    kinds = Counter(what.split(" at ")[-1] for _, what in found)
+    sys.stdout.write(
+        f"{chosen.count} calls, seed {chosen.seed}: {len(found)} faults {dict(kinds)}\n"
+    )
+    sys.exit(bool(found))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,112 @@
+"""Many cases of one generator over several processes, each case with a limit of time."""
+
+import signal
+import time
+import traceback
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from importlib import import_module
+from multiprocessing import get_context
+from random import Random
+from typing import NamedTuple
+
+SHOWN = 40  # findings that a report lists
+
+
+class Finding(NamedTuple):
+    """A case that did not end as it should."""
+
+    number: int
+    text: str
+
+
+@dataclass
+class Campaign:
+    """The outcome of many cases."""
+
+    generator: str
+    seed: int
+    cases: int
+    seconds: float
+    slowest: tuple[float, int]  # (seconds, number) of the case that took longest
+    findings: list[Finding] = field(default_factory=list)
+
+    def report(self) -> str:
+        """A line of sums, then the findings, alike ones together."""
+        head = f"{self.generator}, seed {self.seed}: {self.cases} cases in {self.seconds:.0f} s"
+        slowest = f"the slowest case, number {self.slowest[1]}, took {self.slowest[0]:.1f} s"
+        lines = [f"{head}, {len(self.findings)} findings; {slowest}"]
+        kinds: dict[str, list[Finding]] = {}
+        for finding in self.findings:
+            kinds.setdefault(finding.text.partition("\n")[0][:90], []).append(finding)
+        ordered = sorted(kinds.values(), key=len, reverse=True)
+        for alike in ordered[:SHOWN]:
+            first = alike[0]
+            lines.append(f"\n{len(alike)} like case {first.number}: {first.text}")
+        return "\n".join(lines) + "\n"
+
+
+class OverTimeError(BaseException):
+    """A case takes longer than it may; no `except Exception` catches it."""
+
+
+@contextmanager
+def limited(seconds: float) -> Iterator[None]:
+    """Raise `OverTimeError` in a block that takes longer."""
+
+    def stop(*_: object) -> None:
+        raise OverTimeError
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def case(generator: str, seed: int, number: int, limit: float) -> str | None:
+    """What is wrong about one case; None: nothing."""
+    judge = import_module(f"tests.fuzz.{generator}").judge
+    try:
+        with limited(limit):
+            found: str | None = judge(Random(f"{generator} {seed} {number}"))
+            return found
+    except OverTimeError:
+        return f"hangs: more than {limit:g} s\n{traceback.format_exc(limit=-6)}"
+
+
+def shard(generator: str, seed: int, numbers: Sequence[int], limit: float) -> Campaign:
+    """The cases of some numbers, one after the other."""
+    found = Campaign(generator, seed, len(numbers), 0.0, (0.0, 0))
+    started = time.perf_counter()
+    for number in numbers:
+        before = time.perf_counter()
+        if text := case(generator, seed, number, limit):
+            found.findings.append(Finding(number, text))
+        found.slowest = max(found.slowest, (time.perf_counter() - before, number))
+    found.seconds = time.perf_counter() - started
+    return found
+
+
+def run(
+    generator: str, seed: int, numbers: Sequence[int], limit: float = 20.0, workers: int = 1
+) -> Campaign:
+    """The cases of some numbers, shared among processes."""
+    started = time.perf_counter()
+    if workers == 1:
+        return shard(generator, seed, numbers, limit)
+    size = max(1, min(500, len(numbers) // workers))
+    parts = [numbers[k : k + size] for k in range(0, len(numbers), size)]
+    whole = Campaign(generator, seed, len(numbers), 0.0, (0.0, 0))
+    with ProcessPoolExecutor(workers, get_context("spawn"), max_tasks_per_child=8) as pool:
+        futures = [pool.submit(shard, generator, seed, part, limit) for part in parts]
+        for future in futures:
+            found = future.result()
+            whole.findings += found.findings
+            whole.slowest = max(whole.slowest, found.slowest)
+    whole.seconds = time.perf_counter() - started
+    return whole

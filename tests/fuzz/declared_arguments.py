@@ -1,0 +1,466 @@
+"""The arguments of every method of `Model`, by kind: good values, and values that mean nothing."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from random import Random
+from typing import Any
+
+import sympy
+
+from codegen import Constraint, Model, alpha, t
+from codegen.declare.body import Body
+from tests.fuzz.declared_nonsense import of_number, of_object, of_scalar, u
+
+
+@dataclass
+class Scenery:
+    """A small sound machine, to whose parts the arguments of calls refer."""
+
+    model: Model
+
+    def __post_init__(self) -> None:
+        model = self.model
+        self.a = model.body("a", mass=1.0, inertia=2.0)
+        self.b = model.body("b", mass=3.0, inertia=0.5)
+        self.p = model.particle("p", mass=2.0)
+        self.k = model.parameter("k", 5.0, unit="N/m")
+        self.pin = model.revolute("pin", model.ground.at(0, 0), self.a.at(-1, 0))
+        self.law = model.table("law", [0, 1, 2, 3], [0, 1, 0.5, 2])
+        self.other = Model("other").body("a", 1.0, 1.0)
+
+    def number(self, random: Random) -> Any:
+        return random.choice([1.5, 2, 0.25, sympy.Rational(1, 3), sympy.pi, self.k, 2 * self.k])
+
+    def expression(self, random: Random) -> Any:
+        a, p = self.a, self.p
+        varied = [a.x, sympy.sin(a.phi) * p.vx, p.x**2, -a.omega, sympy.cos(3 * t), self.law(p.x)]
+        return random.choice([*varied, self.number(random)])
+
+
+Make = Callable[[Scenery, Random], Any]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of argument: good values, and values that mean nothing there."""
+
+    good: Make
+    bad: Make
+
+
+def _none(scenery: Scenery, random: Random) -> Any:
+    return None
+
+
+def _object(scenery: Scenery, random: Random) -> Any:
+    return of_object(random)
+
+
+def _things(s: Scenery) -> list[Any]:
+    """Parts of a machine, each of which is nonsense in most places."""
+    things = [s.model, s.a, s.p, s.model.ground, s.a.at(1, 0), s.pin, s.law, s.a.circle(1), s.a.at]
+    return [*things, s.other, s.model.revolute, Body, Model, Body("z", None, None, None)]
+
+
+def _of(make: Callable[[Random], Any], unless: tuple[type, ...] = ()) -> Make:
+    """Nonsense of a kind, now and then a part of a machine, never of the types `unless`."""
+
+    def bad(scenery: Scenery, random: Random) -> Any:
+        for _ in range(99):
+            value = random.choice(_things(scenery)) if random.random() < 0.2 else make(random)
+            if not isinstance(value, unless):
+                return value
+        return 7
+
+    return bad
+
+
+def _point(s: Scenery, random: Random) -> Any:
+    body = random.choice([s.a, s.b, s.model.ground])
+    return random.choice([body.at(s.number(random), 0), body.at(0, -1), body, s.p, s.p.at(0, 0)])
+
+
+def _bad_point(s: Scenery, random: Random) -> Any:
+    if random.random() < 0.5:
+        pair = [of_scalar(random, lambda: None), 0.5]
+        random.shuffle(pair)
+        return random.choice([s.a, s.b, s.model.ground]).at(*pair)
+    return _of(of_object, (Body, type(s.a.at(0, 0))))(s, random)
+
+
+def _sequence(size: int, make: Make) -> Make:
+    return lambda s, random: random.choice([tuple, list])(make(s, random) for _ in range(size))
+
+
+def _spoilt(size: int, good: Make, bad: Callable[[Random], Any]) -> Make:
+    """A list with an entry that is nonsense, of a wrong size, or no list."""
+
+    def spoil(s: Scenery, random: Random) -> Any:
+        which = random.random()
+        if which < 0.4:
+            values = [good(s, random) for _ in range(size)]
+            values[random.randrange(size)] = bad(random)
+            return tuple(values)
+        if which < 0.6:
+            return [good(s, random) for _ in range(random.choice([0, 1, size + 1]))] or 7
+        if which < 0.8:
+            return {1.0, 2.0, 0.5} if size == 3 else {1.0, 2.0}
+        return random.choice([7, None, "ab", {1: 2, 3: 4}, 1.5, {0.5}, object(), "abc", b"ab"])
+
+    return spoil
+
+
+def _scalar(make: str) -> Kind:
+    return Kind(lambda s, r: getattr(s, make)(r), _of(lambda r: of_scalar(r, lambda: u.m)))
+
+
+def _words(*words: Any) -> Kind:
+    return Kind(lambda s, r: r.choice(words), _of(of_object))
+
+
+def _law(s: Scenery, random: Random) -> Any:
+    return random.choice([0.5 + 0.1 * sympy.sin(t), 1 + t, s.law(t), 2 * s.k, 1.25])
+
+
+def _condition(s: Scenery, random: Random) -> Any:
+    return random.choice([s.a.x > 0, sympy.And(s.p.vx < 1, t > 2), sympy.Not(s.a.phi >= s.k), None])
+
+
+def _bad_condition(s: Scenery, random: Random) -> Any:
+    odd = of_scalar(random)
+    if isinstance(odd, sympy.Expr) and random.random() < 0.5:
+        try:
+            return s.a.x > odd
+        except (TypeError, RecursionError):
+            return True
+    return random.choice(
+        [
+            True,
+            False,
+            "a.x > 0",
+            1,
+            s.a.x,
+            lambda: True,
+            [s.a.x > 0],
+            alpha > 1,
+            sympy.And(sympy.Symbol("q"), s.a.x > 0),
+            object(),
+            {s.a.x > 0},
+        ]
+    )
+
+
+def _bad_callable(s: Scenery, random: Random) -> Any:
+    answer = of_scalar(random, lambda: None)
+    return random.choice(
+        [
+            lambda *_: answer,
+            lambda *_: None,
+            lambda *_: (1, 2),
+            lambda: 1,
+            lambda one: one,
+            7,
+            "f",
+            lambda *_: 1 / 0,
+            lambda *_: "5",
+            [],
+            lambda s, v: s[0],
+            lambda s, v: s.nothing,
+            dict,
+        ]
+    )
+
+
+def _curve(s: Scenery, random: Random) -> Any:
+    body = random.choice([s.a, s.b])
+    return random.choice(
+        [
+            body.circle(0.3),
+            body.polar(1 + 0.1 * sympy.cos(alpha)),
+            body.curve(sympy.cos(alpha), 2 * sympy.sin(alpha)),
+        ]
+    )
+
+
+def _bad_curve(s: Scenery, random: Random) -> Any:
+    odd = of_scalar(random, lambda: None, lambda: s.a.x * alpha)
+    while isinstance(odd, sympy.Expr) and odd.free_symbols == {alpha}:
+        odd = of_scalar(random)
+    return random.choice(
+        [
+            lambda: s.a.circle(odd),
+            lambda: s.a.circle(1, odd),
+            lambda: 7,
+            lambda: s.a.circle(1, (0, odd)),
+            lambda: s.a.curve(odd, alpha),
+            lambda: s.a.polar(odd),
+            lambda: s.a.at(0, 0),
+            lambda: odd,
+        ]
+    )()
+
+
+def _states(s: Scenery, random: Random) -> Any:
+    return random.choice([{"a.phi": 0.5}, {s.a.phi: 1}, {s.p.vx: 2.0, "b.x": 0.1}, {}, None])
+
+
+def _bad_mapping(good: list[Any], make: Callable[[Random], Any]) -> Make:
+    def bad(s: Scenery, random: Random) -> Any:
+        if random.random() < 0.6:
+            return {random.choice(good): make(random)}
+        key = random.choice(["nothing", 7, None, (1, 2), s.a, sympy.Symbol("z"), "a", 1.5, b"a.x"])
+        return random.choice([{key: 1.0}, 7, "a.x", [("a.x", 1.0)], {"a.x"}, object(), [1]])
+
+    return bad
+
+
+def _bad_names(s: Scenery, random: Random) -> Any:
+    odd = random.choice([7, None, "nothing", object(), 1.5, "a\nb", s.other, s.a.at(0, 0), s.k, {}])
+    return random.choice([[odd], ["pin", odd], 7 if odd == {} else odd, (k for k in [odd]), 5])
+
+
+NUMBER, SCALAR = _scalar("number"), _scalar("expression")
+PLACE = Kind(_point, _bad_point)
+BODY = Kind(lambda s, r: r.choice([s.a, s.b]), _of(of_object, (Body,)))
+PAIR = Kind(_sequence(2, Scenery.number), _spoilt(2, Scenery.number, of_scalar))
+TRIPLE = Kind(_sequence(3, Scenery.number), _spoilt(3, Scenery.number, of_scalar))
+LETTER = _words("x", "y")
+LAW = Kind(_law, _of(lambda r: of_scalar(r, lambda: None, lambda: sympy.Symbol("a_x", real=True))))
+CONDITION = Kind(_condition, _bad_condition)
+CALLABLE = Kind(
+    lambda s, r: r.choice([lambda s, v: 2 * v, lambda s, v: 3 * s**2, None]), _bad_callable
+)
+CURVE = Kind(_curve, _bad_curve)
+FLAG = Kind(
+    lambda s, r: r.choice([True, False]),
+    lambda s, r: r.choice([1, 0, "no", None, [], "yes", 2.5, object()]),
+)
+JOINT = Kind(lambda s, r: s.pin, _of(of_object, (Constraint,)))
+STAND_IN = Kind(
+    _none,
+    lambda s, r: r.choice([s.model.ground, s.other, s.pin, 7, "a", s.a.at(0, 0), object(), [s.a]]),
+)
+UNIT = Kind(
+    lambda s, r: r.choice(["", "m", "kg m^2", "N s/m", "rad/s"]),
+    lambda s, r: r.choice(
+        [
+            "9**9**9**9",
+            "m^9^9",
+            "bananas",
+            "km",
+            7,
+            None,
+            "m\nimport os",
+            [],
+            "m)",
+            "(" * 200,
+            "__import__('os')",
+            "m" * 500,
+            "1e9",
+            "m**1e9",
+            u.m,
+            b"m",
+            "\ud800",
+            "m^(2^(2^99))",
+        ]
+    ),
+)
+PLAIN = Kind(lambda s, r: r.choice([1.5, 2, sympy.pi / 3]), _of(of_number))
+POINTS = Kind(
+    lambda s, r: [(0, 0), (1, 0), (1.5, 1), (0.5, 2), (-0.5, 1)],
+    lambda s, r: (
+        [(0, 0), (1, 0), r.choice([of_number(r), (1, of_number(r)), {1.0, 2.0}]), (1, 1), (0, 1)]
+        if r.random() < 0.7
+        else r.choice([7, None, "abcd", {(0, 0), (1, 0), (1, 1), (0, 1)}, [1, 2, 3, 4], object()])
+    ),
+)
+COLUMN = Kind(
+    lambda s, r: [0, 1, 2.5, 3.5],
+    lambda s, r: (
+        [0, 1, of_number(r), 3.5]
+        if r.random() < 0.6
+        else r.choice(
+            [7, None, "0123", {0, 1, 2, 3}, [0, 1, "a", 4], object(), {0: 1, 1: 2, 2: 3, 3: 4}]
+        )
+    ),
+)
+COMPONENTS = Kind(
+    lambda s, r: {s.a.x: 1.0, s.p.y: s.k},
+    lambda s, r: r.choice(
+        [{s.a.x: of_scalar(r, lambda: None)}, {"a.x": 1}, {7: 1}, [1], None, {}, {s.a.vx: 1}, 7]
+    ),
+)
+CHOICES = Kind(
+    lambda s, r: {"one": [s.pin], "two": []},
+    lambda s, r: r.choice(
+        [
+            {"one": [7], "two": []},
+            {7: [], "two": []},
+            7,
+            None,
+            [("one", [])],
+            {"one": ["pin"]},
+            {"one": 7, "two": None},
+            {"one": ["nothing"], "two": [object()]},
+        ]
+    ),
+)
+NAMES = Kind(lambda s, r: r.choice([(), ["pin"], "pin", [s.pin]]), _bad_names)
+PATH = Kind(
+    lambda s, r: __file__,
+    lambda s, r: r.choice([7, None, "", "nothing.csv", b"x", "a\0b", [], object(), "\ud800"]),
+)
+
+METHODS: dict[str, dict[str, Kind]] = {
+    "body": {"mass": NUMBER, "inertia": NUMBER},
+    "particle": {"mass": NUMBER},
+    "coupler": {"i": PLACE, "j": PLACE, "length": NUMBER, "mass": NUMBER, "inertia": NUMBER},
+    "parameter": {"value": PLAIN, "unit?": UNIT, "sign?": _words("", "positive", "nonnegative")},
+    "table": {"x": COLUMN, "y": COLUMN, "periodic?": FLAG},
+    "depends_on": {"path": PATH},
+    "gravity": {"g": PAIR},
+    "force": {
+        "on": PLACE,
+        "fx?": SCALAR,
+        "fy?": SCALAR,
+        "when?": CONDITION,
+        "frame?": _words("ground", "body"),
+    },
+    "torque": {"on": BODY, "value": SCALAR, "when?": CONDITION},
+    "potential": {"energy": NUMBER},
+    "generalized_force": {"components": COMPONENTS, "when?": CONDITION},
+    "spring": {
+        "i": PLACE,
+        "j": PLACE,
+        "stiffness": NUMBER,
+        "free_length": NUMBER,
+        "damping?": SCALAR,
+        "actuator?": SCALAR,
+        "force?": CALLABLE,
+    },
+    "torsion_spring": {
+        "i": BODY,
+        "j": BODY,
+        "stiffness": NUMBER,
+        "free_angle?": NUMBER,
+        "damping?": SCALAR,
+        "actuator?": SCALAR,
+        "torque?": CALLABLE,
+    },
+    "bushing": {
+        "i": PLACE,
+        "j": PLACE,
+        "stiffness": TRIPLE,
+        "damping?": TRIPLE,
+        "free_angle?": NUMBER,
+    },
+    "revolute": {"i": PLACE, "j": PLACE},
+    "translational": {"i": PLACE, "j": PLACE, "axis?": PAIR, "angle?": NUMBER},
+    "revolute_revolute": {"i": PLACE, "j": PLACE, "length": NUMBER, "instead_of?": STAND_IN},
+    "revolute_translational": {
+        "i": PLACE,
+        "j": PLACE,
+        "axis?": PAIR,
+        "distance?": NUMBER,
+        "instead_of?": STAND_IN,
+    },
+    "weld": {"i": PLACE, "j": PLACE, "angle?": NUMBER},
+    "gear": {"i": PLACE, "j": PLACE, "radius_i": NUMBER, "radius_j": NUMBER, "line?": NUMBER},
+    "rack_and_pinion": {
+        "pinion": PLACE,
+        "rack": PLACE,
+        "radius": NUMBER,
+        "axis?": PAIR,
+        "offset?": NUMBER,
+    },
+    "absolute": {"on": PLACE, "letter": LETTER, "value": NUMBER},
+    "relative": {"i": PLACE, "j": PLACE, "letter": LETTER, "value": NUMBER},
+    "distance": {"i": PLACE, "j": PLACE, "value": NUMBER},
+    "driver": {"driven": SCALAR, "law": LAW},
+    "point_driver": {"on": PLACE, "letter": LETTER, "law": LAW},
+    "relative_driver": {"i": PLACE, "j": PLACE, "letter": LETTER, "law": LAW},
+    "rotation_driver": {"i": PLACE, "j": PLACE, "law": LAW},
+    "translation_driver": {"i": PLACE, "j": PLACE, "law": LAW, "axis?": PAIR},
+    "distance_driver": {"i": PLACE, "j": PLACE, "law": LAW},
+    "cam_flat_follower": {"cam": CURVE, "face": PLACE, "axis?": PAIR},
+    "cam_follower": {"cam": CURVE, "follower": CURVE},
+    "point_follower": {"curve": CURVE, "point": PLACE},
+    "curve_through": {"body": BODY, "points": POINTS, "closed?": FLAG},
+    "contact": {
+        "i": PLACE,
+        "j": PLACE,
+        "stiffness": NUMBER,
+        "damping?": NUMBER,
+        "free_length?": NUMBER,
+        "direction?": PAIR,
+        "may_pull?": FLAG,
+        "fidelity?": _words("penalty", None),
+    },
+    "friction": {
+        "joint": JOINT,
+        "coefficient": NUMBER,
+        "radius": NUMBER,
+        "creep?": NUMBER,
+        "fidelity?": _words("sticking", None),
+    },
+    "dry_friction": {
+        "i": PLACE,
+        "j": PLACE,
+        "coefficient": NUMBER,
+        "normal": NUMBER,
+        "axis?": PAIR,
+        "creep?": NUMBER,
+    },
+    "track": {"point": PLACE},
+    "alternatives": {"choices": CHOICES, "default?": _words("one", None)},
+    "scene": {
+        "effects?": Kind(lambda s, r: (), _bad_names),
+        "drivers?": Kind(lambda s, r: [], _bad_names),
+        "without?": NAMES,
+        "start?": Kind(_states, _bad_mapping(["a.x", "a.phi"], of_number)),
+        "guess?": Kind(_states, _bad_mapping(["a.x", "a.phi"], of_number)),
+        "parameters?": Kind(lambda s, r: {s.k: 2}, _bad_mapping(["k"], of_number)),
+        "frozen?": Kind(
+            lambda s, r: r.choice([True, None]), lambda s, r: r.choice([1, "no", [], 0])
+        ),
+        "analysis?": _words("dynamics", "kinematics", None),
+        "fidelity?": Kind(_none, _bad_mapping(["pin"], of_number)),
+        "couplers?": Kind(_none, _bad_mapping(["rod"], of_number)),
+        "extends?": Kind(_none, lambda s, r: r.choice(["nothing", 7, s.a, object(), ["x"]])),
+        "outputs?": Kind(
+            lambda s, r: r.choice([None, ["energy"], "all", []]),
+            lambda s, r: r.choice(
+                [7, ["nothing"], "energie", [7], {"a": 1}, [None], [["energy"]], object()]
+            ),
+        ),
+    },
+}
+"""Method of `Model` → its arguments, those that may be left out with a question mark."""
+
+NO_NAME = ("depends_on",)  # the message says the method's name
+BAD_NAMES: list[Any] = [
+    None,
+    7,
+    "",
+    "a b",
+    "é",
+    "a\nb",
+    "class",
+    "x" * 99,
+    "a__b",
+    "1a",
+    b"abc",
+    ["n"],
+    object(),
+    sympy.Symbol("n"),
+    1.5,
+    True,
+    "ground",
+    "pin",
+    "\ud800",
+    "n\n",
+    ("n",),
+    {"n"},
+    "import os\n",
+    "n;import os",
+]

@@ -1,0 +1,168 @@
+"""Model files with faults, from a seed: the texts of sound files changed at random.
+
+    python -m tests.fuzz.model_files --count 10000 --seed 1
+
+A file is read and its scenes are checked. It must be accepted, or refused by an error of
+Linkwright's own, soon. `ODD_FILES` are whole files that fail in ways of their own, and names that
+files have.
+"""
+
+import argparse
+import ast
+import random
+import string
+import sys
+import tempfile
+import traceback
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from time import monotonic
+
+import codegen
+from codegen.driver import valid_scenes
+from codegen.errors import LinkwrightError
+from codegen.model_file import read_model
+
+COMPILER = Path(codegen.__file__).parent
+SLOW = 20.0  # seconds after which a file counts as hanging
+SOUND = """from sympy import Piecewise, cos, nan, pi, sin, sqrt
+from codegen import Model, t
+
+model = Model("pendulum", gravity=(0, -9.81))
+length = model.parameter("length", 1.0, unit="m", sign="positive")
+bob = model.body("bob", mass=2.0, inertia=0.1)
+rod = model.body("rod", mass=1.0, inertia=0.05)
+model.revolute("hinge", model.ground.at(0, 0), bob.at(-length, 0))
+model.revolute("knee", bob.at(length, 0), rod.at(-length, 0))
+model.torque("damper", on=bob, value=-0.3 * bob.omega)
+model.spring("coil", model.ground.at(1, 0), rod.at(0, 0), stiffness=100.0, free_length=0.5)
+model.force("push", on=rod, fx=sin(3 * t), fy=0, when=rod.x > 0)
+model.driver("motor", bob.phi, 2 * pi * t)
+model.scene("swing", effects=["gravity", "damper"], drivers=[], start={bob.phi: 0.0})
+model.scene("driven", effects=["gravity", "coil", "push"], drivers=["motor"], guess={rod.phi: 0.1})
+"""
+EXPRESSIONS = [
+    *("None", "True", "0", "-1", "1e400", "10**400", "nan", "1j", "'bob'", "''", "'5'", "[1, 2]"),
+    *("()", "{}", "{1, 2}", "{bob.phi: 1}", "lambda *_: None", "object()", "print", "Model", "t"),
+    *("model", "model.ground", "bob", "rod", "length", "bob.phi", "bob.vx", "bob.at(1, 0)", "pi"),
+    *("rod.at(t, 0)", "sin(bob.x) / 0", "sqrt(-1)", "1 / (t - t)", "b'x'", "'a\\nb'", "bob.at"),
+    *("Piecewise((1, t > 1))", "cos", "-length", "bob.phi > 0", "model.gravity", "2 * bob"),
+]
+ODD_FILES: dict[str, bytes | str] = {
+    "raises.py": SOUND + "class E(BaseException):\n    pass\nraise E('no')\n",
+    "exits.py": SOUND + "raise SystemExit\n",
+    "ends.py": SOUND + "raise GeneratorExit\n",
+    "fails_to_say.py": SOUND + "class E(Exception):\n    def __str__(self): 1 / 0\nraise E\n",
+    "recurses.py": SOUND + "def f(): f()\nf()\n",
+    "no_memory.py": SOUND + "raise MemoryError\n",
+    "changes_folder.py": "import os; os.chdir('/')\n" + SOUND,
+    "closes_output.py": "import sys; sys.stdout.close()\n" + SOUND,
+    "clears_path.py": "import sys; sys.path.clear()\n" + SOUND,
+    "hides.py": SOUND + "class G:\n    __class__ = property(lambda s: 1 / 0)\ng = G()\n",
+    "json.py": SOUND,
+    "random.py": SOUND,
+    "numpy.py": SOUND,
+    "codegen.py": SOUND,
+    "class.py": SOUND,
+    "3 d.py": SOUND,
+    "a\nb.py": SOUND,
+    "a{b}.py": SOUND,
+    'a"b.py': SOUND,
+    "mark.py": b"\xef\xbb\xbf" + SOUND.encode(),
+    "wide.py": SOUND.encode("utf-16"),
+    "unknown_coding.py": "# -*- coding: klingon -*-\n" + SOUND,
+    "latin.py": ("# -*- coding: latin-1 -*-\n# \xe9\n" + SOUND).encode("latin-1"),
+    "undeclared_latin.py": (SOUND + "x = '\xe9'\n").encode("latin-1"),
+    "nul.py": SOUND.encode() + b"\0",
+    "empty.py": "",
+    "deep.py": "x = " + "(" * 500 + ")" * 500,
+    "returns.py": SOUND.replace("\n", "\r\n"),
+    "replaces.py": SOUND + "model = Model\n",
+}
+
+
+def changed(draw: random.Random) -> str:
+    """The sound file with expressions replaced, and perhaps a statement left out or repeated."""
+    tree = ast.parse(SOUND)
+    if draw.random() < 0.2:
+        place = draw.randrange(2, len(tree.body))
+        tree.body[place : place + 1] = [tree.body[place]] * draw.choice((0, 2))
+    for _ in range(draw.choice((0, 1, 1, 2))):
+        holders = [node for node in ast.walk(tree) if isinstance(node, ast.Call | ast.BinOp)]
+        holder = draw.choice(holders)
+        new = ast.parse(draw.choice(EXPRESSIONS), mode="eval").body
+        if isinstance(holder, ast.BinOp):
+            setattr(holder, draw.choice(("left", "right")), new)
+        elif holder.keywords and (not holder.args or draw.random() < 0.5):
+            draw.choice(holder.keywords).value = new
+        elif holder.args:
+            holder.args[draw.randrange(len(holder.args))] = new
+    text = ast.unparse(tree)
+    if draw.random() < 0.2:
+        place = draw.randrange(len(text))
+        text = text[:place] + draw.choice(string.printable) + text[place + draw.randrange(4) :]
+    return text
+
+
+def fault(file: Path) -> str:
+    """What is wrong with the answer to a model file; nothing if it is as it should be."""
+    began = monotonic()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            valid_scenes(read_model(str(file)).model, None)
+    except LinkwrightError as error:
+        if not all(problem.strip() for problem in error.problems):
+            return "an error without a sentence"
+        return _ours(error.__cause__, file)
+    except BaseException as error:
+        return _line(error)
+    spent = monotonic() - began
+    return f"took {spent:.0f} s" if spent > SLOW else ""
+
+
+def _ours(error: BaseException | None, file: Path) -> str:
+    """The error of a file's statement, if what it calls is the compiler's and fails within."""
+    frames = [] if error is None else traceback.extract_tb(error.__traceback__)
+    own = [k for k, frame in enumerate(frames) if frame.filename == str(file)]
+    called = frames[own[-1] + 1 :] if own else []
+    of_compiler = called and Path(called[0].filename).is_relative_to(COMPILER)
+    return _line(error) if error is not None and of_compiler else ""
+
+
+def _line(error: BaseException) -> str:
+    frame = traceback.extract_tb(error.__traceback__)[-1]
+    return f"{type(error).__name__}: {error} at {Path(frame.filename).name}:{frame.lineno}"
+
+
+def faults(folder: Path, count: int, seed: int) -> Iterator[tuple[str, str]]:
+    """The odd files and `count` changed ones whose answers are wrong, each with its text."""
+    draw = random.Random(seed)
+    texts = [*ODD_FILES.items(), *((f"changed{k}.py", changed(draw)) for k in range(count))]
+    for name, text in texts:
+        file = folder / name
+        file.write_bytes(text if isinstance(text, bytes) else text.encode())
+        found = fault(file)
+        file.unlink()
+        if found:
+            yield f"{name}\n{text if name.startswith('changed') else ''}", found
+
+
+def main() -> None:
+    """Run a campaign and list its faults; exit status 1 if there are any."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--count", type=int, default=10_000)
+    options.add_argument("--seed", type=int, default=1)
+    chosen = options.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        found = list(faults(Path(folder), chosen.count, chosen.seed))
+    for text, what in found[:20]:
+        sys.stdout.write(f"{text}\n{what}\n\n")
+    sys.stdout.write(f"{chosen.count} files, seed {chosen.seed}: {len(found)} faults\n")
+    sys.stdout.write("\n".join(sorted({what for _, what in found})[:60]) + "\n")
+    sys.exit(bool(found))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,30 @@
+"""A sample of calls with arguments of the wrong kind; the campaign is `tests.fuzz.calls`."""
+
+from pathlib import Path
+
+import pytest
+
+from runtime.machine_facade import Machine
+from tests.fuzz import calls
+
+
+@pytest.fixture
+def described(
+    pendulum: Machine, driven: Machine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> list[calls.Call]:
+    """The calls, in a folder of their own."""
+    monkeypatch.chdir(tmp_path)
+    return calls.calls(pendulum, driven)
+
+
+def test_arguments_of_the_wrong_kind_are_refused_by_name(described: list[calls.Call]) -> None:
+    assert [f"{case}: {what}" for case, what in calls.faults(described, 1500, seed=20)] == []
+
+
+def test_the_good_arguments_of_every_analysis_are_accepted(described: list[calls.Call]) -> None:
+    studies = {"matters", "accuracy", "build", "load"}
+    for call in described:
+        if call.title in calls.NAMELESS:
+            call.function(*call.good.values())
+        elif call.title not in studies and not call.title.startswith("Result."):
+            call.function(**call.good)
