@@ -11,9 +11,12 @@ import sympy
 from sympy.core.relational import Relational
 from sympy.logic.boolalg import Boolean
 
+from codegen.declare.symbols import Parameter, Time
 from codegen.errors import ModelError
 
 KINKED = (sympy.Abs, sympy.Max, sympy.Min, sympy.sign, sympy.Heaviside)
+STEPS = (sympy.Mod, sympy.ceiling, sympy.floor)
+"""Functions with a jump at every whole number, in which only what is known beforehand may stand."""
 
 
 def as_pieces(expression: sympy.Expr) -> sympy.Expr:
@@ -21,6 +24,9 @@ def as_pieces(expression: sympy.Expr) -> sympy.Expr:
     for function in KINKED:
         if expression.has(function):
             expression = expression.replace(function, partial(_pieces, function))
+    if expression.has(sympy.Mod, sympy.ceiling):
+        expression = expression.replace(sympy.Mod, lambda a, b: a - b * sympy.floor(a / b))
+        expression = expression.replace(sympy.ceiling, lambda a: -sympy.floor(-a))
     return expression.replace(sympy.ITE, _alternatives)
 
 
@@ -51,6 +57,11 @@ def switching_function(condition: Relational) -> sympy.Expr:
             "use an inequality."
         )
     return condition.gts - condition.lts
+
+
+def is_known_beforehand(node: sympy.Basic) -> bool:
+    """Whether nothing but the time and parameters is in an expression."""
+    return all(isinstance(symbol, Time | Parameter) for symbol in node.free_symbols)
 
 
 def conditions(expressions: Iterable[sympy.Expr]) -> tuple[Relational, ...]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from codegen.lower.scene_graph import Reaction, SceneGraph
+from codegen.lower.time_programs import TimeProgram, time_programs
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,7 @@ class Description:
     # (coordinate or velocity, value, role): "fixed", "guess", or before these "neutral", where the
     # neutral pose is not at zero
     start: tuple[tuple[str, float, str], ...]
+    time_functions: tuple[TimeProgram, ...]  # those that a run looks at before its first step
     # (element, sentence, least, whether that is too small, largest, count of numbers) of what is
     # asked of parameters, and (curve, whether it is convex) of profiles that depend on them
     conditions: tuple[tuple[Any, ...], ...]
@@ -104,6 +106,7 @@ def describe(
         reactions=tuple(row[:3] for row in reported),
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=start,
+        time_functions=time_programs(equations),
         conditions=tuple((*one.condition.row(one.element),) for one in equations.conditions),
         profiles=tuple((curve.element, curve.convex) for curve in equations.profiles),
         jacobian=Pattern.of(scene.jacobian),

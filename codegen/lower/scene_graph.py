@@ -62,6 +62,8 @@ class SceneGraph:
         switches = enumerate(equations.switches)
         modes = {switch.g: k for k, switch in switches if switch.kind != "contact"}
         self.translate = Translator(graph, self._environment(), modes)
+        # The pieces of laws of motion are chosen by the time, and not by modes.
+        self.translate_law = Translator(graph, self.translate.environment, {})
         self.phi: list[int] = []  # Φ, as ν and γ one value a constraint
         self.nu: list[int] = []
         self.gamma: list[int] = []
@@ -117,7 +119,7 @@ class SceneGraph:
                 self.massless.append((first + statement.rows.index(row), self.columns[q]))
             inner |= zip(terms.multipliers, self.lam[first:], strict=False)
             with self.graph.serving(element.name):
-                translate = self.translate.scoped(inner)
+                translate = self.translate_law.scoped(inner)
                 for phi in terms.phi:
                     self._row(translate(phi))
                 for component, unit, reaction in terms.reactions:

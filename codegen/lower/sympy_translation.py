@@ -12,8 +12,9 @@ from typing import Any
 import sympy
 from sympy.core.relational import Relational
 
+from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.declare.table_function import Interpolant
-from codegen.derive.piecewise_conditions import switching_function
+from codegen.derive.piecewise_conditions import KINKED, STEPS, as_pieces, switching_function
 from codegen.errors import ModelError
 from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op
@@ -73,6 +74,8 @@ class Translator:
             return self._piecewise(node)
         if isinstance(node, Interpolant):
             return graph.lookup(node.table, node.order, self(node.at))
+        if node.func in (*KINKED, *STEPS) and node.func not in FUNCTIONS:
+            return self(as_pieces(node))
         if node.func in FUNCTIONS:
             return graph.function(FUNCTIONS[node.func], *(self(a) for a in node.args))
         if isinstance(node, sympy.logic.boolalg.BooleanFunction | Relational):
@@ -140,10 +143,15 @@ class Translator:
             return graph.mode(self.switches[g])
         if -g in self.switches:
             return graph.negation(graph.mode(self.switches[-g]))
-        raise ModelError(
-            f"the condition {node} stands where nothing may switch (a constraint or a driver); "
-            "write the motion as one smooth expression."
-        )
+        if kinds(node, Coordinate, Velocity):
+            raise ModelError(
+                f"the condition {node} stands where nothing may switch (a constraint or a driver); "
+                "write the motion as one smooth expression."
+            )
+        # Of time and parameters: the steps of a run end where it changes.
+        low, high = self(node.lts), self(node.gts)
+        strict = isinstance(node, sympy.StrictGreaterThan | sympy.StrictLessThan)
+        return graph.is_less(low, high) if strict else graph.negation(graph.is_less(high, low))
 
     def _in_order(self, numbers: list[int]) -> list[int]:
         """By how often the values change, by what moves them, by number: by the declaration."""

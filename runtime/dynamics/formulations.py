@@ -67,7 +67,9 @@ class CartesianCoordinates(Coordinates):
     def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
         """In the machine's own coordinates."""
         ready, q, v = self.ready, np.ascontiguousarray(q), np.ascontiguousarray(v)
-        return Problem(t, ready.t_end, q, v, ready.p, self.mobility, ready.sizes, self.spreads)
+        return Problem(
+            t, ready.t_end, q, v, ready.p, self.mobility, ready.sizes, self.spreads, ready.stops
+        )
 
 
 class ReducedCoordinates(Coordinates):
@@ -91,7 +93,7 @@ class ReducedCoordinates(Coordinates):
         reduced, ready = self.reduced, self.ready
         kept, p = reduced.kept, reduced.parameters(ready.p, t, q)
         scale, sizes = _mobility(reduced.inertia(t, q[kept], p)), ready.sizes[kept]
-        return Problem(t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads)
+        return Problem(t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops)
 
     def run(self, options: Options, progress: Progress) -> Trajectory:
         """One integration from the start, past dead centres in all coordinates."""

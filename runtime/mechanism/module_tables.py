@@ -153,6 +153,19 @@ class ReactionRow(NamedTuple):
         return f"{self.element}.{self.component}"
 
 
+class TimeFunction(NamedTuple):
+    """An explicit function of time, as operations; see `codegen.lower.time_programs`.
+
+    A row is (operation, rows that it takes ...); ("const", number), ("p", slot) or ("t",); or
+    ("table", row, (knots, coefficients), derivative, periodic).
+    """
+
+    name: str  # of the element
+    role: str  # "law" or "effect"
+    watched: tuple[int, ...]  # rows that may bend sharply
+    rows: tuple[tuple[Any, ...], ...]
+
+
 class StartValue(NamedTuple):
     """A start value of a coordinate or velocity."""
 
@@ -197,6 +210,7 @@ class Description(NamedTuple):
     rigid: Table[RigidContact] = Table()
     stiction: tuple[int, ...] = ()
     weak_pivot: float = 0.0  # part of its reference below which a pivot is weak; 0: none is watched
+    time_functions: tuple[TimeFunction, ...] = ()
     conditions: tuple[ConditionRow, ...] = ()  # on parameters, judged before each run
     profiles: tuple[ProfileRow, ...] = ()
 
@@ -273,9 +287,22 @@ def describe(module: ModuleType) -> Description:
     literals["conditions"] = tuple(map(ConditionRow._make, literals.get("conditions", ())))
     literals["profiles"] = tuple(map(ProfileRow._make, literals.get("profiles", ())))
     literals["stiction"] = tuple(switch for _, switch in literals.get("stiction", ()))
+    literals["time_functions"] = tuple(
+        TimeFunction(name, role, watched, tuple(_row_with_table(module, row) for row in rows))
+        for name, role, watched, rows in literals.get("time_functions", ())
+    )
     return Description(
         **literals, has_masses=hasattr(module, "mass"), kernels=frozenset(vars(module))
     )
+
+
+def _row_with_table(module: ModuleType, row: tuple[Any, ...]) -> tuple[Any, ...]:
+    """A row of an explicit function of time, with the numbers of the table that it names."""
+    if row[0] != "table":
+        return row
+    name, at, stem, order, periodic = row
+    table = getattr(module, f"{stem}_KNOTS"), getattr(module, f"{stem}_ROWS")
+    return name, at, table, order, periodic
 
 
 def unknown(what: str, name: object, names: Iterable[str]) -> str:

@@ -23,7 +23,8 @@ from codegen.driver import translate, valid_scenes
 from codegen.emit.module import Origin, module_text
 from codegen.generated_files.generated_file import Clock
 from tests.fuzz import campaign
-from tests.fuzz.declared_arguments import BAD_NAMES, METHODS, NO_NAME, Scenery
+from tests.fuzz.declared_arguments import Scenery
+from tests.fuzz.declared_methods import BAD_NAMES, METHODS, NO_NAME
 from tests.fuzz.declared_nonsense import MARK
 from tests.fuzz.hostile_elements import hostile_body, hostile_element
 

@@ -42,6 +42,11 @@ class Findings(NamedTuple):
     kinds: Counter[str]  # ends by their kind
     faults: list[str]
 
+    @classmethod
+    def none(cls) -> "Findings":
+        """Nothing yet."""
+        return cls(Counter(), [])
+
 
 class End(NamedTuple):
     """How a process ended."""
@@ -62,6 +67,7 @@ class Workplace:
 
     def __init__(self, folder: Path) -> None:
         self.folder, self.code, self.byte_code = folder, folder / "code", folder / "byte_code"
+        self.found = Findings.none()  # of the campaign that is under way
         (folder / "models").mkdir(parents=True)
         (folder / "models" / "rods.py").write_text(MODEL)
         for cache in ROOT.glob("runtime/**/__pycache__"):
@@ -90,11 +96,12 @@ class Workplace:
         }
         environment.pop("PYTHONDONTWRITEBYTECODE", None)
         with (self.folder / "output").open("w") as output:
-            return subprocess.Popen(
+            self.process = subprocess.Popen(
                 [sys.executable, "-m", *command], cwd=self.folder, env=environment, text=True,
                 stdin=subprocess.DEVNULL, stdout=output, stderr=output,
                 preexec_fn=usual_signals,  # noqa: PLW1509 (the process has one thread)
             )  # fmt: skip
+        return self.process
 
     def end(
         self, process: "subprocess.Popen[str]", numbers: Sequence[int] = (), gap: float = 0.1,
@@ -147,10 +154,17 @@ def main(title: str, campaign: Callable[[Workplace, int, int], Findings]) -> Non
     parser.add_argument("tries", type=int, nargs="?", default=200)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
+    for number in (signal.SIGINT, signal.SIGTERM):  # what was found until then is told
+        signal.signal(number, signal.default_int_handler)
     with tempfile.TemporaryDirectory() as folder:
         place = Workplace(Path(folder) / "work")
-        found = campaign(place, arguments.tries, arguments.seed)
+        try:
+            found = campaign(place, arguments.tries, arguments.seed)
+        except KeyboardInterrupt:
+            found = place.found
+            place.process.kill()
     lines = [f"{count:4d} {kind}" for kind, count in found.kinds.items()]
-    last = f"{len(found.faults)} faults in {arguments.tries} tries, seed {arguments.seed}\n"
+    tries = f"{found.kinds.total()} of {arguments.tries} tries"
+    last = f"{len(found.faults)} faults in {tries}, seed {arguments.seed}\n"
     sys.stdout.write("\n".join([*lines, *found.faults, last]))
     sys.exit(bool(found.faults))

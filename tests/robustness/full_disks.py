@@ -9,7 +9,6 @@ import random
 import resource
 import shutil
 import subprocess
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,7 +26,8 @@ ENDINGS = (".nc", ".csv", ".parquet", ".html", ".py")
 
 def campaign(place: Workplace, tries: int, seed: int) -> Findings:
     """Ends by their kind, and what was wrong."""
-    chance, kinds, faults = random.Random(seed), Counter[str](), list[str]()
+    place.found = Findings.none()
+    chance, (kinds, faults) = random.Random(seed), place.found
     result = load("rods", "free", folder=place.folder).simulate(5.0, np.linspace(0.0, 5.0, 501))
     needed = {ending: _size(place, result, ending) for ending in ENDINGS}
     for attempt in range(tries):
@@ -38,7 +38,7 @@ def campaign(place: Workplace, tries: int, seed: int) -> Findings:
             kind, found = write(place, result, ending, folder, old)
         kinds[f"{ending} {kind}"] += 1
         faults += [f"{attempt}: {ending}, room for {room} bytes: {fault}" for fault in found]
-    return Findings(kinds, faults)
+    return place.found
 
 
 def write(

@@ -9,7 +9,6 @@ import random
 import shutil
 import signal
 import time
-from collections import Counter
 from pathlib import Path
 
 from tests.robustness.command_line import Findings, Workplace, main, processor_seconds
@@ -23,7 +22,8 @@ CHECKED = 10  # tries, after which a process must reach its end
 
 def campaign(place: Workplace, tries: int, seed: int) -> Findings:
     """What the killed processes left, by kind, and what was wrong."""
-    chance, kinds, faults = random.Random(seed), Counter[str](), list[str]()
+    place.found = Findings.none()
+    chance, (kinds, faults) = random.Random(seed), place.found
     whole = place.run(*COMMAND).work  # with the build and all compilation
     expected = {path: path.read_bytes() for path in _written(place)}
     quick = place.run(*COMMAND).work
@@ -46,7 +46,7 @@ def campaign(place: Workplace, tries: int, seed: int) -> Findings:
         kinds[f"{fresh}: {'a' if (place.folder / 'result.csv').exists() else 'no'} result"] += 1
         if (attempt + 1) % CHECKED == 0 or attempt + 1 == tries:
             faults += [f"{attempt}: {fault}" for fault in _check(place, expected)]
-    return Findings(kinds, faults)
+    return place.found
 
 
 def _check(place: Workplace, expected: dict[Path, bytes]) -> list[str]:

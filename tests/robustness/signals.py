@@ -11,7 +11,6 @@ import random
 import shutil
 import signal
 import time
-from collections import Counter
 from collections.abc import Sequence
 
 from tests.robustness.command_line import FOREIGN, End, Findings, Workplace, main, processor_seconds
@@ -44,7 +43,8 @@ def campaign(
     place: Workplace, tries: int, seed: int, commands: Sequence[tuple[str, ...]] = COMMANDS
 ) -> Findings:
     """Ends by their kind, and what was wrong."""
-    chance, ends, wrong = random.Random(seed), Counter[str](), list[str]()
+    place.found = Findings.none()
+    chance, (ends, wrong) = random.Random(seed), place.found
     (place.folder / "program.py").write_text(PROGRAM)
     start_up = {command: _start_up(place, command) for command in commands}
     for attempt in range(tries):
@@ -68,7 +68,7 @@ def campaign(
         ends[kind if running else "ended by itself"] += 1
         title = f"{attempt}: {' '.join(command[:2])}, {' '.join(n.name for n in numbers)}"
         wrong += [f"{title} after {end.before:.2f} s: {fault}" for fault in faults if running]
-    return Findings(ends, wrong)
+    return place.found
 
 
 def judge(place: Workplace, end: End, number: int, computing: bool) -> tuple[str, list[str]]:

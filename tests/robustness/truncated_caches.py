@@ -5,7 +5,6 @@ are cut to random lengths. The next process makes them anew, with a note, and gi
 """
 
 import random
-from collections import Counter
 from pathlib import Path
 
 from tests.robustness.command_line import FOREIGN, ROOT, Findings, Workplace, main
@@ -19,7 +18,8 @@ EACH = 5  # files that are cut before a process starts
 
 def campaign(place: Workplace, tries: int, seed: int) -> Findings:
     """Cut files by their ending, and what was wrong; a process for every `EACH` of them."""
-    chance, kinds, faults = random.Random(seed), Counter[str](), list[str]()
+    place.found = Findings.none()
+    chance, (kinds, faults) = random.Random(seed), place.found
     place.run(*COMMAND)
     first = place.run(*COMMAND)
     result = place.folder / "result.csv"
@@ -46,7 +46,7 @@ def campaign(place: Workplace, tries: int, seed: int) -> Findings:
             kinds["processes that needed none of them"] += 0
         if not result.exists():
             result.write_bytes(expected)
-    return Findings(kinds, faults)
+    return place.found
 
 
 def _files(place: Workplace) -> list[Path]:
