@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import sympy
 
 from codegen.declare.plain_values import members
+from codegen.declare.public_method import public_method
 from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate, rate
 from codegen.declare.units import expression, plain_length
 
@@ -252,3 +253,7 @@ class Curve:
     def at(self, parameter: sympy.Expr) -> sympy.Matrix:
         """The point of the curve at a parameter, in the body's frame, 2 × 1."""
         return sympy.Matrix([expression(c).subs(alpha, parameter) for c in (self.x, self.y)])
+
+
+for _word in ("at", "curve", "circle", "polar"):
+    setattr(Body, _word, public_method(getattr(Body, _word), "body"))

@@ -211,6 +211,7 @@ class Description(NamedTuple):
     kernels: frozenset[str] = frozenset()  # what the module defines, its kernels among it
     rigid: Table[RigidContact] = Table()
     stiction: tuple[int, ...] = ()
+    weak_pivot: float = 0.0  # part of its reference below which a pivot is weak; 0: none is watched
     time_functions: tuple[TimeFunction, ...] = ()
     conditions: tuple[ConditionRow, ...] = ()  # on parameters, judged before each run
     profiles: tuple[ProfileRow, ...] = ()

@@ -287,6 +287,7 @@ model.scene("s", ["nothing"], start={"q.x": 1})
             "mass of body 'c'",
             "revolute 'A' connects",
             "force 'f' acts on the ground",
+            "force 'f': unknown symbol 'z'",
             "potential 'v'",
             "parameter 'p' is nan",
             "body name 'class'",

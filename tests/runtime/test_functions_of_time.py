@@ -197,3 +197,22 @@ def test_switches_without_end(crank: Callable[..., Machine]) -> None:
         assert 0.99 < result.t[-1] < 1.0
         assert "'load' changes ever faster up to about t = " in result.message
     assert machine.simulate(0.9, progress=False).outcome is Outcome.OK
+
+
+def test_a_contact_opens_where_a_law_pulls_away(workshop: Path) -> None:
+    """A table that falls faster than g from t = 1 on leaves its block to fall by itself."""
+    model = Model("dropped_table")
+    table, block = model.body("table", 1.0, 1.0), model.body("block", 1.0, 1.0)
+    model.translational("guide", model.ground, table, axis=(0, 1))
+    model.translational("other_guide", model.ground, block, axis=(0, 1))
+    model.driver("motor", table.y, Piecewise((0, t < 1), (-10 * (t - 1) ** 2, True)))
+    model.gravity("g", (0.0, -9.81))
+    model.contact("rest", gap=block.y - table.y, restitution=0.0)
+    model.scene("s", ["g", "rest"], drivers=["motor"], start={block.y: 0.0, block.vy: 0.0})
+    result = load(model, "s", folder=workshop).simulate(1.5, [0.9, 1.5], progress=False)
+    assert result.outcome is Outcome.OK
+    assert_allclose(result.series("block.y")[0], [0.0, -9.81 * 0.5**2 / 2], atol=1e-9)
+    assert [(event.name.partition(":")[0], event.what) for event in result.events] == [
+        ("rest", "began"),
+        ("motor", "began"),
+    ]
