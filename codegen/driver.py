@@ -23,10 +23,11 @@ from codegen import argument_readers as readers
 from codegen.check.declaration import check_model, check_scene
 from codegen.check.redundancy import Findings, examine
 from codegen.declare.name_rules_and_hints import nearest
+from codegen.declare.plain_values import one_line
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.emit.module import module_text, operation_table
-from codegen.errors import ModelError, ParameterError, SceneError
+from codegen.errors import LinkwrightError, ModelError, ParameterError, SceneError
 from codegen.generated_files.build_report import BuildReport, report
 from codegen.generated_files.companions import COMPANIONS
 from codegen.generated_files.generated_file import Clock, File, Progress
@@ -150,10 +151,17 @@ def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowe
         stage = "examine"
         with clock(stage):
             findings = examine(equations, lowered)
+    except LinkwrightError:
+        raise
     except RecursionError as error:
         raise ModelError(
-            f"scene '{scene.name}': stage {stage}: an expression is too deep for Python's stack; "
+            f"scene '{scene.name}': an expression is too deep for Python's stack to {stage} it; "
             "write it in fewer functions of functions."
+        ) from error
+    except Exception as error:
+        raise ModelError(
+            f"scene '{scene.name}': its expressions cannot be read, to {stage} them fails with "
+            f"{type(error).__name__}: {one_line(error)}."
         ) from error
     if findings.problems:
         raise ModelError(findings.problems)

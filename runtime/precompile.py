@@ -24,7 +24,7 @@ from runtime.integrate.method import METHODS, REGISTER, find_method
 
 _PROCESSES = 4  # safety: each takes half a GB
 _WATCHED = 0.2  # safety: s between two looks of a process at its parent
-_OUTSIDE = ("dynamics", "continuation", "statics", "mechanism")
+_OUTSIDE = ("dynamics", "explicit_time", "continuation", "statics", "mechanism")
 """Rooms with some compiled code beside those that consist of it."""
 _LIBRARY = Path(__file__).parents[1]
 _METHOD_OF = {registration.module: name for name, registration in REGISTER.items()}

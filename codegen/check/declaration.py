@@ -43,9 +43,10 @@ from codegen.declare.symbols import (
     side,
     t,
 )
+from codegen.declare.value_reader import expression_problem
 from codegen.derive.conditions_on_parameters import closed_curves, element_conditions
 from codegen.derive.equations import acting_elements, active_joints
-from codegen.errors import ModelError
+from codegen.errors import LinkwrightError, ModelError
 from codegen.model import Model
 
 LONGEST = 2000  # layout: characters of a sentence
@@ -58,12 +59,13 @@ def check_model(model: Model) -> list[str]:
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
     masses = {name: list(_body_problems(model, body)) for name, body in model.bodies.items()}
     sound = tuple(body for name, body in model.bodies.items() if not masses[name])
+    known = _known_symbols(model)
     elements: list[el.Constraint | el.Effect] = [*model.joints.values(), *model.drivers.values()]
     for element in (*elements, *_all_effects(model)):
         if element.name in model.noted:
             continue
         try:
-            problems += _element_problems(model, element, sound)
+            problems += _element_problems(model, element, sound, known)
         except ModelError as error:
             problems += error.problems
         except Exception as error:  # of an expression too deep, of SymPy
@@ -72,12 +74,26 @@ def check_model(model: Model) -> list[str]:
     problems += chain.from_iterable(masses.values())
     problems += filter(None, (p.problem(p.value) for p in model.parameters.values()))
     problems += _collisions(model)
+    problems += _lost_symbols(model, known, problems)
     return list(dict.fromkeys(one_line(p, LONGEST) for p in problems))
 
 
-def _element_problems(
-    model: Model, element: el.Constraint | el.Effect, sound: tuple[Body, ...]
+def _lost_symbols(
+    model: Model, known: frozenset[sympy.Symbol], problems: list[str]
 ) -> Iterator[str]:
+    """Unknown symbols of values that have no share in the equations, such as 0 times a place."""
+    for where, symbols in model.symbols:
+        for symbol in sorted(symbols - known, key=str):
+            sentence = _unknown(model, where, symbol)
+            end, named = sentence.removeprefix(where), f"'{symbol}'"
+            if not any(p.endswith(end) or (p.startswith(where) and named in p) for p in problems):
+                yield sentence
+
+
+def _element_problems(
+    model: Model, element: el.Constraint | el.Effect, sound: tuple[Body, ...],
+    known: frozenset[sympy.Symbol],
+) -> Iterator[str]:  # fmt: skip
     """Problems of one element, as it says them and as its answers show."""
     yield from _words_and_bodies(model, element)
     faults = problems_of(element)
@@ -85,7 +101,7 @@ def _element_problems(
     if faults:
         return
     if isinstance(element, el.Constraint):
-        yield from _statement_problems(model, element)
+        yield from _statement_problems(model, element, known)
         return
     for speed in kinds(potential_of(element, sound) or sympy.S.Zero, Velocity):
         yield (
@@ -93,12 +109,24 @@ def _element_problems(
             "force that depends on a velocity by forces()."
         )
     terms = _effect_expressions(element, sound)
-    yield from _unknown_symbols(model, element, terms)
+    yield from _unknown_symbols(model, element, terms, known)
     yield from all_problems(el.label(element), terms, may_switch=True)
 
 
 def check_scene(model: Model, scene: Scene) -> list[str]:
     """Problems of one scene of a sound model."""
+    try:
+        return [one_line(p, LONGEST) for p in _scene_problems(model, scene)]
+    except LinkwrightError:
+        raise
+    except Exception as error:
+        reason = f"{type(error).__name__}: {one_line(error)}"
+        raise ModelError(
+            f"scene '{scene.name}': its expressions cannot be read, {reason}."
+        ) from error
+
+
+def _scene_problems(model: Model, scene: Scene) -> list[str]:
     where = f"scene '{scene.name}'"
     joints = active_joints(model, scene)
     problems = []
@@ -178,7 +206,9 @@ def _words_and_bodies(model: Model, element: el.Element) -> Iterator[str]:
         yield f"{where} connects body '{bodies[0].name}' with itself; give two different bodies."
 
 
-def _statement_problems(model: Model, constraint: el.Constraint) -> Iterator[str]:
+def _statement_problems(
+    model: Model, constraint: el.Constraint, known: frozenset[sympy.Symbol]
+) -> Iterator[str]:
     """Check the form of a statement, its texts in the generated module, and its expressions."""
     where, statement = el.label(constraint), statement_of(constraint)
     axes: tuple[sympy.Expr, ...] = ()
@@ -195,7 +225,7 @@ def _statement_problems(model: Model, constraint: el.Constraint) -> Iterator[str
             yield f"{where}: the arm of its reaction is {arm}; give two components, in m."
         axes = (*direction, *arm)
     expressions = (*statement.phi, *statement.bindings.values(), *axes)
-    yield from _unknown_symbols(model, constraint, expressions)
+    yield from _unknown_symbols(model, constraint, expressions, known)
     yield from constraint_problems(constraint)
     yield from _orientations(constraint)
 
@@ -248,16 +278,22 @@ def _effect_expressions(effect: el.Effect, bodies: tuple[Body, ...]) -> list[sym
     return [e for e in expressions if e is not None]
 
 
-def _unknown_symbols(
-    model: Model, element: el.Constraint | el.Effect, expressions: Iterable[sympy.Basic]
-) -> Iterator[str]:
-    """Symbols that mean nothing in the model."""
-    known: set[sympy.Symbol] = {*model.defaults, SPEED, side(element.name), t}
-    coordinates = [
-        q for body in (*model.bodies.values(), *bodies_of(element)) for q in coordinates_of(body)
-    ]
+def _known_symbols(model: Model) -> frozenset[sympy.Symbol]:
+    """Parameters, the time, and the coordinates and velocities of bodies and joints."""
+    coordinates = [q for body in model.bodies.values() for q in coordinates_of(body)]
     coordinates += [q for joint in model.joints.values() for q in own_coordinates(joint)]
-    known |= {symbol for q in coordinates for symbol in (q, q.rate)}
+    moving = (symbol for q in coordinates for symbol in (q, q.rate))
+    return frozenset((*model.defaults, SPEED, t, *moving))
+
+
+def _unknown_symbols(
+    model: Model, element: el.Constraint | el.Effect, expressions: Iterable[sympy.Basic],
+    known: frozenset[sympy.Symbol],
+) -> Iterator[str]:  # fmt: skip
+    """Symbols that mean nothing in the model."""
+    bodies = bodies_of(element)
+    of_bodies = (s for b in bodies for q in coordinates_of(b) for s in (q, q.rate))
+    known |= {side(element.name), *of_bodies}
     symbols = set().union(*(e.free_symbols for e in expressions)) - known
     if isinstance(element, el.Constraint):
         symbols -= {s for place in statement_of(element).bindings for s in place.free_symbols}
@@ -309,6 +345,9 @@ def _mass_problems(model: Model, body: Body) -> Iterator[str]:
     for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
         value = getattr(body, word)
         if value is None:
+            continue
+        if problem := expression_problem(value):  # of a body that a modeller made by hand
+            yield f"{word} of body '{body.name}': {problem}"
             continue
         if unknown := sorted(s.name for s in value.free_symbols if s not in model.defaults):
             yield (

@@ -12,10 +12,10 @@ from codegen.declare.element import Constraint, label
 from codegen.declare.real_range import unreal_part
 from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
 from codegen.declare.table_function import Interpolant
-from codegen.derive.piecewise_conditions import KINKED
+from codegen.derive.piecewise_conditions import KINKED, STEPS, is_known_beforehand
 from codegen.lower.sympy_translation import FUNCTIONS
 
-KNOWN = ", ".join(sorted(f.__name__ for f in (*FUNCTIONS, *KINKED)))
+KNOWN = ", ".join(sorted({f.__name__ for f in (*FUNCTIONS, *KINKED, *STEPS)}))
 ARITHMETIC = (sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow)
 FINITE = "; give finite real numbers."
 UNDEFINED = f"nan{FINITE}"
@@ -67,11 +67,13 @@ def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -
             stack += node.args
         elif isinstance(node, sympy.And | sympy.Or | sympy.Not | sympy.ITE):
             stack += node.args
-        elif node.func in KINKED and not may_switch:
-            yield f"{where}: {node} has a kink; constraints and motions are smooth expressions."
+        elif node.func in KINKED and not (may_switch or is_known_beforehand(node)):
+            yield f"{where}: {node} has a kink; constraints are smooth in coordinates."
+        elif node.func in STEPS and not is_known_beforehand(node):
+            yield f"{where}: {node} jumps where coordinates say; only the time and parameters may."
         elif isinstance(node, Interpolant):
             stack.append(node.at)
-        elif node.func in (*FUNCTIONS, *KINKED) or isinstance(node, ARITHMETIC):
+        elif node.func in (*FUNCTIONS, *KINKED, *STEPS) or isinstance(node, ARITHMETIC):
             stack += node.args
         elif not node.is_number:
             yield f"{where}: {node} cannot be compiled; known are {KNOWN}, powers and Piecewise."
@@ -94,8 +96,8 @@ def _condition_problems(where: str, node: Relational, may_switch: bool) -> Itera
             f"{where}: the condition {node} is an equality, which no motion meets for a time; "
             "use an inequality."
         )
-    if not may_switch:
+    elif not (may_switch or is_known_beforehand(node)):
         yield (
-            f"{where}: the condition {node} stands where nothing may switch; constraints and "
-            "motions are smooth expressions."
+            f"{where}: the condition {node} stands where nothing may switch; the pieces of "
+            "constraints and motions are chosen by the time and parameters alone."
         )

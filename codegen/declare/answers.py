@@ -7,6 +7,7 @@ another kind, is a `ModelError` that names the element, the question and the ans
 import re
 from collections.abc import Mapping
 from dataclasses import replace
+from operator import is_
 from typing import Any
 
 import sympy
@@ -127,11 +128,13 @@ def statement_of(constraint: Any) -> el.Statement:
     for row, own in _tuples(constraint, "own", answer.own, 2, "pairs (row, coordinate)"):
         if row not in rows or not isinstance(own, Coordinate) or own.letter not in KINDS:
             raise _refuse(constraint, "own", answer.own, "pairs (row, coordinate)")
-    _check_reaction(constraint, vars(answer)["reaction"], len(phi))
-    return answer if phi == given and rows is words else replace(answer, phi=phi, rows=tuple(rows))
+    reaction = _reaction(constraint, vars(answer)["reaction"], len(phi))
+    if all(map(is_, phi, given)) and rows is words and reaction is answer.reaction:
+        return answer
+    return replace(answer, phi=phi, rows=tuple(rows), reaction=reaction)
 
 
-def _check_reaction(constraint: Any, reaction: Any, count: int) -> None:
+def _reaction(constraint: Any, reaction: Any, count: int) -> Any:
     if isinstance(reaction, el.ConjugateReaction):
         parts = reaction.components
         try:
@@ -150,21 +153,23 @@ def _check_reaction(constraint: Any, reaction: Any, count: int) -> None:
         on, sign = vars(reaction)["on"], vars(reaction)["sign"]
         if not isinstance(on, el.Frame) or sign not in (1, -1):
             raise _refuse(constraint, "reaction", reaction, "a frame I or J, and a sign 1 or -1")
-        for word, vector in (("direction", reaction.direction), ("arm", reaction.arm)):
-            if vector is not None or word == "direction":
-                _vector(constraint, f"{word} of its reaction", vector)
+        for word in ("direction", "arm"):
+            vector = vars(reaction)[word]
+            if not isinstance(vector, sympy.MatrixBase) and (vector is not None or word != "arm"):
+                read = _vector(constraint, f"{word} of its reaction", vector)
+                reaction = replace(reaction, **{word: read})
     elif reaction is not None:
         raise _refuse(
             constraint, "reaction", reaction, "a JointReaction, a ConjugateReaction or None"
         )
+    return reaction
 
 
-def _vector(element: Any, word: str, vector: Any) -> None:
-    """Two components, of a matrix or a sequence."""
-    if not isinstance(vector, tuple | list | sympy.MatrixBase | sympy.Tuple):
+def _vector(element: Any, word: str, vector: Any) -> sympy.Matrix:
+    """Two components, of a sequence."""
+    if not isinstance(vector, tuple | list | sympy.Tuple) or not vector:
         raise _refuse(element, word, vector, "two components")
-    for component in vector:
-        _expression(element, word, component)
+    return sympy.Matrix([_expression(element, word, component) for component in vector])
 
 
 def forces_of(effect: Any, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:

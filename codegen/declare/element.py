@@ -123,6 +123,11 @@ class Statement:
 
     def __post_init__(self) -> None:
         bindings = {}
+        given: object = self.bindings
+        if not isinstance(given, Mapping):
+            raise ModelError(
+                f"Statement: bindings is {shown(given)}; give a dictionary, placeholder: value."
+            )
         for place, value in self.bindings.items():
             try:
                 bindings[place] = plain_expression(value)

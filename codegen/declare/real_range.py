@@ -10,6 +10,7 @@ from functools import reduce
 from typing import Any
 
 import sympy
+from sympy.concrete.expr_with_limits import ExprWithLimits
 
 Interval = tuple[float, float]
 ALL: Interval = (-math.inf, math.inf)
@@ -27,6 +28,8 @@ RANGES: dict[Any, Interval] = {
     sympy.atan2: (-3.2, 3.2),
 }
 """Function → an interval that holds its values."""
+UNFINISHED = (sympy.Limit, sympy.Derivative, sympy.Subs, ExprWithLimits)
+"""What stands for an expression that is still to be found."""
 NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
 
@@ -37,6 +40,8 @@ def unreal_part(expression: sympy.Basic) -> tuple[sympy.Basic, str] | None:
         if node in known or not isinstance(node, sympy.Expr):
             continue
         verb = "is" if node == expression else "contains"
+        if isinstance(node, UNFINISHED):
+            return node, f"{verb} {node}, which is to be written out as by doit()"
         if node in NUMBERLESS:
             return node, f"{verb} {node}"
         if node.is_Symbol or (node.is_Atom and not node.is_number):

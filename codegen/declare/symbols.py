@@ -6,6 +6,8 @@ from typing import Any, Literal, NamedTuple
 
 import sympy
 
+from codegen.errors import ModelError
+
 Letter = Literal["x", "y", "phi"]
 LETTERS = ("x", "y", "phi")
 SignRule = Literal["", "positive", "nonnegative"]
@@ -149,6 +151,10 @@ alpha = Given("alpha", real=True)  # the parameter in which the profile of a cam
 
 def coordinate(owner: str, letter: str) -> Coordinate:
     """Coordinate `letter`, one of `KINDS`, of the body or element."""
+    given_words: tuple[object, object] = (owner, letter)
+    if not all(isinstance(word, str) for word in given_words) or letter not in KINDS:
+        known = ", ".join(KINDS)
+        raise ModelError(f"coordinate({owner!r}, {letter!r}): give a name, and one of {known}.")
     return Coordinate(f"{owner}_{letter}", real=True)
 
 
@@ -164,6 +170,9 @@ def side(name: str) -> Side:
 
 def given(name: str) -> Given:
     """Placeholder called `name` for a real number."""
+    text: object = name
+    if not isinstance(text, str):
+        raise ModelError(f"given({name!r}): give a name.")
     return Given(name, real=True)
 
 

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import sympy
-from sympy.concrete.expr_with_limits import ExprWithLimits
 from sympy.core.relational import Relational
 
 from codegen.declare.body import Body
@@ -32,9 +31,12 @@ from codegen.declare.symbols import (
     Coordinate,
     Given,
     Multiplier,
+    Parameter,
     ParameterDeclaration,
     Side,
     Speed,
+    Time,
+    Velocity,
     alpha,
 )
 from codegen.declare.table_function import Interpolant
@@ -50,10 +52,11 @@ FUNCTIONS = (
     *(Interpolant, sympy.Piecewise, sympy.Abs, sympy.Heaviside, sympy.Max, sympy.Min, sympy.sign),
     *(sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan, sympy.atan2),
     *(sympy.sinh, sympy.cosh, sympy.tanh, sympy.exp, sympy.log),
+    *(sympy.floor, sympy.ceiling, sympy.Mod),
 )
 """The functions that can be compiled."""
-UNFINISHED = (sympy.Limit, sympy.Derivative, sympy.Subs, ExprWithLimits)
-"""What stands for an expression that is still to be found."""
+MEANINGFUL = (Coordinate, Velocity, Time, Parameter)
+"""Symbols that mean something in a declaration."""
 CONDITIONS = (Relational, sympy.And, sympy.Or, sympy.Not)
 
 
@@ -64,8 +67,15 @@ def dotted(symbol: sympy.Symbol) -> str:
 
 def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | None:
     """Why an expression can stand nowhere in a declaration; a `profile` may contain `alpha`."""
-    if expression.is_Symbol and not isinstance(expression, INTERNAL):
+    if isinstance(expression, MEANINGFUL):
         return None
+    try:
+        return _problem(expression, profile)
+    except Exception as error:  # of SymPy, of a number of thousands of digits
+        return f"the expression cannot be read, {type(error).__name__}: {one_line(error)}."
+
+
+def _problem(expression: sympy.Expr, profile: bool) -> str | None:
     for symbol in sorted(expression.free_symbols, key=str):
         if symbol == alpha and not profile:
             return (
@@ -78,14 +88,17 @@ def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | N
                 f"{one_line(expression)} contains '{one_line(symbol)}', a placeholder of an "
                 "element's equations; use coordinates, velocities, parameters and t."
             )
-    if unfinished := expression.atoms(*UNFINISHED):
-        part = min(unfinished, key=str)
-        return f"{one_line(expression)} contains {one_line(part)}; write it out, as by doit()."
     for node in sorted(expression.atoms(sympy.Function), key=str):
         if node.func not in FUNCTIONS and not node.is_number:
             known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
             what = one_line(node)
             return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
+    for node in sorted(expression.atoms(sympy.Piecewise), key=str):
+        if node.args[-1].cond != sympy.true:
+            return (
+                f"{one_line(node)} says nothing where none of its conditions holds; end it with "
+                "(value, True)."
+            )
     if found := unreal_part(expression):
         part, why = found
         start = "the value" if part == expression else one_line(expression)
@@ -97,6 +110,7 @@ class Reader:
     """Reads values, and notes a sentence about each that cannot be read."""
 
     def __init__(self) -> None:
+        self.symbols: list[tuple[str, frozenset[sympy.Symbol]]] = []  # of the values, by place
         self.problems: list[str] = []  # the sentences, in order
 
     def note(self, problem: str) -> None:
@@ -115,6 +129,8 @@ class Reader:
             why = f" ({one_line(error)})" if str(error) else ""
             problem = f"{shown(value)} is neither a number nor an expression{why}."
         if problem is None:
+            if read.free_symbols and not profile:
+                self.symbols.append((where, frozenset(read.free_symbols)))
             return read
         self.note(f"{where}: {problem}")
         return sympy.S.One

@@ -13,6 +13,7 @@ from codegen.declare.answers import statement_of
 from codegen.declare.element import ConjugateReaction, Constraint, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, Multiplier, kinds, t
 from codegen.derive.fast_derivative import derivative
+from codegen.derive.piecewise_conditions import as_pieces
 from codegen.derive.zero_test import is_zero
 
 Reactions = tuple[tuple[str, str, sympy.Expr], ...]  # (component, unit, value in the multipliers)
@@ -68,6 +69,7 @@ def statement_terms(statement: Statement) -> ConstraintTerms:
 def _derive(
     phi: tuple[sympy.Expr, ...], reaction: JointReaction | ConjugateReaction | None
 ) -> ConstraintTerms:
+    phi = tuple(map(as_pieces, phi))
     coordinates = tuple(kinds(sympy.Tuple(*phi), Coordinate))
     multipliers = tuple(Multiplier(f"lambda_{k}", real=True) for k in range(len(phi)))
     reactions: Reactions = ()

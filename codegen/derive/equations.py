@@ -21,6 +21,7 @@ from codegen.derive.conditions_on_parameters import (
 )
 from codegen.derive.effect_terms import EffectTerms, effect_terms
 from codegen.derive.inertia import inertia
+from codegen.derive.time_functions import TimeFunction, time_functions
 from codegen.model import Model
 from codegen.model.requested_outputs import TRACKED
 
@@ -73,6 +74,11 @@ class Equations:
     contacts: tuple[sf.RigidContact, ...] = ()
     conditions: tuple[ElementCondition, ...] = ()  # on parameters, in terms of `parameters` alone
     profiles: tuple[Profile, ...] = ()
+
+    @property
+    def time_functions(self) -> tuple[TimeFunction, ...]:
+        """The explicit functions of time."""
+        return time_functions(self.constraints, self.effects)
 
     def with_effects(self, effects: tuple[EffectEquations, ...]) -> "Equations":
         """These equations with other effects and their switching functions."""

@@ -31,6 +31,8 @@ def derivative(expression: sympy.Expr, symbol: sympy.Symbol) -> sympy.Expr:
     if expression.is_Pow and args[1].is_number:
         base, exponent = args
         return expression * (derivative(base, symbol) * exponent / base)
+    if isinstance(expression, sympy.floor):
+        return sympy.S.Zero  # between its jumps, at which steps end
     if isinstance(expression, sympy.sin | sympy.cos):
         return expression.fdiff(1) * derivative(args[0], symbol)
     return sympy.diff(expression, symbol)

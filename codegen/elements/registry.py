@@ -14,6 +14,7 @@ from inspect import cleandoc
 from typing import Any, Literal, TypeVar, dataclass_transform, overload
 
 from codegen.declare.element import Constraint, Effect
+from codegen.declare.plain_values import shown
 from codegen.errors import ModelError
 
 Role = Literal["joint", "driver", "force"]
@@ -131,10 +132,13 @@ def _own_classes(cls: type[Any]) -> list[type[Any]]:
 
 
 def _of_library(cls: type[Any]) -> bool:
-    return cls.__module__.startswith(f"{LIBRARY}.")
+    return str(getattr(cls, "__module__", "")).startswith(f"{LIBRARY}.")
 
 
 def _problems(cls: type[Any]) -> list[str]:
+    given: object = cls
+    if not isinstance(given, type):
+        return [f"element({shown(given)}): give a class; @element stands above one."]
     where, kind = f"element class {cls.__qualname__}", getattr(cls, "kind", None)
     if not isinstance(kind, str) or not WORDS.fullmatch(kind):
         return [f'{where}: its kind {kind!r} must be a few ASCII words: kind = "belt".']

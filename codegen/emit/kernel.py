@@ -34,6 +34,7 @@ BINARY = {
     Op.DIV: ("/", PRODUCT, 1),
     Op.AND: ("and", BOTH, 0),
     Op.OR: ("or", EITHER, 0),
+    Op.LESS: ("<", NEGATION, 1),
 }
 ARGUMENTS = "t q v p w a g dq dv nu phi lam out rate gamma low high Q modes values"
 WORDS = "math numba and or not if else return in is for def pass del as WEAK_PIVOT OPTIONS"
@@ -234,6 +235,8 @@ class KernelText:
             text = f"{word}{self._text(value.args[0], inner)}"
         elif value.op is Op.SLIDING:
             text, level = f"{self._text(value.args[0], SIGN)} == 2", NEGATION
+        elif value.op is Op.FLOOR:  # of the type of its argument, unlike math.floor
+            text, level = f"{self._text(value.args[0], PRODUCT)} // 1.0", PRODUCT
         elif value.op in BINARY:
             sign, level, tighter = BINARY[value.op]
             a, b = value.args

@@ -130,8 +130,10 @@ def checked(lines: Sequence[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _row(item: Any) -> list[str]:
-    line = f"    {literal(item)},"
-    if len(line) <= PAGE or isinstance(item, str):
+def _row(item: Any, depth: int = 1) -> list[str]:
+    indent = "    " * depth
+    line = f"{indent}{literal(item)},"
+    if len(line) <= PAGE or not isinstance(item, tuple | list):
         return [line]
-    return ["    (", *(f"        {literal(part)}," for part in item), "    ),"]
+    inside = (row for part in item for row in _row(part, depth + 1))
+    return [f"{indent}(", *inside, f"{indent}),"]

@@ -14,7 +14,7 @@ from codegen.generated_module_signature_and_import import MARK, UNSIGNED, signed
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Pattern
 from codegen.lower.operation_count import operations
-from codegen.lower.program import Program
+from codegen.lower.program import Lookup, Program
 
 OPTIONS = '{"cache": True, "error_model": "numpy", "fastmath": {"contract"}, "_nrt": False}'
 """Of numba. Kernels make no arrays: without counts of references they compile a sixth faster."""
@@ -83,7 +83,7 @@ def operation_table(program: Program) -> tuple[tuple[str, int], ...]:
 
 
 # tables that a module leaves out where empty
-OPTIONAL = ("folded", "unused", "rigid", "stiction", "conditions", "profiles")
+OPTIONAL = (*("folded", "unused", "rigid", "stiction", "time_functions", "conditions", "profiles"),)
 
 NAMES = (
     "Names: M_i_k, Phi_c_k, S_c_d are entries of the reduced matrix, Q_i and gamma_c right sides,",
@@ -117,6 +117,21 @@ def _docstring(lowered: Lowered) -> list[str]:
     ]
 
 
+def _with_names_of_tables(program: Program, functions: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Explicit functions of time, each table in them by the name that it has in the module."""
+    names = lookups(program)
+
+    def row(entry: tuple[Any, ...]) -> tuple[Any, ...]:
+        *first, last = entry
+        if not isinstance(last, Lookup):
+            return entry
+        known = {look.table: name for look, name in names.items()}
+        stem = known[last.table].partition("_d")[0].upper()
+        return (*first, stem, last.order, last.table.periodic)
+
+    return tuple((*head, tuple(map(row, rows))) for *head, rows in functions)
+
+
 def _tables(lowered: Lowered, origin: Origin) -> dict[str, Any]:
     """The fields of the description in capitals, and the provenance, kinds and counts."""
     program, description = lowered.program, lowered.description
@@ -132,6 +147,8 @@ def _tables(lowered: Lowered, origin: Origin) -> dict[str, Any]:
                 tables["FORMULATION"] = "cartesian"
             case "analysis":
                 tables |= {"SOURCES": origin.sources, "DECLARATION_SHA256": origin.declaration}
+            case "time_functions" if value:
+                tables[name.upper()] = _with_names_of_tables(program, value)
             case "folded":
                 constants = tuple(formula(program, number) for number in program.constants)
                 tables["CONSTANTS"] = constants

@@ -246,6 +246,10 @@ class Graph(Numbering):
         value = self.values[a]
         return value.args[0] if value.op is Op.NOT else self._add(Op.NOT, (a,))
 
+    def is_less(self, a: int, b: int) -> int:
+        """Whether a < b."""
+        return self._add(Op.LESS, (a, b))
+
     def logical(self, op: Op, a: int, b: int) -> int:
         """a and b, a or b."""
         return a if a == b else self._add(op, (a, b))

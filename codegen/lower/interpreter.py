@@ -34,6 +34,8 @@ ARITHMETIC: dict[Op, Callable[..., Any]] = {
     Op.NEG: operator.neg,
     Op.NOT: operator.not_,
     Op.SLIDING: lambda mode: mode == 2,
+    Op.FLOOR: lambda a: float(math.floor(a.real)),
+    Op.LESS: lambda a, b: a.real < b.real,
     Op.POW: power,
     Op.AND: lambda a, b: a and b,
     Op.OR: lambda a, b: a or b,

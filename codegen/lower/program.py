@@ -2,7 +2,8 @@
 
 A *value* is one scalar operation on earlier values; values are numbered, and equal values have
 one number. A *kernel* is a named list of (output slot, value). There is no control flow but
-``select``, whose condition depends on modes alone, and no memory but inputs and outputs.
+``select``, whose condition depends on modes, or on time and parameters alone, and no memory but
+inputs and outputs.
 """
 
 from collections.abc import Container, Iterable, Sequence
@@ -36,6 +37,7 @@ class Op(Enum):
     EXP = "exp"
     LOG = "log"
     SQRT = "sqrt"
+    FLOOR = "floor"
     POW = "pow"
     TABLE = "table"
     LESS = "<"
@@ -52,7 +54,7 @@ COMMUTATIVE = frozenset({Op.ADD, Op.MUL, Op.AND, Op.OR})
 LOGICAL = frozenset({Op.MODE, Op.SLIDING, Op.NOT, Op.AND, Op.OR, Op.LESS})
 ELEMENTARY = (
     *("sin", "cos", "tan", "asin", "acos", "atan", "atan2"),
-    *("sinh", "cosh", "tanh", "exp", "log", "sqrt", "pow"),
+    *("sinh", "cosh", "tanh", "exp", "log", "sqrt", "pow", "floor"),
 )
 """Functions that `math` knows under the names of their operations."""
 FUNCTIONS = frozenset(map(Op, (*ELEMENTARY, "table")))

@@ -59,9 +59,9 @@ class SceneGraph:
         self.v = self._inputs("v", self.rates)
         self.lam = self._inputs("lam", [f"lambda_{name}" for name in self.rows])
         self.time = graph.input("t", 0, "t")
-        switches = enumerate(equations.switches)
-        modes = {switch.g: k for k, switch in switches if switch.kind != "contact"}
-        self.translate = Translator(graph, self._environment(), modes)
+        self.translate = Translator(graph, self._environment(), equations.switches)
+        # The pieces of laws of motion are chosen by the time, and not by modes.
+        self.translate_law = Translator(graph, self.translate.environment, ())
         self.phi: list[int] = []  # Φ, as ν and γ one value a constraint
         self.nu: list[int] = []
         self.gamma: list[int] = []
@@ -117,7 +117,7 @@ class SceneGraph:
                 self.massless.append((first + statement.rows.index(row), self.columns[q]))
             inner |= zip(terms.multipliers, self.lam[first:], strict=False)
             with self.graph.serving(element.name):
-                translate = self.translate.scoped(inner)
+                translate = self.translate_law.scoped(inner)
                 for phi in terms.phi:
                     self._row(translate(phi))
                 for component, unit, reaction in terms.reactions:

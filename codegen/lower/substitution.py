@@ -69,5 +69,6 @@ ARITHMETIC: dict[Op, Callable[..., int]] = {
     Op.NOT: Graph.negation,
     Op.AND: lambda graph, a, b: graph.logical(Op.AND, a, b),
     Op.OR: lambda graph, a, b: graph.logical(Op.OR, a, b),
+    Op.LESS: Graph.is_less,
     Op.SELECT: Graph.select,
 }

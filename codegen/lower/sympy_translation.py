@@ -5,15 +5,24 @@ positions, velocities), so that as much as possible is known before a run, and p
 s'_x cos φ that occur in Φ, Φ_q and γ come out as one value.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial, reduce
 from typing import Any
 
 import sympy
 from sympy.core.relational import Relational
 
+from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.declare.table_function import Interpolant
-from codegen.derive.piecewise_conditions import switching_function
+from codegen.derive.piecewise_conditions import (
+    KINKED,
+    STEPS,
+    as_pieces,
+    boundary,
+    switching_function,
+    without_marks,
+)
+from codegen.derive.switching_functions import Switch, find_switch
 from codegen.errors import ModelError
 from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op
@@ -27,13 +36,12 @@ class Translator:
     """Translates expressions into one graph.
 
     `environment` maps symbols, and other expressions that are known as a whole, to values,
-    `switches` each switching function to its number.
+    `switches` are those of the scene, in the order of their modes.
     """
 
     def __init__(
-        self, graph: Graph, environment: Mapping[sympy.Expr, int],
-        switches: Mapping[sympy.Expr, int],
-    ) -> None:  # fmt: skip
+        self, graph: Graph, environment: Mapping[sympy.Expr, int], switches: Sequence[Switch]
+    ) -> None:
         self.graph, self.environment, self.switches = graph, dict(environment), switches
         self._known: dict[sympy.Basic, int] = {}
         self._ranks: dict[int, int] = {}
@@ -73,6 +81,8 @@ class Translator:
             return self._piecewise(node)
         if isinstance(node, Interpolant):
             return graph.lookup(node.table, node.order, self(node.at))
+        if node.func in (*KINKED, *STEPS) and node.func not in FUNCTIONS:
+            return self(as_pieces(node))
         if node.func in FUNCTIONS:
             return graph.function(FUNCTIONS[node.func], *(self(a) for a in node.args))
         if isinstance(node, sympy.logic.boolalg.BooleanFunction | Relational):
@@ -135,15 +145,20 @@ class Translator:
         if isinstance(node, sympy.And | sympy.Or):
             op = Op.AND if isinstance(node, sympy.And) else Op.OR
             return reduce(partial(graph.logical, op), sorted(self._condition(a) for a in node.args))
-        g = switching_function(node)
-        if g in self.switches:
-            return graph.mode(self.switches[g])
-        if -g in self.switches:
-            return graph.negation(graph.mode(self.switches[-g]))
-        raise ModelError(
-            f"the condition {node} stands where nothing may switch (a constraint or a driver); "
-            "write the motion as one smooth expression."
-        )
+        found = find_switch(switching_function(node), boundary(node), self.switches)
+        if found is not None:
+            switch, opposite = found
+            return graph.negation(graph.mode(switch)) if opposite else graph.mode(switch)
+        if kinds(node, Coordinate, Velocity):
+            raise ModelError(
+                f"the condition {node} stands where nothing may switch (a constraint or a driver); "
+                "write the motion as one smooth expression."
+            )
+        # Of time and parameters: the steps of a run end where it changes.
+        node = without_marks(node)
+        low, high = self(node.lts), self(node.gts)
+        strict = isinstance(node, sympy.StrictGreaterThan | sympy.StrictLessThan)
+        return graph.is_less(low, high) if strict else graph.negation(graph.is_less(high, low))
 
     def _in_order(self, numbers: list[int]) -> list[int]:
         """By how often the values change, by what moves them, by number: by the declaration."""

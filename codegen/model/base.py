@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
-from inspect import isfunction, signature
+from inspect import isfunction
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -14,11 +14,11 @@ from codegen.declare.answers import bodies_of, coordinates_of, own_coordinates
 from codegen.declare.body import Body, Ground, Particle, Point
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.name_rules_and_hints import name_problem
-from codegen.declare.plain_values import one_line, plain_name, shown
+from codegen.declare.plain_values import plain_name, shown
+from codegen.declare.public_method import public_method
 from codegen.declare.scene import Scene
 from codegen.declare.value_reader import Reader
 from codegen.elements.registry import role
-from codegen.errors import LinkwrightError, ModelError
 
 Declared = TypeVar("Declared", bound=Constraint | Effect | Body)
 Place = Point | Body  # a body means its centre of mass
@@ -26,39 +26,16 @@ Pair = tuple[Any, Any]
 Ends = tuple[Point, Point]
 
 
-def bounded_by_errors(method: Callable[..., Any]) -> Callable[..., Any]:
-    """A method that takes text as its name, and fails with errors of ours alone.
-
-    What its arguments do where they are read (iterate, compare, convert) is theirs, and may fail.
-    """
-    about = signature(method)
-    named = "name" in about.parameters
+def _marked(method: Callable[..., Any]) -> Callable[..., Any]:
+    """The method of a model, which marks its answer where it notes problems."""
 
     @wraps(method)
     def call(model: Any, *arguments: Any, **words: Any) -> Any:
-        if named and "name" in words:
-            words["name"] = plain_name(words["name"])
-        elif named and arguments:
-            arguments = (plain_name(arguments[0]), *arguments[1:])
-        read = getattr(model, "_read", None)
-        before = len(read.problems) if read else 0
-        try:
-            answer = method(model, *arguments, **words)
-            if read and len(read.problems) > before and isinstance(answer, Constraint | Effect):
-                model.noted.add(plain_name(answer.name))
-            return answer
-        except LinkwrightError:
-            raise
-        except Exception as error:
-            name = words.get("name", arguments[0] if arguments else None)
-            label = f" '{name}'" if named and name is not None else ""
-            reason = f"fails with {type(error).__name__}: {one_line(error)}"
-            try:
-                about.bind(model, *arguments, **words)
-            except TypeError as mismatch:
-                reason = f"{mismatch}; it takes {about}".replace("(self, ", "(")
-            word = "Model" if method.__name__ == "__init__" else f"model.{method.__name__}"
-            raise ModelError(f"{word}{label}: {reason}.") from error
+        before = len(model._read.problems)
+        answer = method(model, *arguments, **words)
+        if len(model._read.problems) > before and isinstance(answer, Constraint | Effect):
+            model.noted.add(plain_name(answer.name))
+        return answer
 
     return call
 
@@ -67,11 +44,11 @@ class Declarations:
     """All that has been declared, by name; a name stands for one thing only."""
 
     def __init_subclass__(cls) -> None:
-        """Bound the public methods of a declaration."""
+        """Let the public methods fail with errors of ours, and mark elements with stand-ins."""
         super().__init_subclass__()
         for word, method in list(vars(cls).items()):
-            if isfunction(method) and (word == "__init__" or not word.startswith("_")):
-                setattr(cls, word, bounded_by_errors(method))
+            if isfunction(method) and not word.startswith("_"):
+                setattr(cls, word, public_method(_marked(method), "model"))
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -99,6 +76,11 @@ class Declarations:
     def problems(self) -> tuple[str, ...]:
         """Problems of the declaration so far, one sentence each."""
         return tuple(self._read.problems)
+
+    @property
+    def symbols(self) -> list[tuple[str, frozenset[sympy.Symbol]]]:
+        """The symbols of the values that were given, each with its place in the declaration."""
+        return self._read.symbols
 
     @property
     def defaults(self) -> dict[sympy.Symbol, float]:

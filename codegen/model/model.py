@@ -9,6 +9,8 @@ from typing import Any
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect, label
 from codegen.declare.plain_values import one_line, shown
+from codegen.declare.public_method import public_method, public_methods
+from codegen.declare.scene import Scene
 from codegen.errors import ModelError
 from codegen.model.base import Declared
 from codegen.model.cams import Cams
@@ -63,3 +65,7 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
             "kind, name, bodies, problems(), and statement() or potential() and forces()."
         )
         return element
+
+
+public_methods(Scene, "scene")
+Model.__init__ = public_method(Model.__init__, "Model")  # type: ignore[method-assign]

@@ -74,7 +74,7 @@ class Scenes(Fidelities, Outputs):
         """
         base = self.scenes.get(name)
         values = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)
-        bare = all(map(_is_empty, values)) and (frozen, analysis, outputs).count(None) == 3
+        bare = all(map(_is_empty, values)) and _none_of(frozen, analysis, outputs)
         if bare and base is not None and base.request != Request():
             return base
         where, read = f"scene '{name}'", self._read
@@ -202,6 +202,11 @@ class Scenes(Fidelities, Outputs):
                     near = ask(joint, "near", numbers)
                     places |= {dotted(q): float(near[q]) for q in missing}
         return tuple(places.items())
+
+
+def _none_of(*values: object) -> bool:
+    """Whether all were left out."""
+    return all(value is None for value in values)
 
 
 def _is_empty(value: object) -> bool:

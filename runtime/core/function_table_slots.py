@@ -30,6 +30,7 @@ LOG_ROWS = TABLE.number("log_rows")  # room for changes of the partition
 SAMPLE_TIMES = TABLE.number("sample_time_count")  # instants of samples that are asked for
 OUT_ROWS = TABLE.number("out_rows")  # room for samples
 EVENT_ROWS = TABLE.number("event_rows")  # room for events
+STOPS = TABLE.number("stop_count")  # instants, known beforehand, at which steps end
 MODIFIED = TABLE.number("modified")  # not 0: the right-hand side is not the kernel's alone
 SLIDING_COUNT = TABLE.number("sliding_count")  # functions in sliding mode
 STABILIZED = TABLE.number("stabilized")  # 1: constraints are stabilized by Baumgarte's terms
@@ -123,6 +124,7 @@ TABLE.integers("rigid", SWITCHES)  # number of the rigid contact, or -1
 TABLE.floats("spreads", SWITCHES)
 TABLE.floats("share share_low share_high", SWITCHES)
 TABLE.integers("sticks", SWITCHES)  # 1: friction that sticks
+TABLE.integers("boundary", SWITCHES)  # a `Boundary`
 TABLE.integers("limits", (2, SWITCHES))  # rows of a force and of its bound, or -1
 TABLE.integers("stiction_place", SWITCHES)  # of its force in p, or -1
 TABLE.floats("stiction_units", (2, SWITCHES))  # unit of the force, its bound
@@ -144,6 +146,10 @@ TABLE.floats("reaction base_reaction unit_reaction", REACTION_ROWS)  # the first
 # The search for consistent modes; the function of the event that was located.
 TABLE.integers("candidate_modes members signs former_modes", SWITCHES)
 TABLE.integers("crossed", (1, None))
+
+# Instants at which steps end, and whether the run is left there; see `integrate.problem.Stops`.
+TABLE.floats("stop_times", STOPS, allotted=False)
+TABLE.integers("stop_kinds", STOPS, allotted=False)
 
 # Samples and events, made by `recording`.
 TABLE.floats("sample_times", SAMPLE_TIMES, allotted=False)

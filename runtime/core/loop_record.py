@@ -47,6 +47,7 @@ _FLOATS += [
     "next_length",  # of the step after it
     "foresight",  # change of the coordinates, in their sizes, over which one is looked for
     "lent_until",  # instant from which a method that was lent is not needed
+    "stop",  # next instant, known beforehand, at which a step ends; infinite where there is none
 ]
 _INTEGERS = ["stage_calls", "dense_rows", "dense_calls", "max_steps", "max_events"]
 _INTEGERS += ["steps", "rejected", "retakes", "events", "repartitions", "rhs", "dense_outputs"]
@@ -85,6 +86,7 @@ _INTEGERS += [
     "dense_ready",  # 1: its dense output is there
     "changed",  # events that were logged at its end
     "due",  # 1: another method is due
+    "next_stop",  # its number
     "plan",  # about a singular position, a `Plan`
     "resumed",  # 1: it goes on from a run in other coordinates, whose modes it takes over
 ]

@@ -23,6 +23,7 @@ class Outcome(IntEnum):
     UNBALANCED = 10
     INACCURATE = 11
     CONTRADICTED = 12
+    DISCONTINUOUS = 13
 
     @property
     def of_switch(self) -> bool:
@@ -120,6 +121,13 @@ _TEXT = {
 
         Ask for less accuracy or for a shorter time, or simulate with rtol in place of accuracy for
         a motion of which only constraints, energy and means are right.
+        """,
+    Outcome.DISCONTINUOUS: """
+        An explicit function of time, a law of motion or a force, has no finite value at this time,
+        or jumps where a motion cannot.
+
+        Write a law that is continuous, a ramp in place of a step, or an angle that counts its
+        turns, 3*t in place of atan2(sin(3*t), cos(3*t)); or end the run before this time.
         """,
     Outcome.CONTRADICTED: """
         The run reached its end, but a check of its results contradicts them.

@@ -15,9 +15,10 @@ import numpy.typing as npt
 from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble, start_values
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
-from runtime.continuation.driven_motion import follow
+from runtime.assembly.masses_far_apart import suited_to_masses
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.driven_motion_past_kinks import follow_past_kinks
 from runtime.dynamics.end_checks import check_result
 from runtime.dynamics.output_quantities import evaluate
 from runtime.integrate.problem import Options
@@ -46,10 +47,10 @@ def kinematics(
     times = instants(t_eval)
     start = assemble(mechanism, guess, parameters, t_start)
     require_driven(mechanism, start, analysis)
-    mechanism = with_redundancy(mechanism, start)
-    preferred = start_values(mechanism, guess).v
     p = parameter_values(mechanism, parameters)
-    motion = follow(Equations(mechanism, p), times, start, preferred, progress)
+    mechanism = suited_to_masses(with_redundancy(mechanism, start), start.t, start.q, p)
+    preferred = start_values(mechanism, guess).v
+    motion, kinks = follow_past_kinks(Equations(mechanism, p), times, start, preferred, progress)
     samples = evaluate(mechanism, p, motion.t, motion.q, motion.v)
     singular = np.flatnonzero(np.isnan(samples.a).any(axis=1))
     motion.stats["singular_instants"] = len(singular)
@@ -60,11 +61,12 @@ def kinematics(
             f" At {len(singular)} of the instants (t = {where} s) the position is singular: "
             f"accelerations and reactions are not a number there."
         )
+    crossed = [_event(row) for row in motion.singular if row.kind in _DIRECTIONS]
     motion.stats["wall_seconds"] = clock.perf_counter() - began
     result = Result(
         mechanism.description, samples, p, analysis=analysis, outcome=motion.outcome,
         message=message + redundancy_note(start), stats=motion.stats,
-        events=[_event(row) for row in motion.singular if row.kind in _DIRECTIONS],
+        events=sorted([*crossed, *kinks], key=lambda event: event.time),
         not_unique=start.not_unique, singular=motion.singular,
     )  # fmt: skip
     equations = Equations(mechanism, p)

@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING
 
 from runtime.assembly.assemble import assemble
-from runtime.integrate.problem import Options
+from runtime.integrate.problem import Options, Stops
 from runtime.integrate.trajectory import Trajectory
-from runtime.mechanism.dense_equations import Equations, magnitudes
+from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly
@@ -16,6 +16,25 @@ from runtime.validation.scene_support import refuse_massless, refuse_structure
 
 if TYPE_CHECKING:
     from runtime.dynamics.formulations import Coordinates
+    from runtime.explicit_time.passage import Passages
+
+
+def passages_of(
+    equations: Equations, begin: Assembly, t_end: float, sizes: FloatArray,
+    t_begin: float | None = None,
+) -> "Passages | None":  # fmt: skip
+    """What explicit functions of time ask of a motion until t_end, s; None where there are none.
+
+    It begins at `t_begin`, s, or at the start.
+    """
+    if not equations.description.time_functions:
+        return None
+    from runtime.explicit_time.instants import time_instants  # compiled: other scenes do without
+    from runtime.explicit_time.passage import Passages
+
+    first = begin.t if t_begin is None else t_begin
+    instants = time_instants(equations.description, equations.p, first, t_end)
+    return Passages(equations, instants, begin.q, begin.v, sizes)
 
 
 class PreparedSimulation:
@@ -38,8 +57,14 @@ class PreparedSimulation:
         self.begin, self.sizes = begin, magnitudes(equations, begin.t, begin.q)
         least = float(self.sizes.min(initial=1.0))
         require_apart(mechanism, p, begin.t, begin.q, begin.v, least)
+        self.passages = passages_of(equations, begin, self.t_end, self.sizes)
         if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
             refuse_structure(mechanism)
+
+    @property
+    def stops(self) -> Stops | None:
+        """Instants, known beforehand, at which the steps of all runs end."""
+        return None if self.passages is None else self.passages.stops()
 
     def run(self, taken: "Coordinates", options: Options, progress: Progress) -> Trajectory:
         """One integration in the coordinates `taken`; its run in all coordinates."""

@@ -14,6 +14,7 @@ from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.friction_jam import describe_jam
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.dynamics.switches_within_tolerance import describe_unresolved_switches
 from runtime.dynamics.work import integrate_works
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
@@ -65,20 +66,24 @@ def finish_simulation(
     works = works and bool(mechanism.description.work_rows)
     if works or run is None:
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
-    result = _result(mechanism, run, ready.p, began, begin)
+    result = _result(mechanism, run, ready, began)
     if works:
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
     check_result(result, equations, ready.sizes, options, run)
+    count, note = describe_unresolved_switches(mechanism, run.events, ready.p, ready.sizes, options)
+    result.stats["events_within_tolerance"] = count
+    result.message += note
     result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
     result.message += driven_note(mechanism, begin.degrees_of_freedom)
     return result
 
 
 def _result(
-    mechanism: Mechanism, run: Trajectory, p: FloatArray, began: float, begin: Assembly
+    mechanism: Mechanism, run: Trajectory, ready: PreparedSimulation, began: float
 ) -> Result:
     """Outputs at the samples; a run that stopped early gets its last state as one more."""
+    p, begin = ready.p, ready.begin
     t, q, v, modes = run.t, run.q, run.v, run.modes
     if run.outcome is not Outcome.OK and (len(t) == 0 or run.final_t > t[-1]):
         t = np.append(t, run.final_t)
@@ -106,9 +111,11 @@ def _result(
         "integration_seconds": counts.seconds,
         "wall_seconds": clock.perf_counter() - began,
     }
-    switches, log = mechanism.description.switches, run.events
+    titles, log = [switch.title for switch in mechanism.description.switches], run.events
+    if ready.passages is not None:
+        titles += [kink.title for kink in ready.passages.instants.kinks]
     events = [
-        Event(switches[int(index)].title, float(time), int(direction), at_q, at_v)
+        Event(titles[int(index)], float(time), int(direction), at_q, at_v)
         for time, index, direction, at_q, at_v in zip(
             log.t, log.index, log.direction, log.q, log.v, strict=True
         )

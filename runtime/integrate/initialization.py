@@ -19,6 +19,8 @@ from runtime.hybrid.rhs_with_sliding_or_stabilization import STEP
 from runtime.hybrid.stiction_force import find_jamming_friction, suspend_friction
 from runtime.hybrid.switching_values_and_margins import evaluate_switching_and_rates
 from runtime.integrate.sampling import record
+from runtime.integrate.step_acceptance_and_zeno_check import LEAST_ERROR
+from runtime.integrate.step_to_event import copy_end
 from runtime.linalg.vectors import copy_vector, is_finite
 
 _ROUGH = 0.1  # accuracy: of a function's spread; |g| that is rounded in its last few units
@@ -106,18 +108,12 @@ def choose_modes(context: Context, t: float) -> int:
 def record_start(context: Context, t: float) -> None:
     """Write the samples of the first instant."""
     r, t_eval = run_record(context), context.sample_times
-    band, out_modes = context.band, context.out_modes
     if r.every_step != 0:
         record(context, t, Y0)
     while r.next_sample < context[ft.SAMPLE_TIMES] and t_eval[r.next_sample] <= t:
         if r.every_step == 0:
             record(context, t_eval[r.next_sample], Y0)
         r.next_sample += 1
-    for i in range(r.samples):
-        for k in range(context[ft.SWITCHES]):
-            # At the very instant of the start a condition on its boundary does not hold yet.
-            if band[k] > 0.0:
-                out_modes[i, k] = 0
 
 
 @inner
@@ -174,3 +170,39 @@ def start(context: Context) -> int:
     if r.resumed == 0:
         record_start(context, t)
     return outcome
+
+
+@compiled(i8(ADDRESSES))
+def start_anew(context: Context) -> int:
+    """Go on from the state in row Y0 under other laws of time: accelerations, modes, first step.
+
+    Returns the code of an outcome.
+    """
+    r = run_record(context)
+    t = r.t
+    if context[ft.CONSTRAINT_COUNT] > 0 and context[ft.CORRECTING] != 0:
+        result = ft.correct_of(context)(context, t, Y0, ws.PROJECTION)
+        if result == FAILED:
+            return Outcome.NEWTON_FAILED
+        r.corrections += result
+    write_derivative(context, t, Y0, K)
+    for k in range(context[ft.SWITCHES]):
+        evaluate_switching_and_rates(context, t, Y0, K, ws.G0)
+        side = 1.0 if context.modes[k] != 0 else -1.0
+        if side * context.g0[k] < -context.band[k]:
+            copy_end(context, 0, 1)
+            ft.transition_of(context)(context, k, t, r.h)
+            copy_end(context, 1, 0)
+            if r.blamed != CONSISTENT:
+                r.index = r.blamed
+                return Outcome.INCONSISTENT
+    if not is_finite(ws.velocity_rates(context, K)):
+        return Outcome.NOT_FINITE
+    r.look_at = min(r.look_at, t)
+    ft.restart_of(context)(context, t, r.h)
+    if r.fixed == 0:
+        first = ft.first_step_of(context)(context, t, r.h_max, r.rtol, r.estimate_order)
+        r.h = min(r.h, 2.0 * first)
+        r.error_old, r.remembered = LEAST_ERROR, 0.0
+    r.rhs += 2
+    return Outcome.OK

@@ -9,11 +9,12 @@ record.
 import numpy as np
 
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Integers, i8
+from runtime.core.array_types import Context, Integers, i8
 from runtime.core.jit import ADDRESSES, addressed, compiled, inner
 from runtime.core.loop_record import Plan, run_record
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import Y0, Y1
+from runtime.hybrid.event_location import INSTANT
 from runtime.integrate.step import Signal, TrialStep, reject
 from runtime.integrate.step_acceptance_and_zeno_check import accept_step, judge_events
 from runtime.integrate.step_to_event import end_at_event
@@ -24,13 +25,29 @@ TOO_CLOSE = 1.2  # safety: steps; a nearer singular configuration needs a plan b
 LOG_MARGIN = 16  # safety: free rows of the partition log that one step may need
 
 
+@inner
+def is_at_kink(context: Context) -> bool:
+    """Whether the run stands at a kink of an explicit function of time; other stops are passed."""
+    r = run_record(context)
+    while r.stop - r.t <= max(INSTANT * abs(r.t), r.h_min):
+        if context.stop_kinds[r.next_stop] >= 0:
+            return True
+        r.next_stop += 1
+        r.stop = np.inf
+        if r.next_stop < context[ft.STOPS]:
+            r.stop = context.stop_times[r.next_stop]
+    return False
+
+
 @addressed(ft.PART)
-def plan_step(context: Integers) -> int:
-    """Choose the end of the next step: the controller's, a plan's, or that of the run."""
+def plan_step(context: Context) -> int:
+    """Choose the end of the next step: the controller's, a plan's, a stop's, or that of the run."""
     r = run_record(context)
     t = r.t
     if t >= r.t_end:
         return Outcome.OK
+    if is_at_kink(context):
+        return Signal.KINK
     if (
         r.logged_events + 2 * context[ft.SWITCHES] > context[ft.EVENT_ROWS]
         or r.logged_repartitions + LOG_MARGIN > context[ft.LOG_ROWS]
@@ -46,9 +63,10 @@ def plan_step(context: Integers) -> int:
     elif r.plan == Plan.MISSING:
         h = min(h, max(r.length_across, _SHARE * abs(r.turn - t)))
     end = r.turn if r.planned != 0 and r.plan == Plan.APPROACHING else t + h
-    if t + (1.01 - 0.01 * r.planned) * h >= r.t_end:
-        h = r.t_end - t
-        end = r.t_end
+    last = min(r.stop, r.t_end)
+    if t + (1.01 - 0.01 * r.planned) * h >= last:
+        h = last - t
+        end = last
     elif h <= r.h_min or end <= t:
         if r.reason == TrialStep.NEWTON_FAILED:
             return Outcome.NEWTON_FAILED
@@ -124,6 +142,8 @@ def propose_next(context: Integers) -> None:
         r.next_length = r.length * ft.propose_of(context)(context, r.length)
         if r.planned != 0:
             r.next_length = max(r.next_length, r.h) if r.plan == Plan.APPROACHING else r.h
+        elif r.end == r.stop:
+            r.next_length = max(r.next_length, r.h)  # not the error cut it
 
 
 @addressed(ft.PART)

@@ -1,14 +1,37 @@
 """The input of an integration: start and end, and how to solve the equations."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from numpy.typing import ArrayLike
 
-from runtime.core.array_types import Vector
+from runtime.core.array_types import Integers, Vector
+from runtime.core.modes_and_event_kinds import Direction
+from runtime.core.outcomes import Outcome
 
 Correction = Literal["step", "stage", "projection", "baumgarte", "hybrid"]
 Formulation = Literal["cartesian", "reduced"]
+
+
+class Passage(NamedTuple):
+    """How a run passes an instant at which an explicit function of time bends or jumps."""
+
+    outcome: Outcome = Outcome.OK  # anything else ends the run there
+    row: int = -1  # the constraint that an outcome concerns, or -1
+    note: str = ""  # on an outcome
+    v: Vector | None = None  # velocities behind it, where they are others
+    event: Direction | None = None  # None: nothing to be seen
+
+
+class Stops(NamedTuple):
+    """Instants, known before a run, at which its steps end."""
+
+    times: Vector  # (k,): ascending, s
+    kinks: Integers  # (k,): number of the kink, or -1: a step ends, and nothing else
+    after: Vector  # (k,): instants at which the run goes on
+    # (number of the kink, q, v, modes) of the state before it → how the run passes it
+    passage: Callable[[int, Vector, Vector, Integers], Passage]
 
 
 @dataclass(frozen=True)
@@ -26,6 +49,7 @@ class Problem:
     spreads: ArrayLike = 0.0
     """(s,): how far switching functions go when all that they are made of is changed by its size,
     where that is more than the coordinates' own changes do."""
+    stops: Stops | None = None  # None: the run ends its steps where it likes
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ from runtime.core.outcomes import Outcome
 from runtime.core.system import System
 from runtime.core.workspace_rows import BAND, STRUCK
 from runtime.hybrid.mode_search import MOST_COMBINED
-from runtime.integrate.initialization import start
+from runtime.integrate.initialization import start, start_anew
 from runtime.integrate.loop import advance
 from runtime.integrate.method import LEADING
-from runtime.integrate.problem import Options, Problem
+from runtime.integrate.problem import Options, Passage, Problem
 from runtime.integrate.recording_buffers import Recording, in_order
 from runtime.integrate.run_state import COUNTS, RunState
 from runtime.integrate.sampling import INTERVAL
@@ -40,6 +40,9 @@ _LONGEST_CHUNK = 16384  # safety: steps before an interrupt is heard, at most
 _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
 # As integers: looking up a member of an enumeration is slow in Python 3.11.
 _GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
+_KINK = int(Signal.KINK)
+_STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
+_CLOSE = 1e-6  # safety: of the run; nearer to a pole, the pole is why it ends
 
 
 def integrate(
@@ -89,6 +92,7 @@ class Run:
         self.recording = Recording(self.state.wiring, n, s, t_eval, interval)
         self.crossings = Crossings(self.state, problem)
         self.first_t = float(problem.t0)
+        self.note = ""  # on the outcome
         self.fresh = self.state.record.copy()
         self.most = _LONGEST_CHUNK  # steps until `Change` is called again
 
@@ -154,6 +158,8 @@ class Run:
                 run.recording.flush()
                 if code < 0:
                     signals.begin()
+                if code == _KINK:
+                    code = run._pass_kink()
                 if code == _CHANGE:
                     run.state.change_method()
                     code = _GOING
@@ -173,13 +179,55 @@ class Run:
                     run, code = change(run, code)
                 if code == _GOING and (signals.arrived or stopped):
                     code, signals.answered = int(Outcome.INTERRUPTED), not stopped
+            if code in _STUCK:
+                code = run._end_at_pole(code)
         return run.result(Outcome(code), time.thread_time() - began)
+
+    def _end_at_pole(self, code: int) -> int:
+        """The outcome of a run whose steps get ever shorter up to an instant known beforehand."""
+        r, arrays = self.state.record, self.state.wiring.arrays
+        ahead = np.flatnonzero(arrays["stop_kinds"][r["next_stop"] :] >= 0) + r["next_stop"]
+        if not len(ahead):
+            return code
+        way = float(arrays["stop_times"][ahead[0]] - r["t"])
+        passage = self._passage(ahead[0]) if way <= _CLOSE * float(r["duration"]) else Passage()
+        return code if passage.outcome is Outcome.OK else passage.outcome
+
+    def _passage(self, stop: int) -> Passage:
+        """How the run passes the kink that is a stop of this number."""
+        state, r = self.state, self.state.record
+        assert state.stops is not None
+        q, v = state.y
+        kink = int(state.wiring.arrays["stop_kinds"][stop])
+        passage = state.stops.passage(kink, q.copy(), v.copy(), state.modes.copy())
+        if passage.outcome is not Outcome.OK:
+            r["index"], self.note = passage.row, passage.note
+        return passage
+
+    def _pass_kink(self) -> int:
+        """Go on behind a kink of an explicit function of time, or end before it."""
+        state, r = self.state, self.state.record
+        kink = int(state.wiring.arrays["stop_kinds"][r["next_stop"]])
+        passage = self._passage(int(r["next_stop"]))
+        if passage.outcome is not Outcome.OK:
+            return passage.outcome
+        v = state.y[1]
+        state.leave_kink()
+        if passage.v is not None:
+            v[:] = passage.v
+        code: int = start_anew(state.table)
+        self.recording.flush()
+        if passage.event is not None:
+            number = np.array([state.system.switches + kink])
+            self.recording.add_events(r["t"], number, [passage.event], state.y.ravel())
+            r["events"] += 1
+        return _GOING if code == Outcome.OK else code
 
     def result(self, outcome: Outcome, seconds: float) -> Trajectory:
         """What was recorded since the start, or since the run took over from another."""
         state, r = self.state, self.state.record
         n, stopped = state.system.coordinates, float(r["t"])
-        note = self.crossings.note or self._search_note(outcome)
+        note = self.note or self.crossings.note or self._search_note(outcome)
         t, y, modes = self.recording.samples()
         return Trajectory(
             t=t,

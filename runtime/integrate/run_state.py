@@ -13,10 +13,10 @@ from runtime.core.system import System
 from runtime.hybrid.rhs_with_sliding_or_stabilization import TIME_SCALE
 from runtime.integrate.loop import LOG_MARGIN
 from runtime.integrate.method import Method, find_method
-from runtime.integrate.problem import Options, Problem
+from runtime.integrate.problem import Options, Problem, Stops
 from runtime.integrate.sampling import QUADRATURE, STEP_ENDS
 from runtime.integrate.trajectory import Statistics
-from runtime.integrate.wiring import METHOD_SLOTS, function_table, wire
+from runtime.integrate.wiring import METHOD_SLOTS, function_table, place, wire
 
 _FOLLOWED = 2.0  # measured: of Baumgarte's time; in longer steps the stabilisation oscillates
 _MOST_PATIENCE = 1024  # safety: times the first, before a method is changed
@@ -28,7 +28,7 @@ _METHOD_NUMBERS = (
 _OF_SWITCHES = ("modes", "switching_rows", "share", "recent_events")
 _OF_EVENTS = (
     "t", "usual", "samples", "next_sample", "event_span", "flight", "shrinking", "standing",
-    "patience",
+    "patience", "stop", "next_stop",
 )  # fmt: skip
 COUNTS = tuple(name for name in Statistics.__dataclass_fields__ if name != "seconds")
 """What the record of a run counts."""
@@ -59,6 +59,7 @@ class RunState:
         self._fill_record(problem)
         self._take(find_method(options.method))
         self._choose_return(problem)
+        self._set_stops(problem.stops)
 
     @property
     def y(self) -> Matrix:
@@ -114,6 +115,25 @@ class RunState:
         n = self.system.coordinates
         arrays["weights"][:n], arrays["weights"][3 * n :] = problem.scale**2, problem.sizes
         arrays["spreads"][:] = problem.spreads
+
+    def _set_stops(self, stops: Stops | None) -> None:
+        """Write the instants at which steps end into the table; a fixed step keeps its length."""
+        self.stops = stops
+        times, kinks = (np.zeros(0), np.zeros(0, np.int64)) if stops is None else stops[:2]
+        if self.options.fixed_step is not None:
+            times, kinks = times[kinks >= 0], kinks[kinks >= 0]
+        self.table[ft.STOPS] = len(times)
+        place(self.table, self.wiring.arrays, "stop_times", times)
+        place(self.table, self.wiring.arrays, "stop_kinds", kinks)
+        self.record["stop"] = times[0] if len(times) else np.inf
+
+    def leave_kink(self) -> None:
+        """Stand behind the kink before which the run stands."""
+        assert self.stops is not None
+        r, times = self.record, self.wiring.arrays["stop_times"]
+        r["t"] = self.stops.after[np.searchsorted(self.stops.times, r["stop"])]
+        r["next_stop"] += 1
+        r["stop"] = times[r["next_stop"]] if r["next_stop"] < len(times) else np.inf
 
     def take_over(self, other: "RunState", fresh: np.void, q: Vector, v: Vector) -> None:
         """Go on from where a run of the same machine in other coordinates stands.

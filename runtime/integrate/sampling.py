@@ -12,6 +12,7 @@ from runtime.core.workspace_rows import PREDICTED, PROJECTION, SAMPLE, SIZE, Y1,
 from runtime.linalg.vectors import copy_vector
 
 _BLIND = 4.0  # measured: rounding of velocities beside a singular position, over its estimate
+_ROOM = 0.49  # safety: of the time from a singular position to an end of the step across it
 STEP_ENDS, QUADRATURE = 1, 2  # kinds of sampling besides given instants, 0
 _POINTS, WEIGHTS = np.polynomial.legendre.leggauss(5)
 NODES: tuple[float, ...] = tuple(float(x) for x in _POINTS)
@@ -45,25 +46,80 @@ def is_rounding(context: Context, at: float) -> bool:
 
 
 @inner
+def sample_returned(context: Integers, t: float, h: float, at: float) -> int:
+    """Write row SAMPLE: the dense output at `at`, returned onto the constraints. FAILED or 0."""
+    interpolate(context, run_record(context).dense_rows, (at - t) / h, SAMPLE)
+    result = ft.correct_of(context)(context, at, SAMPLE, PROJECTION)
+    if result == FAILED:
+        return FAILED
+    run_record(context).corrections += result
+    return 0
+
+
+@inner
+def sample_between(
+    context: Context, t: float, h: float, centre: float, tau: float, at: float
+) -> int:
+    """Write row SAMPLE: the state at `at`, within `tau` of a singular position. FAILED or 0.
+
+    It is that of the polynomial through positions and velocities at -2, -1, 1, 2 `tau` from it,
+    where a return is good (Hermite's formula). At the position itself neither is: stages of the
+    dense output lie near it.
+    """
+    n, x = context[ft.COORDINATES], (at - centre) / tau
+    total = row_of(context, PREDICTED)
+    total.fill(0.0)
+    for place in (-2.0, -1.0, 1.0, 2.0):
+        if sample_returned(context, t, h, centre + place * tau) == FAILED:
+            return FAILED
+        basis, slope, own = 1.0, 0.0, 0.0  # Lagrange's polynomial, its derivative, that at `place`
+        for other in (-2.0, -1.0, 1.0, 2.0):
+            if other != place:
+                slope = (slope * (x - other) + basis) / (place - other)
+                basis *= (x - other) / (place - other)
+                own += 1.0 / (place - other)
+        line = 1.0 - 2.0 * own * (x - place)
+        of_q, of_v = line * basis * basis, (x - place) * basis * basis * tau
+        rate_q = (2.0 * line * slope - 2.0 * own * basis) * basis / tau
+        rate_v = (2.0 * (x - place) * slope + basis) * basis
+        node = row_of(context, SAMPLE)
+        for j in range(n):
+            total[j] += of_q * node[j] + of_v * node[n + j]
+            total[n + j] += rate_q * node[j] + rate_v * node[n + j]
+    copy_vector(total, row_of(context, SAMPLE))
+    return 0
+
+
+@inner
 def sample(context: Integers, t: float, h: float, at: float) -> int:
     """Append the state at the instant `at` within a step, from its dense output.
 
     It is returned onto the constraints, and the switching surfaces of closed contacts and sliding
     modes. Returns FAILED, or 0.
     """
-    r = run_record(context)
-    interpolate(context, r.dense_rows, (at - t) / h, SAMPLE)
-    if context[ft.CONSTRAINT_COUNT] > 0 and context[ft.CORRECTING] != 0:
-        blind = r.blind_from < at < r.blind_to
-        if blind:
+    r, code = run_record(context), 0
+    constrained = context[ft.CONSTRAINT_COUNT] > 0 and context[ft.CORRECTING] != 0
+    if constrained and r.blind_from < at < r.blind_to:
+        # Near a singular position a return onto the constraints may move the sample further than it
+        # errs.
+        centre, half = 0.5 * (r.blind_from + r.blind_to), 0.5 * (r.blind_to - r.blind_from)
+        tau = min(half, _ROOM * min(centre - t, t + h - centre))
+        code = FAILED
+        if abs(at - centre) < tau:
+            code = sample_between(context, t, h, centre, tau, at)
+        if code == FAILED:
+            interpolate(context, r.dense_rows, (at - t) / h, SAMPLE)
             copy_vector(row_of(context, SAMPLE), row_of(context, PREDICTED))
-        result = ft.correct_of(context)(context, at, SAMPLE, PROJECTION)
-        if blind and (result == FAILED or is_rounding(context, at)):
-            copy_vector(row_of(context, PREDICTED), row_of(context, SAMPLE))
-        elif result == FAILED:
-            return FAILED
-        else:
-            r.corrections += result
+            code = sample_returned(context, t, h, at)
+            if code == FAILED or is_rounding(context, at):
+                copy_vector(row_of(context, PREDICTED), row_of(context, SAMPLE))
+                code = 0
+    elif constrained:
+        code = sample_returned(context, t, h, at)
+    else:
+        interpolate(context, r.dense_rows, (at - t) / h, SAMPLE)
+    if code == FAILED:
+        return FAILED
     if context[ft.SLIDING_COUNT] != 0:
         ft.return_to_surfaces_of(context)(context, at, SAMPLE)
     record(context, at, SAMPLE)

@@ -34,6 +34,7 @@ class Signal(IntEnum):
     LOOK = -2  # a singular configuration has to be looked at, see `singular_crossing`
     CHANGE = -3  # another method is due
     PROCEED = -4  # the step goes on with its next part
+    KINK = -6  # an explicit function of time may bend or jump here
     RETRY = -5  # the step is not taken; the next one is shorter
     LEAVE = -6  # it is not taken, as other coordinates are due
 

@@ -16,7 +16,7 @@ _ZENO_EVENTS = 30  # safety: events in a row with such a ratio that are no accid
 _ZENO_SPAN = 1e-7  # safety: of the run; the time that eight such events must take at most
 _ZENO_RATIO = 0.98  # safety: time of the last eight events over that up to one event earlier
 _NEWTON_FAILED = int(TrialStep.NEWTON_FAILED)
-_LEAST_ERROR = 1e-4  # safety: a smaller error of the last step says nothing of the next one
+LEAST_ERROR = 1e-4  # safety: a smaller error of the last step says nothing of the next one
 
 
 @addressed(ft.PART)
@@ -35,7 +35,7 @@ def accept_step(context: Context) -> int:
             return reject(context, _NEWTON_FAILED, 0.5 * h)
         r.steps += 1
         r.rejected_before = 0
-        r.error_old = max(r.error, _LEAST_ERROR)
+        r.error_old = max(r.error, LEAST_ERROR)
         r.due = ft.accepted_of(context)(context, r.t, h)
         r.weak = r.weak + 1 if r.weak_row > 0 else 0
     r.t, r.h = r.end, r.next_length
@@ -80,5 +80,5 @@ def judge_events(context: Context) -> int:
         first = ft.first_step_of(context)(context, r.t, r.h_max, r.rtol, r.estimate_order)
         r.h = min(r.next_length, 2.0 * first, _FLIGHT * r.flight)
         r.rhs += 1
-        r.error_old, r.remembered = _LEAST_ERROR, 0.0
+        r.error_old, r.remembered = LEAST_ERROR, 0.0
     return Signal.PROCEED

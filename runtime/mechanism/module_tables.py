@@ -11,6 +11,7 @@ import numpy.typing as npt
 from codegen.argument_readers import shortened
 from codegen.errors import UnknownNameError
 from codegen.parameter_conditions import ConditionRow, ProfileRow
+from runtime.core.modes_and_event_kinds import Boundary
 
 Indices = npt.NDArray[np.int64]
 
@@ -124,7 +125,8 @@ class Switch(NamedTuple):
 
     name: str
     condition: str
-    # "friction": a slip that may stay zero; "contact": the gap of a rigid contact
+    # "friction": a slip that may stay zero; "contact": the gap of a rigid contact; at g = 0 a
+    # "closed condition" holds, and of a "balanced condition" the mean of both sides
     kind: str = "condition"
 
     @property
@@ -151,6 +153,19 @@ class ReactionRow(NamedTuple):
     def name(self) -> str:
         """`element.component`."""
         return f"{self.element}.{self.component}"
+
+
+class TimeFunction(NamedTuple):
+    """An explicit function of time, as operations; see `codegen.lower.time_programs`.
+
+    A row is (operation, rows that it takes ...); ("const", number), ("p", slot) or ("t",); or
+    ("table", row, (knots, coefficients), derivative, periodic).
+    """
+
+    name: str  # of the element
+    role: str  # "law" or "effect"
+    watched: tuple[int, ...]  # rows that may bend sharply
+    rows: tuple[tuple[Any, ...], ...]
 
 
 class StartValue(NamedTuple):
@@ -196,6 +211,8 @@ class Description(NamedTuple):
     kernels: frozenset[str] = frozenset()  # what the module defines, its kernels among it
     rigid: Table[RigidContact] = Table()
     stiction: tuple[int, ...] = ()
+    weak_pivot: float = 0.0  # part of its reference below which a pivot is weak; 0: none is watched
+    time_functions: tuple[TimeFunction, ...] = ()
     conditions: tuple[ConditionRow, ...] = ()  # on parameters, judged before each run
     profiles: tuple[ProfileRow, ...] = ()
 
@@ -223,6 +240,12 @@ class Description(NamedTuple):
     def tracked(self) -> tuple[str, ...]:
         """Points whose paths are reported."""
         return tuple(row.name for row in self.effects if row.kind == "tracked point")
+
+    @property
+    def boundaries(self) -> npt.NDArray[np.int64]:
+        """Of each switch what holds where its function stays at zero, a `Boundary`."""
+        words = {"closed condition": Boundary.CLOSED, "balanced condition": Boundary.BALANCED}
+        return np.array([words.get(row.kind, Boundary.OPEN) for row in self.switches], np.int64)
 
     @property
     def work_rows(self) -> dict[str, int]:
@@ -272,9 +295,22 @@ def describe(module: ModuleType) -> Description:
     literals["conditions"] = tuple(map(ConditionRow._make, literals.get("conditions", ())))
     literals["profiles"] = tuple(map(ProfileRow._make, literals.get("profiles", ())))
     literals["stiction"] = tuple(switch for _, switch in literals.get("stiction", ()))
+    literals["time_functions"] = tuple(
+        TimeFunction(name, role, watched, tuple(_row_with_table(module, row) for row in rows))
+        for name, role, watched, rows in literals.get("time_functions", ())
+    )
     return Description(
         **literals, has_masses=hasattr(module, "mass"), kernels=frozenset(vars(module))
     )
+
+
+def _row_with_table(module: ModuleType, row: tuple[Any, ...]) -> tuple[Any, ...]:
+    """A row of an explicit function of time, with the numbers of the table that it names."""
+    if row[0] != "table":
+        return row
+    name, at, stem, order, periodic = row
+    table = getattr(module, f"{stem}_KNOTS"), getattr(module, f"{stem}_ROWS")
+    return name, at, table, order, periodic
 
 
 def unknown(what: str, name: object, names: Iterable[str]) -> str:

@@ -73,7 +73,10 @@ from tests.codegen.complaints import check, complaints
             ["revolute-revolute 'A': .* depends on a_x, but points"],
         ),
         ("model.absolute('A', a, 'z', 1.0)", ["absolute 'A': 'z' is none of 'x', 'y', 'phi'"]),
-        ("model.absolute('A', a, 'x', Abs(k))", ["absolute 'A': Abs.k. has a kink"]),
+        (
+            "model.absolute('A', a, 'x', Abs(a.y))",
+            ["Abs.a_y. has a kink", "A': Abs.a_y. depends on a_y"],
+        ),
         ("model.constraint('c', 3 * k)", ["constraint 'c': .* names no coordinate of a body"]),
         ("model.constraint('c', a.vx - 3)", ["constraint 'c': .* contains the velocity a_vx"]),
         ("model.constraint('c', Abs(a.x) - 1)", ["constraint 'c': Abs.a_x. has a kink"]),
@@ -105,7 +108,11 @@ from tests.codegen.complaints import check, complaints
         ("model.driver('d', a.omega, 3)", ["driver 'd': .* contains the velocity a_omega"]),
         ("model.driver('d', k, 3 * t)", ["driver 'd': k names no coordinate of a body"]),
         ("model.driver('d', a.x, b.x)", ["driver 'd': the law b_x contains the coordinate b_x"]),
-        ("model.driver('d', a.x, Max(t, 1))", [r"driver 'd': Max\(1, t\) has a kink"]),
+        ("model.driver('d', a.x, Max(t, a.y))", ["driver 'd': the law .* contains the coordin"]),
+        (
+            "model.constraint('c', a.x - floor(a.y))",
+            [r"constraint 'c': floor\(a_y\) jumps where coordinates say; only the time and par"],
+        ),
         ("model.driver('d', a.x, '3 * t')", ["law of driver 'd': '3 . t' is neither a number nor"]),
         # effects
         (
@@ -280,6 +287,7 @@ model.scene("s", ["nothing"], start={"q.x": 1})
             "mass of body 'c'",
             "revolute 'A' connects",
             "force 'f' acts on the ground",
+            "force 'f': unknown symbol 'z'",
             "potential 'v'",
             "parameter 'p' is nan",
             "body name 'class'",

@@ -48,7 +48,7 @@ class Kind:
     bad: Make
 
 
-def _none(scenery: Scenery, random: Random) -> Any:
+def nothing(scenery: Scenery, random: Random) -> Any:
     return None
 
 
@@ -114,7 +114,7 @@ def _scalar(make: str) -> Kind:
     return Kind(lambda s, r: getattr(s, make)(r), _of(lambda r: of_scalar(r, lambda: u.m)))
 
 
-def _words(*words: Any) -> Kind:
+def words(*words: Any) -> Kind:
     return Kind(lambda s, r: r.choice(words), _of(of_object))
 
 
@@ -200,11 +200,11 @@ def _bad_curve(s: Scenery, random: Random) -> Any:
     )()
 
 
-def _states(s: Scenery, random: Random) -> Any:
+def states(s: Scenery, random: Random) -> Any:
     return random.choice([{"a.phi": 0.5}, {s.a.phi: 1}, {s.p.vx: 2.0, "b.x": 0.1}, {}, None])
 
 
-def _bad_mapping(good: list[Any], make: Callable[[Random], Any]) -> Make:
+def bad_mapping(good: list[Any], make: Callable[[Random], Any]) -> Make:
     def bad(s: Scenery, random: Random) -> Any:
         if random.random() < 0.6:
             return {random.choice(good): make(random)}
@@ -214,7 +214,7 @@ def _bad_mapping(good: list[Any], make: Callable[[Random], Any]) -> Make:
     return bad
 
 
-def _bad_names(s: Scenery, random: Random) -> Any:
+def bad_names(s: Scenery, random: Random) -> Any:
     odd = random.choice([7, None, "nothing", object(), 1.5, "a\nb", s.other, s.a.at(0, 0), s.k, {}])
     return random.choice([[odd], ["pin", odd], 7 if odd == {} else odd, (k for k in [odd]), 5])
 
@@ -224,7 +224,7 @@ PLACE = Kind(_point, _bad_point)
 BODY = Kind(lambda s, r: r.choice([s.a, s.b]), _of(of_object, (Body,)))
 PAIR = Kind(_sequence(2, Scenery.number), _spoilt(2, Scenery.number, of_scalar))
 TRIPLE = Kind(_sequence(3, Scenery.number), _spoilt(3, Scenery.number, of_scalar))
-LETTER = _words("x", "y")
+LETTER = words("x", "y")
 LAW = Kind(_law, _of(lambda r: of_scalar(r, lambda: None, lambda: sympy.Symbol("a_x", real=True))))
 CONDITION = Kind(_condition, _bad_condition)
 CALLABLE = Kind(
@@ -237,7 +237,7 @@ FLAG = Kind(
 )
 JOINT = Kind(lambda s, r: s.pin, _of(of_object, (Constraint,)))
 STAND_IN = Kind(
-    _none,
+    nothing,
     lambda s, r: r.choice([s.model.ground, s.other, s.pin, 7, "a", s.a.at(0, 0), object(), [s.a]]),
 )
 UNIT = Kind(
@@ -305,162 +305,8 @@ CHOICES = Kind(
         ]
     ),
 )
-NAMES = Kind(lambda s, r: r.choice([(), ["pin"], "pin", [s.pin]]), _bad_names)
+NAMES = Kind(lambda s, r: r.choice([(), ["pin"], "pin", [s.pin]]), bad_names)
 PATH = Kind(
     lambda s, r: __file__,
     lambda s, r: r.choice([7, None, "", "nothing.csv", b"x", "a\0b", [], object(), "\ud800"]),
 )
-
-METHODS: dict[str, dict[str, Kind]] = {
-    "body": {"mass": NUMBER, "inertia": NUMBER},
-    "particle": {"mass": NUMBER},
-    "coupler": {"i": PLACE, "j": PLACE, "length": NUMBER, "mass": NUMBER, "inertia": NUMBER},
-    "parameter": {"value": PLAIN, "unit?": UNIT, "sign?": _words("", "positive", "nonnegative")},
-    "table": {"x": COLUMN, "y": COLUMN, "periodic?": FLAG},
-    "depends_on": {"path": PATH},
-    "gravity": {"g": PAIR},
-    "force": {
-        "on": PLACE,
-        "fx?": SCALAR,
-        "fy?": SCALAR,
-        "when?": CONDITION,
-        "frame?": _words("ground", "body"),
-    },
-    "torque": {"on": BODY, "value": SCALAR, "when?": CONDITION},
-    "potential": {"energy": NUMBER},
-    "generalized_force": {"components": COMPONENTS, "when?": CONDITION},
-    "spring": {
-        "i": PLACE,
-        "j": PLACE,
-        "stiffness": NUMBER,
-        "free_length": NUMBER,
-        "damping?": SCALAR,
-        "actuator?": SCALAR,
-        "force?": CALLABLE,
-    },
-    "torsion_spring": {
-        "i": BODY,
-        "j": BODY,
-        "stiffness": NUMBER,
-        "free_angle?": NUMBER,
-        "damping?": SCALAR,
-        "actuator?": SCALAR,
-        "torque?": CALLABLE,
-    },
-    "bushing": {
-        "i": PLACE,
-        "j": PLACE,
-        "stiffness": TRIPLE,
-        "damping?": TRIPLE,
-        "free_angle?": NUMBER,
-    },
-    "revolute": {"i": PLACE, "j": PLACE},
-    "translational": {"i": PLACE, "j": PLACE, "axis?": PAIR, "angle?": NUMBER},
-    "revolute_revolute": {"i": PLACE, "j": PLACE, "length": NUMBER, "instead_of?": STAND_IN},
-    "revolute_translational": {
-        "i": PLACE,
-        "j": PLACE,
-        "axis?": PAIR,
-        "distance?": NUMBER,
-        "instead_of?": STAND_IN,
-    },
-    "weld": {"i": PLACE, "j": PLACE, "angle?": NUMBER},
-    "gear": {"i": PLACE, "j": PLACE, "radius_i": NUMBER, "radius_j": NUMBER, "line?": NUMBER},
-    "rack_and_pinion": {
-        "pinion": PLACE,
-        "rack": PLACE,
-        "radius": NUMBER,
-        "axis?": PAIR,
-        "offset?": NUMBER,
-    },
-    "absolute": {"on": PLACE, "letter": LETTER, "value": NUMBER},
-    "relative": {"i": PLACE, "j": PLACE, "letter": LETTER, "value": NUMBER},
-    "distance": {"i": PLACE, "j": PLACE, "value": NUMBER},
-    "driver": {"driven": SCALAR, "law": LAW},
-    "point_driver": {"on": PLACE, "letter": LETTER, "law": LAW},
-    "relative_driver": {"i": PLACE, "j": PLACE, "letter": LETTER, "law": LAW},
-    "rotation_driver": {"i": PLACE, "j": PLACE, "law": LAW},
-    "translation_driver": {"i": PLACE, "j": PLACE, "law": LAW, "axis?": PAIR},
-    "distance_driver": {"i": PLACE, "j": PLACE, "law": LAW},
-    "cam_flat_follower": {"cam": CURVE, "face": PLACE, "axis?": PAIR},
-    "cam_follower": {"cam": CURVE, "follower": CURVE},
-    "point_follower": {"curve": CURVE, "point": PLACE},
-    "curve_through": {"body": BODY, "points": POINTS, "closed?": FLAG},
-    "contact": {
-        "i": PLACE,
-        "j": PLACE,
-        "stiffness": NUMBER,
-        "damping?": NUMBER,
-        "free_length?": NUMBER,
-        "direction?": PAIR,
-        "may_pull?": FLAG,
-        "fidelity?": _words("penalty", None),
-    },
-    "friction": {
-        "joint": JOINT,
-        "coefficient": NUMBER,
-        "radius": NUMBER,
-        "creep?": NUMBER,
-        "fidelity?": _words("sticking", None),
-    },
-    "dry_friction": {
-        "i": PLACE,
-        "j": PLACE,
-        "coefficient": NUMBER,
-        "normal": NUMBER,
-        "axis?": PAIR,
-        "creep?": NUMBER,
-    },
-    "track": {"point": PLACE},
-    "alternatives": {"choices": CHOICES, "default?": _words("one", None)},
-    "scene": {
-        "effects?": Kind(lambda s, r: (), _bad_names),
-        "drivers?": Kind(lambda s, r: [], _bad_names),
-        "without?": NAMES,
-        "start?": Kind(_states, _bad_mapping(["a.x", "a.phi"], of_number)),
-        "guess?": Kind(_states, _bad_mapping(["a.x", "a.phi"], of_number)),
-        "parameters?": Kind(lambda s, r: {s.k: 2}, _bad_mapping(["k"], of_number)),
-        "frozen?": Kind(
-            lambda s, r: r.choice([True, None]), lambda s, r: r.choice([1, "no", [], 0])
-        ),
-        "analysis?": _words("dynamics", "kinematics", None),
-        "fidelity?": Kind(_none, _bad_mapping(["pin"], of_number)),
-        "couplers?": Kind(_none, _bad_mapping(["rod"], of_number)),
-        "extends?": Kind(_none, lambda s, r: r.choice(["nothing", 7, s.a, object(), ["x"]])),
-        "outputs?": Kind(
-            lambda s, r: r.choice([None, ["energy"], "all", []]),
-            lambda s, r: r.choice(
-                [7, ["nothing"], "energie", [7], {"a": 1}, [None], [["energy"]], object()]
-            ),
-        ),
-    },
-}
-"""Method of `Model` → its arguments, those that may be left out with a question mark."""
-
-NO_NAME = ("depends_on",)  # the message says the method's name
-BAD_NAMES: list[Any] = [
-    None,
-    7,
-    "",
-    "a b",
-    "é",
-    "a\nb",
-    "class",
-    "x" * 99,
-    "a__b",
-    "1a",
-    b"abc",
-    ["n"],
-    object(),
-    sympy.Symbol("n"),
-    1.5,
-    True,
-    "ground",
-    "pin",
-    "\ud800",
-    "n\n",
-    ("n",),
-    {"n"},
-    "import os\n",
-    "n;import os",
-]

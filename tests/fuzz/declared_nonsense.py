@@ -3,6 +3,8 @@
 import datetime
 import itertools
 import math
+import os
+import tempfile
 from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
@@ -19,7 +21,7 @@ from sympy.physics.units import meter
 from codegen.declare.element import I, J
 from codegen.declare.symbols import SPEED, Acceleration, Multiplier, alpha, given, side, t
 
-MARK = Path("/tmp/linkwright_fuzz_was_here")
+MARK = Path(tempfile.gettempdir()) / f"linkwright_fuzz_was_here_{os.getpid()}"
 CODE = f"__import__('pathlib').Path({str(MARK)!r}).touch()"
 u = get_application_registry()
 x = sympy.Symbol("a_x", real=True)

@@ -17,6 +17,7 @@ import numpy as np
 
 from codegen.errors import InputError, LinkwrightError
 from runtime import load
+from runtime.machine_facade import Machine
 from runtime.results.result import Result
 from tests.random_mechanisms import RandomMechanism, Scales, random_mechanism
 
@@ -31,7 +32,7 @@ MOST_STEPS = 300_000
 class Comparison:
     """What became of one mechanism in both formulations."""
 
-    mechanism: RandomMechanism
+    name: str
     whole: Result
     less: Result
     reached: float  # s, as far as the motions could be compared
@@ -47,19 +48,26 @@ class Comparison:
 
     def __str__(self) -> str:
         """One line."""
-        m = self.mechanism
         return (
-            f"{m.seed:4d} {self.verdict}: to {self.reached:.2f} of {self.whole.t[-1]:.2f} s within "
+            f"{self.verdict}: to {self.reached:.2f} of {self.whole.t[-1]:.2f} s within "
             f"{self.apart:.1e}, {self.changes} changes, {self.whole.outcome.name}, steps "
-            f"{self.whole.stats['steps']} {self.less.stats['steps']}; {m.freedoms} free, {m.kind}"
+            f"{self.whole.stats['steps']} {self.less.stats['steps']}; {self.name}"
         )
 
 
 def compare(mechanism: RandomMechanism, t_end: float, folder: Path) -> Comparison:
     """Run a mechanism in both formulations; InputError where it has no reduced equations."""
     machine = load(mechanism.model(), mechanism.scene, folder=folder)
+    name = f"seed {mechanism.seed}, {mechanism.freedoms} free, {mechanism.kind}"
+    return compare_runs(machine, name, t_end)
+
+
+def compare_runs(
+    machine: Machine, name: str, t_end: float, parameters: dict[str, float] | None = None
+) -> Comparison:
+    """Run a machine in both formulations."""
     t = np.linspace(0.0, t_end, SAMPLES)
-    given = {"progress": False, "max_steps": MOST_STEPS}
+    given = {"progress": False, "max_steps": MOST_STEPS, "parameters": parameters}
     less = machine.simulate(t_end, t, rtol=TIGHT, formulation="reduced", **given)
     whole = machine.simulate(t_end, t, rtol=TIGHT, **given)
     sure = machine.simulate(t_end, t, rtol=TIGHTER, **given)
@@ -71,7 +79,7 @@ def compare(mechanism: RandomMechanism, t_end: float, folder: Path) -> Compariso
     kept = {machine.coordinates.names[k] for k in machine.mechanism.reduced.kept}
     inside = [set(p.independent) <= kept for p in less.partitions]
     changes = sum(a != b for a, b in pairwise(inside))
-    return Comparison(mechanism, whole, less, reached, apart, changes)
+    return Comparison(name, whole, less, reached, apart, changes)
 
 
 def _apart(one: Result, other: Result, count: int) -> np.ndarray:

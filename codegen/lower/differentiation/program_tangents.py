@@ -123,6 +123,7 @@ SLOPES: dict[Op, Callable[..., tuple[int, ...]]] = {
     Op.EXP: lambda g, n, a: (n,),
     Op.LOG: lambda g, n, a: (g.div(g.one, a),),
     Op.SQRT: _sqrt,
+    Op.FLOOR: lambda g, n, a: (g.zero,),
     Op.POW: _power,
 }
 """Derivatives of the operation n by its arguments a and b; those of a sum and a quotient are not

@@ -5,7 +5,7 @@ and known for none beforehand; it scatters about that line by a power of ten. A 
 compared with another of much tighter tolerance. Their difference is the error of the first run, or
 of the second if that is larger by chance. From the first to the second, errors fall by the ratio of
 the tolerances as a rule; the estimate assumes that they fall by its power 3/4 only, which leaves a
-factor of four for the scatter at a ratio of 300; below 2e-13 rounding keeps them from falling. If
+factor of three for the scatter at a ratio of 100; below 2e-13 rounding keeps them from falling. If
 the estimate is below the target, the second run is the result; otherwise the difference shows how
 much tighter the next run must be.
 
@@ -51,15 +51,15 @@ from runtime.validation.arguments import instants
 
 POINTS = 501  # output instants if the user gives none
 
-_FIRST, _SLOPE = 1e-5, 0.9  # measured: rtol of the first run for a target of 1e-3; its power law
+_FIRST, _SLOPE = 1e-4, 0.9  # measured: rtol of the first run for a target of 1e-3; its power law
 _LOOSEST, _TIGHTEST = 1e-3, 1e-14  # safety: rtol of any run
-_WIDE = 3e-3  # measured: rtol of the second run over that of the first
+_WIDE = 0.01  # measured: rtol of the second run over that of the first
 _NARROW = 0.03  # measured: the same in long motions, or of the first over that of the second
 _STIFF = 0.1  # measured: the same with an implicit method
 _LONG = 5000  # measured: evaluations between two events from which on a motion is long
-_NEAR, _FAR = 0.3, 1e-6  # safety: rtol of later runs over that of the last
+_NEAR, _FAR = 0.1, 1e-6  # safety: rtol of later runs over that of the last
 _EXPECTED_POWER = 0.85  # measured: power of rtol with which errors are expected to fall
-_MARGIN = 0.7  # safety: share of the target that a run is planned for
+_MARGIN = 0.5  # safety: share of the target that a run is planned for, and judged by
 _NEXT = 0.01  # measured: rtol of the next run over that of the last, if that shows nothing
 _MOST_RUNS = 8  # safety
 _SAMPLED = 1e-3  # safety: longest step, of the whole time, where runs agree to the last digit
@@ -246,7 +246,8 @@ class _Search:
     def _is_final(self, pair: Pair) -> bool:
         """Whether no further run is needed, or helps."""
         largest, rtol = pair.difference.largest, pair.tight.options.rtol
-        if pair.conclusive and largest < runs.DIVERGED and pair.share * largest <= self.target:
+        small = largest < runs.DIVERGED and pair.share * largest <= _MARGIN * self.target
+        if pair.conclusive and small:
             return True
         return pair.tight_fails or rtol <= _TIGHTEST or len(self.runs) >= _MOST_RUNS
 

@@ -192,7 +192,7 @@ def test_contact_whose_mass_is_a_parameter_has_its_weight_as_scale() -> None:
         ("gap=a.y + a.vy, restitution=0.5", ["contains the velocity a_vy; it is a position"]),
         ("gap=k, restitution=0.5", ["the gap k depends on no coordinate"]),
         ("a, a.at(1, 0), restitution=0.5", ["contact 'c' is between body 'a' and itself"]),
-        ("gap=abs(a.y), restitution=0.5", ["'c': Abs.a_y. has a kink; constraints and motions"]),
+        ("gap=abs(a.y), restitution=0.5", ["'c': Abs.a_y. has a kink; constraints are smooth"]),
         ("gap=a.y, restitution=k", ["scene 'default': rigid contact 'c': the restitution k is 5"]),
         ("gap=a.y, restitution=a.x", ["the restitution a_x varies in a run; give a number"]),
         ("gap=a.y, restitution=Symbol('e')", ["unknown symbol 'e'; declare it"]),

@@ -28,7 +28,7 @@ Build = Callable[[Graph, int, int], int]
 
 SINGLE = (
     *(Op.SIN, Op.COS, Op.TAN, Op.ASIN, Op.ACOS, Op.ATAN, Op.SINH, Op.COSH, Op.TANH, Op.EXP),
-    *(Op.LOG, Op.SQRT),
+    *(Op.LOG, Op.SQRT, Op.FLOOR),
 )
 
 

@@ -1,0 +1,104 @@
+"""Explicit functions of time → rows of operations, which a run evaluates in intervals.
+
+A polynomial, or a polynomial in sines of a t + b, hides nothing between two steps, and is left out;
+so are the pieces of effects, whose conditions are switching functions of the run.
+"""
+
+from typing import Any
+
+import sympy
+
+from codegen.declare.symbols import Parameter, t
+from codegen.derive.equations import Equations
+from codegen.derive.piecewise_conditions import as_pieces
+from codegen.lower.graph import Graph
+from codegen.lower.program import LOGICAL, Input, Lookup, Op, dependencies
+from codegen.lower.sympy_translation import Translator
+
+Row = tuple[Any, ...]  # (operation, numbers of the rows that it takes ..., literal): see `_row`
+# (element, "law" or "effect", numbers of the rows that may bend sharply, rows; the last row is f)
+TimeProgram = tuple[str, str, tuple[int, ...], tuple[Row, ...]]
+
+_SUMS = frozenset({Op.ADD, Op.SUB, Op.NEG})
+_SMOOTH = frozenset({Op.CONST, Op.INPUT, Op.MUL, Op.SELECT, Op.FLOOR, *_SUMS, *LOGICAL})
+
+
+def time_programs(equations: Equations) -> tuple[TimeProgram, ...]:
+    """The explicit functions of time that a run must look at."""
+    programs: dict[TimeProgram, None] = {}
+    numbers = {p.name: k for k, p in enumerate(equations.parameters)}
+    for function in equations.time_functions:
+        graph = Graph()
+        time = graph.input("t", 0, "t")
+        environment: dict[sympy.Expr, int] = {t: time}
+        for p in equations.parameters:
+            symbol = Parameter(p.name, real=True)
+            frozen = equations.scene.frozen
+            number = (
+                graph.constant(p.value) if frozen else graph.input("p", numbers[p.name], p.name)
+            )
+            environment[symbol] = number
+        with graph.serving(function.element):
+            root = Translator(graph, environment, ())(as_pieces(function.expression))
+        needed = sorted(dependencies(graph.values, [root]))
+        watched = _watched(graph, needed)
+        law = function.role == "law"
+        stepping = {Op.FLOOR, Op.LESS} if law else {Op.FLOOR}
+        if watched or any(graph.values[k].op in stepping for k in needed):
+            places = {number: place for place, number in enumerate(needed)}
+            rows = tuple(_row(graph, k, places) for k in needed)
+            program = function.element, function.role, tuple(places[k] for k in watched), rows
+            programs[program] = None
+    return tuple(programs)
+
+
+def _watched(graph: Graph, needed: list[int]) -> list[int]:
+    """The values among `needed` that may bend sharply between two steps.
+
+    Of sums and products it is enough to look at those of what is not smooth itself.
+    """
+    bent, watched = set[int](), []
+    for k in needed:
+        value = graph.values[k]
+        moving = [a for a in value.args if not graph.settled[a]]
+        bending = bent & set(moving)
+        if value.op not in _SMOOTH and moving and not _is_plain_sine(graph, k):
+            bent.add(k)
+            watched.append(k)
+        elif bending:
+            bent.add(k)
+            alone = value.op is Op.MUL and len(moving) == 2
+            if alone or (value.op in _SUMS and len(bending) == 2):
+                watched.append(k)
+    return watched
+
+
+def _is_plain_sine(graph: Graph, number: int) -> bool:
+    """Whether a value is a sine or cosine of a t + b."""
+    value = graph.values[number]
+    return value.op in (Op.SIN, Op.COS) and _degree(graph, value.args[0]) <= 1
+
+
+def _degree(graph: Graph, number: int) -> int:
+    """Degree of a polynomial in t; of all else, a large number."""
+    value = graph.values[number]
+    if graph.settled[number]:
+        return 0
+    if value.op is Op.INPUT:
+        return 1
+    if value.op in _SUMS:
+        return max(_degree(graph, a) for a in value.args)
+    return sum(_degree(graph, a) for a in value.args) if value.op is Op.MUL else 99
+
+
+def _row(graph: Graph, number: int, places: dict[int, int]) -> Row:
+    """An operation, the rows that it takes, and the literal of a constant, parameter or table."""
+    value = graph.values[number]
+    literal, args = value.literal, tuple(places[a] for a in value.args)
+    if isinstance(literal, Input):
+        return ("t",) if literal.array == "t" else ("p", literal.slot)
+    if value.op is Op.CONST:
+        return ("const", literal)
+    if isinstance(literal, Lookup):
+        return ("table", *args, literal)
+    return (value.op.value, *args)

@@ -1,0 +1,99 @@
+"""Switches that turned and turned back by less than the tolerance: events that may be error alone.
+
+A motion may touch a switching surface and not cross it, as a slider does whose dead centre is where
+a force begins, or may stay beside it, as two bodies do that part from a stiff contact. A looser run
+then has events that a tighter one has not. They do little, and are named.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from runtime.core.modes_and_event_kinds import Direction
+from runtime.integrate.problem import Options
+from runtime.integrate.trajectory import Events
+from runtime.mechanism.dense_equations import FloatArray
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+
+Indices = npt.NDArray[np.intp]
+
+_SHOWN = 3  # layout: switches that the sentence names
+
+
+def describe_unresolved_switches(
+    mechanism: Mechanism, events: Events, p: FloatArray, sizes: FloatArray, options: Options
+) -> tuple[int, str]:
+    """The number of events within the tolerance, and a sentence that names them; 0 and empty.
+
+    Between two events of a switch, each the other's reverse, its function is taken at the middle of
+    Hermite's polynomial through both states. It may err by what it changes with each coordinate and
+    velocity by their tolerances `atol + rtol |y|`.
+    """
+    alternating = {int(Direction.BEGAN), int(Direction.CEASED)}
+    total, clauses = 0, []
+    for k in np.unique(events.index):
+        rows = np.flatnonzero(events.index == k)
+        kinds = events.direction[rows]
+        first = rows[:-1][(kinds[:-1] == -kinds[1:]) & np.isin(kinds[:-1], [*alternating])]
+        after = rows[np.searchsorted(rows, first) + 1]
+        span = events.t[after] - events.t[first]
+        first, after = first[span > 0.0], after[span > 0.0]
+        if not len(first):
+            continue
+        reached = _middle_values(mechanism, int(k), events, first, after, p)
+        permitted = _tolerance(mechanism, int(k), events, rows, p, sizes, options)
+        within = reached <= permitted
+        if within.any():
+            count = len(np.union1d(first[within], after[within]))
+            total += count
+            clauses.append(
+                f"{mechanism.description.switches[int(k)].title} ({count} from t = "
+                f"{events.t[first[within][0]]:.6g} s on, past zero by {reached[within].max():.1g}, "
+                f"permitted {permitted:.1g})"
+            )
+    if not clauses:
+        return 0, ""
+    shown = "; ".join(clauses[:_SHOWN]) + (" and others" if len(clauses) > _SHOWN else "")
+    return total, (
+        f" {total} of {len(events.t)} events lie within the tolerance, and a tighter rtol may not "
+        f"have them: {shown}."
+    )
+
+
+def _middle_values(
+    mechanism: Mechanism, k: int, events: Events, first: Indices, after: Indices,
+    p: FloatArray,
+) -> FloatArray:  # fmt: skip
+    """|g_k| midway between the states of events `first` and `after`."""
+    span = (events.t[after] - events.t[first])[:, None]
+    q0, q1, v0, v1 = events.q[first], events.q[after], events.v[first], events.v[after]
+    q = 0.5 * (q0 + q1) + 0.125 * span * (v0 - v1)
+    v = 1.5 * (q1 - q0) / span - 0.25 * (v0 + v1)
+    t, g = 0.5 * (events.t[first] + events.t[after]), np.zeros(len(mechanism.description.switches))
+    values = np.empty(len(first))
+    for i in range(len(first)):
+        mechanism.kernels.switching(t[i], q[i], v[i], p, g)
+        values[i] = abs(g[k])
+    return values
+
+
+def _tolerance(
+    mechanism: Mechanism, k: int, events: Events, rows: Indices, p: FloatArray,
+    sizes: FloatArray, options: Options,
+) -> float:  # fmt: skip
+    """What g_k may err by as each coordinate and velocity may, at its first event."""
+    n, g = len(sizes), np.zeros(len(mechanism.description.switches))
+    t, state = events.t[rows[0]], np.concatenate([events.q[rows[0]], events.v[rows[0]]])
+    largest = np.hstack([np.abs(events.q[rows]).max(axis=0), np.abs(events.v[rows]).max(axis=0)])
+    absolute = np.concatenate([
+        np.broadcast_to(options.rtol * np.minimum(1.0, sizes) if a is None else np.asarray(a), n)
+        for a in (options.atol_q, options.atol_v)
+    ])  # fmt: skip
+    change = absolute + options.rtol * largest
+    mechanism.kernels.switching(t, state[:n].copy(), state[n:].copy(), p, g)
+    here, total = float(g[k]), 0.0
+    for j in range(2 * n):
+        moved = state.copy()
+        moved[j] += change[j]
+        mechanism.kernels.switching(t, moved[:n], moved[n:], p, g)
+        total += abs(float(g[k]) - here)
+    return total

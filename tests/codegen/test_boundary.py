@@ -1,0 +1,268 @@
+"""What a modeller gives is read by its kind: nonsense is refused by name, nothing is evaluated."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy
+
+from codegen import (
+    LinkwrightError,
+    Model,
+    alpha,
+    coordinate,
+    given,
+    t,
+)
+from codegen.declare.element import I
+from codegen.declare.symbols import SPEED, side
+from codegen.driver import valid_scenes
+
+Declare = Callable[["Machine"], object]
+
+
+class Machine:
+    """A body, a particle, and a joint, of which a test declares more."""
+
+    def __init__(self) -> None:
+        self.model = Model("m")
+        self.a = self.model.body("a", mass=1.0, inertia=2.0)
+        self.b = self.model.body("b", mass=1.0, inertia=2.0)
+        self.p = self.model.particle("p", mass=1.0)
+        self.pin = self.model.revolute("pin", self.model.ground.at(0, 0), self.a.at(1, 0))
+        self.other = Model("other").body("a", 1.0, 1.0)
+        self.x = self.a.x
+
+
+def refusal(declare: Declare) -> str:
+    """The sentences of the error that refuses a declaration."""
+    machine = Machine()
+    with pytest.raises(LinkwrightError) as caught:  # noqa: PT012 (either of them)
+        declare(machine)
+        valid_scenes(machine.model, None)
+    for problem in caught.value.problems:
+        assert problem.isprintable(), problem
+        assert len(problem) < 1000, problem
+    return str(caught.value)
+
+
+CASES: dict[str, tuple[Declare, str]] = {
+    "a point for a body": (
+        lambda m: m.model.torque("T", on=m.a.at(1, 0), value=1),
+        "torque 'T': Point of 'a' is no body",
+    ),
+    "a number for a body": (
+        lambda m: m.model.torque("T", on=7, value=1),
+        "torque 'T': 7 is no body",
+    ),
+    "alpha in a constraint": (
+        lambda m: m.model.constraint("c", m.a.x - alpha),
+        "constraint 'c': .* contains alpha",
+    ),
+    "a placeholder in a constraint": (
+        lambda m: m.model.constraint("c", m.a.x - given("value")),
+        "'c': .* contains 'value', a plac",
+    ),
+    "a placeholder of a frame": (
+        lambda m: m.model.force("f", on=m.a, fx=I.s[0]),
+        "force 'f': .* a placeholder",
+    ),
+    "an effect's side": (
+        lambda m: m.model.force("f", on=m.a, fx=side("f")),
+        "force 'f': .* a placeholder",
+    ),
+    "a pull's speed": (
+        lambda m: m.model.force("f", on=m.a, fx=SPEED),
+        "force 'f': .* a placeholder",
+    ),
+    "a complex number": (
+        lambda m: m.model.force("f", on=m.a, fx=sympy.asin(2)),
+        "force 'f': .* never a real number",
+    ),
+    "zoo": (lambda m: m.model.force("f", on=m.a, fx=sympy.zoo), "force 'f': the value is zoo"),
+    "a pole": (
+        lambda m: m.model.force("f", on=m.a, fx=sympy.Integer(1) / 0),
+        "force 'f': the value is zoo",
+    ),
+    "a root of what is negative": (
+        lambda m: m.model.force("f", on=m.a, fx=sympy.sqrt(-1 - m.x**2)),
+        "'f': .* never a real num",
+    ),
+    "a number beyond floats": (
+        lambda m: m.model.force("f", on=m.a, fx=10**5000),
+        "force 'f': the value is a number beyond",
+    ),
+    "a sum to be written out": (
+        lambda m: m.model.force("f", on=m.a, fx=sympy.Sum(m.x, (m.x, 1, 3))),
+        "force 'f': .* doit",
+    ),
+    "None for components": (
+        lambda m: m.model.generalized_force("q", None),
+        "force 'q' has no components",
+    ),
+    "pairs for a mapping": (
+        lambda m: m.model.generalized_force("q", [(m.a.x, 1)]),
+        "force 'q': components=.* no mapping",
+    ),
+    "numbers for names": (
+        lambda m: m.model.scene("s", effects=7),
+        "scene 's': effect 7 is no list",
+    ),
+    "an array for names": (
+        lambda m: m.model.scene("s", effects=np.array([1.5])),
+        "scene 's': no effect '.*1.5",
+    ),
+    "an element of another model": (
+        lambda m: m.model.scene("s", without=[m.other]),
+        "'s': .* 'a' is given as an object of ano",
+    ),
+    "a list for start values": (
+        lambda m: m.model.scene("s", start=[("a.x", 1)]),
+        "scene 's': start=.* is no mapping",
+    ),
+    "a start value that is text": (
+        lambda m: m.model.scene("s", start={"a.x": "5"}),
+        "scene 's', a.x: '5' is not a number",
+    ),
+    "a number for a file": (lambda m: m.model.depends_on(7), r"depends_on\(7\): 7 is no path"),
+    "a law that answers None": (
+        lambda m: m.model.spring("s", m.a, m.b, force=lambda length, rate: None),
+        "'s': .* answers None",
+    ),
+    "a law that answers text": (
+        lambda m: m.model.spring("s", m.a, m.b, force=lambda length, rate: "5"),
+        "'s': '5' is neither",
+    ),
+    "a law that fails": (
+        lambda m: m.model.spring("s", m.a, m.b, force=lambda length, rate: 1 / 0),
+        "spring 's': the function fails with ZeroDivisionError",
+    ),
+    "a law of one argument": (
+        lambda m: m.model.spring("s", m.a, m.b, force=lambda length: length),
+        "spring 's': the function fails with TypeError: .* it is called with 2",
+    ),
+    "the ground instead of a body": (
+        lambda m: m.model.revolute_revolute("l", m.a, m.b, 1, instead_of=m.model.ground),
+        "'l': instead_of is the ground",
+    ),
+    "another model's body instead of one": (
+        lambda m: m.model.revolute_revolute("l", m.a, m.b, 1, instead_of=m.other),
+        "'l': instead_of is body 'a', which is not of this model",
+    ),
+    "a joint instead of a body": (
+        lambda m: m.model.revolute_revolute("l", m.a, m.b, 1, instead_of=m.pin),
+        "'l': instead_of=",
+    ),
+    "a default that is text": (
+        lambda m: m.model.parameter("k", "5"),
+        "parameter 'k': '5' is not a nu",
+    ),
+    "a default that is True": (
+        lambda m: m.model.parameter("k", True),
+        "parameter 'k': True is not",
+    ),
+    "points as a set": (
+        lambda m: m.model.curve_through("c", m.a, {(0, 0), (1, 0), (1, 1), (0, 1)}),
+        "'c': points=",
+    ),
+    "a pair as a set": (lambda m: m.model.gravity("g", {0, -9.81}), "gravity 'g': .* is no pair"),
+    "entries that are masked": (
+        lambda m: m.model.table("q", np.ma.masked_array([0, 1, 2, 3], [0, 1, 0, 0]), [0, 1, 2, 3]),
+        "table 'q': x is .* masked",
+    ),
+    "a number that is masked": (
+        lambda m: m.model.parameter("k", np.ma.masked),
+        "parameter 'k': masked is not a number",
+    ),
+    "a list without an end": (
+        lambda m: m.model.table("q", iter(int, 1), [0, 1, 2, 3]),
+        "table 'q': x is .* more than",
+    ),
+    "a truth value's stand-in": (
+        lambda m: m.model.contact("c", m.a, m.b, stiffness=1, may_pull="no"),
+        "'c': may_pull='no'",
+    ),
+    "a name that is no text": (
+        lambda m: m.model.body(["n"], 1, 1),
+        r"body name \['n'\] is no identifier",
+    ),
+    "an argument too few": (
+        lambda m: m.model.torque("T", m.a),
+        "model.torque 'T': missing a required argument: 'value'",
+    ),
+    "an argument that is unknown": (
+        lambda m: m.model.weld("w", m.a, m.b, color=1),
+        "model.weld 'w': .* keyword argument 'color'",
+    ),
+    "a point's argument too few": (
+        lambda m: m.model.weld("w", m.a.at(1), m.b),
+        "body.at of 'a': missing a required argument",
+    ),
+    "a coordinate of an unknown letter": (
+        lambda m: m.model.driver("d", coordinate("a", "z"), t),
+        "'a', 'z'",
+    ),
+    "a unit of powers of powers": (
+        lambda m: m.model.parameter("k", 1, unit="9**9**9**9"),
+        "parameter 'k': the unit .* not known",
+    ),
+    "a variation that is none": (
+        lambda m: valid_scenes(m.model, m.model.scene("s", start={"a.x": 1}).with_(7)),
+        "no '7' to take",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_nonsense_is_refused_by_name(case: str) -> None:
+    declare, pattern = CASES[case]
+    assert re.search(pattern, told := refusal(declare)), told
+
+
+MARK = "linkwright_was_here"
+PLACES: dict[str, Callable[[Machine, Any], object]] = {
+    "mass": lambda m, v: m.model.body("c", mass=v),
+    "point": lambda m, v: m.model.revolute("j", m.a.at(v, 0), m.b),
+    "axis": lambda m, v: m.model.translational("j", m.a, m.b, axis=(v, 0)),
+    "radius": lambda m, v: m.model.point_follower("j", m.a.circle(v), m.b),
+    "centre": lambda m, v: m.model.point_follower("j", m.a.circle(1, v), m.b),
+    "profile": lambda m, v: m.model.point_follower("j", m.a.curve(v, alpha), m.b),
+    "law": lambda m, v: m.model.driver("j", m.a.x, v),
+    "answer": lambda m, v: m.model.spring("j", m.a, m.b, force=lambda length, rate: v),
+    "when": lambda m, v: m.model.force("j", m.a, 1, when=v),
+    "start": lambda m, v: m.model.scene("j", start={"a.x": v}),
+    "table": lambda m, v: m.model.table("j", [0, 1, 2, v], [1, 2, 3, 4]),
+    "default": lambda m, v: m.model.parameter("j", v),
+    "unit": lambda m, v: m.model.parameter("j", 1, unit=v),
+}
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize(
+    "pack",
+    [
+        str,
+        lambda c: [c],
+        lambda c: (c,),
+        lambda c: {c},
+        lambda c: {c: c},
+        lambda c: [[c], 0],
+        lambda c: np.array([c]),
+        lambda c: sympy.Tuple(1, c),
+    ],
+)
+def test_text_is_never_evaluated(
+    tmp_path: Path, place: str, pack: Callable[[str], Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    code = f"__import__('pathlib').Path({MARK!r}).touch()"
+    try:
+        value = pack(code)
+    except sympy.SympifyError:
+        return  # SymPy refuses to make it
+    (tmp_path / MARK).unlink(missing_ok=True)  # SymPy's own evaluation of what the test makes
+    refusal(lambda m: PLACES[place](m, value))
+    assert not (tmp_path / MARK).exists()

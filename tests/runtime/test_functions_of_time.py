@@ -1,0 +1,218 @@
+"""Explicit functions of time in runs: pieces of laws, jumps, poles, pulses, changes without end."""
+
+import time
+from collections.abc import Callable
+from math import pi, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from sympy import Abs, Expr, Heaviside, Max, Mod, Piecewise, atan2, cos, exp, floor, sign, sin, tanh
+
+from codegen import Model, t
+from runtime import load
+from runtime.core.outcomes import Outcome
+from runtime.machine_facade import Machine
+from runtime.results.result import Result
+
+RISE, HOLD, FALL = 1.0, 3.0, 4.0  # s; of a trapezoid
+
+
+def trapezoid(top: Expr | float, rise: Expr | float = RISE) -> Expr:
+    """The way under a speed that rises to `top`, stays there and falls to 0."""
+    return Piecewise(
+        (top * t**2 / (2 * rise), t < rise),
+        (top * (t - rise / 2), t < HOLD),
+        (top * (t - rise / 2) - top * (t - HOLD) ** 2 / (2 * (FALL - HOLD)), t < FALL),
+        (top * (FALL - rise / 2) - top * (FALL - HOLD) / 2, True),
+    )
+
+
+@pytest.fixture(scope="module")
+def crank(workshop: Path) -> Callable[..., Machine]:
+    """A crank of 2 kg m² driven by a law, a torque on it, or both, a spring beside it."""
+
+    def loaded(name: str, law: Expr | None = None, torque: Expr | None = None) -> Machine:
+        model = Model(f"crank_{name}")
+        speed = model.parameter("speed", 2.0, unit="rad/s")
+        rise = model.parameter("rise", RISE, unit="s")
+        body = model.body("crank", mass=1.0, inertia=2.0)
+        model.revolute("pin", model.ground.at(0, 0), body)
+        symbols = {"top": speed, "rise": rise}
+        if law is not None:
+            model.driver("motor", body.phi, law(**symbols) if callable(law) else law)
+        if torque is not None:
+            model.torque("load", body, torque)
+        model.scene(
+            "s", effects=["load"] if torque is not None else [],
+            drivers=["motor"] if law is not None else [],
+            start={} if law is not None else {body.phi: 0.0, body.omega: 0.0},
+        )  # fmt: skip
+        return load(model, "s", folder=workshop)
+
+    return loaded
+
+
+def angle(result: Result) -> np.ndarray:
+    return result.series("crank.phi")[0]
+
+
+def test_trapezoid_is_followed_exactly(crank: Callable[..., Machine]) -> None:
+    machine = crank("trapezoid", trapezoid)
+    at = np.linspace(0.0, 5.0, 41)
+    for rise in (1.0, 0.7):
+        where = {"parameters": {"rise": rise}, "progress": False}
+        law = np.vectorize(lambda x, r=rise: float(trapezoid(2.0, r).subs(t, x)))(at)
+        moved = machine.simulate(5.0, at, **where)
+        driven = machine.inverse_dynamics(at, **where)
+        for result in (moved, machine.kinematics(at, **where), driven):
+            assert result.outcome is Outcome.OK
+            assert_allclose(angle(result), law, atol=1e-14)
+            events = [(event.time, event.what) for event in result.events]
+            assert [what for _, what in events] == ["began"] * 3
+            assert_allclose([x for x, _ in events], [rise, HOLD, FALL], atol=1e-13)
+            assert all(event.name.startswith("motor: ") for event in result.events)
+        torques = driven.series("motor.torque")[0]
+        inside = [(at < rise, 4.0 / rise), ((at > rise) & (at < HOLD), 0.0), (at > FALL, 0.0)]
+        for part, expected in (*inside, ((at > HOLD) & (at < FALL), -4.0)):
+            assert_allclose(torques[part], expected, atol=1e-12)
+
+
+def test_steps_end_at_kinks(workshop: Path) -> None:
+    """A pendulum on a cart under a trapezoid: as accurate as its three smooth parts together."""
+    model = Model("cart_under_a_trapezoid")
+    cart, pendulum = model.body("cart", mass=1.0, inertia=1.0), model.body("rod", 1.0, 0.1)
+    model.translational("guide", model.ground, cart, axis=(1, 0))
+    model.revolute("pin", cart, pendulum.at(0, 0.5))
+    model.gravity("g", (0.0, -9.81))
+    model.driver("motor", cart.x, trapezoid(1.0))
+    model.scene("s", effects=["g"], drivers=["motor"], start={pendulum.phi: 0.1})
+    machine = load(model, "s", folder=workshop)
+    loose, tight = (machine.simulate(5.0, [5.0], rtol=r, progress=False) for r in (1e-8, 1e-12))
+    assert_allclose(loose.samples.q, tight.samples.q, atol=2e-7)
+    reduced = machine.simulate(5.0, [5.0], rtol=1e-12, formulation="reduced", progress=False)
+    assert_allclose(reduced.samples.q, tight.samples.q, atol=1e-9)
+    assert len(reduced.events) == 3
+    assert loose.stats["rejected"] < 12
+    assert len(loose.events) == 3
+
+
+@pytest.mark.parametrize(
+    ("name", "law", "instant", "text"),
+    [
+        ("wrapped", atan2(sin(3 * t), cos(3 * t)), pi / 3, "jumps by 6.28319 at t = 1.0471975"),
+        ("stepped", Heaviside(t - 1), 1.0, "jumps by 1 at t = 1 s"),
+        ("floored", 0.1 * floor(t / 1.5), 1.5, "jumps by 0.1 at t = 1.5 s"),
+        ("sharp", tanh(1 / (t - 1)), 1.0, "jumps by 2 at t = 1 s"),
+        ("broken", 1 / (t - 0.5), 0.5, "has no finite value at t = 0.5 s"),
+        ("twice_broken", 1 / (t - 0.5) ** 2, 0.5, "has no finite value at t = 0.5 s"),
+        ("endless", 0.1 * sin(1 / (t - 1)), 1.0, "changes ever faster up to about t = "),
+    ],
+)
+def test_a_law_that_ends_says_so_in_every_analysis(
+    crank: Callable[..., Machine], name: str, law: Expr, instant: float, text: str
+) -> None:
+    machine, at = crank(name, law), np.linspace(0.0, 2.0, 33)
+    began = time.perf_counter()
+    for run in (
+        lambda: machine.simulate(2.0, at, progress=False),
+        lambda: machine.kinematics(at, progress=False),
+        lambda: machine.inverse_dynamics(at, progress=False),
+    ):
+        result = run()
+        endless = name == "endless"
+        assert result.outcome is (Outcome.ZENO if endless else Outcome.DISCONTINUOUS)
+        assert f"'motor' {text}" in result.message
+        assert instant - 0.08 < result.t[-1] < instant + 1e-9
+        shown = result.t < instant - 1e-3
+        expected = np.vectorize(lambda x: float(law.subs(t, x)))(result.t[shown])
+        assert_allclose(angle(result)[shown], expected, rtol=1e-6, atol=1e-7)
+    assert time.perf_counter() - began < 20.0
+
+
+def test_a_jump_of_the_rate_is_an_impact(workshop: Path) -> None:
+    """A crank that starts at once pulls a spring's mass along: momentum goes over the joint."""
+    model = Model("snatched")
+    crank_, rod = model.body("crank", 1.0, 2.0), model.body("rod", 3.0, 0.5)
+    model.revolute("pin", model.ground.at(0, 0), crank_)
+    model.revolute("elbow", crank_.at(0.4, 0), rod.at(-0.3, 0))
+    model.driver("motor", crank_.phi, Max(0, t - 1))
+    model.scene("s", drivers=["motor"], start={rod.phi: 0.7, rod.omega: 0.0})
+    machine = load(model, "s", folder=workshop)
+    result = machine.simulate(1.5, [0.999, 1.0 + 1e-9], progress=False)
+    assert result.outcome is Outcome.OK
+    assert [event.what for event in result.events] == ["impact"]
+    names = (row.velocity for row in machine.description.coordinates)
+    speeds = dict(zip(names, result.samples.v[1], strict=True))
+    assert speeds["crank.omega"] == pytest.approx(1.0, abs=1e-8)
+    # The rod keeps its angular momentum about the elbow, through which the impulse goes.
+    rx, ry = 0.3 * np.cos(0.7), 0.3 * np.sin(0.7)
+    moment = 3.0 * (rx * speeds["rod.vy"] - ry * speeds["rod.vx"]) + 0.5 * speeds["rod.omega"]
+    assert moment == pytest.approx(0.0, abs=1e-7)
+    assert speeds["rod.omega"] != pytest.approx(0.0, abs=1e-3)
+    reduced = machine.simulate(1.5, formulation="reduced", progress=False)
+    assert reduced.outcome is Outcome.DISCONTINUOUS
+    assert "has a rate that jumps by 1 a second at t = 1 s" in reduced.message
+
+
+PULSES = {
+    "gauss": (10 * exp(-(((t - 50) / 0.1) ** 2)), 10 * 0.1 * sqrt(pi)),
+    "train": (
+        sum(10 * exp(-(((t - c) / 0.01) ** 2)) for c in (13.1, 37.7, 90.3)), 0.3 * sqrt(pi)
+    ),
+    "edges": (tanh(1e4 * (t - 61)) - tanh(1e4 * (t - 61.01)), 0.02),
+    "window": (Piecewise((1e3, (t > 70) & (t < 70.001)), (0, True)), 1.0),
+    "power": (cos(t / 32) ** 100000, 1.5 * 32 * sqrt(2 * pi / 1e5)),
+    "early": (1e6 * t**2 * exp(-t / 0.01), 2.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["dop853", "dopri5", "bdf"])
+@pytest.mark.parametrize("name", PULSES)
+def test_no_pulse_is_stepped_over(crank: Callable[..., Machine], name: str, method: str) -> None:
+    pulse, impulse = PULSES[name]
+    machine = crank(name, torque=pulse)
+    result = machine.simulate(105.0, [105.0], method=method, progress=False)
+    assert result.outcome is Outcome.OK
+    assert result.series("crank.omega")[0][-1] == pytest.approx(impulse / 2.0, rel=1e-4)
+    assert result.stats["steps"] < 2500
+
+
+def test_pieces_in_forces(crank: Callable[..., Machine]) -> None:
+    """Mod, floor and Abs of the time: ∫∫ of what they are, to the tolerance."""
+    machine = crank("sawtooth", torque=2 * Mod(t, 1) + 2 * floor(t) - 2 * Abs(t - 1.5))
+    result = machine.simulate(3.5, progress=False)
+    assert result.outcome is Outcome.OK
+    x = 3.5
+    expected = x**3 / 6 - (1.5**2 / 2 * x - 1.5**3 / 6 + 2.0**3 / 6)
+    assert angle(result)[-1] == pytest.approx(expected, abs=1e-8)
+
+
+def test_switches_without_end(crank: Callable[..., Machine]) -> None:
+    machine = crank("shaken", torque=sign(sin(1 / (t - 1))))
+    for method in ("dop853", "bdf"):
+        result = machine.simulate(2.0, method=method, progress=False)
+        assert result.outcome is Outcome.ZENO
+        assert 0.99 < result.t[-1] < 1.0
+        assert "'load' changes ever faster up to about t = " in result.message
+    assert machine.simulate(0.9, progress=False).outcome is Outcome.OK
+
+
+def test_a_contact_opens_where_a_law_pulls_away(workshop: Path) -> None:
+    """A table that falls faster than g from t = 1 on leaves its block to fall by itself."""
+    model = Model("dropped_table")
+    table, block = model.body("table", 1.0, 1.0), model.body("block", 1.0, 1.0)
+    model.translational("guide", model.ground, table, axis=(0, 1))
+    model.translational("other_guide", model.ground, block, axis=(0, 1))
+    model.driver("motor", table.y, Piecewise((0, t < 1), (-10 * (t - 1) ** 2, True)))
+    model.gravity("g", (0.0, -9.81))
+    model.contact("rest", gap=block.y - table.y, restitution=0.0)
+    model.scene("s", ["g", "rest"], drivers=["motor"], start={block.y: 0.0, block.vy: 0.0})
+    result = load(model, "s", folder=workshop).simulate(1.5, [0.9, 1.5], progress=False)
+    assert result.outcome is Outcome.OK
+    assert_allclose(result.series("block.y")[0], [0.0, -9.81 * 0.5**2 / 2], atol=1e-9)
+    assert [(event.name.partition(":")[0], event.what) for event in result.events] == [
+        ("rest", "began"),
+        ("motor", "began"),
+    ]
