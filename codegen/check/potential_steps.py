@@ -19,7 +19,12 @@ from codegen.declare.element import Effect, label
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, kinds
 from codegen.declare.table_function import Interpolant
-from codegen.derive.piecewise_conditions import as_pieces, conditions, switching_function
+from codegen.derive.piecewise_conditions import (
+    as_pieces,
+    conditions,
+    switching_function,
+    without_marks,
+)
 from codegen.elements.forces.spring_damper_contact import Contact
 from codegen.model import Model
 
@@ -130,6 +135,7 @@ def _surfaces(expression: sympy.Expr) -> Iterator[tuple[str, sympy.Expr]]:
 
 def _function(expression: sympy.Expr, symbols: tuple[sympy.Symbol, ...]) -> Callable[..., float]:
     """The expression as a function of plain numbers, nan where it has no real value."""
+    expression = without_marks(expression)
     tables: dict[str, Callable[[float], float]] = {}
     for k, node in enumerate(sorted(expression.atoms(Interpolant), key=str)):
         name, table, order = f"table_{k}", node.table, node.order

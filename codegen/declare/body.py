@@ -90,7 +90,8 @@ class Body(Pose):
 
         By Lagrange's equations from T = q̇ᵀ M q̇ / 2: Q_v = T_q - Ṁ q̇. Zero where M is constant.
         """
-        entries = {pair: m for pair, m in self.mass_matrix.items() if m is not None}
+        block = self.mass_matrix.items()
+        entries = {pair: expression(m) for pair, m in block if m is not None}
         kinetic = sympy.Add(
             *(m * a.rate * b.rate / (2 if a == b else 1) for (a, b), m in entries.items())
         )
@@ -129,7 +130,8 @@ class Body(Pose):
     @property
     def rotation(self) -> tuple[sympy.Expr, sympy.Expr]:
         """(cos φ, sin φ), the first column of A, from the body's frame to the global one."""
-        return sympy.cos(self.angle), sympy.sin(self.angle)
+        angle = expression(self.angle)  # SymPy's functions would evaluate text in a tuple
+        return sympy.cos(angle), sympy.sin(angle)
 
     @property
     def angular_velocity(self) -> sympy.Expr:
@@ -138,7 +140,8 @@ class Body(Pose):
 
     def torque(self, value: sympy.Expr) -> dict[Coordinate, sympy.Expr]:
         """Generalized forces of a torque: value ∂ω/∂q̇."""
-        slopes = {q: sympy.diff(self.angular_velocity, q.rate) for q in self.coordinates}
+        turning = expression(self.angular_velocity)
+        slopes = {q: sympy.diff(turning, q.rate) for q in self.coordinates}
         return {q: value * slope for q, slope in slopes.items() if slope != 0}
 
     def at(self, x: Any, y: Any) -> "Point":

@@ -69,6 +69,13 @@ def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | N
     """Why an expression can stand nowhere in a declaration; a `profile` may contain `alpha`."""
     if isinstance(expression, MEANINGFUL):
         return None
+    try:
+        return _problem(expression, profile)
+    except Exception as error:  # of SymPy, of a number of thousands of digits
+        return f"the expression cannot be read, {type(error).__name__}: {one_line(error)}."
+
+
+def _problem(expression: sympy.Expr, profile: bool) -> str | None:
     for symbol in sorted(expression.free_symbols, key=str):
         if symbol == alpha and not profile:
             return (

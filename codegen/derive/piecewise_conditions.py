@@ -5,7 +5,9 @@ integration sees a smooth function.
 """
 
 from collections.abc import Iterable
+from enum import IntEnum
 from functools import partial
+from typing import Any
 
 import sympy
 from sympy.core.relational import Relational
@@ -17,6 +19,74 @@ from codegen.errors import ModelError
 KINKED = (sympy.Abs, sympy.Max, sympy.Min, sympy.sign, sympy.Heaviside)
 STEPS = (sympy.Mod, sympy.ceiling, sympy.floor)
 """Functions with a jump at every whole number, in which only what is known beforehand may stand."""
+
+
+class Boundary(IntEnum):
+    """What holds where a motion stays on g = 0 and no mode moves it from there."""
+
+    OPEN = 0  # of g > 0: the condition does not
+    CLOSED = 1  # of g ≥ 0: it does
+    BALANCED = 2  # of sign and Heaviside: the mean of both sides
+    INDIFFERENT = 3  # of a kink such as Abs: both sides are the same
+
+    def of_opposite(self) -> "Boundary":
+        """The same of -g."""
+        return Boundary(1 - self) if self in (Boundary.OPEN, Boundary.CLOSED) else self
+
+
+class Mark(sympy.Function):  # type: ignore[misc]
+    """One side of a condition, itself, with a mark that says what holds where both are equal."""
+
+    is_extended_real = True
+    means: Boundary
+
+    @classmethod
+    def eval(cls, side: sympy.Expr) -> sympy.Expr | None:
+        """Numbers need no mark."""
+        return side if side.is_number else None
+
+    def _sympystr(self, printer: Any) -> str:
+        return str(printer._print(self.args[0]))
+
+    _latex = _sympystr
+
+
+class Balanced(Mark):
+    """Of sign and Heaviside."""
+
+    means = Boundary.BALANCED
+
+
+class Indifferent(Mark):
+    """Of a kink."""
+
+    means = Boundary.INDIFFERENT
+
+
+def marked(condition: Boolean, mark: type[Mark]) -> Boolean:
+    """A condition with its inequalities marked, in the form that SymPy gives them in pieces."""
+    pieces = sympy.Piecewise((1, condition), (0, True))
+    if not isinstance(pieces, sympy.Piecewise):
+        return condition
+    return pieces.args[0].cond.replace(
+        lambda c: isinstance(c, Relational),
+        lambda c: c.func(*((c.lhs, mark(c.rhs)) if c.lhs.is_number else (mark(c.lhs), c.rhs))),
+    )
+
+
+def without_marks(expression: sympy.Basic) -> Any:
+    """An expression or condition with its marks taken off."""
+    while marks := expression.atoms(Mark):  # one may stand inside another
+        expression = expression.xreplace({mark: mark.args[0] for mark in marks})
+    return expression
+
+
+def boundary(condition: Relational) -> Boundary:
+    """What holds at g = 0 of a condition g > 0 or g ≥ 0."""
+    for mark in (Balanced, Indifferent):
+        if condition.has(mark):
+            return mark.means
+    return Boundary.CLOSED if isinstance(condition, sympy.Ge | sympy.Le) else Boundary.OPEN
 
 
 def as_pieces(expression: sympy.Expr) -> sympy.Expr:
@@ -40,12 +110,17 @@ def _pieces(function: type[sympy.Function], *arguments: sympy.Expr) -> sympy.Exp
     halves = {sympy.Abs: (first, -first), sympy.sign: (1, -1), sympy.Heaviside: (1, 0)}
     if function in halves:
         above, below = halves[function]
-        return sympy.Piecewise((above, first > 0), (below, True))
+        if function is sympy.Heaviside and arguments[1] in (0, 1):
+            condition = first >= 0 if arguments[1] == 1 else first > 0
+        else:
+            condition = marked(first > 0, Indifferent if function is sympy.Abs else Balanced)
+        return sympy.Piecewise((above, condition), (below, True))
     *firsts, last = arguments
     pieces: list[tuple[sympy.Expr, Boolean | bool]] = []
     for k, one in enumerate(firsts):
         beats = sympy.Gt if function is sympy.Max else sympy.Lt
-        pieces.append((one, sympy.And(*(beats(one, other) for other in arguments[k + 1 :]))))
+        wins = sympy.And(*(beats(one, other) for other in arguments[k + 1 :]))
+        pieces.append((one, marked(wins, Indifferent)))
     return sympy.Piecewise(*pieces, (last, True))
 
 
@@ -56,7 +131,8 @@ def switching_function(condition: Relational) -> sympy.Expr:
             f"the condition {condition} is an equality, which no motion meets for a time; "
             "use an inequality."
         )
-    return condition.gts - condition.lts
+    g: sympy.Expr = condition.gts - condition.lts
+    return without_marks(g) if g.has(Mark) else g
 
 
 def is_known_beforehand(node: sympy.Basic) -> bool:

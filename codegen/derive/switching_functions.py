@@ -1,7 +1,7 @@
 """The switching functions of a scene: of conditions, frictions that stick, rigid contacts."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Literal
 
@@ -11,7 +11,12 @@ from codegen.declare.element import Rigid, Sticking
 from codegen.declare.symbols import Acceleration, Coordinate, Side, Velocity, kinds, side, t
 from codegen.derive.effect_terms import EffectTerms
 from codegen.derive.fast_derivative import derivative
-from codegen.derive.piecewise_conditions import conditions, switching_function
+from codegen.derive.piecewise_conditions import (
+    Boundary,
+    boundary,
+    conditions,
+    switching_function,
+)
 
 Named = tuple[str, EffectTerms]
 
@@ -28,6 +33,13 @@ class Switch:
     # else is a "condition".
     kind: Literal["condition", "friction", "contact"] = "condition"
     ratio: sympy.Expr | None = None  # of a friction: μ_s/μ, where it is not 1
+    boundary: Boundary = Boundary.OPEN  # of a condition: what holds where the motion stays on g = 0
+
+    @property
+    def at_zero(self) -> str:
+        """A word on a condition that is more than g > 0; empty for others."""
+        word = self.boundary.name.lower()
+        return word if word in ("closed", "balanced") else ""
 
 
 @dataclass(frozen=True)
@@ -80,10 +92,34 @@ def switches(effects: Sequence[Named]) -> tuple[Switch, ...]:
             others.append(Switch(name, f"{g} > 0", g, rate(g), "friction", ratio))
     for name, terms in effects:
         for condition in conditions(_expressions(terms)):
-            g = switching_function(condition)
-            if _same(g, others) is None:
-                others.append(Switch(name, str(condition), g, rate(g)))
+            g, at_zero = switching_function(condition), boundary(condition)
+            if at_zero is Boundary.BALANCED and kinds(g, Velocity):
+                at_zero = Boundary.OPEN  # the share of both sides in sliding decides
+            found = find_switch(g, at_zero, others)
+            if found is None:
+                others.append(Switch(name, str(condition), g, rate(g), boundary=at_zero))
+            elif others[found[0]].boundary is Boundary.INDIFFERENT:
+                agreed = at_zero.of_opposite() if found[1] else at_zero
+                others[found[0]] = replace(others[found[0]], boundary=agreed)
     return (*contacts, *others)
+
+
+def find_switch(
+    g: sympy.Expr, at_zero: Boundary, among: Sequence[Switch]
+) -> tuple[int, bool] | None:
+    """Number of the switch of a condition, and whether it is that of the opposite condition.
+
+    Conditions on one surface share their switch where motions slide on it, and else where they
+    agree on what holds on it. Any other conditions of a scene have a switch.
+    """
+    for k, switch in enumerate(among):
+        if switch.kind != "contact" and switch.g in (g, -g):
+            opposite = switch.g != g
+            agreed = at_zero.of_opposite() if opposite else at_zero
+            indifferent = Boundary.INDIFFERENT in (agreed, switch.boundary)
+            if switch.boundary is agreed or indifferent or kinds(g, Velocity):
+                return k, opposite
+    return None
 
 
 def side_values(effects: Sequence[Named], among: tuple[Switch, ...]) -> tuple[SideValue, ...]:

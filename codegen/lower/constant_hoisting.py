@@ -12,7 +12,9 @@ rad.
 """
 
 
-def with_constants(graph: Graph, kernels: tuple[Kernel, ...], declared: int) -> Program:
+def with_constants(
+    graph: Graph, kernels: tuple[Kernel, ...], declared: int, weak_pivot: float = WEAK_PIVOT
+) -> Program:
     """The program with all values of parameters alone in a separate kernel.
 
     These values stand in ``p`` behind the declared parameters and are computed once a run. Before
@@ -41,7 +43,7 @@ def with_constants(graph: Graph, kernels: tuple[Kernel, ...], declared: int) -> 
         ("p",),
         tuple(Output("p", declared + k, number) for k, number in enumerate(hoisted)),
     )
-    return Program(bare.values, (first, *kernels), (*forces, *hoisted), WEAK_PIVOT)
+    return Program(bare.values, (first, *kernels), (*forces, *hoisted), weak_pivot)
 
 
 def orient_differences(graph: Graph, kernels: tuple[Kernel, ...]) -> tuple[Value, ...]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from codegen.derive.switching_functions import Switch
 from codegen.lower.scene_graph import Reaction, SceneGraph
 from codegen.lower.time_programs import TimeProgram, time_programs
 
@@ -45,7 +46,9 @@ class Description:
     outputs: tuple[str, ...] | None  # in addition to the motion; None means all
     recovered: tuple[int, ...]  # constraints whose multipliers `accelerations` answers
     drivers: tuple[str, ...]  # the drivers among the constraints
-    switches: tuple[tuple[str, ...], ...]  # (effect, condition[, "friction" or "contact"])
+    switches: tuple[
+        tuple[str, ...], ...
+    ]  # (effect, condition[, kind]), kind "condition" by default
     rigid: tuple[tuple[str, int], ...]  # (effect, number of its switch) of each rigid contact
     # (effect, number of its switch) of each friction whose stiction force a run determines; these
     # forces stand in `p` behind the parameters
@@ -98,7 +101,7 @@ def describe(
         recovered=recovered,
         drivers=tuple(c.name for c in constraints if c.driver),
         switches=tuple(
-            (s.effect, s.text) if s.kind == "condition" else (s.effect, s.text, s.kind)
+            (s.effect, s.text) if (word := _kind(s)) == "condition" else (s.effect, s.text, word)
             for s in equations.switches
         ),
         rigid=tuple((contact.effect, contact.switch) for contact in equations.contacts),
@@ -112,6 +115,11 @@ def describe(
         jacobian=Pattern.of(scene.jacobian),
         mass=Pattern.of(scene.mass),
     )
+
+
+def _kind(switch: Switch) -> str:
+    """The kind of a switch, and of a condition that is more than g > 0, what it is at g = 0."""
+    return f"{switch.at_zero} condition" if switch.at_zero else switch.kind
 
 
 def _dotted(name: str) -> str:

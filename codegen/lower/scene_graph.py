@@ -59,11 +59,9 @@ class SceneGraph:
         self.v = self._inputs("v", self.rates)
         self.lam = self._inputs("lam", [f"lambda_{name}" for name in self.rows])
         self.time = graph.input("t", 0, "t")
-        switches = enumerate(equations.switches)
-        modes = {switch.g: k for k, switch in switches if switch.kind != "contact"}
-        self.translate = Translator(graph, self._environment(), modes)
+        self.translate = Translator(graph, self._environment(), equations.switches)
         # The pieces of laws of motion are chosen by the time, and not by modes.
-        self.translate_law = Translator(graph, self.translate.environment, {})
+        self.translate_law = Translator(graph, self.translate.environment, ())
         self.phi: list[int] = []  # Φ, as ν and γ one value a constraint
         self.nu: list[int] = []
         self.gamma: list[int] = []

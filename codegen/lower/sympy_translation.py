@@ -5,7 +5,7 @@ positions, velocities), so that as much as possible is known before a run, and p
 s'_x cos φ that occur in Φ, Φ_q and γ come out as one value.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial, reduce
 from typing import Any
 
@@ -14,7 +14,15 @@ from sympy.core.relational import Relational
 
 from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.declare.table_function import Interpolant
-from codegen.derive.piecewise_conditions import KINKED, STEPS, as_pieces, switching_function
+from codegen.derive.piecewise_conditions import (
+    KINKED,
+    STEPS,
+    as_pieces,
+    boundary,
+    switching_function,
+    without_marks,
+)
+from codegen.derive.switching_functions import Switch, find_switch
 from codegen.errors import ModelError
 from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op
@@ -28,13 +36,12 @@ class Translator:
     """Translates expressions into one graph.
 
     `environment` maps symbols, and other expressions that are known as a whole, to values,
-    `switches` each switching function to its number.
+    `switches` are those of the scene, in the order of their modes.
     """
 
     def __init__(
-        self, graph: Graph, environment: Mapping[sympy.Expr, int],
-        switches: Mapping[sympy.Expr, int],
-    ) -> None:  # fmt: skip
+        self, graph: Graph, environment: Mapping[sympy.Expr, int], switches: Sequence[Switch]
+    ) -> None:
         self.graph, self.environment, self.switches = graph, dict(environment), switches
         self._known: dict[sympy.Basic, int] = {}
         self._ranks: dict[int, int] = {}
@@ -138,17 +145,17 @@ class Translator:
         if isinstance(node, sympy.And | sympy.Or):
             op = Op.AND if isinstance(node, sympy.And) else Op.OR
             return reduce(partial(graph.logical, op), sorted(self._condition(a) for a in node.args))
-        g = switching_function(node)
-        if g in self.switches:
-            return graph.mode(self.switches[g])
-        if -g in self.switches:
-            return graph.negation(graph.mode(self.switches[-g]))
+        found = find_switch(switching_function(node), boundary(node), self.switches)
+        if found is not None:
+            switch, opposite = found
+            return graph.negation(graph.mode(switch)) if opposite else graph.mode(switch)
         if kinds(node, Coordinate, Velocity):
             raise ModelError(
                 f"the condition {node} stands where nothing may switch (a constraint or a driver); "
                 "write the motion as one smooth expression."
             )
         # Of time and parameters: the steps of a run end where it changes.
+        node = without_marks(node)
         low, high = self(node.lts), self(node.gts)
         strict = isinstance(node, sympy.StrictGreaterThan | sympy.StrictLessThan)
         return graph.is_less(low, high) if strict else graph.negation(graph.is_less(high, low))

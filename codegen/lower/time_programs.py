@@ -39,7 +39,7 @@ def time_programs(equations: Equations) -> tuple[TimeProgram, ...]:
             )
             environment[symbol] = number
         with graph.serving(function.element):
-            root = Translator(graph, environment, {})(as_pieces(function.expression))
+            root = Translator(graph, environment, ())(as_pieces(function.expression))
         needed = sorted(dependencies(graph.values, [root]))
         watched = _watched(graph, needed)
         law = function.role == "law"

@@ -94,7 +94,7 @@ def assemble(
     _require_resolved_angles(mechanism.description, t, start.q)
     size, matrix = equations.size(t, start.q), equations.jacobian(t, start.q)
     task = Task(
-        equations, t, equations.scale(size), np.where(equations.length_rows(matrix), size, 1.0),
+        equations, t, equations.scale(size), equations.row_scale(t, start.q, size),
         equations.row_units(matrix), rows=np.ones(equations.m, dtype=np.bool_),
         free=~start.fixed_q, weight=np.where(start.given_q, 1.0, _UNNAMED_WEIGHT),
     )  # fmt: skip

@@ -130,6 +130,7 @@ TABLE.integers("rigid", SWITCHES)  # number of the rigid contact, or -1
 TABLE.floats("spreads", SWITCHES)
 TABLE.floats("share share_low share_high", SWITCHES)
 TABLE.integers("sticks", SWITCHES)  # 1: friction that sticks
+TABLE.integers("boundary", SWITCHES)  # a `Boundary`
 TABLE.integers("limits", (2, SWITCHES))  # rows of a force and of its bound, or -1
 TABLE.integers("stiction_place", SWITCHES)  # of its force in p, or -1
 TABLE.floats("stiction_units", (2, SWITCHES))  # unit of the force, its bound

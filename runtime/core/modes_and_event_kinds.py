@@ -12,6 +12,14 @@ class Mode(IntEnum):
     FREE = 3  # of friction with an unknown stiction force: it exerts none, and does not stick
 
 
+class Boundary(IntEnum):
+    """What holds of a condition where the motion stays on g = 0 and no mode moves it from there."""
+
+    OPEN = 0  # it does not hold, as g > 0
+    CLOSED = 1  # it holds, as g ≥ 0
+    BALANCED = 2  # the mean of both sides, as in sign and Heaviside
+
+
 class Direction(IntEnum):
     """The kind of an event of a switching function; the last two are singular configurations."""
 
@@ -25,3 +33,4 @@ class Direction(IntEnum):
 
 # Compiled code reads integers of a module.
 SLIDING, FREE = int(Mode.SLIDING), int(Mode.FREE)
+CLOSED, BALANCED = int(Boundary.CLOSED), int(Boundary.BALANCED)

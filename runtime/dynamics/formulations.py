@@ -6,6 +6,7 @@ import numpy as np
 
 from codegen.errors import InputError
 from runtime.assembly.kernels_for_redundant_constraints import projection_only, with_redundancy
+from runtime.assembly.masses_far_apart import suited_to_masses
 from runtime.core.system import System
 from runtime.dynamics.changes_of_coordinates import Changes
 from runtime.dynamics.prepared_simulation import PreparedSimulation
@@ -17,6 +18,9 @@ from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 
 FORMULATIONS = ("cartesian", "reduced")
+# safety: ratio of two mobilities, beside typical sizes; their squares are the weights of
+# corrections, and lie as far apart as a pivot may be weak
+_WIDEST = 3e4
 _CORRECTIONS = ("step", "stage")
 
 
@@ -51,11 +55,14 @@ class CartesianCoordinates(Coordinates):
         if begin.redundant:
             self.mechanism = with_redundancy(ready.mechanism, begin)
             self.correction = projection_only(ready.mechanism, begin, method, correction)
+        else:
+            self.mechanism = suited_to_masses(ready.mechanism, begin.t, begin.q, ready.p)
         self.system = self.mechanism.system
         self.spreads = np.zeros(len(self.mechanism.description.switches))
         if method in IMPLICIT:
             self.system = replace(self.system, **self.mechanism.tangents._asdict())
-        self.mobility = _mobility(Equations(ready.mechanism, ready.p).mass(begin.q))
+        mass = Equations(ready.mechanism, ready.p).mass(begin.q)
+        self.mobility = _compressed(_mobility(mass), ready.sizes)
 
     def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
         """In the machine's own coordinates."""
@@ -150,6 +157,20 @@ def _mobility(mass: FloatArray) -> FloatArray:
     inertia = np.diag(mass)
     heavy = inertia > 0.0
     return 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))
+
+
+def _compressed(mobility: FloatArray, sizes: FloatArray) -> FloatArray:
+    """Mobilities at most `_WIDEST` apart beside the typical sizes of their coordinates.
+
+    They say which coordinate follows more easily, not which constraints are independent.
+    """
+    beside = mobility / sizes
+    most, least = float(beside.max()), float(beside.min())
+    if most <= _WIDEST * least:
+        return mobility
+    compressed = (beside / most) ** (np.log(_WIDEST) / np.log(most / least))
+    within: FloatArray = sizes * most * compressed
+    return within
 
 
 def _spreads(ready: PreparedSimulation) -> FloatArray:

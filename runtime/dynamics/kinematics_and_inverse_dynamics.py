@@ -15,6 +15,7 @@ import numpy.typing as npt
 from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble, start_values
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
+from runtime.assembly.masses_far_apart import suited_to_masses
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.driven_motion_past_kinks import follow_past_kinks
@@ -46,9 +47,9 @@ def kinematics(
     times = instants(t_eval)
     start = assemble(mechanism, guess, parameters, t_start)
     require_driven(mechanism, start, analysis)
-    mechanism = with_redundancy(mechanism, start)
-    preferred = start_values(mechanism, guess).v
     p = parameter_values(mechanism, parameters)
+    mechanism = suited_to_masses(with_redundancy(mechanism, start), start.t, start.q, p)
+    preferred = start_values(mechanism, guess).v
     motion, kinks = follow_past_kinks(Equations(mechanism, p), times, start, preferred, progress)
     samples = evaluate(mechanism, p, motion.t, motion.q, motion.v)
     singular = np.flatnonzero(np.isnan(samples.a).any(axis=1))

@@ -45,8 +45,8 @@ def _evaluate(
         s.energy[k, 1] = abi.potential_of(kernels)(t, q, p, mode)
 
 
-@compiled(none(ADDRESSES, SAMPLES, vector, vector, vector))
-def _find_modes(kernels: Any, s: Any, p: Any, g: Any, rate: Any) -> None:
+@compiled(none(ADDRESSES, SAMPLES, vector, vector, vector, integers))
+def _find_modes(kernels: Any, s: Any, p: Any, g: Any, rate: Any, at_zero: Any) -> None:
     for k in range(len(s.t)):
         t, q, v, modes = s.t[k], s.q[k], s.v[k], s.modes[k]
         abi.switching_of(kernels)(t, q, v, p, g)
@@ -60,6 +60,8 @@ def _find_modes(kernels: Any, s: Any, p: Any, g: Any, rate: Any) -> None:
             for i in range(len(g)):
                 if g[i] == 0.0 and rate[i] > 0.0:
                     modes[i] = 1
+                elif g[i] == 0.0 and rate[i] == 0.0:
+                    modes[i] = at_zero[i]  # 2: the mean of both sides
 
 
 def evaluate(
@@ -80,7 +82,7 @@ def evaluate(
     states, share = np.ascontiguousarray(given, dtype=np.int64), np.full((count, s), np.nan)
     samples = Samples(t, q, v, a, lam, reaction, power, energy, residual, states, share)
     if modes is None and s:
-        _find_modes(kernels, samples, p, np.zeros(s), np.zeros(s))
+        _find_modes(kernels, samples, p, np.zeros(s), np.zeros(s), description.boundaries)
     plain = np.where(samples.modes == SLIDING, 0, samples.modes)
     plain[:, [contact.switch for contact in description.rigid]] = 1
     rows, columns = description.jacobian_rows, description.jacobian_columns

@@ -24,7 +24,7 @@ from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.modes_and_event_kinds import FREE, SLIDING
 from runtime.core.unit_roundoff import EPS
-from runtime.hybrid.redundant_sliding import solve_least
+from runtime.hybrid.redundant_sliding import keep_resting, solve_least
 from runtime.hybrid.stiction_force import choose_units, enlarge_unit, set_unit, write_forces
 from runtime.linalg.lu import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
@@ -119,6 +119,7 @@ def balance_shares(context: Context) -> None:
         right[i] = -context.base_response[i]
     for i in range(count * count):
         copy[i] = matrix[i]
+    keep_resting(context, 0.5)
     if solve_equilibrated(copy, right, count, context.response_pivots, SAME_HOLD) != 0:
         for c in range(count):
             k = context.sliding_functions[c]
@@ -132,6 +133,7 @@ def balance_shares(context: Context) -> None:
             for c in range(count):
                 copy[i * count + c] = matrix[i * count + c]
                 right[i] -= matrix[i * count + c] * middle[c]
+        keep_resting(context, 0.0)
         failed = solve_least(context, SAME_HOLD)
         for i in range(count):
             right[i] = right[i] + middle[i] if failed == 0 else np.nan

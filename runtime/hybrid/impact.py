@@ -9,7 +9,7 @@ from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.modes_and_event_kinds import FREE, SLIDING
 from runtime.hybrid import filippov_shares as shares
-from runtime.hybrid.redundant_sliding import solve_least
+from runtime.hybrid.redundant_sliding import is_resting, solve_least
 from runtime.linalg.lu import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
 from runtime.linalg.vectors import axpy, copy_vector, largest_magnitude
@@ -142,14 +142,15 @@ def apply_impact(context: Context, first: int, t: float, state: int) -> float:
 def fill_distances(context: Context, level: int) -> None:
     """Fill the matrix and the right side of the return onto surfaces: of gaps (level 0), of rates.
 
-    At level 0 functions that are no closed contacts stay where they are.
+    At level 0 functions that are no closed contacts stay where they are; those that rest stay
+    at both.
     """
     right, copy, count = context.right_side, context.response_copy, context[ft.SLIDING_COUNT]
     for i in range(count):
         k = context.sliding_functions[i]
         closed = context.rigid[k] >= 0
         value = context.response_rates[k] if level == 1 and closed else context.base_response[k]
-        stays = level == 0 and not closed
+        stays = is_resting(context, i) or (level == 0 and not closed)
         right[i] = 0.0 if stays else value
         for j in range(count):
             copy[i * count + j] = context.response[i * count + j]

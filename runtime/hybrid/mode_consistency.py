@@ -7,8 +7,9 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.jit import inlined, inner
-from runtime.core.modes_and_event_kinds import SLIDING, Mode
+from runtime.core.modes_and_event_kinds import BALANCED, CLOSED, SLIDING, Mode
 from runtime.core.state_derivative import evaluate_accelerations
+from runtime.hybrid.redundant_sliding import is_resting
 from runtime.hybrid.switching_values_and_margins import extrapolate
 
 CONSISTENT = -1
@@ -64,12 +65,24 @@ def find_unsupported(context: Context, t: float, q: Vector, v: Vector) -> int:
     count = context[ft.SLIDING_COUNT]
     for c in range(count):
         k = int(context.sliding_functions[c])
+        if is_resting(context, c):
+            continue
         inside = context.share_low[k] - MISSED <= context.share[k] <= context.share_high[k] + MISSED
         if context.limits[2 * k] >= 0:
             inside = ft.friction_margin_of(context)(context, t, q, v, k) >= -MISSED
         if not inside or not context.response[c * count + c] < 0.0:
             return k
     return CONSISTENT
+
+
+@inlined
+def is_followed(context: Context, candidate: Integers, i: int) -> bool:
+    """Whether the look-ahead tells of the `i`-th member; of sliding ones their shares do.
+
+    Those that rest have none, and must stay on their surface.
+    """
+    k = context.members[i]
+    return bool(candidate[k] != SLIDING or context.boundary[k] == BALANCED)
 
 
 @inner
@@ -91,7 +104,7 @@ def find_contradiction(
     open_members = 0
     for i in range(count):
         signs[i] = 0
-        open_members += 1 if candidate[members[i]] != SLIDING else 0
+        open_members += 1 if is_followed(context, candidate, i) else 0
     distance = d * _FIRST
     while open_members > 0 and distance <= 1.5 * d:
         look_ahead(context, t, distance, state)
@@ -99,13 +112,15 @@ def find_contradiction(
             k = members[i]
             change = context.trial[k] - context.now[k]
             significant = abs(change) > _SIGNIFICANT * max(context.largest[k], abs(context.now[k]))
-            if signs[i] == 0 and significant and candidate[k] != SLIDING:
+            if signs[i] == 0 and significant and is_followed(context, candidate, i):
                 signs[i] = 1 if change > 0.0 else -1
                 open_members -= 1
         distance *= 10.0
     for i in range(count):
         k = int(members[i])
         if candidate[k] == SLIDING:
+            if signs[i] != 0:
+                return k
             continue
         if not np.isfinite(context.trial[k]):
             return k
@@ -114,6 +129,8 @@ def find_contradiction(
         # A contact that others keep closed may touch without a force of its own; friction at rest
         # may exert any force within its bounds, also those at their ends.
         touches = (context.rigid[k] >= 0 or context.sticks[k] != 0) and signs[i] == 0
-        if not touches and (signs[i] > 0) != (candidate[k] != 0):
+        goes_up = signs[i] > 0 or (signs[i] == 0 and context.boundary[k] == CLOSED)
+        undecided = signs[i] == 0 and context.boundary[k] == BALANCED
+        if not touches and (undecided or goes_up != (candidate[k] == 1)):
             return k
     return CONSISTENT

@@ -15,7 +15,7 @@ from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid import switching_values_and_margins as switching
 from runtime.hybrid.impact import ON_SURFACE
 from runtime.hybrid.mode_selection import prefer_released, set_preferences, surface_band
-from runtime.hybrid.redundant_sliding import share_freedom
+from runtime.hybrid.redundant_sliding import rests, share_freedom
 from runtime.linalg.vectors import copy_vector, largest_magnitude
 
 LOOK_AHEAD = 0.05  # measured: of a step; look-ahead in which modes are judged
@@ -205,7 +205,10 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
     else:
         if modes[crossing] == SLIDING:
             evaluate_accelerations(context, t, context.q1, context.v1, modes, context.first_scratch)
-            prefer_release(context, t, crossing)
+            if rests(context, crossing):
+                context.preferred[crossing] = 0
+            else:
+                prefer_release(context, t, crossing)
         prefer_released(context, crossing, t)
         evaluate_now(context, t)
     mark_surfaces(context, t, h, crossing, impact)

@@ -4,7 +4,8 @@ import numpy as np
 
 from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context
-from runtime.core.jit import inner
+from runtime.core.jit import inlined, inner
+from runtime.core.modes_and_event_kinds import BALANCED
 from runtime.core.unowned_array_views import view
 from runtime.linalg.lu import equilibrate
 from runtime.linalg.rank_policy import SAME_HOLD
@@ -80,6 +81,36 @@ def solve_least(context: Context, slack: float) -> int:
         reach[c] *= total
     copy_vector(view(reach, 0, count), right)
     return 0
+
+
+@inlined
+def is_resting(context: Context, c: int) -> bool:
+    """Whether no mode moves the `c`-th function in sliding mode, a balanced one, off its surface.
+
+    What stays on it by itself takes the mean of both sides there.
+    """
+    balanced = context.boundary[context.sliding_functions[c]] == BALANCED
+    return bool(balanced and context.response[c * context[ft.SLIDING_COUNT] + c] == 0.0)
+
+
+@inner
+def rests(context: Context, k: int) -> bool:
+    """Whether function `k` is in sliding mode and rests, see `is_resting`."""
+    for c in range(context[ft.SLIDING_COUNT]):
+        if context.sliding_functions[c] == k:
+            return is_resting(context, c)
+    return False
+
+
+@inner
+def keep_resting(context: Context, value: float) -> None:
+    """Replace the equations of functions that rest by x = `value`, in `solve_least`'s arrays."""
+    count = context[ft.SLIDING_COUNT]
+    for c in range(count):
+        if is_resting(context, c):
+            context.right_side[c] = value
+            for j in range(count):
+                context.response_copy[c * count + j] = 1.0 if j == c else 0.0
 
 
 @inner

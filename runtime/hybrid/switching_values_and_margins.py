@@ -8,9 +8,12 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.hybrid.redundant_sliding import is_resting
 from runtime.hybrid.rhs_with_sliding_or_stabilization import STEP
 
 _AHEAD = 1e-4  # accuracy: of a step; the distance over which the rate of a margin is differenced
+_RESTING = 1e-13  # accuracy: of the largest |g|; a function that rests is no further off
+TINY = 1e-300  # safety: added to a divisor that may be zero
 UNBOUNDED = -1e300  # code: lower bounds below it mean none
 
 
@@ -53,6 +56,12 @@ def write_margins(context: Context, t: float, state: int, slot: int) -> None:
     for k in range(context[ft.SWITCHES]):
         if context.modes[k] == SLIDING:
             margins[k] = compute_margin(context, t, q, v, k)
+    for c in range(context[ft.SLIDING_COUNT]):
+        if is_resting(context, c):
+            k = context.sliding_functions[c]
+            abi.switching_of(context)(t, q, v, context.parameters, context.base_response)
+            width = _RESTING * context.reserve[k] + TINY
+            margins[k] = 1.0 - abs(context.base_response[k]) / width
 
 
 @inner

@@ -108,18 +108,12 @@ def choose_modes(context: Context, t: float) -> int:
 def record_start(context: Context, t: float) -> None:
     """Write the samples of the first instant."""
     r, t_eval = run_record(context), context.sample_times
-    band, out_modes = context.band, context.out_modes
     if r.every_step != 0:
         record(context, t, Y0)
     while r.next_sample < context[ft.SAMPLE_TIMES] and t_eval[r.next_sample] <= t:
         if r.every_step == 0:
             record(context, t_eval[r.next_sample], Y0)
         r.next_sample += 1
-    for i in range(r.samples):
-        for k in range(context[ft.SWITCHES]):
-            # At the very instant of the start a condition on its boundary does not hold yet.
-            if band[k] > 0.0:
-                out_modes[i, k] = 0
 
 
 @inner

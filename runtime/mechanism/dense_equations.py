@@ -6,7 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core.array_types import Kernel
+from runtime.core.modes_and_event_kinds import Boundary
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.module_tables import Description
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
 FloatArray = npt.NDArray[np.float64]
@@ -14,7 +16,10 @@ IntArray = npt.NDArray[np.int64]
 
 # measured: part of the largest distance from the origin; a machine counts as no smaller
 _LEAST_PART = 0.01
-_ROUNDING = 1e-9  # accuracy: m; a length below this is rounding
+_ROUNDING = 1e-9  # accuracy: of the longest length known; a length below this part is rounding
+_FAR = 1e3  # safety: scaled slopes above this, or all below its inverse, measure their row
+# safety: of the longest arm in other poses; arms that all fall below it vanish in the one at hand
+_VANISHED = 1e-3
 
 
 class Equations:
@@ -79,8 +84,10 @@ class Equations:
         return a, lam, int(self.kernels.accelerations(t, q, v, self.p, modes, a, lam))
 
     def rest_modes(self, t: float, q: FloatArray) -> IntArray:
-        """Modes at rest, shape (s,); a condition at its boundary does not hold."""
-        modes: IntArray = (self.switching(t, q, np.zeros(self.n)) > 0.0).astype(np.int64)
+        """Modes at rest, shape (s,); a condition at its boundary holds where it is closed."""
+        g = self.switching(t, q, np.zeros(self.n))
+        closed = self.description.boundaries == Boundary.CLOSED
+        modes: IntArray = ((g > 0.0) | ((g == 0.0) & closed)).astype(np.int64)
         return modes
 
     def switching(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
@@ -120,14 +127,52 @@ class Equations:
         """The largest distance from the origin along an axis, in m."""
         return float(np.abs(q[self.description.is_length]).max(initial=0.0))
 
+    def typical_reach(self, t: float, q: FloatArray, matrix: FloatArray) -> float:
+        """The longest arm at q, where Φ_q is `matrix`; with angles turned, where all vanish there.
+
+        A contact at α = π/2 leaves nothing of an arm but the rounding of cos α.
+        """
+        here = self.reach(matrix)
+        if here > _VANISHED * self.extent(q) > 0.0:
+            return here
+        others = [self.reach(self.jacobian(t, pose)) for pose in turned(self.description, q)]
+        there = max((arm for arm in others if np.isfinite(arm)), default=0.0)
+        return here if here > _VANISHED * there else there
+
     def size(self, t: float, q: FloatArray) -> float:
         """A length typical of the mechanism, in m, from how angles enter lengths; 1 if none do."""
-        reach, extent = self.reach(self.jacobian(t, q)), self.extent(q)
+        reach, extent = self.typical_reach(t, q, self.jacobian(t, q)), self.extent(q)
         return max(reach, 1e-3 * extent) if reach > 0.0 else extent or 1.0
+
+    def row_scale(self, t: float, q: FloatArray, size: float) -> FloatArray:
+        """Typical change of each constraint, (m,): `size` for lengths, else 1.
+
+        A row whose slopes are far from that, such as the square of a length, is measured by them.
+        """
+        matrix, scale = self.jacobian(t, q), self.scale(size)
+        even: FloatArray = np.where(self.length_rows(matrix), size, 1.0)
+        steepest = np.abs(matrix * scale).max(axis=1, initial=0.0) / even
+        if np.all((steepest > 1.0 / _FAR) & (steepest < _FAR)):
+            return even
+        for pose in turned(self.description, q):  # a row may be flat by chance
+            slopes = np.abs(self.jacobian(t, pose) * scale).max(axis=1, initial=0.0) / even
+            steepest = np.maximum(steepest, np.where(np.isfinite(slopes), slopes, 0.0))
+        far = (steepest > _FAR) | ((steepest < 1.0 / _FAR) & (steepest > 0.0))
+        measured: FloatArray = np.where(far & np.isfinite(steepest), even * steepest, even)
+        return measured
 
     def scale(self, size: float) -> FloatArray:
         """Typical change of each coordinate: `size` for lengths, else 1, shape (n,)."""
         return np.where(self.description.is_length, size, 1.0)
+
+
+def turned(description: Description, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Poses with every angle of q turned by half a radian or so, each by another amount."""
+    angles = np.flatnonzero(~description.is_length)
+    first, second = q.copy(), q.copy()
+    first[angles] += 0.5 + 0.2 * np.sin(1.0 + angles)
+    second[angles] -= 0.5 + 0.2 * np.cos(2.0 * angles)
+    return first, second
 
 
 def _filled(count: int, kernel: Kernel, *arguments: Any) -> FloatArray:
@@ -146,14 +191,13 @@ def magnitudes(equations: Equations, t: float, q: FloatArray) -> FloatArray:
     none.
     """
     matrix = equations.jacobian(t, q)
-    reach, extent = equations.reach(matrix), equations.extent(q)
-    if reach > _ROUNDING:
+    reach, extent = equations.typical_reach(t, q, matrix), equations.extent(q)
+    if reach > _ROUNDING * max(extent, 1.0):
         return equations.scale(max(reach, _LEAST_PART * extent))
-    if extent > _ROUNDING:
-        return equations.scale(extent)
     gaps = np.abs(equations.constraints(t, equations.description.neutral))
     fixed = float(gaps[equations.length_rows(matrix)].max(initial=0.0))
-    if not fixed > _ROUNDING:
-        declared = zip(equations.description.parameters, equations.p, strict=False)
-        fixed = max((abs(float(value)) for row, value in declared if row.unit == "m"), default=0.0)
-    return equations.scale(fixed if fixed > _ROUNDING else 1.0)
+    rows = zip(equations.description.parameters, equations.p, strict=False)
+    declared = max((abs(float(value)) for row, value in rows if row.unit == "m"), default=0.0)
+    known = max(reach, _LEAST_PART * extent) if reach > 0.0 else 0.0, extent, fixed, declared
+    least = _ROUNDING * max(known)
+    return equations.scale(next((length for length in known if length > least), 1.0))

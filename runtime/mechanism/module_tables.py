@@ -11,6 +11,7 @@ import numpy.typing as npt
 from codegen.argument_readers import shortened
 from codegen.errors import UnknownNameError
 from codegen.parameter_conditions import ConditionRow, ProfileRow
+from runtime.core.modes_and_event_kinds import Boundary
 
 Indices = npt.NDArray[np.int64]
 
@@ -124,7 +125,8 @@ class Switch(NamedTuple):
 
     name: str
     condition: str
-    # "friction": a slip that may stay zero; "contact": the gap of a rigid contact
+    # "friction": a slip that may stay zero; "contact": the gap of a rigid contact; at g = 0 a
+    # "closed condition" holds, and of a "balanced condition" the mean of both sides
     kind: str = "condition"
 
     @property
@@ -209,6 +211,7 @@ class Description(NamedTuple):
     kernels: frozenset[str] = frozenset()  # what the module defines, its kernels among it
     rigid: Table[RigidContact] = Table()
     stiction: tuple[int, ...] = ()
+    weak_pivot: float = 0.0  # part of its reference below which a pivot is weak; 0: none is watched
     time_functions: tuple[TimeFunction, ...] = ()
     conditions: tuple[ConditionRow, ...] = ()  # on parameters, judged before each run
     profiles: tuple[ProfileRow, ...] = ()
@@ -237,6 +240,12 @@ class Description(NamedTuple):
     def tracked(self) -> tuple[str, ...]:
         """Points whose paths are reported."""
         return tuple(row.name for row in self.effects if row.kind == "tracked point")
+
+    @property
+    def boundaries(self) -> npt.NDArray[np.int64]:
+        """Of each switch what holds where its function stays at zero, a `Boundary`."""
+        words = {"closed condition": Boundary.CLOSED, "balanced condition": Boundary.BALANCED}
+        return np.array([words.get(row.kind, Boundary.OPEN) for row in self.switches], np.int64)
 
     @property
     def work_rows(self) -> dict[str, int]:

@@ -41,4 +41,5 @@ def common_system(
         switches=len(description.switches),
         rigid=tuple(contact.switch for contact in description.rigid),
         sticking=tuple(k for k, row in enumerate(description.switches) if row.kind == "friction"),
+        boundaries=tuple(description.boundaries.tolist()),
     )

@@ -8,6 +8,7 @@ import numpy as np
 from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
+from runtime.assembly.masses_far_apart import suited_to_masses
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -95,7 +96,7 @@ def equilibrium(
             f"{description.title}: 0 degrees of freedom are left{drivers}, so there is nothing to "
             f"balance. Leave the drivers out of the scene, or ask for inverse dynamics."
         )
-    mechanism = with_redundancy(mechanism, start)
+    mechanism = suited_to_masses(with_redundancy(mechanism, start), start.t, start.q, p)
     equations = Equations(mechanism, p)
     _require_finite(equations, float(t), start.q)
     statics = StaticEquations(equations, float(t), equations.scale(equations.size(t, start.q)))

@@ -13,8 +13,9 @@ import numpy as np
 from numba import from_dtype
 
 from runtime.core.array_types import i8, integers, matrix, named_tuple_type, vector
-from runtime.core.jit import ADDRESSES, compiled, inner
+from runtime.core.jit import ADDRESSES, compiled, inlined, inner
 from runtime.core.kernel_abi import accelerations_of, correction_of, kinetic_energy_of, switching_of
+from runtime.core.modes_and_event_kinds import CLOSED
 from runtime.linalg.vectors import axpy, largest_ratio
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
@@ -40,7 +41,7 @@ RECORD = np.dtype([(name, float) for name in _FLOATS] + [("peaks", np.int64), ("
 # Rows of `work`, (13, n): four accelerations; q and v at the stages in turn; dq, dv; zeros.
 _WORKSPACE = {
     **dict.fromkeys(("p", "scale", "weights", "q", "v", "lam", "g"), vector),
-    "modes": integers,
+    **dict.fromkeys(("modes", "at_zero"), integers),
     "work": matrix,
 }
 Workspace: Any = cast(Any, namedtuple)("Workspace", _WORKSPACE)
@@ -79,6 +80,12 @@ def take_step(kernels: Any, s: Any, t: float, h: float) -> tuple[int, float]:
     return int(weak), error / _TOLERANCE
 
 
+@inlined
+def mode_at_rest(g: float, at_zero: int) -> int:
+    """The mode of a condition at rest, by its function and what holds where that is zero."""
+    return 1 if g > 0.0 or (g == 0.0 and at_zero == CLOSED) else 0
+
+
 @inner
 def count_changed_modes(kernels: Any, s: Any, t: float, q: Any) -> int:
     """Evaluate the switching functions at rest in q; the number of modes that differ from them."""
@@ -86,7 +93,7 @@ def count_changed_modes(kernels: Any, s: Any, t: float, q: Any) -> int:
     switching_of(kernels)(t, q, still, s.p, s.g)
     changed = 0
     for i in range(s.g.size):
-        changed += 1 if (s.g[i] > 0.0) != (s.modes[i] == 1) else 0
+        changed += 1 if mode_at_rest(s.g[i], s.at_zero[i]) != s.modes[i] else 0
     return changed
 
 
@@ -122,7 +129,7 @@ def relax(kernels: Any, s: Any, r: Any, count: Any) -> int:
     for _ in range(count):
         count_changed_modes(kernels, s, r.t, s.q)
         for i in range(s.g.size):
-            s.modes[i] = 1 if s.g[i] > 0.0 else 0
+            s.modes[i] = mode_at_rest(s.g[i], s.at_zero[i])
         if accelerations_of(kernels)(r.t, s.q, s.v, s.p, s.modes, s.work[0], s.lam) != 0:
             return -1
         h = min(r.step, r.limit)
@@ -166,7 +173,8 @@ def settle_down(
     state = Workspace(
         p=equations.p, scale=scale, weights=scale * scale, q=q.copy(),
         v=np.ascontiguousarray(1e-3 * statics.motions(q, part) @ push), lam=np.zeros(equations.m),
-        g=np.zeros(len(modes)), modes=modes, work=np.zeros((13, n)),
+        g=np.zeros(len(modes)), modes=modes,
+        at_zero=equations.description.boundaries, work=np.zeros((13, n)),
     )  # fmt: skip
     record = np.rec.array(np.zeros(1, RECORD))[0]
     record.t, record.step, record.limit = statics.t, 1e-3, np.inf

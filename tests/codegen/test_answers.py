@@ -2,13 +2,14 @@
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 import sympy
 
-from codegen import Constraint, Effect, ModelError, Statement
-from tests.codegen.test_boundary import Machine, refusal
+from codegen import Body, Constraint, Effect, ModelError, Statement
+from tests.codegen.test_boundary import MARK, Machine, refusal
 
 
 class Belt(Effect):
@@ -105,3 +106,21 @@ def test_answers_of_another_kind_are_refused_by_name(case: str) -> None:
 def test_a_statement_says_what_is_wrong_where_it_is_made() -> None:
     with pytest.raises(ModelError, match="bindings is 7"):
         Statement((sympy.Symbol("x"),), ("x",), None, 7)  # type: ignore[arg-type]
+
+
+class Loaded(Body):
+    """A body whose angle is text in a tuple."""
+
+    @property
+    def angle(self) -> Any:
+        return (f"__import__('pathlib').Path({MARK!r}).touch()",)
+
+
+def test_text_among_the_answers_of_a_body_is_never_evaluated(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    one = sympy.S.One
+    told = refusal(lambda m: m.model.add(Loaded("mine", one, one, m.model.token)))
+    assert "'mine'" in told
+    assert not (tmp_path / MARK).exists()

@@ -24,6 +24,7 @@ COMMANDS = (
     ("codegen", "build", "rods", "--out", "elsewhere"),
     ("program", "1e6"),
 )
+KERNELS = "generated*/rods*.nbc"
 PROGRAM = """
 import sys
 from runtime import load
@@ -47,6 +48,7 @@ def campaign(
     chance, (ends, wrong) = random.Random(seed), place.found
     (place.folder / "program.py").write_text(PROGRAM)
     start_up = {command: _start_up(place, command) for command in commands}
+    whole = len(list(place.code.glob(KERNELS)))
     for attempt in range(tries):
         command, numbers = chance.choice(commands), chance.choice(SIGNALS)
         if command[0] == "program":
@@ -54,15 +56,17 @@ def campaign(
         shutil.rmtree(place.folder / "elsewhere", ignore_errors=True)
         (place.folder / "result.csv").unlink(missing_ok=True)
         if chance.random() < COLD:
-            for path in place.code.glob("generated*/rods*"):
+            for path in place.code.glob(KERNELS):
                 path.unlink()
+        cold = len(list(place.code.glob(KERNELS))) < whole
         process = place.start(*command)
         instant = chance.uniform(0.0, 1.5 * start_up[command])  # s of processor time
         while processor_seconds(process.pid) < instant and process.poll() is None:
             time.sleep(0.002)
         running = process.poll() is None
         end = place.end(process, numbers)
-        kind, faults = judge(place, end, numbers[0], end.before > 1.3 * start_up[command])
+        computing = not cold and end.before > 1.3 * start_up[command]
+        kind, faults = judge(place, end, numbers[0], computing)
         if command[0] == "program":
             kind, faults = judge_program(end)
         ends[kind if running else "ended by itself"] += 1

@@ -1,8 +1,7 @@
 """The kernel of accelerations and multipliers, by the elimination that costs least."""
 
-from codegen.declare.symbols import Parameter
-from codegen.derive.inertia import neutral
 from codegen.lower.kernels.corrections import solutions
+from codegen.lower.kernels.mobility_spread import FAR
 from codegen.lower.kernels.reaction_friction import with_friction
 from codegen.lower.linear.factorization import Elimination, Strategy, augmented
 from codegen.lower.linear.labels import Labels
@@ -12,36 +11,24 @@ from codegen.lower.program import Kernel, Output, store
 from codegen.lower.scene_graph import SceneGraph
 
 ARGUMENTS = "t q v p modes a lam"
-FAR = 1e5
-"""accuracy: ratio of the largest to the smallest mass, or moment of inertia, from which on
-solutions are refined: an elimination that divides by the wrong ones loses as many digits as the
-ratio has.
-"""
 
 
-def accelerations(scene: SceneGraph, rows: tuple[int, ...]) -> tuple[Kernel, Strategy]:
-    """The fused kernel, by the order that costs least; it returns the multipliers of `rows`."""
+def accelerations(
+    scene: SceneGraph, rows: tuple[int, ...], spread: float
+) -> tuple[Kernel, Strategy]:
+    """The fused kernel, by the order that costs least; it returns the multipliers of `rows`.
+
+    Where the masses have a `spread` that is far, it substitutes as long as it can, which divides
+    by no mass, and refines the solution.
+    """
     if not scene.mass:
         driven = scene.equations.scene.analysis == "kinematics" and scene.m == scene.n > 0
         return _kinematics(scene), "square" if driven else "schur"
+    if spread >= FAR:
+        return dynamics_kernel(scene, "substitute", rows, refine=True), "substitute"
     strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
     trials = [(dynamics_kernel(scene, strategy, rows), strategy) for strategy in strategies]
-    kernel, strategy = min(trials, key=lambda trial: cost(scene.graph, trial[0]))
-    if _spread(scene) >= FAR:
-        kernel = dynamics_kernel(scene, strategy, rows, refine=True)
-    return kernel, strategy
-
-
-def _spread(scene: SceneGraph) -> float:
-    """Largest ratio of two masses, or of two moments of inertia, as declared, neutral pose."""
-    coordinates = scene.equations.coordinates
-    declared = {Parameter(p.name, real=True): p.value for p in scene.equations.parameters}
-    sizes: dict[str, list[float]] = {}
-    for i, k, mass in scene.equations.mass:
-        size = float(mass.subs(declared).subs(neutral(coordinates))) if i == k else 0.0
-        if size > 0.0:
-            sizes.setdefault(coordinates[k].unit, []).append(size)
-    return max((max(group) / min(group) for group in sizes.values()), default=1.0)
+    return min(trials, key=lambda trial: cost(scene.graph, trial[0]))
 
 
 def dynamics_kernel(

@@ -6,6 +6,7 @@ from codegen.derive.equations import Equations
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.kernels.accelerations import accelerations
 from codegen.lower.kernels.corrections import correction
+from codegen.lower.kernels.mobility_spread import mobility_spread, weak_pivot
 from codegen.lower.kernels.parameter_conditions import condition_kernels
 from codegen.lower.kernels.rigid_contact_and_stiction import hold_kernels, reaction_outputs
 from codegen.lower.kernels.selection_by_outputs import Selection
@@ -46,9 +47,10 @@ def lower(equations: Equations) -> Lowered:
         gamma = storing("acceleration_rhs", summary, "t q v p gamma", scene.gamma, scene.rows)
         kernels.append(gamma)
     strategy: Strategy | None = None
+    spread = mobility_spread(scene)
     recovered, reported = selection.multipliers(scene), selection.reactions(scene)
     if recovered or not resting:
-        fused, strategy = accelerations(scene, recovered)
+        fused, strategy = accelerations(scene, recovered, spread)
         kernels.append(fused)
     if not resting:
         kernels.append(correction(scene))
@@ -67,7 +69,9 @@ def lower(equations: Equations) -> Lowered:
         kernels += hold_kernels(scene, reported)
     kernels += condition_kernels(scene)
     _note_weights(scene)
-    program = with_constants(scene.graph, tuple(kernels), len(equations.parameters))
+    program = with_constants(
+        scene.graph, tuple(kernels), len(equations.parameters), weak_pivot(spread)
+    )
     description = describe(scene, powers, reported, recovered)
     return Lowered(program, description, strategy, scene)
 

@@ -5,7 +5,7 @@ and known for none beforehand; it scatters about that line by a power of ten. A 
 compared with another of much tighter tolerance. Their difference is the error of the first run, or
 of the second if that is larger by chance. From the first to the second, errors fall by the ratio of
 the tolerances as a rule; the estimate assumes that they fall by its power 3/4 only, which leaves a
-factor of four for the scatter at a ratio of 300; below 2e-13 rounding keeps them from falling. If
+factor of three for the scatter at a ratio of 100; below 2e-13 rounding keeps them from falling. If
 the estimate is below the target, the second run is the result; otherwise the difference shows how
 much tighter the next run must be.
 

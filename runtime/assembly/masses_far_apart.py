@@ -1,0 +1,104 @@
+"""Masses that parameter values put far apart: accelerations by the null space of Φ_q.
+
+A generated module orders its elimination for the masses that it was built with. Where those of a
+run lie much further apart, the elimination loses digits, and takes constraints for dependent that
+are not: pivots of Φ_q M⁻¹ Φ_qᵀ are then as small as a light body's share in M⁻¹ is large.
+"""
+
+from dataclasses import replace
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numba import njit
+
+from codegen.errors import AnalysisError
+from runtime.core.array_types import Kernel
+from runtime.core.jit import OPTIONS
+from runtime.core.kernel_abi import SIGNATURES
+from runtime.linalg.row_elimination import Sparse
+from runtime.mechanism.dense_equations import Equations, FloatArray, turned
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+
+# accuracy: part of a pivot's reference that the masses alone may cost, in weak pivots: beyond it
+# accelerations have nine digits at most
+_MOST = 1e-2
+_DOUBTFUL = 1e-3  # safety: of that; a larger spread in one pose asks for others
+_NEGLIGIBLE = 1e-6  # accuracy: a slope of a length, or an arm beside the longest, that is none
+_VARIANTS: WeakKeyDictionary[Mechanism, Mechanism] = WeakKeyDictionary()
+"""Compiled once for each mechanism."""
+
+
+def suited_to_masses(mechanism: Mechanism, t: float, q: FloatArray, p: FloatArray) -> Mechanism:
+    """The mechanism, or, where masses lie too far apart for its kernels, one that bears them."""
+    description = mechanism.description
+    if not (description.has_masses and description.weak_pivot and mechanism.sufficient is None):
+        return mechanism
+    equations = Equations(mechanism, p)
+    inertia, most = np.diag(equations.mass(q)), _MOST / description.weak_pivot
+    slopes = np.abs(equations.jacobian(t, q))
+    if mobility_spread(equations, inertia, slopes) < _DOUBTFUL * most:
+        return mechanism
+    for pose in turned(description, q):
+        slopes = np.maximum(slopes, np.abs(equations.jacobian(t, pose)))
+    spread = mobility_spread(equations, inertia, slopes)
+    if not spread > most:
+        return mechanism
+    rubbing = [row.name for row in description.effects if row.kind == "friction"]
+    if rubbing:
+        raise AnalysisError(
+            f"{mechanism.title}: the masses and moments of inertia of this run make constraints "
+            f"{spread:.1g} times as mobile as others, far more than those that the module was "
+            f"built with, and friction in joints ({', '.join(rubbing)}) needs their reactions. "
+            "Declare the parameters with values of this size, so that the build allows for them."
+        )
+    if mechanism not in _VARIANTS:
+        kernels = replace(mechanism.kernels, accelerations=_accelerations(mechanism))
+        _VARIANTS[mechanism] = replace(mechanism, kernels=kernels)
+    return _VARIANTS[mechanism]
+
+
+def _accelerations(mechanism: Mechanism) -> Kernel:
+    """The kernel of accelerations and multipliers, by the null space."""
+    from runtime.linalg.motion_by_null_space import solve_motion_by_null_space
+
+    kernels, description = mechanism.kernels, mechanism.description
+    jacobian, gamma_of = kernels.jacobian, kernels.acceleration_rhs
+    mass_of, forces = kernels.mass, kernels.applied_forces
+    resting = description.analysis == "equilibrium"  # such a scene has no γ, which is zero at rest
+    rows, columns = description.jacobian_rows, description.jacobian_columns
+    mass_rows, mass_columns = description.mass_rows, description.mass_columns
+    n, m = len(description.coordinates), len(description.constraints)
+
+    def accelerations(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
+        values, masses = np.empty(rows.size), np.empty(mass_rows.size)
+        gamma, force = np.zeros(m), np.empty(n)
+        jacobian(t, q, p, values)
+        if not resting:
+            gamma_of(t, q, v, p, gamma)
+        mass_of(q, p, masses)
+        forces(t, q, v, p, modes, force)
+        slopes, inertia = Sparse(rows, columns, values), Sparse(mass_rows, mass_columns, masses)
+        return solve_motion_by_null_space(slopes, inertia, force, gamma, a, lam)
+
+    options = {name: value for name, value in OPTIONS.items() if name != "cache"}
+    compiled: Kernel = njit(SIGNATURES["accelerations"], **options)(accelerations)
+    return compiled
+
+
+def mobility_spread(equations: Equations, inertia: FloatArray, slopes: FloatArray) -> float:
+    """Largest ratio of two mobilities Φ_ik² / M_kk in a row, from M_kk, (n,), and |Φ_ik|, (m, n).
+
+    Slopes of lengths and arms that rounding explains feel nothing.
+    """
+    lengths = equations.description.is_length
+    slopes = np.where(np.isfinite(slopes), slopes, 0.0)
+    unit = slopes[:, lengths].max(axis=1, initial=0.0)
+    unit = np.where(unit > 0.0, unit, slopes.max(axis=1, initial=0.0))
+    slopes = slopes / np.where(unit > 0.0, unit, 1.0)[:, None]
+    arms = slopes[:, ~lengths].max(initial=0.0)
+    felt = (inertia > 0.0) & (slopes > _NEGLIGIBLE * np.where(lengths, 1.0, arms))
+    mobility = slopes**2 / np.where(inertia > 0.0, inertia, 1.0)
+    most = np.max(mobility, axis=1, where=felt, initial=0.0)
+    least = np.min(mobility, axis=1, where=felt, initial=np.inf)
+    return float((most / least).max(initial=1.0))

@@ -1,0 +1,182 @@
+"""Accelerations, multipliers and reactions of a mechanism by dense algebra, written by hand.
+
+The whole system [M Φ_qᵀ; Φ_q 0] is formed and solved at once, with Φ_q by complex steps and γ by
+Taylor series of the equations in `constraint_equations`, Q by virtual work. Nothing of it comes
+from the library.
+"""
+
+from dataclasses import dataclass
+from math import hypot
+from typing import Any
+
+import numpy as np
+
+from tests.random_mechanisms import parts
+from tests.random_mechanisms.constraint_equations import Placement, equations
+from tests.random_mechanisms.jets import Derivatives, derivatives, variables
+from tests.random_mechanisms.pose_analysis import column_sizes
+from tests.random_mechanisms.reactions_by_hand import reaction
+from tests.random_mechanisms.virtual_work import Works, normal_force, rubbing, works
+
+ROUNDS = 200  # of the normal forces of rubbing joints, which converge by a factor of about μ
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Everything that holds at a state, before it is solved."""
+
+    rows: list[Derivatives]
+    slices: dict[str, slice]
+    works: Works
+    at: Placement  # in plain numbers
+
+    @property
+    def jacobian(self) -> Any:
+        """Φ_q."""
+        return np.array([row.by_q for row in self.rows])
+
+    @property
+    def phi(self) -> Any:
+        """Φ."""
+        return np.array([row.value for row in self.rows])
+
+    @property
+    def gamma(self) -> Any:
+        """γ = -Φ̈ for accelerations of 0."""
+        return np.array([-row.second for row in self.rows])
+
+    @property
+    def nu(self) -> Any:
+        """ν = -Φ_t."""
+        return np.array([-row.by_t for row in self.rows])
+
+
+@dataclass(frozen=True)
+class Solution:
+    """q̈ and λ, and the reaction of each joint and driver by its components."""
+
+    a: Any
+    lam: Any
+    reactions: dict[tuple[str, str], float]
+
+
+class Dense:
+    """A mechanism's equations of motion."""
+
+    def __init__(self, mechanism: parts.Mechanism, length: float) -> None:
+        self.mechanism = mechanism
+        self.names = mechanism.coordinates
+        self.n = len(self.names)
+        self.masses = np.array([self._mass(name) for name in self.names])
+        self.sizes = column_sizes(self.names, length)
+
+    def _mass(self, name: str) -> float:
+        owner, letter = name.split(".")
+        body = next((b for b in self.mechanism.bodies if b.name == owner), None)
+        if body is None:
+            return 0.0
+        return body.mass if letter in "xy" else float(body.inertia or 0.0)
+
+    def equations(self, q: Any, v: Any, t: float) -> Equations:
+        """Constraints and forces at a state."""
+        jets, time = variables(q, v, t)
+        at, plain = Placement(self.mechanism, jets, time), Placement(self.mechanism, q, t)
+        rows: list[Derivatives] = []
+        slices = {}
+        for joint in self.mechanism.joints:
+            found = [derivatives(e, self.n) for e in equations(joint, at)]
+            slices[joint.name] = slice(len(rows), len(rows) + len(found))
+            rows += found
+        return Equations(rows, slices, works(self.mechanism, at, self.n), plain)
+
+    def solve(self, q: Any, v: Any, t: float) -> Solution:
+        """The motion at a state; joints that rub are solved by iteration from no friction."""
+        e = self.equations(q, v, t)
+        matrix, scale = self._system(e.jacobian if e.rows else np.zeros((0, self.n)))
+        rubs = [r for f in self.mechanism.effects for r in rubbing(f, self.mechanism, e.works)]
+        columns = [e.works.force, *(rub.per_normal for rub in rubs)]
+        right = [np.append(force, e.gamma if k == 0 else 0.0 * e.gamma)
+                 for k, force in enumerate(columns)]  # fmt: skip
+        solved = _solved(matrix, np.array(right).T * scale[:, None]) * scale[:, None]
+        normals = np.zeros(len(rubs))
+        for _ in range(ROUNDS):
+            x = solved[:, 0] + solved[:, 1:] @ normals
+            loads = {r.joint: self._reaction(e, r.joint, x[self.n :]) for r in rubs}
+            pressing = np.array([normal_force(rub, loads[rub.joint]) for rub in rubs])
+            settled = np.all(np.abs(pressing - normals) <= 1e-15 * np.abs(pressing))
+            normals = pressing
+            if settled:
+                break
+        x = solved[:, 0] + solved[:, 1:] @ normals
+        lam = x[self.n :]
+        found = {
+            (joint.name, component): value
+            for joint in self.mechanism.joints
+            for component, value in self._reaction(e, joint.name, lam).items()
+        }
+        return Solution(x[: self.n], lam, found)
+
+    def _reaction(self, e: Equations, name: str, lam: Any) -> dict[str, float]:
+        joint = next(j for j in self.mechanism.joints if j.name == name)
+        rows = e.slices[name]
+        force = -sum(
+            (row.by_q * k for row, k in zip(e.rows[rows], lam[rows], strict=True)),
+            start=np.zeros(self.n),
+        )
+        by_name = dict(zip(self.names, force.tolist(), strict=True))
+        return reaction(joint, e.at, by_name, lam[rows])
+
+    def _system(self, jacobian: Any) -> tuple[Any, Any]:
+        """The matrix with rows and columns of about one size, and what they were multiplied by."""
+        m = len(jacobian)
+        scale = np.concatenate([self.sizes, np.ones(m)])
+        heaviest = float(np.max(self.masses * self.sizes**2))
+        scale[: self.n] /= np.sqrt(heaviest)
+        rows = np.linalg.norm(jacobian * scale[: self.n], axis=1)
+        scale[self.n :] = 1.0 / rows
+        matrix = np.zeros((self.n + m, self.n + m))
+        matrix[: self.n, : self.n] = np.diag(self.masses)
+        matrix[self.n :, : self.n] = jacobian
+        matrix[: self.n, self.n :] = jacobian.T
+        return matrix * scale[:, None] * scale, scale
+
+    def least_singular_value(self, q: Any, t: float) -> float:
+        """Of Φ_q with columns in typical sizes and rows of unit length, part of the largest."""
+        jacobian = self.equations(q, np.zeros(self.n), t).jacobian * self.sizes
+        jacobian /= np.linalg.norm(jacobian, axis=1, keepdims=True)
+        values = np.linalg.svd(jacobian, compute_uv=False)
+        return float(values[-1] / values[0])
+
+    def closed(self, q: Any, v: Any, t: float) -> tuple[Any, Any]:
+        """The state put onto the constraints by the least change in typical sizes.
+
+        Raises
+        ------
+        ArithmeticError
+            If Newton's method does not get there.
+        """
+        for _ in range(40):
+            e = self.equations(q, v, t)
+            if not e.rows:
+                return q, v
+            scaled = e.jacobian * self.sizes
+            rows = np.linalg.norm(scaled, axis=1)
+            inverse = np.linalg.pinv(scaled / rows[:, None])
+            step = inverse @ (e.phi / rows)
+            q = q - step * self.sizes
+            if not np.all(np.isfinite(q)) or hypot(*step) > 1e3:
+                break
+            if hypot(*step) < 1e-13:
+                rate = np.array([row.rate for row in e.rows])
+                return q, v - (inverse @ (rate / rows)) * self.sizes
+        raise ArithmeticError("Newton's method does not close the joints")
+
+
+def _solved(matrix: Any, right: Any) -> Any:
+    """The solution, improved once in extended precision."""
+    x = np.linalg.solve(matrix, right)
+    long = matrix.astype(np.longdouble)
+    for _ in range(2):
+        rest = right.astype(np.longdouble) - long @ x.astype(np.longdouble)
+        x = x + np.linalg.solve(matrix, rest.astype(float))
+    return x

@@ -1,0 +1,19 @@
+"""A sample of the campaign: random mechanisms that are built, run and compared."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.random_mechanisms import random_mechanism
+from tests.random_mechanisms.campaign import MET, MOTION, judge
+
+
+@pytest.mark.parametrize("seed", [3, 5, 11])
+def test_a_run_agrees_with_the_dense_motion(seed: int, request: pytest.FixtureRequest) -> None:
+    """Loops that are free, a pinion that is driven, and a tree that rubs."""
+    folder: Path = request.config.cache.mkdir("random-mechanisms")
+    verdict = judge(random_mechanism(seed), folder)
+    assert verdict.complaint == ""
+    assert verdict.outcome == "OK"
+    assert verdict.statics < MET
+    assert verdict.motion < MOTION * 10

@@ -1,0 +1,54 @@
+"""Accelerations and multipliers by the null space against fifty digits, masses far apart."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from runtime.linalg.motion_by_null_space import solve_motion_by_null_space
+from tests.runtime.linalg.test_redundant_constraints_solve import sparse
+
+
+def exact(jacobian, mass, force, gamma):
+    m, n = jacobian.shape
+    with mp.workdps(50):
+        matrix = mp.zeros(n + m, n + m)
+        for i in range(n):
+            for j in range(n):
+                matrix[i, j] = mp.mpf(float(mass[i, j]))
+        for i in range(m):
+            for j in range(n):
+                matrix[n + i, j] = matrix[j, n + i] = mp.mpf(float(jacobian[i, j]))
+        x = mp.lu_solve(matrix, mp.matrix([mp.mpf(float(b)) for b in (*force, *gamma)]))
+        found = np.array([float(value) for value in x])
+    return found[:n], found[n:]
+
+
+@pytest.mark.parametrize("decades", [0, 4, 8, 12])
+@pytest.mark.parametrize("seed", range(3))
+def test_masses_far_apart_cost_no_digits(seed, decades):
+    random = np.random.default_rng(seed)
+    n, m = 8, 6
+    jacobian = np.where(random.uniform(size=(m, n)) < 0.7, random.normal(size=(m, n)), 0.0)
+    mass = np.diag(10.0 ** random.uniform(-decades, decades, n))
+    force, gamma = random.normal(size=n) * np.diag(mass), random.normal(size=m)
+    a, lam = np.zeros(n), np.zeros(m)
+    matrices = sparse(jacobian), sparse(mass)
+    assert solve_motion_by_null_space(*matrices, force, gamma, a, lam) == 0
+    exact_a, exact_lam = exact(jacobian, mass, force, gamma)
+    condition = np.linalg.cond(jacobian)
+    for found, expected in ((a, exact_a), (lam, exact_lam)):
+        assert np.abs(found - expected).max() < 1e-14 * condition * np.abs(expected).max()
+
+
+def test_a_dependent_constraint_is_counted_and_nothing_solved():
+    jacobian = np.array([[1.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
+    a, lam = np.zeros(3), np.zeros(2)
+    matrices = sparse(jacobian), sparse(np.eye(3))
+    assert solve_motion_by_null_space(*matrices, np.ones(3), np.ones(2), a, lam) == 1
+
+
+def test_a_free_motion_that_no_mass_resists_is_refused():
+    jacobian, mass = np.array([[1.0, 0.0, 0.0]]), np.diag([1.0, 1.0, 0.0])
+    a, lam = np.zeros(3), np.zeros(1)
+    matrices = sparse(jacobian), sparse(mass)
+    assert solve_motion_by_null_space(*matrices, np.ones(3), np.ones(1), a, lam) != 0
