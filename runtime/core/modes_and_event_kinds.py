@@ -33,4 +33,4 @@ class Direction(IntEnum):
 
 # Compiled code reads integers of a module.
 SLIDING, FREE = int(Mode.SLIDING), int(Mode.FREE)
-CLOSED, BALANCED = int(Boundary.CLOSED), int(Boundary.BALANCED)
+OPEN, CLOSED, BALANCED = int(Boundary.OPEN), int(Boundary.CLOSED), int(Boundary.BALANCED)

@@ -40,6 +40,16 @@ def log_event(context: Context, t: float, k: int, direction: int) -> None:
 
 
 @inner
+def move_event(context: Context, at: int, ahead: float) -> None:
+    """Give event `at` the state in which the motion of the state in row Y1 is, `ahead` later."""
+    n, y, last = context[ft.COORDINATES], context.event_states[at], run_record(context).last
+    a = ws.velocity_rates(context, ws.K + last)
+    for j in range(n):
+        y[n + j] = context.v1[j] + ahead * a[j]
+        y[j] = context.q1[j] + 0.5 * ahead * (context.v1[j] + y[n + j])
+
+
+@inner
 def evaluate_now(context: Context, t: float) -> None:
     """Write g of the state in row Y1 into row NOW, and its rate into RATE_NOW.
 
@@ -214,7 +224,7 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
     mark_surfaces(context, t, h, crossing, impact)
     ahead = min(LOOK_AHEAD * h, 0.1 * r.flight)
     r.blamed = ft.select_modes_of(context)(context, crossing, t, ahead, ws.Y1)
-    logged = 0
+    logged, at = 0, r.logged_events
     if impact:
         direction = _HOLDS if modes[crossing] == SLIDING else _IMPACT
         if r.blamed != consistency.CONSISTENT:
@@ -229,4 +239,6 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
         write_derivative(context, t, ws.Y1, ws.K + r.last)
         switching.evaluate_switching_and_rates(context, t, ws.Y1, ws.K + r.last, ws.G1)
         r.rhs += 1
+        if last > 0.0:
+            move_event(context, at, last)
     return logged

@@ -9,7 +9,7 @@ from runtime.core.array_types import Context, i8
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import switching_rates_of
 from runtime.core.loop_record import Plan, run_record
-from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.modes_and_event_kinds import OPEN, SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.workspace_rows import Y0, K, row_of, switch_row
@@ -114,6 +114,11 @@ def record_start(context: Context, t: float) -> None:
         if r.every_step == 0:
             record(context, t_eval[r.next_sample], Y0)
         r.next_sample += 1
+    for i in range(r.samples):
+        for k in range(context[ft.SWITCHES]):
+            # At the very instant of the start g > 0 does not hold yet on its boundary, g ≥ 0 may.
+            if context.band[k] > 0.0 and context.boundary[k] == OPEN:
+                context.out_modes[i, k] = 0
 
 
 @inner

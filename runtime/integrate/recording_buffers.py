@@ -115,7 +115,7 @@ def in_order(events: Events, now: float) -> Events:
 
     The end of bouncing is logged at the contact's last visible impact, with the instant at which
     its flights will be over: an event of the same contact, or the end of the run, that comes before
-    it is the latest at which that can be.
+    it is the latest at which that can be; its state goes back to that instant.
     """
     t = events.t
     if not ((np.diff(t) < 0.0).any() or (t[-1:] > now).any()):
@@ -124,7 +124,9 @@ def in_order(events: Events, now: float) -> Events:
     for i in range(len(t) - 1, -1, -1):
         k = int(events.index[i])
         if events.direction[i] == Direction.HOLDS:
-            t[i] = min(t[i], limit.get(k, now))
+            latest = min(t[i], limit.get(k, now))
+            events.q[i] += (latest - t[i]) * events.v[i]
+            t[i] = latest
         limit[k] = float(t[i])
     order = np.argsort(t, kind="stable")
     return Events(*(column[order] for column in vars(events).values()))

@@ -180,7 +180,7 @@ class Run:
                     run, code = change(run, code)
                 if code == _GOING and (signals.arrived or stopped):
                     code, signals.answered = int(Outcome.INTERRUPTED), not stopped
-            if code in _STUCK:
+            if code in (*_STUCK, Outcome.CONTRADICTED):
                 code = run._end_at_pole(code)
         return run.result(Outcome(code), time.thread_time() - began)
 

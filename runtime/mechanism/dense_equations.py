@@ -199,5 +199,7 @@ def magnitudes(equations: Equations, t: float, q: FloatArray) -> FloatArray:
     rows = zip(equations.description.parameters, equations.p, strict=False)
     declared = max((abs(float(value)) for row, value in rows if row.unit == "m"), default=0.0)
     known = max(reach, _LEAST_PART * extent) if reach > 0.0 else 0.0, extent, fixed, declared
-    least = _ROUNDING * max(known)
+    # Where the machine has no length of its own, a distance from the origin is one beside a metre.
+    own = max(reach, fixed, declared)
+    least = _ROUNDING * max(*known, 0.0 if own > 0.0 else 1.0)
     return equations.scale(next((length for length in known if length > least), 1.0))

@@ -91,15 +91,23 @@ class Mechanism:
 
 
 def _depend_on_multipliers(description: Description, kernels: Kernels) -> bool:
-    """Whether a power follows from a reaction: of a driver, of a friction that slides."""
+    """Whether a power follows from a reaction: of a driver, of a friction that slides.
+
+    A multiplier that is not a number shows in each product, also where the other factor is zero,
+    such as the rate of a driver that stands still at first.
+    """
     n, m, table = len(description.coordinates), len(description.constraints), description.parameters
     if not (m and description.powers):
         return False
     p = np.zeros(len(table) + len(description.constants))
     p[: len(table)] = [row.default for row in table]
     kernels.constants(p)
-    q, v, modes = np.full(n, 0.7), np.linspace(1.0, 2.0, n), np.ones(len(description.switches), int)
+    q, v = np.full(n, 0.7), np.linspace(1.0, 2.0, n)
     without, given = np.zeros((2, len(description.powers)))
-    kernels.powers(0.3, q, v, p, modes, np.zeros(m), without)
-    kernels.powers(0.3, q, v, p, modes, np.linspace(1.0, 2.0, m), given)
-    return not np.array_equal(without, given)
+    for mode in (0, 1):
+        modes = np.full(len(description.switches), mode)
+        kernels.powers(0.3, q, v, p, modes, np.zeros(m), without)
+        kernels.powers(0.3, q, v, p, modes, np.full(m, np.nan), given)
+        if np.any(np.isnan(given) & ~np.isnan(without)):
+            return True
+    return False

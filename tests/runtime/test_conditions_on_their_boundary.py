@@ -43,6 +43,9 @@ RESTING: dict[str, tuple[Force, float]] = {
 }
 """Name of a particle at y = 0 → the force along x on it, and its value from t = 0 on."""
 
+FIRST = {"after_now": 0.0, "until_now": 1.0}
+"""Of a condition that changes in the first instant: the value there, where t is 0 as written."""
+
 
 @pytest.fixture(scope="module")
 def resting(workshop: Path) -> Machine:
@@ -62,7 +65,8 @@ def test_every_sample_has_the_forces_of_the_boundary(resting: Machine, method: A
     assert run.outcome is Outcome.OK
     assert not run.events
     for name, (_, value) in RESTING.items():
-        assert_allclose(run.a(f"{name}.x"), value, rtol=1e-12, err_msg=name)
+        expected = [FIRST.get(name, value), *[value] * 4]
+        assert_allclose(run.a(f"{name}.x"), expected, rtol=1e-12, err_msg=name)
         assert_allclose(run.q(f"{name}.x"), value / 2 * instants**2, rtol=1e-9, err_msg=name)
 
 

@@ -64,21 +64,32 @@ def test_a_constraint_with_an_infinite_slope_is_refused(workshop: Path) -> None:
 
 
 FORCES = {
-    "inverse": (lambda m, p: m.force("push", p, fx=1 / p.x), 0.0),
-    "root of time": (lambda m, p: m.force("push", p, fx=sympy.sqrt(1 - 2 * t)), 0.5),
-    "potential": (lambda m, p: m.potential("push", p.x ** Rational(1, 3)), 0.0),
-    "spring": (lambda m, p: m.spring("push", m.ground, p, 5.0, free_length=1.0), 0.0),
+    "inverse": lambda m, p: m.force("push", p, fx=1 / p.x),
+    "potential": lambda m, p: m.potential("push", p.x ** Rational(1, 3)),
+    "spring": lambda m, p: m.spring("push", m.ground, p, 5.0, free_length=1.0),
 }
 
 
 @pytest.mark.parametrize("word", FORCES)
 def test_a_force_that_is_infinite_is_named(workshop: Path, word: str) -> None:
-    declare, stop = FORCES[word]
-    result = run(workshop, f"force_{word.replace(' ', '_')}", declare, 1.0)
+    result = run(workshop, f"force_{word}", FORCES[word], 1.0)
     assert result.outcome is Outcome.NOT_FINITE
     assert "the force of 'push' along bead.x" in result.message.replace("The", "the")
     assert "sound" not in result.message
-    assert_allclose(result.t[-1], stop, atol=1e-9)
+    assert_allclose(result.t[-1], 0.0, atol=1e-9)
+
+
+def test_a_force_of_time_that_ends_is_named(workshop: Path) -> None:
+    """The instant is known beforehand: the function of time ends, and not the accelerations."""
+    result = run(
+        workshop, "root_of_time", lambda m, p: m.force("push", p, fx=sympy.sqrt(1 - 2 * t)), 1.0
+    )
+    assert result.outcome is Outcome.DISCONTINUOUS
+    assert "A function of time in 'push' has no finite value at t = 0.5 s" in result.message
+    assert "sound" not in result.message
+    assert_allclose(result.t[-1], 0.5, atol=1e-9)
+    whole = result.t[:-1]
+    assert_allclose(result.a("bead.x")[:-1], 0.1 + np.sqrt(1 - 2 * whole), rtol=1e-12)
 
 
 @pytest.mark.parametrize("exponent", [2.5, 3.5, Rational(7, 3)])
