@@ -93,12 +93,15 @@ class Mechanism:
 def _depend_on_multipliers(description: Description, kernels: Kernels) -> bool:
     """Whether a power follows from a reaction: of a driver, of a friction that slides.
 
-    A multiplier that is not a number shows in each product, also where the other factor is zero,
-    such as the rate of a driver that stands still at first.
+    That of a driver does, whatever it is at an instant that is tried; of the others it shows by a
+    multiplier that is not a number, also where the other factor is zero.
     """
     n, m, table = len(description.coordinates), len(description.constraints), description.parameters
     if not (m and description.powers):
         return False
+    sources = {row.name for row in description.powers}
+    if any(row.element in sources for row in description.constraints):
+        return True
     p = np.zeros(len(table) + len(description.constants))
     p[: len(table)] = [row.default for row in table]
     kernels.constants(p)
