@@ -89,10 +89,10 @@ def real(value: Any) -> float | None:
     kind = getattr(getattr(value, "dtype", None), "kind", "f")
     if isinstance(value, bool | str | bytes | bytearray) or kind not in "iufO":
         return None
-    if getattr(value, "shape", ()) not in {(), None} or getattr(value, "mask", False) is not False:
+    if getattr(value, "shape", ()) not in {(), None} or bool(getattr(value, "mask", False)):
         return None
     try:
-        return float(value)
+        return float.__float__(value) if isinstance(value, float) else float(value)
     except (TypeError, ValueError, OverflowError):
         return None
 
@@ -140,7 +140,7 @@ def text(demand: str) -> Reader:
             raise MisfitError(f"it must be {demand}, a text.")
         if len(value) > _LONGEST:
             raise MisfitError(f"it has {len(value)} characters; {_LONGEST} are permitted.")
-        return str(value)
+        return str.__str__(value)
 
     return read
 
@@ -151,7 +151,7 @@ def choice(known: tuple[str, ...]) -> Reader:
     def read(value: Any) -> str:
         if not isinstance(value, str) or value not in known:
             raise MisfitError(f"it must be one of {', '.join(known)}.")
-        return str(value)
+        return str.__str__(value)
 
     return read
 

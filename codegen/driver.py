@@ -178,10 +178,13 @@ def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
             problems.append(
                 f"model '{model.name}' has no parameter '{name}'; {nearest(name, model.parameters)}"
             )
-        elif problem := model.parameters[name].problem(value):
+        elif (number := readers.real(value)) is None:
+            what = readers.shortened(value)
+            problems.append(f"parameter '{name}' is {what}; give a finite number.")
+        elif problem := model.parameters[name].problem(number):
             problems.append(problem)
         else:
-            changed.parameters[name] = replace(model.parameters[name], value=value)
+            changed.parameters[name] = replace(model.parameters[name], value=number)
     if problems:
         raise ParameterError(problems)
     changed.scenes = {

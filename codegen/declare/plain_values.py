@@ -137,11 +137,13 @@ def members(value: Any, count: int | None = None) -> list[Any]:
 
     A set has no order, the members of a mapping are its keys, and text is one thing.
     """
+    if isinstance(value, sympy.MatrixBase):
+        value = value.flat()
     if isinstance(value, str | bytes | bytearray | Set | Mapping) or not isinstance(
         value, Iterable
     ):
         raise KindError
-    if np.any(getattr(value, "mask", False)):
+    if np.ma.is_masked(value):
         raise KindError("it has masked entries")
     return bounded(value, count)
 

@@ -109,6 +109,8 @@ def _pow(x: float, exponent: float) -> float:
 def _power(base: Interval, exponent: sympy.Expr, exponents: Interval) -> Interval | None:
     """base ** exponent; of a negative base only whole powers are real."""
     low, high = base
+    if exponent.is_Float and float(exponent).is_integer():
+        exponent = sympy.Integer(int(exponent))  # 2.0 counts as whole
     if not exponent.is_number or exponent.is_real is not True:
         return (0.0, math.inf) if low >= 0 else ALL
     if not exponent.is_integer and high < 0:

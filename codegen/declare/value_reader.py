@@ -88,17 +88,19 @@ def _problem(expression: sympy.Expr, profile: bool) -> str | None:
                 f"{one_line(expression)} contains '{one_line(symbol)}', a placeholder of an "
                 "element's equations; use coordinates, velocities, parameters and t."
             )
-    for node in sorted(expression.atoms(sympy.Function), key=str):
-        if node.func not in FUNCTIONS and not node.is_number:
-            known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
-            what = one_line(node)
-            return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
-    for node in sorted(expression.atoms(sympy.Piecewise), key=str):
-        if node.args[-1].cond != sympy.true:
-            return (
-                f"{one_line(node)} says nothing where none of its conditions holds; end it with "
-                "(value, True)."
-            )
+    functions = expression.atoms(sympy.Function)  # written, to be sorted, where there is a fault
+    unknown = [f for f in functions if f.func not in FUNCTIONS and not f.is_number]
+    if unknown:
+        known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
+        what = one_line(min(unknown, key=str))
+        return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
+    pieces = expression.atoms(sympy.Piecewise)
+    incomplete = [piece for piece in pieces if piece.args[-1].cond != sympy.true]
+    if incomplete:
+        return (
+            f"{one_line(min(incomplete, key=str))} says nothing where none of its conditions "
+            "holds; end it with (value, True)."
+        )
     if found := unreal_part(expression):
         part, why = found
         start = "the value" if part == expression else one_line(expression)

@@ -6,7 +6,7 @@ import sympy
 
 from codegen.declare.answers import bodies_of
 from codegen.declare.body import Body
-from codegen.declare.element import Constraint, Element, Statement
+from codegen.declare.element import Constraint, Element, Statement, label
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration
 from codegen.derive import constraint_terms as cs
@@ -81,7 +81,8 @@ class Equations:
         return time_functions(self.constraints, self.effects)
 
     def with_effects(self, effects: tuple[EffectEquations, ...]) -> "Equations":
-        """These equations with other effects and their switching functions."""
+        """These equations with other effects, their switching functions and their conditions."""
+        gone = {label(e) for e in self.effects} - {label(e) for e in effects}
         named = tuple((e.name, e.terms) for e in effects)
         switches = sf.switches(named)
         return replace(
@@ -91,6 +92,7 @@ class Equations:
             sides=sf.side_values(named, switches),
             stiction=sf.stiction(named, switches) if self.scene.analysis == "dynamics" else (),
             contacts=sf.rigid_contacts(named, switches),
+            conditions=tuple(c for c in self.conditions if c.element not in gone),
         )
 
 

@@ -97,9 +97,8 @@ def measure(
 
 def _compiled(equations: Equations, program: Program, path: Path) -> Timed:
     declared = parameters(equations)
-    text = assemble_module(
-        program, ORIGIN, ['"""A stage of a ledger."""'], {}, Arguments(len(declared))
-    )
+    docstring = ['"""A stage of a ledger.', '"""']
+    text = assemble_module(program, ORIGIN, docstring, {}, Arguments(len(declared)))
     path.write_text(text, encoding="utf-8")
     module = import_generated(path)
     p = np.array([*declared, *[0.0] * len(program.constants)])

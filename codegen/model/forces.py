@@ -89,13 +89,13 @@ class Forces(Declarations):
             force in N, positive in tension; added to the rest. ``lambda l, v: 5 * (l - 1) ** 3``.
         """
         where = f"spring '{name}'"
-        if free_length is None and not (isinstance(stiffness, int | float) and stiffness == 0):
+        stiff = self._value(stiffness, "N/m", f"stiffness of {where}")
+        if free_length is None and stiff != 0:
             self._note(f"{where} has a stiffness but no free length; give free_length= in m.")
         ends = self._pair(name, i, j)
         pull = self._value(actuator, "N", f"actuator of {where}")
         length = measures.distance(*ends), measures.distance_rate(*ends)
         pull += self._characteristic(force, length, "force", "N", where)
-        stiff = self._value(stiffness, "N/m", f"stiffness of {where}")
         rest = 0 if free_length is None else free_length
         free = self._value(rest, "m", f"free length of {where}")
         damp = self._value(damping, "N s/m", f"damping of {where}")

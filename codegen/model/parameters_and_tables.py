@@ -38,6 +38,8 @@ class Values(Declarations):
         """
         symbol = Parameter(str(name), real=True)
         where = f"parameter '{name}'"
+        if type(unit).__name__ == "Unit" and type(unit).__module__.startswith("pint"):
+            unit = str(unit)
         unit = " ".join(plain_name(unit).split())
         sign = self._read.choice(sign, ("", "positive", "nonnegative"), f"{where}, sign")
         if not quantities.known_unit(unit):

@@ -1,7 +1,7 @@
 """The record of a run: where it stands, how it steps, and what it has counted."""
 
 from collections.abc import Callable
-from enum import IntEnum
+from enum import IntEnum, unique
 from typing import Any, cast
 
 import numpy as np
@@ -103,6 +103,7 @@ _INTEGERS += [
 ]
 
 
+@unique
 class ConstraintReturn(IntEnum):
     """When and how a step returns onto the constraints: the number CORRECTING of the table."""
 
@@ -112,6 +113,7 @@ class ConstraintReturn(IntEnum):
     IF_DRIFTED = 3
 
 
+@unique
 class Plan(IntEnum):
     """What a run does next about a singular position: the number `plan` of its record."""
 

@@ -1,8 +1,9 @@
 """Modes of switching functions, and directions of events."""
 
-from enum import IntEnum
+from enum import IntEnum, unique
 
 
+@unique
 class Mode(IntEnum):
     """The mode of a switching function g, frozen within a step; an input of the kernels."""
 
@@ -12,6 +13,7 @@ class Mode(IntEnum):
     FREE = 3  # of friction with an unknown stiction force: it exerts none, and does not stick
 
 
+@unique
 class Boundary(IntEnum):
     """What holds of a condition where the motion stays on g = 0 and no mode moves it from there."""
 
@@ -20,6 +22,7 @@ class Boundary(IntEnum):
     BALANCED = 2  # the mean of both sides, as in sign and Heaviside
 
 
+@unique
 class Direction(IntEnum):
     """The kind of an event of a switching function; the last two are singular configurations."""
 

@@ -1,8 +1,9 @@
 """Every way in which a run can end, and what to try next."""
 
-from enum import IntEnum
+from enum import IntEnum, unique
 
 
+@unique
 class Outcome(IntEnum):
     """How a run ended. Everything but `OK` keeps the results up to that time."""
 

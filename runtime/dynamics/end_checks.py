@@ -41,7 +41,10 @@ def _residuals(equations: Equations, samples: Samples, sizes: FloatArray, option
     reached = np.abs(samples.q).max(axis=0)
     lengths = np.where(equations.description.is_length, np.maximum(sizes, reached), sizes)
     speeds = np.maximum(sizes, np.abs(samples.v).max(axis=0))
-    slopes = np.abs(equations.jacobian(float(samples.t[-1]), samples.q[-1]))
+    poses = {0, len(samples.t) // 2, len(samples.t) - 1}  # an arm may vanish in one of them
+    slopes = np.max(
+        [np.abs(equations.jacobian(float(samples.t[k]), samples.q[k])) for k in poses], axis=0
+    )
     for column, atol, size, name, unit in (
         (0, options.atol_q, lengths, "Φ", "m or rad"),
         (1, options.atol_v, speeds, "Φ_q v - ν", "m/s or rad/s"),
@@ -50,7 +53,7 @@ def _residuals(equations: Equations, samples: Samples, sizes: FloatArray, option
         absolute = rtol * np.minimum(1.0, sizes) if atol is None else np.asarray(atol)
         permitted = _RESIDUAL * float((slopes @ (absolute + rtol * size)).max())
         residual = samples.residual[:, column]
-        broken = np.flatnonzero(residual > permitted)
+        broken = np.flatnonzero(~(residual <= permitted))  # what is no number is broken too
         if len(broken):
             first, worst = float(samples.t[broken[0]]), float(residual[broken].max())
             return (

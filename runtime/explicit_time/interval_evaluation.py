@@ -244,19 +244,45 @@ def bound(
     return limited(op, a0, a1)
 
 
-@compiled(i8(integer_matrix, vector, vector, vector, matrix, f8, f8, vector, vector))
+@inner
+def leave_out_untaken(code: IntegerMatrix, low: Vector, high: Vector, steps: Vector) -> int:
+    """Give no value to what only untaken branches take; the codes of all else.
+
+    `steps`, (values,), has -1 less the code of each value; of those that the last one takes, with
+    what these take in turn, the code itself is left there.
+    """
+    undecided = 0
+    steps[-1] = -1.0 - steps[-1]
+    for k in range(low.size - 1, -1, -1):
+        if steps[k] < 0.0:
+            low[k] = high[k] = math.nan
+            continue
+        undecided |= int(steps[k])
+        op = code[k, 0]
+        for place in range(1, 1 if op in (CONST, P, T) else 2 if op == TABLE else 4):
+            if op == SELECT and (
+                (place == 2 and high[code[k, 1]] < 1.0) or (place == 3 and low[code[k, 1]] > 0.0)
+            ):
+                continue
+            row = code[k, place]
+            if steps[row] < 0.0:
+                steps[row] = -1.0 - steps[row]
+    return undecided
+
+
+@compiled(i8(integer_matrix, vector, vector, vector, matrix, f8, f8, vector, vector, vector))
 def enclose(
     code: IntegerMatrix, numbers: Vector, p: Vector, knots: Vector, pieces: Matrix, t0: float,
-    t1: float, low: Vector, high: Vector,
+    t1: float, low: Vector, high: Vector, steps: Vector,
 ) -> int:  # fmt: skip
     """Bounds of all values of a function for t from t0 to t1, in `low` and `high`.
 
     `code` has a row (operation, a, b, c) a value: the rows that it takes, or of a parameter its
     slot in p, of a table the row, its first piece and how many these are; `numbers` the constants,
-    of a table its period or 0. Values without any are not a number. Returns 0, or the sum of CHOICE
-    and BREAK for what is undecided.
+    of a table its period or 0. Values without any, and those of a branch that is certainly not
+    taken, are not a number. `steps` is scratch, (values,). Returns 0, or the sum of CHOICE and
+    BREAK for what is undecided.
     """
-    undecided = 0
     for k in range(low.size):
         op, a, b, c = code[k, 0], code[k, 1], code[k, 2], code[k, 3]
         step = 0
@@ -284,5 +310,5 @@ def enclose(
             low[k], high[k], step = bound(
                 op, op == MUL and a == b, low[a], high[a], low[b], high[b]
             )
-        undecided |= step
-    return undecided
+        steps[k] = -1.0 - step
+    return leave_out_untaken(code, low, high, steps)

@@ -36,8 +36,8 @@ _SAMPLES = 64  # measured: instants at which the ranges of values are seen befor
 _MOST = 1_000_000  # safety: intervals that are looked at
 SMOOTH = 0  # code of a mark: the end of an interval, in which nothing hides
 _BENT = 4  # code: in an interval something may hide, although no condition is undecided in it
-_LOW, _HIGH, _SPARE, _LEAST_SEEN, _MOST_SEEN, _FIRST, _LAST, _BEFORE, _HERE = range(9)  # rows
-ROWS = 9  # layout: of the scratch of a scan
+_LOW, _HIGH, _SPARE, _LEAST_SEEN, _MOST_SEEN, _FIRST, _LAST, _BEFORE, _HERE, _STEPS = range(10)
+ROWS = 10  # layout: of the scratch of a scan
 
 
 @inner
@@ -60,7 +60,7 @@ def shows_all(work: Matrix, watched: Integers) -> bool:
 def look(f: Function, t: float, work: Matrix, row: int) -> None:
     """Write the values at an instant into a row, and note their range so far."""
     code, numbers, p, knots, pieces, watched = f
-    enclose(code, numbers, p, knots, pieces, t, t, work[row], work[_SPARE])
+    enclose(code, numbers, p, knots, pieces, t, t, work[row], work[_SPARE], work[_STEPS])
     for k in watched:
         if math.isfinite(work[row, k]):
             work[_LEAST_SEEN, k] = min(work[_LEAST_SEEN, k], work[row, k])
@@ -78,7 +78,8 @@ def examine(f: Function, a: float, b: float, start: int, work: Matrix) -> int:
     left = a
     for quarter in range(1, _QUARTERS + 1):
         right = b if quarter == _QUARTERS else a + (b - a) * quarter / _QUARTERS
-        undecided = enclose(code, numbers, p, knots, pieces, left, right, work[_LOW], work[_HIGH])
+        low, high = work[_LOW], work[_HIGH]
+        undecided = enclose(code, numbers, p, knots, pieces, left, right, low, high, work[_STEPS])
         if undecided != 0:
             return undecided
         look(f, right, work, _LAST)

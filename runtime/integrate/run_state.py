@@ -26,6 +26,7 @@ _METHOD_NUMBERS = (
 )  # fmt: skip
 # What a run knows of its switching functions, samples and events whatever its coordinates.
 _OF_SWITCHES = ("modes", "switching_rows", "share", "recent_events")
+_OF_ENERGY = ("balances", "usual_part", "potential_moves")
 _OF_EVENTS = (
     "t", "usual", "samples", "next_sample", "event_span", "flight", "shrinking", "standing",
     "patience", "stop", "next_stop",
@@ -148,7 +149,7 @@ class RunState:
         coordinates.
         """
         r, theirs, arrays = self.record, other.record, self.wiring.arrays
-        counted = {name: r[name] for name in COUNTS}
+        counted = {name: r[name] for name in (*COUNTS, *_OF_ENERGY)}
         arrays["record"][0] = fresh
         for name, count in counted.items():
             r[name] = count

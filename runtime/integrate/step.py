@@ -1,6 +1,6 @@
 """One trial step: stages, return onto the constraints, derivative at the end, error."""
 
-from enum import IntEnum
+from enum import IntEnum, unique
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from runtime.hybrid.rhs_with_sliding_or_stabilization import STEP
 from runtime.linalg.vectors import copy_vector, is_finite, largest_magnitude
 
 
+@unique
 class TrialStep(IntEnum):
     """How a trial step ended."""
 
@@ -27,6 +28,7 @@ class TrialStep(IntEnum):
     TOO_LARGE = 3  # the error is over the tolerance
 
 
+@unique
 class Signal(IntEnum):
     """How a run goes on, as the parts of a step answer; codes of outcomes, not negative, end it."""
 
@@ -36,7 +38,7 @@ class Signal(IntEnum):
     PROCEED = -4  # the step goes on with its next part
     KINK = -6  # an explicit function of time may bend or jump here
     RETRY = -5  # the step is not taken; the next one is shorter
-    LEAVE = -6  # it is not taken, as other coordinates are due
+    LEAVE = -7  # it is not taken, as other coordinates are due
 
 
 SAME = 0  # code: no result of a return: no coordinates are better

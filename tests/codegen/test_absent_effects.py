@@ -1,7 +1,7 @@
 """An effect that a scene leaves out costs no operation, parameter, state, event or byte."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from copy import copy
 from dataclasses import replace
 from pathlib import Path
@@ -52,7 +52,18 @@ def never_declared(model: Model, *effects: str) -> Model:
         group: {c: tuple(n for n in names if n not in effects) for c, names in choices.items()}
         for group, choices in model.groups.items()
     }
-    return other
+    return without_values(other, effects)
+
+
+def without_values(model: Model, gone: Collection[str]) -> Model:
+    """Forget the symbols of the values that elements were declared with."""
+    model._read = copy(model._read)
+    model._read.symbols = [
+        (where, symbols)
+        for where, symbols in model.symbols
+        if not any(f"'{name}'" in where for name in gone)
+    ]
+    return model
 
 
 def with_and_without(path: Path) -> Iterator[tuple[Model, Lowered, str, Scene]]:
@@ -134,6 +145,7 @@ def test_compressor_of_gravity_alone_is_that_of_a_machine_with_nothing_else(root
     assert scene.effects == ("gravity_right",)
     text, lowered = compiled_without_names(model, scene)
     poor = never_declared(model, *(set(model.effects) - {"gravity_right"}))
+    without_values(poor, poor.drivers)
     poor.drivers = {}
     poor.scenes = {}
     poor.parameters = {n: p for n, p in model.parameters.items() if n in ("J1", "rod_length")}

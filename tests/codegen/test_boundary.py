@@ -1,11 +1,14 @@
 """What a modeller gives is read by its kind: nonsense is refused by name, nothing is evaluated."""
 
 import re
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
+import pint
 import pytest
 import sympy
 
@@ -19,7 +22,8 @@ from codegen import (
 )
 from codegen.declare.element import I
 from codegen.declare.symbols import SPEED, side
-from codegen.driver import valid_scenes
+from codegen.driver import valid_scenes, with_settings
+from codegen.errors import ParameterError
 
 Declare = Callable[["Machine"], object]
 
@@ -266,3 +270,46 @@ def test_text_is_never_evaluated(
     (tmp_path / MARK).unlink(missing_ok=True)  # SymPy's own evaluation of what the test makes
     refusal(lambda m: PLACES[place](m, value))
     assert not (tmp_path / MARK).exists()
+
+
+SOUND: dict[str, Declare] = {
+    "a power of 2.0": lambda m: m.model.force("F", m.p, fx=(sympy.cos(m.a.phi) - 1.5) ** 2.0),
+    "a power of 2.0 of a rate": lambda m: m.model.spring(
+        "s", m.a, m.p, force=lambda length, rate: (-length - 1) ** 2.0
+    ),
+    "columns of a table": lambda m: m.model.table(
+        "l", pd.Series([0.0, 1.0, 2.0, 3.0]), pd.Series([0.0, 1.0, 4.0, 9.0])
+    ),
+    "a matrix": lambda m: m.model.gravity("g", sympy.Matrix([0, -9.81])),
+    "a stiffness of NumPy's zero": lambda m: m.model.spring(
+        "s", m.a, m.p, stiffness=np.int64(0), damping=2.0
+    ),
+    "a unit of pint": lambda m: m.model.parameter("l", 1.0, unit=pint.UnitRegistry().m),
+    "a masked array without masked entries": lambda m: m.model.gravity(
+        "g", np.ma.masked_array([0.0, -9.81], [False, False])
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SOUND)
+def test_what_is_sound_is_not_refused(name: str) -> None:
+    machine = Machine()
+    SOUND[name](machine)
+    assert not machine.model.problems
+
+
+@pytest.mark.parametrize("value", ["abc", None, [1], object(), 1j, sympy.Symbol("x"), True])
+def test_settings_of_a_build_are_numbers(value: Any) -> None:
+    machine = Machine()
+    machine.model.parameter("k", 1.0)
+    with pytest.raises(ParameterError, match="parameter 'k' is"):
+        with_settings(machine.model, {"k": value})
+
+
+def test_a_long_expression_is_read_soon() -> None:
+    machine, value = Machine(), Machine().model.parameter("k", 1.0)
+    for _ in range(13):
+        value = sympy.sin(value) + sympy.cos(value)
+    began = time.process_time()
+    machine.model.force("F", machine.p, fx=value)
+    assert time.process_time() - began < 1.0

@@ -160,7 +160,7 @@ def test_one_equation_for_one_angle_on_both_branches(graph: Graph) -> None:
             graph.mul(graph.constant(3.5), graph.function(Op.SIN, q[1])), graph.constant(0.4)
         ),
     )
-    (loop,) = find_loops(graph, q, {7: row}, [1], 0)
+    (loop,) = find_loops(graph, q, {7: row}, [1], 0, {})
     assert (loop.rows, loop.columns) == ((7,), (1,))
     (angle,) = loop.angles
     assert angle.row == 7
@@ -189,7 +189,7 @@ def test_two_equations_for_two_angles_on_both_branches(graph: Graph) -> None:
                 graph.constant(-base),
             ]
         )
-    (loop,) = find_loops(graph, q, dict(rows), [1, 2], 0)
+    (loop,) = find_loops(graph, q, dict(rows), [1, 2], 0, {})
     assert set(loop.columns) == {1, 2}
     assert sum(angle.branch is not None for angle in loop.angles) == 1
     seen = set()
@@ -206,8 +206,16 @@ def test_two_equations_for_two_angles_on_both_branches(graph: Graph) -> None:
     assert len(seen) == 2
 
 
+def test_an_own_coordinate_is_solved_for_from_its_own_row_alone(graph: Graph) -> None:
+    q = coordinates(graph, 2)
+    row = graph.add(graph.function(Op.SIN, q[0]), graph.function(Op.SIN, q[1]))
+    assert find_loops(graph, q, {7: row}, [1], 0, {1: 6}) == []
+    (loop,) = find_loops(graph, q, {7: row}, [1], 0, {1: 7})
+    assert (loop.rows, loop.columns) == ((7,), (1,))
+
+
 def test_what_is_not_of_the_form_is_left_alone(graph: Graph) -> None:
     q = coordinates(graph, 2)
     sine = graph.function(Op.SIN, q[1])
-    assert find_loops(graph, q, {0: graph.add(graph.mul(sine, sine), q[0])}, [1], 0) == []
-    assert find_loops(graph, q, {0: graph.add(graph.add(sine, q[1]), q[0])}, [1], 0) == []
+    assert find_loops(graph, q, {0: graph.add(graph.mul(sine, sine), q[0])}, [1], 0, {}) == []
+    assert find_loops(graph, q, {0: graph.add(graph.add(sine, q[1]), q[0])}, [1], 0, {}) == []

@@ -105,6 +105,21 @@ def test_kinks_are_known_to_the_clock(f: sp.Expr, expected: list[float]) -> None
     assert found.crowd is None
 
 
+@pytest.mark.parametrize(
+    ("f", "kink"),
+    [
+        (sp.Piecewise((0, t <= 1), (0.1 * sp.exp(-1 / (t - 1)), True)), 1.0),
+        (sp.Piecewise((sp.sin(1 / (t - 1)), t < 0.5), (sp.sin(sp.S(-2)), True)), 0.5),
+        (sp.Piecewise((sp.sqrt(1 - t), t < 0.5), (sp.log(t - 0.25), True)), 0.5),
+    ],
+)
+def test_branches_that_are_not_taken_do_nothing(f: sp.Expr, kink: float) -> None:
+    found = instants(f, 2.0, law=True)
+    assert len(found.kinks) == 1
+    assert found.kinks[0].before < kink < found.kinks[0].after
+    assert found.crowd is None
+
+
 @pytest.mark.parametrize("f", [sp.sin(1 / (t - 1)), sp.sign(sp.sin(1 / (t - 1)))])
 @pytest.mark.parametrize("law", [True, False])
 def test_changes_without_end_have_a_place(f: sp.Expr, law: bool) -> None:
@@ -144,9 +159,9 @@ def test_bounds_hold_every_value(data: st.DataObject) -> None:
     value = sp.lambdify(t, f, "math")
     for function in functions(f, law=True):
         code = _Code(function)
-        low, high = np.zeros((2, len(code.code)))
+        low, high, steps = np.zeros((3, len(code.code)))
         arrays = code.code, code.numbers, np.zeros(0), code.knots, code.pieces
-        enclose(*arrays, t0, t1, low, high)
+        enclose(*arrays, t0, t1, low, high, steps)
         for x in np.linspace(t0, t1, 7):
             there = -value(float(x))  # Φ has -f, or f with the sign taken out
             size = 1e-9 * (1.0 + abs(there))
