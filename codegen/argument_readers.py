@@ -145,17 +145,6 @@ def text(demand: str) -> Reader:
     return read
 
 
-def choice(known: tuple[str, ...]) -> Reader:
-    """One of the texts `known`."""
-
-    def read(value: Any) -> str:
-        if not isinstance(value, str) or value not in known:
-            raise MisfitError(f"it must be one of {', '.join(known)}.")
-        return str.__str__(value)
-
-    return read
-
-
 def several(reader: Reader, demand: str) -> Reader:
     """A list, tuple, dictionary's keys or one-dimensional array of what `reader` reads, a tuple."""
 
