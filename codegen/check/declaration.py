@@ -29,8 +29,9 @@ from codegen.declare.answers import (
 )
 from codegen.declare.body import Body
 from codegen.declare.cam_profile_checks import profile_problems
+from codegen.declare.expression_rules import expression_problem, unreadable
 from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.plain_values import one_line, plain_expression, shown
+from codegen.declare.plain_expression import plain_expression
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import (
     SPEED,
@@ -43,18 +44,18 @@ from codegen.declare.symbols import (
     side,
     t,
 )
-from codegen.declare.value_reader import expression_problem
 from codegen.derive.conditions_on_parameters import closed_curves, element_conditions
 from codegen.derive.equations import acting_elements, active_joints
 from codegen.errors import LinkwrightError, ModelError
 from codegen.model import Model
+from codegen.plain_values import one_line, shown
 
 LONGEST = 2000  # layout: characters of a sentence
 
 
 def check_model(model: Model) -> list[str]:
     """Problems of the declaration, whatever the scene."""
-    problems = list(model.problems)
+    problems = [*Model.problems.fget(model)]  # type: ignore[attr-defined]  # as noted, whatever a subclass says
     if not model.bodies:
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
     masses = {name: list(_body_problems(model, body)) for name, body in model.bodies.items()}
@@ -69,8 +70,7 @@ def check_model(model: Model) -> list[str]:
         except ModelError as error:
             problems += error.problems
         except Exception as error:  # of an expression too deep, of SymPy
-            reason = f"{type(error).__name__}: {one_line(error)}"
-            problems.append(f"{el.label(element)}: its expressions cannot be read, {reason}.")
+            problems.append(f"{el.label(element)}: {unreadable(error)}")
     problems += chain.from_iterable(masses.values())
     problems += filter(None, (p.problem(p.value) for p in model.parameters.values()))
     problems += _collisions(model)
@@ -120,10 +120,7 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
     except LinkwrightError:
         raise
     except Exception as error:
-        reason = f"{type(error).__name__}: {one_line(error)}"
-        raise ModelError(
-            f"scene '{scene.name}': its expressions cannot be read, {reason}."
-        ) from error
+        raise ModelError(f"scene '{scene.name}': {unreadable(error)}") from error
 
 
 def _scene_problems(model: Model, scene: Scene) -> list[str]:

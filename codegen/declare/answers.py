@@ -14,10 +14,13 @@ import sympy
 
 from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.declare.plain_values import one_line, plain_expression, plain_name, shown
+from codegen.declare.expression_rules import expression_problem
+from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate
-from codegen.declare.value_reader import expression_problem
+from codegen.declare.units import known_unit
 from codegen.errors import LinkwrightError, ModelError
+from codegen.plain_values import NotText, one_line, plain_name, shown
+from codegen.public_callables import failure
 
 WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
 Pairs = tuple[tuple[Any, ...], ...]
@@ -32,10 +35,11 @@ def ask(element: Any, word: str, *arguments: Any, method: bool = True) -> Any:
         where = el.label(element)
         told = (p if where in p else f"{where}: {p}" for p in error.problems)
         raise ModelError(told) from error
-    except Exception as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         call = f"{word}()" if method else word
-        reason = f"{type(error).__name__}: {one_line(error)}"
-        raise ModelError(f"{el.label(element)}: its {call} fails with {reason}.") from error
+        raise ModelError(f"{el.label(element)}: its {call} fails with {failure(error)}.") from error
 
 
 def _refuse(element: Any, word: str, answer: object, needed: str) -> ModelError:
@@ -65,11 +69,19 @@ def _tuples(element: Any, word: str, answer: Any, size: int, needed: str) -> Pai
     return tuple(tuple(row) for row in answer)
 
 
-def _word(element: Any, word: str, text: Any, may_be_empty: bool = False) -> str:
+def _word(element: Any, word: str, text: Any) -> str:
     """A few ASCII words, fit for the generated text."""
     plain = plain_name(text) if isinstance(text, str) else ""
-    if not (WORDS.fullmatch(plain) or (may_be_empty and plain == "" and isinstance(text, str))):
-        raise _refuse(element, word, text, "ASCII words where a name or a unit stands")
+    if not WORDS.fullmatch(plain):
+        raise _refuse(element, word, text, "ASCII words where a name stands")
+    return plain
+
+
+def _unit(element: Any, word: str, text: Any) -> str:
+    """A unit as a parameter may have it, or ASCII words; empty for a pure number."""
+    plain = plain_name(text) if isinstance(text, str) else NotText()
+    if isinstance(plain, NotText) or not (WORDS.fullmatch(plain) or known_unit(plain)):
+        raise _refuse(element, word, text, "a unit, such as 'N m', where one stands")
     return plain
 
 
@@ -141,7 +153,7 @@ def _reaction(constraint: Any, reaction: Any, count: int) -> Any:
             pairs = _tuples(constraint, "reaction", parts, 2, "")
             for name, unit in pairs:
                 _word(constraint, "reaction", name)
-                _word(constraint, "reaction", unit, may_be_empty=True)
+                _unit(constraint, "reaction", unit)
         except ModelError:
             pairs = ()
         if len(pairs) != count:
@@ -218,7 +230,7 @@ def friction_law(effect: Any) -> el.FrictionLaw | None:
     if not isinstance(law, el.FrictionLaw):
         raise _refuse(effect, "friction()", law, "a FrictionLaw or None")
     _word(effect, "joint of friction()", law.joint)
-    _word(effect, "unit of friction()", law.unit, may_be_empty=True)
+    _unit(effect, "unit of friction()", law.unit)
     needed = "loads, tuples of sums of (component, factor)"
     contacts = vars(law)["contacts"]
     if not isinstance(contacts, tuple | list) or not all(
@@ -270,7 +282,7 @@ def _reported(effect: Any, bodies: tuple[Body, ...]) -> el.Reported:
     return tuple(
         (
             _word(effect, "reported()", component),
-            _word(effect, "reported()", unit, may_be_empty=True),
+            _unit(effect, "reported()", unit),
             _expression(effect, "reported()", value),
         )
         for component, unit, value in rows

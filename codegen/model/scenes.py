@@ -9,13 +9,13 @@ from codegen.declare.answers import ask, bodies_of, own_coordinates
 from codegen.declare.body import Body
 from codegen.declare.element import Located
 from codegen.declare.name_rules_and_hints import name_problem, nearest
-from codegen.declare.plain_values import plain_name
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
 from codegen.errors import ModelError
 from codegen.model.bodies import Form
 from codegen.model.fidelities import NONE, Fidelities
 from codegen.model.requested_outputs import Outputs
+from codegen.plain_values import plain_name
 
 DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
 """Keywords of a scene that an extension inherits unless it names them."""
@@ -91,7 +91,7 @@ class Scenes(Fidelities, Outputs):
         elif name in self.scenes:
             self._note(f"{where} is declared twice; give each scene its own name.")
         else:
-            self.scenes[name] = scene
+            self._put("scenes", name, scene)
         return scene
 
     def _read_request(
