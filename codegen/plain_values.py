@@ -12,8 +12,11 @@ from decimal import Decimal
 from fractions import Fraction
 from itertools import islice
 from numbers import Real
-from typing import Any
+from typing import Any, TypeGuard, TypeVar
 
+from codegen.errors import FAILURES
+
+Kind = TypeVar("Kind")
 MOST = 1_000_000  # safety: members of a list that are read; an iterator may have no end
 WIDEST = 160  # layout: characters of a value in a message
 
@@ -40,7 +43,7 @@ def shown(value: object, widest: int = WIDEST) -> str:
     """`value` in a message: on one line, printable, cut where it is long; never an error."""
     try:
         text = repr(value) if hasattr(type(value), "free_symbols") else _SHORT.repr(value)
-    except Exception:  # a user's __repr__, a number of too many digits
+    except FAILURES:  # a user's __repr__, a number of too many digits
         text = f"a {type(value).__name__}"
     return one_line(text, widest)
 
@@ -49,7 +52,7 @@ def one_line(text: object, widest: int = WIDEST) -> str:
     """Text without line ends and other characters that do not print, cut where it is long."""
     try:
         words = " ".join(str(text).split())
-    except Exception:
+    except FAILURES:
         words = f"a {type(text).__name__}"
     line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in words)
     return line if len(line) <= widest else f"{line[: widest - 3]}..."
@@ -102,9 +105,14 @@ def finite_float(value: Any) -> float | None:
     """A finite real number as a float; None for all else."""
     try:
         number = plain_float(value)
-    except Exception:  # of the user's own object
+    except FAILURES:  # of the user's own object
         return None
     return number if math.isfinite(number) else None
+
+
+def is_a(value: object, kind: type[Kind]) -> TypeGuard[Kind]:
+    """Whether its class is, or derives from, `kind`; what it says of itself is not asked."""
+    return kind in type(value).__mro__
 
 
 def is_flag(value: Any) -> bool:

@@ -46,7 +46,7 @@ from codegen.declare.symbols import (
 )
 from codegen.derive.conditions_on_parameters import closed_curves, element_conditions
 from codegen.derive.equations import acting_elements, active_joints
-from codegen.errors import LinkwrightError, ModelError
+from codegen.errors import FAILURES, LinkwrightError, ModelError
 from codegen.model import Model
 from codegen.plain_values import one_line, shown
 
@@ -69,7 +69,7 @@ def check_model(model: Model) -> list[str]:
             problems += _element_problems(model, element, sound, known)
         except ModelError as error:
             problems += error.problems
-        except Exception as error:  # of an expression too deep, of SymPy
+        except FAILURES as error:  # of an expression too deep, of SymPy
             problems.append(f"{el.label(element)}: {unreadable(error)}")
     problems += chain.from_iterable(masses.values())
     problems += filter(None, (p.problem(p.value) for p in model.parameters.values()))
@@ -119,7 +119,7 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
         return [one_line(p, LONGEST) for p in _scene_problems(model, scene)]
     except LinkwrightError:
         raise
-    except Exception as error:
+    except FAILURES as error:
         raise ModelError(f"scene '{scene.name}': {unreadable(error)}") from error
 
 

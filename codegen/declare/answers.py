@@ -18,7 +18,7 @@ from codegen.declare.expression_rules import expression_problem
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate
 from codegen.declare.units import known_unit
-from codegen.errors import LinkwrightError, ModelError
+from codegen.errors import FAILURES, LinkwrightError, ModelError
 from codegen.plain_values import NotText, one_line, plain_name, shown
 from codegen.public_callables import failure
 
@@ -49,7 +49,7 @@ def _refuse(element: Any, word: str, answer: object, needed: str) -> ModelError:
 def _expression(element: Any, word: str, answer: Any) -> sympy.Expr:
     try:
         return plain_expression(answer)
-    except Exception:
+    except FAILURES:
         raise _refuse(element, word, answer, "expressions") from None
 
 
@@ -217,7 +217,7 @@ def _optional(effect: Any, word: str, otherwise: Any, *arguments: Any) -> Any:
     """The answer of a method that not every effect has, or that a class sets to None."""
     try:
         given = getattr(effect, word, None) is not None
-    except Exception:
+    except FAILURES:
         given = True
     return ask(effect, word, *arguments) if given else otherwise
 

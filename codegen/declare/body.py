@@ -14,7 +14,7 @@ import sympy
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate, rate
 from codegen.declare.units import plain_length
-from codegen.errors import ModelError
+from codegen.errors import FAILURES, ModelError
 from codegen.plain_values import members, plain_name, shown
 from codegen.public_callables import declaration, declarations, unchanging
 
@@ -158,13 +158,13 @@ class Body(Pose):
         """A circle in this body, m, run through counter-clockwise."""
         try:
             x, y = (plain_expression(plain_length(c)) for c in members(center, 2))
-        except Exception:  # reported with its joint
+        except FAILURES:  # reported with its joint
             return Curve(self, center, center)
         r = plain_length(radius)
         try:
             size = plain_expression(r)
             return Curve(self, x + size * sympy.cos(alpha), y + size * sympy.sin(alpha))
-        except Exception:
+        except FAILURES:
             return Curve(self, r, y)
 
     def polar(self, radius: Any) -> "Curve":
@@ -264,7 +264,7 @@ class Curve:
         """The point of the curve at a parameter, in the body's frame, 2 × 1."""
         try:
             at = plain_expression(parameter)
-        except Exception:
+        except FAILURES:
             raise ModelError(
                 f"curve.at({shown(parameter)}): the parameter α is a number or an expression."
             ) from None
@@ -278,7 +278,7 @@ def _lengths(word: str, body: object, x: Any, y: Any) -> tuple[sympy.Expr, sympy
         raise ModelError(f"{word} of {shown(body)}, which is no body; write body.at(x, y).")
     try:
         return plain_expression(x), plain_expression(y)
-    except Exception:
+    except FAILURES:
         raise ModelError(
             f"{word} of body '{plain_name(body.name)}': ({shown(x)}, {shown(y)}) are no lengths; "
             "give two numbers or expressions in m."

@@ -10,7 +10,7 @@ import sympy
 from codegen.declare.body import Body, Curve, Point, Pose
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate, given
-from codegen.errors import ModelError
+from codegen.errors import FAILURES, ModelError
 from codegen.plain_values import KindError, plain_name, shown
 from codegen.public_callables import declarations, unchanging
 
@@ -277,7 +277,7 @@ def label(element: object) -> str:
     try:
         kind, name = (getattr(element, word, "body") for word in ("kind", "name"))
         return f"{plain_name(kind)} '{plain_name(name)}'"
-    except Exception:  # a property of a modeller's own
+    except FAILURES:  # a property of a modeller's own
         return f"element of class {type(element).__name__}"
 
 

@@ -9,6 +9,7 @@ from codegen import ConjugateReaction, Constraint, Effect, JointReaction, Model,
 from codegen.declare.body import Body
 from codegen.declare.element import FrictionLaw, I, Rigid, Sticking
 from codegen.declare.symbols import coordinate
+from codegen.errors import FAILURES
 from tests.fuzz.declared_nonsense import CODE, Raises, of_object, of_scalar
 
 
@@ -93,7 +94,7 @@ def hostile_element(model: Model, body: Body, random: Random) -> tuple[Any, str]
 def _text(answer: Any) -> str:
     try:
         return ascii(answer)[:100]
-    except Exception:
+    except FAILURES:
         return f"a {type(answer).__name__}"
 
 
@@ -108,7 +109,7 @@ def _odd(random: Random) -> Any:
 def _is_empty(odd: Any) -> bool:
     try:
         return len(odd) == 0
-    except Exception:
+    except FAILURES:
         return False
 
 
