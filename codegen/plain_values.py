@@ -20,7 +20,24 @@ Kind = TypeVar("Kind")
 MOST = 1_000_000  # safety: members of a list that are read; an iterator may have no end
 WIDEST = 160  # layout: characters of a value in a message
 
-_SHORT = reprlib.Repr()
+
+class _Short(reprlib.Repr):
+    """Short texts of values; SymPy would compare powers of powers of numbers to sort a sum."""
+
+    def repr_instance(self, value: Any, level: int) -> str:
+        """The text of any object that is no list, number or text."""
+        if hasattr(type(value), "free_symbols"):
+            waiting = [value]
+            while waiting:
+                node = waiting.pop()
+                if node.is_Pow and node.exp.is_Pow and node.exp.is_number:
+                    return "an expression with powers of powers of numbers"
+                waiting += [a for a in node.args if hasattr(a, "args")]
+            return repr(value)
+        return super().repr_instance(value, level)
+
+
+_SHORT = _Short()
 _SHORT.maxlevel = 4
 _SHORT.maxtuple = _SHORT.maxlist = _SHORT.maxdict = _SHORT.maxset = _SHORT.maxfrozenset = 12
 _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = WIDEST
@@ -42,7 +59,7 @@ class NotText(str):
 def shown(value: object, widest: int = WIDEST) -> str:
     """`value` in a message: on one line, printable, cut where it is long; never an error."""
     try:
-        text = repr(value) if hasattr(type(value), "free_symbols") else _SHORT.repr(value)
+        text = _SHORT.repr(value)
     except FAILURES:  # a user's __repr__, a number of too many digits
         text = f"a {type(value).__name__}"
     return one_line(text, widest)
@@ -60,11 +77,13 @@ def one_line(text: object, widest: int = WIDEST) -> str:
 
 def plain_name(value: object) -> str:
     """Text as it is; `NotText` in place of all that cannot stand in a message as a name."""
-    if isinstance(value, str):
+    if is_a(value, NotText):
+        return value
+    if is_a(value, str):
         text = str.__str__(value)
-        if len(text) <= WIDEST and text.isprintable() and not isinstance(value, NotText):
+        if len(text) <= WIDEST and text.isprintable():
             return text
-    return value if isinstance(value, NotText) else NotText(shown(value))
+    return NotText(shown(value))
 
 
 def plain_number(value: Any) -> int | float | Fraction:

@@ -51,6 +51,9 @@ class Body(Pose):
     fixed: ClassVar[bool] = False
     turns: ClassVar[bool] = True
 
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({shown(vars(self).get('name'))})"
+
     @property
     def vx(self) -> Velocity:
         """Horizontal velocity of the origin, m/s."""
@@ -210,6 +213,9 @@ class Point:
     sx: Any
     sy: Any
 
+    def __repr__(self) -> str:
+        return f"a Point of {shown(self.body)}"
+
     @property
     def x(self) -> sympy.Expr:
         """Horizontal position in the global frame: r_x + (A s')_x."""
@@ -259,6 +265,9 @@ class Curve:
     x: Any
     y: Any
     pace: float = 1.0
+
+    def __repr__(self) -> str:
+        return f"a Curve of {shown(self.body)}"
 
     def at(self, parameter: sympy.Expr) -> sympy.Matrix:
         """The point of the curve at a parameter, in the body's frame, 2 × 1."""

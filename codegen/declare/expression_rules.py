@@ -2,7 +2,6 @@
 
 import sympy
 from sympy.core.relational import Relational
-from sympy.functions.elementary.piecewise import ExprCondPair
 from sympy.logic.boolalg import Boolean
 
 from codegen.declare.symbols import (
@@ -34,7 +33,7 @@ FUNCTIONS = (
 """The functions that can be compiled."""
 PLAIN = (
     *(sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow, TableAtom),
-    *(sympy.I.func, sympy.zoo.func, Relational, Boolean, ExprCondPair, *UNFINISHED),
+    *(sympy.I.func, sympy.zoo.func, Relational, Boolean, sympy.Tuple, *UNFINISHED),
 )
 """What needs no function, or is refused for a reason of its own."""
 MEANINGFUL = (Coordinate, Velocity, Time, Parameter)
@@ -67,6 +66,9 @@ def unreadable(error: BaseException) -> str:
 
 
 def _problem(expression: sympy.Expr, profile: bool) -> str | None:
+    found = unreal_part(expression)
+    if found and found[0].is_number and found[0].is_Pow:  # to write it, SymPy would evaluate it
+        return f"the value {one_line(found[1])}; give finite real numbers."
     for symbol in sorted(expression.free_symbols, key=str):
         if symbol == alpha and not profile:
             return (
@@ -95,7 +97,7 @@ def _problem(expression: sympy.Expr, profile: bool) -> str | None:
             f"{one_line(min(incomplete, key=str))} says nothing where none of its conditions "
             "holds; end it with (value, True)."
         )
-    if found := unreal_part(expression):
+    if found:
         part, why = found
         start = "the value" if part == expression else one_line(expression)
         return f"{start} {one_line(why)}; give finite real numbers."

@@ -21,7 +21,17 @@ from codegen.declare.scene import name_of
 from codegen.declare.symbols import Coordinate, ParameterDeclaration, Velocity, kinds
 from codegen.declare.units import in_unit
 from codegen.errors import FAILURES
-from codegen.plain_values import KindError, bounded, is_flag, members, one_line, plain_float, shown
+from codegen.plain_values import (
+    KindError,
+    NotText,
+    bounded,
+    is_a,
+    is_flag,
+    members,
+    one_line,
+    plain_float,
+    shown,
+)
 from codegen.public_callables import failure
 
 Names = Iterable["str | Body | Constraint | Effect"]
@@ -191,7 +201,7 @@ class Reader:
 
     def names(self, value: Any, word: str, where: str, known: Mapping[str, Any]) -> list[str]:
         """Names of elements, given one or several, by name or as objects of the `known` ones."""
-        if isinstance(value, str) or isinstance(getattr(value, "name", None), str):
+        if is_a(value, str) or not is_a(name_of(value), NotText):
             given = [value]
         else:
             try:
@@ -203,7 +213,7 @@ class Reader:
                 return []
         chosen = [name_of(e) for e in given]
         for name, e in zip(chosen, given, strict=True):
-            if not isinstance(e, str) and known.get(name, e) is not e:
+            if not is_a(e, str) and known.get(name, e) is not e:
                 self.note(f"{where}: {word} '{name}' is given as an object of another model.")
         return chosen
 

@@ -23,6 +23,7 @@ from codegen.driver import translate, valid_scenes
 from codegen.emit.module import Origin, module_text
 from codegen.errors import FAILURES
 from codegen.generated_files.generated_file import Clock
+from codegen.plain_values import shown
 from tests.fuzz import campaign
 from tests.fuzz.declared_arguments import Scenery
 from tests.fuzz.declared_methods import BAD_NAMES, METHODS, NO_NAME
@@ -179,10 +180,7 @@ def _place(error: BaseException) -> str:
 
 
 def _short(value: Any) -> str:
-    try:
-        return ascii(value)[:120]
-    except FAILURES:
-        return f"a {type(value).__name__}"
+    return ascii(shown(value))[1:121]
 
 
 def main() -> int:

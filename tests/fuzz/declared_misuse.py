@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import codegen
 from codegen import Curve, I, Model, Point, Scene, Statement, coordinate, element, given
 from codegen.driver import valid_scenes, with_settings
-from codegen.plain_values import finite_float
+from codegen.plain_values import finite_float, shown
 from tests.fuzz.declared_arguments import Scenery
 from tests.fuzz.declared_methods import METHODS
 from tests.fuzz.declared_nonsense import of_object, of_scalar
@@ -42,7 +42,8 @@ def _callables(s: Scenery) -> list[tuple[str, Callable[..., Any], int]]:
         *((f"body.{n}", getattr(s.a, n), 2) for n in ("at", "curve", "circle", "polar")),
         ("Model", Model, 2), ("Point", Point, 3), ("Curve", Curve, 4), ("Statement", Statement, 5),
         ("body", codegen.Body, 4), ("scene", Scene, 0), ("coordinate", coordinate, 2),
-        ("given", given, 1), ("element", element, 1), ("table", s.law, 1), ("scene", scene.with_, 99),
+        ("given", given, 1), ("element", element, 1), ("table", s.law, 1),
+        ("scene", scene.with_, 99),
         ("model.add", s.model.add, 1), ("curve", s.a.circle(1).at, 1), ("frame", I.bind, 1),
         ("ConjugateReaction", codegen.ConjugateReaction, 1), ("build", codegen.build, 3),
         ("JointReaction", codegen.JointReaction, 4), ("model.scene", s.model.scene, 3),
@@ -66,10 +67,8 @@ def _anything(s: Scenery, random: Random) -> Misuse:
     """A callable with as many arguments as it may take, of any kind."""
     name, call, most = random.choice(_callables(s))
     arguments = [of_object(random) for _ in range(random.randint(0, min(most, 5)))]
-    return Misuse(
-        f"{name} with {len(arguments)} of anything", lambda: call(*arguments), name.rpartition(".")[2],
-        may_be_right=True,
-    )  # fmt: skip
+    about, title = f"{name} with {len(arguments)} of anything", name.rpartition(".")[2]
+    return Misuse(about, lambda: call(*arguments), title, may_be_right=True)
 
 
 def _owners(s: Scenery) -> list[tuple[str, Any]]:
@@ -151,7 +150,7 @@ def _varied(s: Scenery, random: Random) -> Misuse:
     verb, call = random.choice(calls)
     use = lambda: valid_scenes(s.model, call())  # type: ignore[arg-type]  # noqa: E731
     empty = odd is None or _is_empty(odd)
-    return Misuse(f"{verb} {word} {_shown(odd)}", use, "s2", may_be_right=empty or "frozen" == word)
+    return Misuse(f"{verb} {word} {_shown(odd)}", use, "s2", may_be_right=empty or word == "frozen")
 
 
 def _changed(s: Scenery, random: Random) -> Misuse:
@@ -192,8 +191,8 @@ def _model(s: Scenery, random: Random) -> Misuse:
         model.particle("p", mass=1.0)
         valid_scenes(model, None)
 
-    right = (
-        finite_float(odd) is not None or words.get("gravity") is None and _is_name(words["name"])
+    right = finite_float(odd) is not None or (
+        words.get("gravity") is None and _is_name(words["name"])
     )
     return Misuse(
         f"Model of {_shown(odd)}", use, "model" if "gravity" not in words else "gravity", right
@@ -228,10 +227,7 @@ def _foreign(s: Scenery, random: Random) -> Misuse:
 
 
 def _shown(value: Any) -> str:
-    try:
-        return ascii(value)[:80]
-    except BaseException:
-        return f"a {type(value).__name__}"
+    return ascii(shown(value))[1:81]
 
 
 def _is_name(value: Any) -> bool:
@@ -241,7 +237,7 @@ def _is_name(value: Any) -> bool:
 def _is_empty(value: Any) -> bool:
     """Whether it lists or says nothing."""
     try:
-        return isinstance(value, str | tuple | list | dict | set | frozenset) and len(value) == 0
+        return len(value) == 0
     except BaseException:
         return False
 
