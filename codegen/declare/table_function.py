@@ -90,13 +90,12 @@ class TableFunction:
             at = at.to_base_units().magnitude
         try:
             place = plain_expression(at)
-            if place.is_number and math.isnan(self.table(plain_float(place), 0)):
+            if place.is_number and not math.isfinite(plain_float(place)):
                 raise KindError
             return Interpolant(TableAtom(self.table), sympy.S.Zero, place)
         except FAILURES:  # also of numbers beyond floats
             raise ModelError(
-                f"{self!r} is called with {shown(at)}; give a number from its first to its last "
-                "abscissa, or an expression."
+                f"{self!r} is called with {shown(at)}; give a finite number or an expression."
             ) from None
 
     def __repr__(self) -> str:
