@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import sympy
 
 from codegen.declare.body import Body
+from codegen.declare.expression_rules import expression_problem
 from codegen.declare.return_values.bodies import check_body
-from codegen.declare.value_reader import expression_problem
 from codegen.errors import ModelError
 from codegen.model import Model
 

@@ -16,7 +16,7 @@ from codegen.check.potential_steps import step_problems
 from codegen.check.requested_outputs import output_problems
 from codegen.declare import element as el
 from codegen.declare.cam_profile_checks import profile_problems
-from codegen.declare.plain_values import one_line
+from codegen.declare.expression_rules import unreadable
 from codegen.declare.return_values.bodies import coordinates_of
 from codegen.declare.return_values.calls import errors_named
 from codegen.declare.return_values.constraints import closed_curves, own_coordinates
@@ -28,13 +28,14 @@ from codegen.derive.conditions_on_parameters import element_conditions
 from codegen.derive.equations import acting_elements, active_joints
 from codegen.errors import LinkwrightError, ModelError
 from codegen.model import Model
+from codegen.plain_values import one_line
 
 LONGEST = 2000  # layout: characters of a sentence
 
 
 def check_model(model: Model) -> list[str]:
     """Problems of the declaration, whatever the scene."""
-    problems = list(model.problems)
+    problems = [*Model.problems.fget(model)]  # type: ignore[attr-defined]  # as noted, whatever a subclass says
     if not model.bodies:
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
     masses = {name: list(body_problems(model, body)) for name, body in model.bodies.items()}
@@ -76,10 +77,7 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
     except LinkwrightError:
         raise
     except Exception as error:
-        reason = f"{type(error).__name__}: {one_line(error)}"
-        raise ModelError(
-            f"scene '{scene.name}': its expressions cannot be read, {reason}."
-        ) from error
+        raise ModelError(f"scene '{scene.name}': {unreadable(error)}") from error
 
 
 def _scene_problems(model: Model, scene: Scene) -> list[str]:

@@ -10,7 +10,7 @@ from codegen.declare import element as el
 from codegen.declare.body import Body
 from codegen.declare.cam_profile_checks import profile_problems
 from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.plain_values import plain_expression, shown
+from codegen.declare.plain_expression import plain_expression
 from codegen.declare.return_values.bodies import coordinates_of
 from codegen.declare.return_values.calls import WORDS
 from codegen.declare.return_values.constraints import (
@@ -45,6 +45,7 @@ from codegen.declare.symbols import (
 )
 from codegen.errors import ModelError
 from codegen.model import Model
+from codegen.plain_values import shown
 
 
 def element_problems(

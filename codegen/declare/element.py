@@ -8,10 +8,11 @@ from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
 import sympy
 
 from codegen.declare.body import Body, Curve, Point, Pose
-from codegen.declare.plain_values import KindError, plain_expression, plain_name, shown
+from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate, given
-from codegen.declare.units import expression
 from codegen.errors import ModelError
+from codegen.plain_values import KindError, plain_name, shown
+from codegen.public_callables import declarations, unchanging
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ class Frame(Pose):
             bindings |= dict(zip(ends, body.rotation, strict=True))
         else:
             bindings[self.phi] = body.angle
-        return bindings | {sx: expression(point.sx), sy: expression(point.sy)}
+        return bindings | {sx: plain_expression(point.sx), sy: plain_expression(point.sy)}
 
 
 I, J = Frame("i"), Frame("j")  # noqa: E741 (Haug's names for the two bodies of a joint)
@@ -89,6 +90,10 @@ class ConjugateReaction:
     @classmethod
     def along(cls, letter: str) -> "ConjugateReaction":
         """The force or torque along a coordinate of that letter."""
+        given: object = letter
+        if not isinstance(given, str) or given not in KINDS:
+            known = ", ".join(KINDS)
+            raise ModelError(f"ConjugateReaction.along({shown(letter)}): give one of {known}.")
         kind = KINDS[letter]
         name = f"f{letter}" if kind.unit == "m" else "torque" if kind.unit == "rad" else "force"
         return cls(((name, kind.force_unit),))
@@ -271,3 +276,7 @@ def label(element: object) -> str:
             text = otherwise
         words.append(text if word == "kind" or not text else f"'{text}'")
     return " ".join(filter(None, words))
+
+
+for _class in (Frame, Statement, JointReaction, ConjugateReaction, FrictionLaw, Sticking, Rigid):
+    unchanging(declarations(_class, _class.__name__))

@@ -74,7 +74,7 @@ class Bodies(Joints):
                 self.absolute(f"{particle.name}_y", particle, "y", point.sy)
             else:
                 self.revolute(f"{particle.name}_pin", point, particle.at(0, 0))
-        self.couplers[rod.name] = (rod, *halves)
+        self._put("couplers", rod.name, (rod, *halves))
         return rod
 
     def _absent_bodies(

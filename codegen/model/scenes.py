@@ -8,7 +8,6 @@ from typing import Any, cast
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint
 from codegen.declare.name_rules_and_hints import name_problem, nearest
-from codegen.declare.plain_values import plain_name
 from codegen.declare.return_values.constraints import own_coordinates, place_near
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene
@@ -18,6 +17,7 @@ from codegen.errors import ModelError
 from codegen.model.bodies import Form
 from codegen.model.fidelities import NONE, Fidelities
 from codegen.model.requested_outputs import Outputs
+from codegen.plain_values import plain_name
 
 DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
 """Keywords of a scene that an extension inherits unless it names them."""
@@ -93,7 +93,7 @@ class Scenes(Fidelities, Outputs):
         elif name in self.scenes:
             self._note(f"{where} is declared twice; give each scene its own name.")
         else:
-            self.scenes[name] = scene
+            self._put("scenes", name, scene)
         return scene
 
     def _read_request(

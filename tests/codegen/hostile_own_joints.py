@@ -41,7 +41,7 @@ JOINTS: dict[str, tuple[Callable[[Machine], Any], str]] = {
     ),
     "profiles: of text": (
         lambda m: Guide(m, profiles=((m.b.curve("cos(alpha)", 1), True),)),
-        r"profiles\(\)",
+        "no lengths",
     ),
     "profiles: of a stranger": (
         lambda m: Guide(m, profiles=((m.b.circle(STRANGER), True),)),

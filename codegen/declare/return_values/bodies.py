@@ -7,6 +7,7 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import label
+from codegen.declare.expression_rules import expression_problem
 from codegen.declare.return_values.calls import (
     by_coordinate,
     expression,
@@ -17,7 +18,6 @@ from codegen.declare.return_values.calls import (
     rows,
 )
 from codegen.declare.symbols import KINDS, Coordinate
-from codegen.declare.value_reader import expression_problem
 from codegen.errors import ModelError
 
 

@@ -10,9 +10,13 @@ from typing import Any, TypeVar
 import sympy
 
 from codegen.declare.element import label
-from codegen.declare.plain_values import one_line, plain_expression, plain_name, shown
+from codegen.declare.expression_rules import unreadable
+from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate, Time, Velocity, kinds
+from codegen.declare.units import known_unit
 from codegen.errors import LinkwrightError, ModelError
+from codegen.plain_values import NotText, plain_name, shown
+from codegen.public_callables import failure
 
 WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
 Rows = tuple[tuple[Any, ...], ...]
@@ -44,8 +48,7 @@ def errors_named(element: Any) -> Iterator[None]:
     except LinkwrightError:
         raise
     except Exception as error:  # of an expression too deep, of SymPy
-        reason = f"{type(error).__name__}: {one_line(error)}"
-        raise ModelError(f"{label(element)}: its expressions cannot be read, {reason}.") from error
+        raise ModelError(f"{label(element)}: {unreadable(error)}") from error
 
 
 def called(element: Any, word: str, bodies: tuple[Any, ...] | None = None) -> Any:
@@ -93,9 +96,10 @@ def guarded(element: Any, what: str, function: Callable[[], Any]) -> Any:
     except LinkwrightError as error:
         where = label(element)
         raise ModelError(p if where in p else f"{where}: {p}" for p in error.problems) from error
-    except Exception as error:
-        reason = f"{type(error).__name__}: {one_line(error)}"
-        raise ModelError(f"{label(element)}: its {what} fails with {reason}.") from error
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        raise ModelError(f"{label(element)}: its {what} fails with {failure(error)}.") from error
 
 
 def refusal(element: Any, word: str, value: object, needed: str) -> ModelError:
@@ -119,11 +123,19 @@ def rows(element: Any, word: str, value: Any, size: int, needed: str) -> Rows:
     return tuple(tuple(row) for row in value)
 
 
-def name(element: Any, word: str, text: Any, may_be_empty: bool = False) -> str:
+def name(element: Any, word: str, text: Any) -> str:
     """A few ASCII words, fit for the generated text."""
     plain = plain_name(text) if isinstance(text, str) else ""
-    if not (WORDS.fullmatch(plain) or (may_be_empty and plain == "" and isinstance(text, str))):
-        raise refusal(element, word, text, "a name or a unit in ASCII letters")
+    if not WORDS.fullmatch(plain):
+        raise refusal(element, word, text, "ASCII words where a name stands")
+    return plain
+
+
+def unit(element: Any, word: str, text: Any) -> str:
+    """A unit as a parameter may have it, or ASCII words; empty for a pure number."""
+    plain = plain_name(text) if isinstance(text, str) else NotText()
+    if isinstance(plain, NotText) or not (WORDS.fullmatch(plain) or known_unit(plain)):
+        raise refusal(element, word, text, "a unit, such as 'N m', where one stands")
     return plain
 
 

@@ -11,7 +11,6 @@ import sympy
 
 from codegen.declare import element as el
 from codegen.declare.body import Body, Curve
-from codegen.declare.plain_values import KindError, plain_float, shown
 from codegen.declare.return_values.calls import (
     WORDS,
     called,
@@ -23,10 +22,12 @@ from codegen.declare.return_values.calls import (
     name,
     refusal,
     rows,
+    unit,
 )
 from codegen.declare.return_values.elements import problems_of
 from codegen.declare.symbols import KINDS, Coordinate, alpha, kinds
 from codegen.errors import ModelError
+from codegen.plain_values import KindError, plain_float, shown
 
 COMPONENTS = ("fx", "fy", "torque")
 
@@ -104,9 +105,9 @@ def _reaction(constraint: Any, reaction: Any, count: int) -> Any:
         parts = reaction.components
         try:
             pairs = rows(constraint, "reaction", parts, 2, "")
-            for component, unit in pairs:
+            for component, measure in pairs:
                 name(constraint, "reaction", component)
-                name(constraint, "reaction", unit, may_be_empty=True)
+                unit(constraint, "reaction", measure)
         except ModelError:
             pairs = ()
         if len(pairs) != count:

@@ -7,7 +7,6 @@ import sympy
 
 from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.declare.plain_values import shown
 from codegen.declare.return_values.calls import (
     by_coordinate,
     called,
@@ -18,9 +17,11 @@ from codegen.declare.return_values.calls import (
     name,
     refusal,
     rows,
+    unit,
 )
 from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.errors import ModelError
+from codegen.plain_values import shown
 
 Weights = tuple[tuple[str, sympy.Expr, sympy.Expr], ...]
 """(body, mass, acceleration) of the products that stand in a potential as one number."""
@@ -71,7 +72,7 @@ def friction_law(effect: Any) -> el.FrictionLaw | None:
     if not isinstance(law, el.FrictionLaw):
         raise refusal(effect, "friction()", law, "a FrictionLaw or None")
     name(effect, "joint of friction()", law.joint)
-    name(effect, "unit of friction()", law.unit, may_be_empty=True)
+    unit(effect, "unit of friction()", law.unit)
     needed = "a tuple of loads, each of sums of (component, factor)"
     contacts = vars(law)["contacts"]
     if not (isinstance(contacts, tuple | list) and contacts) or not all(
@@ -136,10 +137,10 @@ def _reported(effect: Any, bodies: tuple[Body, ...]) -> el.Reported:
     reported = tuple(
         (
             name(effect, "reported()", component),
-            name(effect, "reported()", unit, may_be_empty=True),
+            unit(effect, "reported()", measure),
             expression(effect, "reported()", force),
         )
-        for component, unit, force in rows(
+        for component, measure, force in rows(
             effect, "reported()", value, 3, "a tuple of rows (component, unit, value)"
         )
     )

@@ -8,7 +8,6 @@ from typing import Any
 from codegen.declare.body import Body
 from codegen.declare.conditions import Condition
 from codegen.declare.element import label
-from codegen.declare.plain_values import KindError, one_line, plain_float, shown
 from codegen.declare.return_values.calls import (
     called,
     called_if_any,
@@ -18,6 +17,7 @@ from codegen.declare.return_values.calls import (
     refusal,
 )
 from codegen.errors import ModelError
+from codegen.plain_values import KindError, one_line, plain_float, shown
 
 _FORMAT = re.compile(r"(\.\d{1,2})?[efg]?")
 
