@@ -13,6 +13,7 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, f8, integers
 from runtime.core.jit import addressed, inner
 
+# formula: of the tenth difference
 _BINOMIAL = (1.0, -10.0, 45.0, -120.0, 210.0, -252.0, 210.0, -120.0, 45.0, -10.0, 1.0)
 _GAIN = 430.0  # formula: root of the sum of their squares
 _BLOCKS, _EACH = 4, 8  # measured: groups of differences, of which a jump disturbs two
