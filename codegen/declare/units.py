@@ -177,8 +177,8 @@ def _table_of_another_unit(value: Any, unit: str) -> str | None:
         return None
     needed = unit or "a pure number"
     return (
-        f"table '{table.table.name}' has values in {measured}, but {needed} is needed; give the table other "
-        "units=, or write the factor between both."
+        f"table '{table.table.name}' has values in {measured}, but {needed} is needed; give the "
+        "table other units=, or write the factor between both."
     )
 
 
