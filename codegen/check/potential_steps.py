@@ -13,9 +13,9 @@ from itertools import pairwise
 import numpy as np
 import sympy
 
-from codegen.declare.answers import optional_answers, potential_of
 from codegen.declare.body import Body
 from codegen.declare.element import Effect, label
+from codegen.declare.return_values.effects import optional_answers, potential_of
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, kinds
 from codegen.declare.table_function import Interpolant

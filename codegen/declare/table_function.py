@@ -8,9 +8,11 @@ from typing import Any
 import sympy
 
 from codegen.cubic_spline import Table
-from codegen.declare.plain_values import KindError, plain_expression, shown
+from codegen.declare.plain_expression import plain_expression
 from codegen.declare.units import is_quantity
 from codegen.errors import ModelError
+from codegen.plain_values import KindError, plain_float, shown
+from codegen.public_callables import declaration
 
 DEGREE = 3
 FEWEST = 4
@@ -88,14 +90,21 @@ class TableFunction:
             at = at.to_base_units().magnitude
         try:
             place = plain_expression(at)
-        except KindError:
+            if place.is_number and math.isnan(self.table(plain_float(place), 0)):
+                raise KindError
+            return Interpolant(TableAtom(self.table), sympy.S.Zero, place)
+        except Exception:  # also of numbers beyond floats
             raise ModelError(
-                f"{self!r} is called with {shown(at)}; give a number or an expression."
+                f"{self!r} is called with {shown(at)}; give a number from its first to its last "
+                "abscissa, or an expression."
             ) from None
-        return Interpolant(TableAtom(self.table), sympy.S.Zero, place)
 
     def __repr__(self) -> str:
         return f"table '{self.table.name}' of {len(self.table.knots)} points"
+
+
+for _word in ("__init__", "__call__"):
+    setattr(TableFunction, _word, declaration(getattr(TableFunction, _word), "table"))
 
 
 def point_problems(x: list[float], y: list[float], periodic: bool) -> Iterator[str]:

@@ -5,10 +5,10 @@ from typing import Any
 
 from codegen.cubic_spline import fit
 from codegen.declare import units as quantities
-from codegen.declare.plain_values import one_line, plain_name, shown
 from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule
 from codegen.declare.table_function import FEWEST, TableFunction, point_problems
 from codegen.model.base import Declarations
+from codegen.plain_values import one_line, plain_name, shown
 
 
 def known_units(units: Any) -> bool:
@@ -54,7 +54,7 @@ class Values(Declarations):
             unit = ""
         number = self._read.number(value, unit, where)
         if self._claim("parameter", name):
-            self.parameters[name] = ParameterDeclaration(name, number, unit, sign)
+            self._put("parameters", name, ParameterDeclaration(name, number, unit, sign))
         return symbol
 
     def table(
@@ -102,7 +102,7 @@ class Values(Declarations):
             self._note(f"depends_on({shown(path)}): {shown(path)} {reason}.")
             return Path()
         if found:
-            self.files.append(file)
+            vars(self)["files"] += (file,)
         else:
             self._note(f"depends_on({shown(path)}): there is no file {one_line(file)}.")
         return file
