@@ -160,7 +160,7 @@ def tenfold_time(found: Difference) -> float | None:
 
 def safe_share(ratio: float) -> float:
     """Share of the looser run's error that the tighter one's may be, for this ratio of rtol."""
-    return min(1.0, max(_SCATTER * ratio, ratio**_SLOWEST))
+    return float(min(1.0, max(_SCATTER * ratio, ratio**_SLOWEST)))
 
 
 def sufficient_ratio(share: float) -> float:
