@@ -23,6 +23,7 @@ from codegen.check.declaration import check_model, check_scene
 from codegen.check.redundancy import Findings, examine
 from codegen.declare.expression_rules import unreadable
 from codegen.declare.name_rules_and_hints import nearest
+from codegen.declare.return_values.calls import calling_each_method_once
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.emit.module import module_text, operation_table
@@ -41,6 +42,7 @@ from codegen.public_callables import Deferred
 GENERATOR = f"linkwright {codegen.__version__}"
 
 
+@calling_each_method_once
 @readers.reads(
     model=readers.model, scene=readers.optional(readers.scenes),
     out=readers.optional(readers.path), settings=readers.optional(readers.values('{"J1": 900.0}')),

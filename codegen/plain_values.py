@@ -47,7 +47,7 @@ class KindError(Exception):
     """A value is not of the kind that is needed; its text says why or what is, if there is more."""
 
 
-class NotText(str):
+class InvalidName(str):
     """A printable stand-in for what was given as a name and is no name."""
 
     __slots__ = ()
@@ -76,14 +76,14 @@ def one_line(text: object, widest: int = WIDEST) -> str:
 
 
 def plain_name(value: object) -> str:
-    """Text as it is; `NotText` in place of all that cannot stand in a message as a name."""
-    if is_a(value, NotText):
+    """Text as it is; `InvalidName` in place of all that cannot stand in a message as a name."""
+    if is_a(value, InvalidName):
         return value
     if is_a(value, str):
         text = str.__str__(value)
         if len(text) <= WIDEST and text.isprintable():
             return text
-    return NotText(shown(value))
+    return InvalidName(shown(value))
 
 
 def plain_number(value: Any) -> int | float | Fraction:

@@ -7,8 +7,8 @@ import sympy
 from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
 
-from codegen.declare.answers import statement_of
 from codegen.declare.element import Constraint, label
+from codegen.declare.return_values.constraints import statement_of
 from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
 from codegen.declare.table_function import Interpolant
 from codegen.derive.piecewise_conditions import KINKED, STEPS, is_known_beforehand

@@ -192,10 +192,12 @@ class Rigid:
 class Element(Protocol):
     """The common part of joints, drivers and effects.
 
-    A class may derive from `Constraint` or `Effect`, and then inherits the answers that stand
-    here, or answer the same words without deriving from them. One that asks something of its
-    numbers, also as parameters, answers, besides, ``conditions() -> (Condition, ...)``; one with
-    closed curves ``profiles() -> ((curve, whether it must be convex), ...)``.
+    A class may derive from `Constraint` or `Effect`, and then inherits the methods that stand
+    here, or have the same methods without deriving from them. One that asks something of its
+    numbers, also as parameters, has, besides, ``conditions() -> (Condition, ...)``; a joint with
+    closed curves ``profiles() -> ((curve, whether it must be convex), ...)``; one that estimates
+    its own coordinates ``near(numbers) -> {coordinate: value}``, from values of the bodies'
+    coordinates and of the parameters; one that stands for a body has it as ``instead_of``.
     """
 
     kind: ClassVar[str]
@@ -224,14 +226,6 @@ class Constraint(Element, Protocol):
 
     def statement(self) -> Statement:
         """The equations."""
-
-
-@runtime_checkable
-class Located(Protocol):
-    """A joint that estimates the coordinates it brings from a rough pose."""
-
-    def near(self, numbers: Mapping[sympy.Symbol, float]) -> dict[Coordinate, float]:
-        """Its coordinates, from values of the bodies' coordinates and of the parameters."""
 
 
 @runtime_checkable
@@ -274,11 +268,14 @@ class OptionalAnswers(NamedTuple):
 
 def label(element: object) -> str:
     """``revolute 'A'``: the element in messages."""
-    try:
-        kind, name = (getattr(element, word, "body") for word in ("kind", "name"))
-        return f"{plain_name(kind)} '{plain_name(name)}'"
-    except FAILURES:  # a property of a modeller's own
-        return f"element of class {type(element).__name__}"
+    words = []
+    for word, otherwise in (("kind", f"element of class {type(element).__name__}"), ("name", "")):
+        try:
+            text = plain_name(getattr(element, word, "body"))
+        except FAILURES:  # a property of a modeller's own
+            text = otherwise
+        words.append(text if word == "kind" or not text else f"'{text}'")
+    return " ".join(filter(None, words))
 
 
 for _class in (Frame, Statement, JointReaction, ConjugateReaction, FrictionLaw, Sticking, Rigid):

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
 from codegen.errors import FAILURES, SceneError
-from codegen.plain_values import NotText, is_a, plain_name, shown
+from codegen.plain_values import InvalidName, is_a, plain_name, shown
 
 Analysis = Literal["dynamics", "kinematics", "equilibrium"]
 ANALYSES = ("dynamics", "kinematics", "equilibrium")
@@ -57,12 +57,12 @@ class Request(Choices):
 
 
 def name_of(element: Any) -> str:
-    """The name of an element that is given by its name or as an object; else `NotText`."""
+    """The name of an element that is given by its name or as an object; else `InvalidName`."""
     try:
         name = element if is_a(element, str) else getattr(element, "name", None)
     except FAILURES:  # of the user's own object
         name = None
-    return plain_name(name) if is_a(name, str) else NotText(shown(element))
+    return plain_name(name) if is_a(name, str) else InvalidName(shown(element))
 
 
 class Owner(Protocol):

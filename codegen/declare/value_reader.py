@@ -22,8 +22,8 @@ from codegen.declare.symbols import Coordinate, ParameterDeclaration, Velocity, 
 from codegen.declare.units import in_unit
 from codegen.errors import FAILURES
 from codegen.plain_values import (
+    InvalidName,
     KindError,
-    NotText,
     bounded,
     is_a,
     is_flag,
@@ -201,7 +201,7 @@ class Reader:
 
     def names(self, value: Any, word: str, where: str, known: Mapping[str, Any]) -> list[str]:
         """Names of elements, given one or several, by name or as objects of the `known` ones."""
-        if is_a(value, str) or not is_a(name_of(value), NotText):
+        if is_a(value, str) or not is_a(name_of(value), InvalidName):
             given = [value]
         else:
             try:

@@ -11,10 +11,12 @@ from typing import Any, Self, TypeVar
 import sympy
 
 from codegen.declare import symbols as sy
-from codegen.declare.answers import bodies_of, coordinates_of, own_coordinates
 from codegen.declare.body import Body, Ground, Particle, Point
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.name_rules_and_hints import name_problem, nearest
+from codegen.declare.return_values.bodies import coordinates_of
+from codegen.declare.return_values.constraints import own_coordinates
+from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import Scene
 from codegen.declare.value_reader import Reader
 from codegen.elements.registry import role

@@ -9,8 +9,8 @@ from typing import Any, Literal
 
 import sympy
 
-from codegen.declare.answers import bodies_of
 from codegen.declare.body import Body, Particle, Point
+from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.value_reader import Reader
 from codegen.model.base import Place
 from codegen.model.joints import Joints

@@ -10,7 +10,8 @@ import numpy.typing as npt
 from codegen.errors import InputError
 from codegen.plain_values import is_a, shown
 from codegen.public_callables import checked_class
-from runtime.mechanism.module_tables import Description, unknown
+from runtime.mechanism.module_tables import Description
+from runtime.mechanism.table_rows import unknown
 from runtime.results.samples import Samples
 
 FloatArray = npt.NDArray[np.float64]
