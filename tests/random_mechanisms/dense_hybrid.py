@@ -23,7 +23,7 @@ from tests.random_mechanisms.dense_motion import DenseError
 RTOL = 1e-12
 MOST_EVENTS = 2000  # safety: of a motion, before it is given up
 PIECES = 40  # steps of a piece that reaches the next instant, at least
-AT_REST = 1e-11  # accuracy: of the terms of a rate; less is no slip
+AT_REST = 1e-11  # accuracy: of the largest rate so far; less is no slip
 AGREED = 1e-7  # accuracy: of the terms of an acceleration or force; by so much a mode may be wrong
 TOUCHING = 1e-10  # accuracy: of a typical length; less is no gap
 UNSEEN = 1e-11  # accuracy: the same; flights that rise no higher are over
@@ -56,6 +56,7 @@ class Hybrid:
             for k, f in effects.items() if isinstance(f, parts.DryFriction)
         }  # fmt: skip
         self._known: tuple[Any, Solution] | None = None
+        self._speed = 0.0  # the largest so far, in typical sizes
         self._flight = "", 0.0  # the contact that has just been struck, and until when it rises
 
     # -- motion ------------------------------------------------------------------------------
@@ -63,6 +64,7 @@ class Hybrid:
     def motion(self, q: Any, v: Any, instants: Sequence[float]) -> tuple[Any, Any, int]:
         """Positions and velocities at instants, (k, n) each, from the first on; count of events."""
         dense, sizes = self.dense, np.concatenate([self.dense.sizes] * 2)
+        self._speed = float(np.abs(v / dense.sizes).max())
         modes = self._after_impact(q, v, float(instants[0]), {})
         found_q, found_v, events = [q], [v], 0
         for begin, end in pairwise(instants):
@@ -71,6 +73,7 @@ class Hybrid:
                 stop = min(float(end), self._flight[1]) if self._flight[1] > t else float(end)
                 t, y, fired = self._piece(t, stop, np.concatenate([q, v]) / sizes, modes)
                 q, v = dense.closed(*np.split(y * sizes, 2), t)
+                self._speed = max(self._speed, float(np.abs(v / dense.sizes).max()))
                 if fired is not None:
                     modes, v = self._next(q, v, t, modes, fired)
                     events += 1
@@ -162,7 +165,7 @@ class Hybrid:
         choices: dict[str, tuple[int, ...]] = {}
         for name in (*self.frictions, *self.contacts):
             s = scalars[name]
-            size = float(np.abs(s.by_q) @ np.abs(v)) + abs(s.by_t)
+            size = float(np.abs(s.by_q) @ self.dense.sizes) * self._speed + abs(s.by_t)
             rests = abs(s.rate) <= AT_REST * size
             if name in self.contacts:
                 open_now[name] = OPEN
