@@ -134,6 +134,8 @@ def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
     'crank'"``. All but quantities are taken to be in `unit`.
     """
     if not is_quantity(value):
+        if problem := _table_of_another_unit(value, unit):
+            problems.append(f"{where}: {problem}")
         return value
     target = registry().parse_units(pint_form(unit)) if unit else registry().dimensionless
     try:
@@ -155,6 +157,29 @@ def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
         problems.append(f"{where}: {value} {problem}")
         return 1.0
     return _magnitude(value, target)
+
+
+def same_dimension(one: str, other: str) -> bool:
+    """Whether two units convert into each other; the empty text is that of a pure number."""
+    quantities = (
+        registry().Quantity(1.0, pint_form(unit) if unit else "") for unit in (one, other)
+    )
+    return bool(next(quantities).is_compatible_with(next(quantities)))
+
+
+def _table_of_another_unit(value: Any, unit: str) -> str | None:
+    """Why a table alone, or its negative, does not stand for a value in `unit`, or None."""
+    if not isinstance(value, sympy.Expr):
+        return None
+    factor, table = value.as_coeff_Mul()
+    measured = getattr(table, "table_unit", "")
+    if not measured or abs(factor) != 1 or same_dimension(measured, unit):
+        return None
+    needed = unit or "a pure number"
+    return (
+        f"table '{table.table.name}' has values in {measured}, but {needed} is needed; give the "
+        "table other units=, or write the factor between both."
+    )
 
 
 def _cycles_for_radians(value: Any, target: Any, unit: str) -> str | None:

@@ -73,7 +73,8 @@ class Values(Declarations):
             Whether the function repeats; the last point is the first one, a period later. One
             that does not repeat is undefined beyond its ends, where a run stops and says so.
         units
-            SI units of x and y.
+            SI units of x and y. What the table is called with, and what it stands for, is compared
+            with them where its unit is known: quantities, coordinates, velocities, t.
         """
         where = f"table '{name}'"
         if not known_units(units):
@@ -89,7 +90,7 @@ class Values(Declarations):
             for problem in point_problems(at, values, periodic):
                 self._note(f"{where}: {problem}")
         if self._claim("table", name) and len(self.problems) == before:
-            return TableFunction(fit(name, at, values, periodic))
+            return TableFunction(fit(name, at, values, periodic), units)
         return TableFunction(fit("none", (0.0, 1.0, 2.0, 3.0), (0.0,) * 4, periodic=False))
 
     def depends_on(self, path: str | Path) -> Path:
