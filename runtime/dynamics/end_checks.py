@@ -13,9 +13,8 @@ from runtime.results.samples import Samples
 _CLOSED = 1e-9  # accuracy: of a coordinate's size; to this the joints close, however fine rtol is
 # measured: tolerances; Baumgarte's method with dopri5 leaves 0.4 of one, each other return 1e-5
 _RESIDUAL = 10.0
-_SIDE = (
-    1e-6  # accuracy: of a switching function's largest value; nearer to zero either side is right
-)
+# accuracy: of a switching function's largest value; nearer to zero either side is right
+_SIDE = 1e-6
 _SIDE_TOLERANCES = 100.0  # safety: relative tolerances within which an event is located
 
 
