@@ -1,6 +1,6 @@
 """Readers of the arguments of public functions: any object in, a plain Python value out.
 
-A reader returns a plain value (`float`, `str`, `dict`, ...), or raises `MisfitError` with the
+A reader returns a plain value (`float`, `str`, `dict`, ...), or raises `KindError` with the
 sentence on what the argument must be. `reads` makes a function read its arguments so, and reports
 all misfits at once. Nothing that a user gives is evaluated, and an object whose own methods fail
 is a misfit.
@@ -15,16 +15,14 @@ from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 from codegen.errors import InputError
+from codegen.plain_values import KindError, finite_float, is_flag, one_line, shown
+from codegen.public_callables import checked_call, users_own
 
 Reader = Callable[[Any], Any]
 Arguments = ParamSpec("Arguments")
 Answer = TypeVar("Answer")
 _LONGEST = 255  # safety: characters of a name, which becomes part of a file's
 _SHOWN = 60  # layout: characters of a value that a message quotes
-
-
-class MisfitError(Exception):
-    """A reader's refusal; its text says what the argument must be."""
 
 
 def read_arguments(
@@ -42,13 +40,15 @@ def read_arguments(
     for name, value in given.items():
         try:
             values[name] = readers[name](value)
-        except MisfitError as misfit:
-            problems.append(f"{where}: {name} is {shortened(value)}; {misfit}")
+        except KindError as misfit:
+            problems.append(f"{where}: {name} is {shown(value, _SHOWN)}; {misfit}")
         except InputError:
             raise
         except Exception as failure:
-            why = f"{type(failure).__name__}: {failure}"
-            problems.append(f"{where}: {name} is {shortened(value)}; reading it fails with {why}")
+            why = f"{type(failure).__name__}: {one_line(failure)}"
+            problems.append(
+                f"{where}: {name} is {shown(value, _SHOWN)}; reading it fails with {why}"
+            )
     if problems:
         raise error(problems)
     return values
@@ -69,32 +69,9 @@ def reads(
             call.arguments.update(read_arguments(function.__name__, readers, given))
             return function(*call.args, **call.kwargs)
 
-        return checked
+        return checked_call(checked, f"{function.__name__}()")
 
     return decorate
-
-
-def shortened(value: Any) -> str:
-    """The value as written in Python, cut short; its type where it cannot be written."""
-    try:
-        text = repr(value)
-    except Exception:
-        text = f"an object of type {type(value).__name__} whose repr fails"
-    text = text.encode("ascii", "backslashreplace").decode() if not text.isprintable() else text
-    return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}..."
-
-
-def real(value: Any) -> float | None:
-    """A real number as a float; None for texts, booleans, complex and masked numbers, arrays."""
-    kind = getattr(getattr(value, "dtype", None), "kind", "f")
-    if isinstance(value, bool | str | bytes | bytearray) or kind not in "iufO":
-        return None
-    if getattr(value, "shape", ()) not in {(), None} or bool(getattr(value, "mask", False)):
-        return None
-    try:
-        return float.__float__(value) if isinstance(value, float) else float(value)
-    except (TypeError, ValueError, OverflowError):
-        return None
 
 
 def number(
@@ -103,11 +80,9 @@ def number(
     """A finite real number between `above` and `below`, or equal to one of them if `closed`."""
 
     def read(value: Any) -> float:
-        parsed = real(value)
-        if parsed is None or not math.isfinite(parsed):
-            raise MisfitError(f"it must be {demand}.")
-        if not (above < parsed < below or (closed and parsed in {above, below})):
-            raise MisfitError(f"it must be {demand}.")
+        parsed = finite_float(value)
+        if parsed is None or not (above < parsed < below or (closed and parsed in {above, below})):
+            raise KindError(f"it must be {demand}.")
         return parsed
 
     return read
@@ -117,9 +92,9 @@ def count(least: int, most: int = 2**62) -> Reader:
     """A whole number from `least` to `most`; a float that is whole will do."""
 
     def read(value: Any) -> int:
-        parsed = real(value)
+        parsed = finite_float(value)
         if parsed is None or not parsed.is_integer() or not least <= parsed <= most:
-            raise MisfitError(f"it must be a whole number from {least} to {most:g}.")
+            raise KindError(f"it must be a whole number from {least} to {most:g}.")
         return int(parsed)
 
     return read
@@ -127,8 +102,8 @@ def count(least: int, most: int = 2**62) -> Reader:
 
 def flag(value: Any) -> bool:
     """True or False."""
-    if type(value).__name__ not in {"bool", "bool_"}:
-        raise MisfitError("it must be True or False.")
+    if not is_flag(value):
+        raise KindError("it must be True or False.")
     return bool(value)
 
 
@@ -137,9 +112,9 @@ def text(demand: str) -> Reader:
 
     def read(value: Any) -> str:
         if not isinstance(value, str):
-            raise MisfitError(f"it must be {demand}, a text.")
+            raise KindError(f"it must be {demand}, a text.")
         if len(value) > _LONGEST:
-            raise MisfitError(f"it has {len(value)} characters; {_LONGEST} are permitted.")
+            raise KindError(f"it has {len(value)} characters; {_LONGEST} are permitted.")
         return str.__str__(value)
 
     return read
@@ -152,8 +127,8 @@ def several(reader: Reader, demand: str) -> Reader:
         listed = isinstance(value, list | tuple | KeysView) or getattr(value, "ndim", 0) == 1
         try:
             return tuple(map(reader, value if listed else (None,)))
-        except MisfitError as misfit:
-            raise MisfitError(f"it must be {demand}.") from misfit
+        except KindError as misfit:
+            raise KindError(f"it must be {demand}.") from misfit
 
     return read
 
@@ -164,16 +139,16 @@ def texts(example: str) -> Reader:
 
 
 def values(example: str) -> Reader:
-    """A mapping from names to numbers, as a dictionary; what is no number stays as it is."""
+    """A mapping from names to numbers, as a dictionary; what is no finite number stays as it is."""
 
     def read(value: Any) -> dict[str, Any]:
         if not isinstance(value, Mapping):
-            raise MisfitError(f"it must be a mapping from names to numbers, such as {example}.")
+            raise KindError(f"it must be a mapping from names to numbers, such as {example}.")
         entries = dict(value.items())
         for name in entries:
             if not isinstance(name, str):
-                raise MisfitError(f"its name {shortened(name)} is no text.")
-        plain = {str(name): real(entry) for name, entry in entries.items()}
+                raise KindError(f"its name {shown(name, _SHOWN)} is no text.")
+        plain = {str.__str__(name): finite_float(entry) for name, entry in entries.items()}
         return {name: entries[name] if entry is None else entry for name, entry in plain.items()}
 
     return read
@@ -186,12 +161,12 @@ def path(value: Any) -> Path:
     except TypeError:
         plain = None
     if not isinstance(plain, str) or not plain or "\0" in plain:
-        raise MisfitError("it must be the path of a file or folder, as a text or pathlib.Path.")
+        raise KindError("it must be the path of a file or folder, as a text or pathlib.Path.")
     try:
         plain.encode()  # a name that cannot be decoded cannot be written into a file
         Path(plain).exists()
     except (OSError, UnicodeError) as error:
-        raise MisfitError(f"no file can have that path ({error}).") from error
+        raise KindError(f"no file can have that path ({error}).") from error
     return Path(plain)
 
 
@@ -201,7 +176,7 @@ def instance(room: str, name: str, demand: str) -> Reader:
     def read(value: Any) -> Any:
         bases = ((base.__module__, base.__name__) for base in type(value).__mro__)
         if not any(base == name and module.startswith(room) for module, base in bases):
-            raise MisfitError(f"it must be {demand}.")
+            raise KindError(f"it must be {demand}.")
         return value
 
     return read
@@ -213,7 +188,7 @@ def either(first: Reader, second: Reader) -> Reader:
     def read(value: Any) -> Any:
         try:
             return first(value)
-        except MisfitError:
+        except KindError:
             return second(value)
 
     return read
@@ -229,8 +204,24 @@ def model(value: Any) -> Any:
 def function(value: Any) -> Callable[..., Any]:
     """Something that can be called."""
     if not callable(value):
-        raise MisfitError("it must be a function.")
+        raise KindError("it must be a function.")
     return value  # type: ignore[no-any-return]
+
+
+def reporter(value: Any) -> Callable[[str], None]:
+    """A function that is called with a line of text; what it raises says whose it is."""
+    try:
+        inspect.signature(function(value)).bind("")
+    except TypeError as mismatch:
+        raise KindError(f"it is called with one text ({mismatch}).") from mismatch
+    except ValueError:  # of a function that has no signature
+        pass
+
+    def report(line: str) -> None:
+        with users_own("the function given as progress="):
+            value(line)
+
+    return report
 
 
 def optional(reader: Reader) -> Reader:

@@ -13,7 +13,6 @@ compile   file                  → machine code in numba's cache
 """
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
@@ -22,8 +21,9 @@ import codegen
 from codegen import argument_readers as readers
 from codegen.check.declaration import check_model, check_scene
 from codegen.check.redundancy import Findings, examine
+from codegen.declare.expression_rules import unreadable
 from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.plain_values import one_line
+from codegen.declare.return_values.calls import calling_each_method_once
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.emit.module import module_text, operation_table
@@ -36,14 +36,17 @@ from codegen.generated_files.provenance import default_folder, file_name, origin
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.model import Model
 from codegen.model_file import ModelFile, read_model
+from codegen.plain_values import finite_float, shown
+from codegen.public_callables import Deferred
 
 GENERATOR = f"linkwright {codegen.__version__}"
 
 
+@calling_each_method_once
 @readers.reads(
     model=readers.model, scene=readers.optional(readers.scenes),
     out=readers.optional(readers.path), settings=readers.optional(readers.values('{"J1": 900.0}')),
-    progress=readers.function,
+    progress=readers.reporter,
     **dict.fromkeys(("tangents", "reduced", "check", "compile"), readers.flag),
 )  # fmt: skip
 def build(
@@ -76,7 +79,7 @@ def build(
     compile
         Compile now, so that the first run finds machine code in the cache.
     progress
-        Receives a line at the beginning of every stage.
+        Receives a line at the beginning of every stage; what it raises is passed on at the end.
 
     Returns
     -------
@@ -89,9 +92,27 @@ def build(
         If the file, the model or a scene is wrong, with all problems at once; or if a scene can
         have no derivatives or reduced equations although they are requested.
     """
+    with Deferred(progress) as announce:
+        return _build(
+            model,
+            scene,
+            out,
+            settings or {},
+            {"tangents": tangents, "reduced": reduced},
+            check,
+            compile,
+            announce,
+        )
+
+
+def _build(
+    model: str | Path | Model, scene: str | Scene | Sequence[str | Scene] | None,
+    out: str | Path | None, settings: Mapping[str, float], requested: Mapping[str, bool],
+    check: bool, compiled: bool, progress: Progress,
+) -> BuildReport:  # fmt: skip
+    """All stages, from the file that is read to the machine code."""
     progress("reading the model")
     started = perf_counter()
-    settings = settings or {}
     file = read_model(model)
     declared = with_settings(file.model, settings)
     reading = perf_counter() - started
@@ -101,7 +122,6 @@ def build(
     for chosen in scenes:
         clock = Clock({"read": reading}, progress, f"{declared.name}, scene {chosen.name}")
         prepared.append((*translate(declared, chosen, clock), clock))
-    requested = {"tangents": tangents, "reduced": reduced}
     for kind in COMPANIONS:
         if requested[kind.name]:
             kind.refuse(declared.name, [e for e, *_ in prepared], named=scene is not None)
@@ -112,7 +132,7 @@ def build(
     every = [f for main in files for f in (main, *main.companions.values())]
     for f in every:
         f.bring_up_to_date(check)
-    if compile and not check:
+    if compiled and not check:
         progress(f"{declared.name}: compile")
         for f, seconds in zip(every, compile_modules([f.path for f in every]), strict=True):
             f.clock.seconds["compile"] = seconds
@@ -153,15 +173,9 @@ def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowe
             findings = examine(equations, lowered)
     except LinkwrightError:
         raise
-    except RecursionError as error:
-        raise ModelError(
-            f"scene '{scene.name}': an expression is too deep for Python's stack to {stage} it; "
-            "write it in fewer functions of functions."
-        ) from error
     except Exception as error:
         raise ModelError(
-            f"scene '{scene.name}': its expressions cannot be read, to {stage} them fails with "
-            f"{type(error).__name__}: {one_line(error)}."
+            f"scene '{scene.name}', at the stage {stage}: {unreadable(error)}"
         ) from error
     if findings.problems:
         raise ModelError(findings.problems)
@@ -171,26 +185,23 @@ def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowe
 def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
     """A copy of the model with the other defaults of ``--set``, which hold in every scene."""
     problems = []
-    changed = copy(model)
-    changed.parameters = dict(model.parameters)
+    parameters = dict(model.parameters)
     for name, value in settings.items():
         if name not in model.parameters:
             problems.append(
                 f"model '{model.name}' has no parameter '{name}'; {nearest(name, model.parameters)}"
             )
-        elif (number := readers.real(value)) is None:
-            what = readers.shortened(value)
+        elif (number := finite_float(value)) is None:
+            what = shown(value)
             problems.append(f"parameter '{name}' is {what}; give a finite number.")
         elif problem := model.parameters[name].problem(number):
             problems.append(problem)
         else:
-            changed.parameters[name] = replace(model.parameters[name], value=number)
+            parameters[name] = replace(model.parameters[name], value=number)
     if problems:
         raise ParameterError(problems)
-    changed.scenes = {
-        name: without_overridden(scene, settings) for name, scene in model.scenes.items()
-    }
-    return changed
+    scenes = {name: without_overridden(scene, settings) for name, scene in model.scenes.items()}
+    return model.altered(parameters=parameters, scenes=scenes)
 
 
 def without_overridden(scene: Scene, settings: Mapping[str, float]) -> Scene:
@@ -205,14 +216,16 @@ def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None
     if problems:
         raise ModelError(problems)
     if not model.scenes:
-        model = copy(model)
-        model.scenes = {}
+        model = model.altered(scenes={})
         model.scene("default", effects=model.effects, drivers=model.drivers)
     chosen = (
         (names,) if isinstance(names, str | Scene) else model.scenes if names is None else names
     )
     by_name = [name for name in chosen if isinstance(name, str)]
-    variants = [model.recompose(scene) for scene in chosen if isinstance(scene, Scene)]
+    given = [scene for scene in chosen if isinstance(scene, Scene)]
+    if misfits := [problem for scene in given for problem in model.misfits(scene)]:
+        raise SceneError(misfits)
+    variants = [model.recompose(scene) for scene in given]
     missing = [
         f"model '{model.name}' has no scene '{name}'; {nearest(name, model.scenes)}"
         for name in by_name

@@ -66,3 +66,7 @@ class RedundancyError(AssemblyError):
 
 class AnalysisError(InputError):
     """The analysis asked for does not fit the scene (drivers, degrees of freedom, masses)."""
+
+
+class NoAttributeError(ModelError, AttributeError):
+    """Part of a declaration is not there, or does not change; an `AttributeError` as well."""

@@ -90,10 +90,15 @@ def import_generated(path: Path, digest: str | None = None) -> ModuleType:
         actual = text_hash(text)
         if digest not in (None, actual):
             raise SupersededError(f"{path} was replaced while it was being loaded; load it again.")
-        name = f"linkwright_generated_{path.stem}_{actual}"
+        name = module_name(path, text)
         if name in sys.modules and sys.modules[name].__file__ == str(path):
             return sys.modules[name]
         return _execute(name, path, text)
+
+
+def module_name(path: Path, text: str) -> str:
+    """The name of the module that a generated file is imported as."""
+    return f"linkwright_generated_{path.stem}_{text_hash(text)}"
 
 
 def _execute(name: str, path: Path, text: str) -> ModuleType:

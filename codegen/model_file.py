@@ -17,11 +17,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import cast
 
-from codegen.argument_readers import shortened
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.errors import InputError, ModelFileError
 from codegen.generated_module_signature_and_import import is_signed
 from codegen.model import Model
+from codegen.plain_values import shown
 
 _IN_USE = {
     *("codegen", "runtime", "filelock", "llvmlite", "matplotlib", "mpmath", "netCDF4", "numba"),
@@ -128,7 +128,7 @@ def _require_plain_name(path: Path) -> None:
     odd = odd or [c for c in str(path) if "\ud800" <= c <= "\udfff"]
     if odd:
         raise ModelFileError(
-            f"{shortened(str(path))}: the generated files are named after the model file, and "
+            f"{shown(str(path))}: the generated files are named after the model file, and "
             f"{', '.join(dict.fromkeys(map(repr, odd)))} cannot be part of their names. Rename it."
         )
 

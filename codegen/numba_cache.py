@@ -1,9 +1,12 @@
 """Numba's cache on disk, made safe: nothing damaged or of another source is ever run.
 
 Numba trusts what lies in its cache: a file that is cut short ends a program; where a process ends
-between the writing of an index and of its data, old machine code is taken for new. Here each data
-file ends with the hash of its content and of its source's date. What does not agree is thrown away
-and compiled anew, with a note; a folder that cannot be written costs a note, too, and no more.
+between the writing of an index and of its data, old machine code is taken for new; both are
+pickles, which run whatever they hold. Here each file ends with a hash of its content, its name and,
+for machine code, its source, which is checked before anything is unpickled. A source is known by
+its date and by its module, whose name has the hash of a generated text. What does not agree is
+thrown away and compiled anew, with a note; a folder that cannot be written costs a note, too, and
+no more.
 """
 
 import hashlib
@@ -59,7 +62,9 @@ class CheckedCache(_Function):  # type: ignore[misc]
 
     def __init__(self, function: Any) -> None:
         super().__init__(function)
-        self._cache_file.__class__ = _CheckedFiles
+        files = self._cache_file
+        files.__class__ = _CheckedFiles
+        files._source_stamp = (files._source_stamp, function.__module__)
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Machine code from the disk; None where there is none that can be trusted."""
@@ -85,27 +90,40 @@ class _CheckedFiles(_IndexData):  # type: ignore[misc]
 
     def _load_index(self) -> Any:
         try:
-            return super()._load_index()
-        except Exception as error:  # a pickle that is cut short raises nearly anything
-            _note_damage(self._index_path, error)
+            content = Path(self._index_path).read_bytes()
+        except FileNotFoundError:
             return {}
+        if not _is_sealed(content, self._index_name):
+            _note_damage(self._index_path, "its content is not what was written")
+            return {}
+        version, stamp, overloads = pickle.loads(content[:-_SEAL])
+        return overloads if (version, stamp) == (self._version, self._source_stamp) else {}
+
+    def _save_index(self, overloads: Any) -> None:
+        content = self._dump((self._version, self._source_stamp, overloads))
+        with self._open_for_write(self._index_path) as file:
+            file.write(content + _seal(content, self._index_name))
 
     def _load_data(self, name: str) -> Any:
         path = Path(self._data_path(name))
         content = path.read_bytes()
-        data = content[:-_SEAL]
-        if content[-_SEAL:] == self._seal(data):
-            return pickle.loads(data)
+        if _is_sealed(content, name, self._source_stamp):
+            return pickle.loads(content[:-_SEAL])
         _note_damage(path, "its content is not what was written for this source")
         return None
 
     def _save_data(self, name: str, data: Any) -> None:
         content = self._dump(data)
         with self._open_for_write(self._data_path(name)) as file:
-            file.write(content + self._seal(content))
+            file.write(content + _seal(content, name, self._source_stamp))
 
-    def _seal(self, data: bytes) -> bytes:
-        return hashlib.sha256(data + repr(self._source_stamp).encode()).digest()
+
+def _seal(data: bytes, *about: object) -> bytes:
+    return hashlib.sha256(data + repr(about).encode()).digest()
+
+
+def _is_sealed(content: bytes, *about: object) -> bool:
+    return content[-_SEAL:] == _seal(content[:-_SEAL], *about)
 
 
 class _DeferInterrupts(_events.Listener):  # type: ignore[misc]

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from codegen.declare.return_values.elements import replaced_body
 from codegen.declare.scene import Scene
 from codegen.driver import valid_scenes
 from codegen.model import Model
@@ -60,7 +61,7 @@ def variants(model: Model, scene: Scene, *, fidelities: bool = True) -> tuple[Va
         taken = how.get(name, FORMS[0])
         if taken != FORMS[0] or any(body.name in scene.bodies for body in bodies):
             found += [Variant(name, "coupler", word, False) for word in FORMS if word != taken]
-    replaced = (getattr(joint, "instead_of", None) for joint in model.joints.values())
+    replaced = (replaced_body(joint) for joint in model.joints.values())
     found += [
         Variant(name, "body", "link", True)
         for name in dict.fromkeys(body.name for body in replaced if body is not None)

@@ -3,6 +3,7 @@
 import errno
 import os
 import shutil
+import stat
 import tempfile
 import time
 from collections.abc import Iterator
@@ -23,9 +24,15 @@ _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 def whole_file(path: Path, kind: type[InputError] = InputError) -> Iterator[Path]:
     """The path at which to write the content of `path`, which replaces an older file at the end.
 
-    Raises an error of `kind` that names `path` and says what to do where it cannot be written.
+    A link stays one, and what it points to is replaced; an older file keeps its permissions.
+
+    Raises an error of `kind` that names `path` and says what to do where it cannot be written. An
+    OSError of the block about another file is none of these.
     """
+    others: OSError | None = None
     try:
+        path = path.resolve()
+        mode = stat.S_IMODE(path.stat().st_mode) if path.exists() else 0o644
         with (
             Deferral(at_once=False),
             tempfile.TemporaryDirectory(
@@ -35,12 +42,21 @@ def whole_file(path: Path, kind: type[InputError] = InputError) -> Iterator[Path
         ):
             _remove_leftovers(path.parent)
             temporary = Path(folder, path.name)
-            yield temporary
+            try:
+                yield temporary
+            except OSError as error:
+                named = {
+                    str(name) for name in (error.filename, error.filename2) if name is not None
+                }
+                others = error if named and str(temporary) not in named else None
+                raise
             with temporary.open("rb") as file:
                 os.fsync(file.fileno())  # the name must not reach the disk before the content
-            temporary.chmod(0o644)  # whatever the umask: others read the file as well
+            temporary.chmod(mode)  # whatever the umask: others read a new file as well
             temporary.replace(path)
     except OSError as error:
+        if error is others:
+            raise
         raise kind(f"cannot write {path}: {error.strerror or error}. {_advice(path, error)}") from (
             error
         )

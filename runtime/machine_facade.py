@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from codegen.public_callables import checked_class
 from runtime.mechanism.inspection_tables import MechanismTables
 from runtime.mechanism.mechanism_tables_and_kernels import Values
 from runtime.progress_bar import bar
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 
+@checked_class
 class Machine(MechanismTables):
     """A mechanism in one scene, ready to be analysed; `runtime.load` makes one."""
 

@@ -4,73 +4,53 @@ Each finding is a sentence that names the element, shows the numbers and says wh
 them are reported together.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from itertools import chain
 
 import sympy
 
+from codegen.check.bodies import body_problems
 from codegen.check.contact_and_stiction_declaration import contact_problems
-from codegen.check.expressions import all_problems, constraint_problems
+from codegen.check.elements import effect_expressions, effect_problems, element_problems, unknown
 from codegen.check.potential_steps import step_problems
 from codegen.check.requested_outputs import output_problems
 from codegen.declare import element as el
-from codegen.declare.answers import (
-    WORDS,
-    bodies_of,
-    check_body,
-    coordinates_of,
-    forces_of,
-    friction_law,
-    optional_answers,
-    own_coordinates,
-    potential_of,
-    problems_of,
-    statement_of,
-)
-from codegen.declare.body import Body
 from codegen.declare.cam_profile_checks import profile_problems
-from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.plain_values import one_line, plain_expression, shown
+from codegen.declare.expression_rules import unreadable
+from codegen.declare.return_values.bodies import coordinates_of
+from codegen.declare.return_values.calls import errors_named
+from codegen.declare.return_values.constraints import closed_curves, own_coordinates
+from codegen.declare.return_values.effects import friction_law
+from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import (
-    SPEED,
-    Coordinate,
-    Given,
-    Parameter,
-    Velocity,
-    alpha,
-    kinds,
-    side,
-    t,
-)
-from codegen.declare.value_reader import expression_problem
-from codegen.derive.conditions_on_parameters import closed_curves, element_conditions
+from codegen.declare.symbols import Coordinate, Parameter, Velocity, alpha, kinds, t
+from codegen.derive.conditions_on_parameters import element_conditions
 from codegen.derive.equations import acting_elements, active_joints
 from codegen.errors import LinkwrightError, ModelError
 from codegen.model import Model
+from codegen.plain_values import one_line
 
 LONGEST = 2000  # layout: characters of a sentence
 
 
 def check_model(model: Model) -> list[str]:
     """Problems of the declaration, whatever the scene."""
-    problems = list(model.problems)
+    problems = [*Model.problems.fget(model)]  # type: ignore[attr-defined]  # as noted, whatever a subclass says
     if not model.bodies:
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
-    masses = {name: list(_body_problems(model, body)) for name, body in model.bodies.items()}
+    masses = {name: list(body_problems(model, body)) for name, body in model.bodies.items()}
     sound = tuple(body for name, body in model.bodies.items() if not masses[name])
     known = _known_symbols(model)
-    elements: list[el.Constraint | el.Effect] = [*model.joints.values(), *model.drivers.values()]
-    for element in (*elements, *_all_effects(model)):
-        if element.name in model.noted:
+    for name, element in _all_elements(model):
+        if name in model.noted:
             continue
         try:
-            problems += _element_problems(model, element, sound, known)
+            with errors_named(element):
+                if element.name != name:
+                    problems.append(f"{el.label(element)} was declared as '{name}'; keep its name.")
+                problems += element_problems(model, element, sound, known)
         except ModelError as error:
             problems += error.problems
-        except Exception as error:  # of an expression too deep, of SymPy
-            reason = f"{type(error).__name__}: {one_line(error)}"
-            problems.append(f"{el.label(element)}: its expressions cannot be read, {reason}.")
     problems += chain.from_iterable(masses.values())
     problems += filter(None, (p.problem(p.value) for p in model.parameters.values()))
     problems += _collisions(model)
@@ -84,33 +64,10 @@ def _lost_symbols(
     """Unknown symbols of values that have no share in the equations, such as 0 times a place."""
     for where, symbols in model.symbols:
         for symbol in sorted(symbols - known, key=str):
-            sentence = _unknown(model, where, symbol)
+            sentence = unknown(model, where, symbol)
             end, named = sentence.removeprefix(where), f"'{symbol}'"
             if not any(p.endswith(end) or (p.startswith(where) and named in p) for p in problems):
                 yield sentence
-
-
-def _element_problems(
-    model: Model, element: el.Constraint | el.Effect, sound: tuple[Body, ...],
-    known: frozenset[sympy.Symbol],
-) -> Iterator[str]:  # fmt: skip
-    """Problems of one element, as it says them and as its answers show."""
-    yield from _words_and_bodies(model, element)
-    faults = problems_of(element)
-    yield from faults
-    if faults:
-        return
-    if isinstance(element, el.Constraint):
-        yield from _statement_problems(model, element, known)
-        return
-    for speed in kinds(potential_of(element, sound) or sympy.S.Zero, Velocity):
-        yield (
-            f"{el.label(element)}: its potential contains the velocity {speed.name}; answer a "
-            "force that depends on a velocity by forces()."
-        )
-    terms = _effect_expressions(element, sound)
-    yield from _unknown_symbols(model, element, terms, known)
-    yield from all_problems(el.label(element), terms, may_switch=True)
 
 
 def check_scene(model: Model, scene: Scene) -> list[str]:
@@ -120,10 +77,7 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
     except LinkwrightError:
         raise
     except Exception as error:
-        reason = f"{type(error).__name__}: {one_line(error)}"
-        raise ModelError(
-            f"scene '{scene.name}': its expressions cannot be read, {reason}."
-        ) from error
+        raise ModelError(f"scene '{scene.name}': {unreadable(error)}") from error
 
 
 def _scene_problems(model: Model, scene: Scene) -> list[str]:
@@ -159,11 +113,26 @@ def _scene_problems(model: Model, scene: Scene) -> list[str]:
             problems.append(
                 f"{where}: {name} has a start value, but its {model.kind(owner)} takes no part."
             )
+    problems += _problems_in_scene(model, scene, joints)
     problems += [*output_problems(model, scene), *contact_problems(model, scene)]
     problems += _broken_conditions(model, scene)
     values = (model.parameters[name].problem(value) for name, value in scene.parameters)
     problems += [f"{where}: {problem}" for problem in values if problem]
     return problems or list(step_problems(model, scene))
+
+
+def _problems_in_scene(
+    model: Model, scene: Scene, joints: dict[str, el.Constraint]
+) -> Iterator[str]:
+    """What elements return for the bodies and values of a scene, where these are other ones."""
+    for joint in joints.values():
+        model.place_of(joint, (*scene.guess, *scene.start))  # ModelError where it fails
+    if scene.bodies != tuple(model.bodies):
+        known = _known_symbols(model)
+        bodies = tuple(model.bodies[name] for name in scene.bodies)
+        for effect in model.acting(scene).values():
+            with errors_named(effect):
+                yield from effect_problems(model, effect, bodies, known)
 
 
 def _broken_conditions(model: Model, scene: Scene) -> Iterator[str]:
@@ -172,7 +141,9 @@ def _broken_conditions(model: Model, scene: Scene) -> Iterator[str]:
     bodies = tuple(model.bodies[name] for name in scene.bodies)
     for element in acting_elements(model, scene):
         where = f"scene '{scene.name}': "
-        for one in element_conditions(element, bodies):
+        with errors_named(element):
+            conditions = element_conditions(element, bodies)
+        for one in conditions:
             yield from one.condition.problems(where + one.element, numbers)
         for where_it_is, curve, convex in closed_curves(element) if scene.parameters else ():
             shape = curve.at(alpha).subs(numbers)
@@ -182,76 +153,14 @@ def _broken_conditions(model: Model, scene: Scene) -> Iterator[str]:
             )
 
 
-def _all_effects(model: Model) -> list[el.Effect]:
-    """The effects in every fidelity that their declaration has the numbers for."""
-    forms = ((name, form) for name, of in model.fidelities.items() for form in of.values())
-    others = [f for name, f in forms if not isinstance(f, str) and f is not model.effects[name]]
-    return [*model.effects.values(), *others]
-
-
-def _words_and_bodies(model: Model, element: el.Element) -> Iterator[str]:
-    """Check the text of an element's kind, and whose its bodies are."""
-    where, bodies = el.label(element), bodies_of(element)
-    kind: object = element.kind
-    if not isinstance(kind, str) or not WORDS.fullmatch(kind):
-        reason = f"its kind {shown(kind)} must be a few words of ASCII letters"
-        yield f"element {shown(element.name)}: {reason}."
-    for body in bodies:
-        if body.model is not model.token:
-            advice = f"use a body of '{model.name}'."
-            yield f"{where}: body '{body.name}' belongs to another model; {advice}"
-        elif not body.fixed and model.bodies.get(body.name) is not body:
-            yield f"{where}: body '{body.name}' is not declared in '{model.name}'."
-    if isinstance(element, el.Constraint) and len(bodies) == 2 and bodies[0] is bodies[1]:
-        yield f"{where} connects body '{bodies[0].name}' with itself; give two different bodies."
-
-
-def _statement_problems(
-    model: Model, constraint: el.Constraint, known: frozenset[sympy.Symbol]
-) -> Iterator[str]:
-    """Check the form of a statement, its texts in the generated module, and its expressions."""
-    where, statement = el.label(constraint), statement_of(constraint)
-    axes: tuple[sympy.Expr, ...] = ()
-    if isinstance(reaction := statement.reaction, el.JointReaction):
-        arm = reaction.on.A * reaction.on.s if reaction.arm is None else reaction.arm
-        direction, arm = (tuple(map(plain_expression, v)) for v in (reaction.direction, arm))
-        size = sympy.Add(*(c**2 for c in direction))
-        if len(direction) != 2 or (size.is_number and abs(float(size) - 1) > 1e-9):
-            yield (
-                f"{where}: the direction of its reaction is {direction}; give two components of a "
-                "unit vector in global axes."
-            )
-        if len(arm) != 2:
-            yield f"{where}: the arm of its reaction is {arm}; give two components, in m."
-        axes = (*direction, *arm)
-    expressions = (*statement.phi, *statement.bindings.values(), *axes)
-    yield from _unknown_symbols(model, constraint, expressions, known)
-    yield from constraint_problems(constraint)
-    yield from _orientations(constraint)
-
-
-def _orientations(constraint: el.Constraint) -> Iterator[str]:
-    """Joints that would turn a particle, or ask for an angle that a body has not."""
-    statement = statement_of(constraint)
-    phi = sympy.Tuple(*statement.phi)
-    for frame in (el.I, el.J):
-        centred = phi.xreplace(dict.fromkeys(frame.s, sympy.S.Zero))
-        if not centred.has(frame.phi):
-            continue
-        at = statement.bindings.get(frame.x)
-        body = next((b for b in bodies_of(constraint) if at == b.position[0]), None)
-        if body and body.angle is None and phi.xreplace(statement.bindings).has(frame.phi):
-            letters = ", ".join(q.letter for q in body.coordinates)
-            yield (
-                f"{el.label(constraint)} asks for the angle of '{body.name}', which "
-                f"is oriented by {letters} and counts none; use joints that ask for points and "
-                "axes, such as revolute, point-on-line or distance, or model.constraint(...)."
-            )
-        if body and not body.turns:
-            yield (
-                f"{el.label(constraint)} holds an angle of '{body.name}', which is "
-                "a particle and has none; use a joint that leaves it free to turn, or a body."
-            )
+def _all_elements(model: Model) -> Iterator[tuple[str, el.Constraint | el.Effect]]:
+    """Joints, drivers, and effects in every fidelity that their declaration has the numbers for."""
+    yield from (*model.joints.items(), *model.drivers.items())
+    yield from model.effects.items()
+    for name, forms in model.fidelities.items():
+        for form in forms.values():
+            if not isinstance(form, str) and form is not model.effects[name]:
+                yield name, form
 
 
 def _needed(model: Model, scene: Scene, name: str) -> list[str]:
@@ -262,20 +171,9 @@ def _needed(model: Model, scene: Scene, name: str) -> list[str]:
         if law := friction_law(element):
             needed.append(law.joint)
         bodies = tuple(model.bodies[b] for b in scene.bodies)
-        for expression in _effect_expressions(element, bodies):
+        for expression in effect_expressions(element, bodies):
             needed += [s.name.rpartition("_")[0] for s in kinds(expression, Coordinate, Velocity)]
     return list(dict.fromkeys(needed))
-
-
-def _effect_expressions(effect: el.Effect, bodies: tuple[Body, ...]) -> list[sympy.Basic]:
-    forces, potential = forces_of(effect, bodies), potential_of(effect, bodies)
-    expressions: list[sympy.Basic | None] = [*forces, *forces.values(), potential]
-    law, hold, pulls, reported = optional_answers(effect, bodies)
-    expressions += chain.from_iterable(pulls)
-    expressions += [value for _, _, value in reported]
-    expressions += vars(hold).values() if hold else ()
-    expressions += (law.strength, law.creep, law.along) if law else ()
-    return [e for e in expressions if e is not None]
 
 
 def _known_symbols(model: Model) -> frozenset[sympy.Symbol]:
@@ -283,85 +181,7 @@ def _known_symbols(model: Model) -> frozenset[sympy.Symbol]:
     coordinates = [q for body in model.bodies.values() for q in coordinates_of(body)]
     coordinates += [q for joint in model.joints.values() for q in own_coordinates(joint)]
     moving = (symbol for q in coordinates for symbol in (q, q.rate))
-    return frozenset((*model.defaults, SPEED, t, *moving))
-
-
-def _unknown_symbols(
-    model: Model, element: el.Constraint | el.Effect, expressions: Iterable[sympy.Basic],
-    known: frozenset[sympy.Symbol],
-) -> Iterator[str]:  # fmt: skip
-    """Symbols that mean nothing in the model."""
-    bodies = bodies_of(element)
-    of_bodies = (s for b in bodies for q in coordinates_of(b) for s in (q, q.rate))
-    known |= {side(element.name), *of_bodies}
-    symbols = set().union(*(e.free_symbols for e in expressions)) - known
-    if isinstance(element, el.Constraint):
-        symbols -= {s for place in statement_of(element).bindings for s in place.free_symbols}
-    for symbol in sorted(symbols, key=lambda s: s.name):
-        yield _unknown(model, el.label(element), symbol)
-
-
-def _unknown(model: Model, where: str, symbol: sympy.Symbol) -> str:
-    if isinstance(symbol, Given):
-        return f"{where}: the placeholder '{symbol}' is not bound; add it to bindings."
-    if isinstance(symbol, Coordinate | Velocity):
-        owner = symbol.name.rpartition("_")[0]
-        if owner in model.bodies:
-            return (
-                f"{where} uses {symbol.name}, but {model.kind(owner)} '{owner}' has no such "
-                f"coordinate; it has {', '.join(q.name for q in model.bodies[owner].coordinates)}."
-            )
-        return (
-            f"{where} uses {symbol.name}, but there is no body '{owner}' in '{model.name}'; "
-            f"{nearest(owner, model.bodies)}"
-        )
-    if symbol.name in model.parameters:
-        return (
-            f"{where}: the symbol '{symbol}' has the name of a parameter but is another symbol; "
-            "use the object that model.parameter(...) returned."
-        )
-    if symbol.name == "t":
-        return f"{where}: the symbol 't' is not the time; use the t of 'from codegen import t'."
-    return (
-        f"{where}: unknown symbol '{symbol}'; declare it with model.parameter('{symbol}', ...), "
-        f"or {nearest(symbol.name, model.parameters)}"
-    )
-
-
-def _body_problems(model: Model, body: Body) -> Iterator[str]:
-    """Problems of a body: what one of a modeller's own class answers, its mass and inertia."""
-    numbers: tuple[object, ...] = (vars(body).get("mass"), vars(body).get("inertia"))
-    plain = all(number is None or isinstance(number, sympy.Expr) for number in numbers)
-    if not type(body).__module__.startswith("codegen.") or not plain:
-        try:
-            check_body(body)
-        except ModelError as error:
-            yield from error.problems
-            return
-    yield from _mass_problems(model, body)
-
-
-def _mass_problems(model: Model, body: Body) -> Iterator[str]:
-    for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
-        value = getattr(body, word)
-        if value is None:
-            continue
-        if problem := expression_problem(value):  # of a body that a modeller made by hand
-            yield f"{word} of body '{body.name}': {problem}"
-            continue
-        if unknown := sorted(s.name for s in value.free_symbols if s not in model.defaults):
-            yield (
-                f"{word} of body '{body.name}': unknown symbol {', '.join(map(repr, unknown))}; "
-                "a mass is a number or an expression of parameters."
-            )
-            continue
-        number = value.subs(model.defaults)
-        if not (number.is_real and 0 < number < sympy.oo):
-            shown = f"{float(number):g}" if number.is_real else str(number)
-            yield (
-                f"{word} of body '{body.name}' is {shown} {unit}; it must be positive and "
-                "finite (leave it out where the scene is kinematic)."
-            )
+    return frozenset((*model.defaults, t, *moving))
 
 
 def _collisions(model: Model) -> Iterator[str]:

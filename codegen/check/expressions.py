@@ -7,13 +7,13 @@ import sympy
 from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
 
-from codegen.declare.answers import statement_of
 from codegen.declare.element import Constraint, label
-from codegen.declare.real_range import unreal_part
+from codegen.declare.return_values.constraints import statement_of
 from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
 from codegen.declare.table_function import Interpolant
 from codegen.derive.piecewise_conditions import KINKED, STEPS, is_known_beforehand
 from codegen.lower.sympy_translation import FUNCTIONS
+from codegen.real_range import unreal_part
 
 KNOWN = ", ".join(sorted({f.__name__ for f in (*FUNCTIONS, *KINKED, *STEPS)}))
 ARITHMETIC = (sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow)

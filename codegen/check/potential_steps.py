@@ -1,23 +1,26 @@
 """Potentials whose pieces do not meet: a step in V exerts no force, and the energy would jump.
 
-Numbers decide. A point is sought on each surface at which an expression changes its piece, along
-random lines; there both sides are compared at distances that shrink to the rounding of the point.
-A step stays, a kink does not. Scalars along which forces act, such as gaps, are looked at alike.
+A point is sought on each surface at which an expression changes its piece, along random lines, and
+then where the pieces differ (`codegen.check.boundary_points`); there both sides are compared at
+distances that shrink to the rounding of the point. A step stays, a kink does not. Scalars along
+which forces act, such as gaps, are looked at alike.
 """
 
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import sympy
 
-from codegen.declare.answers import optional_answers, potential_of
+from codegen.check.boundary_points import differs, jumps, points, sizes, vanishes
 from codegen.declare.body import Body
 from codegen.declare.element import Effect, label
+from codegen.declare.return_values.effects import optional_answers, potential_of
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import Coordinate, Parameter, kinds
+from codegen.declare.symbols import Coordinate, Parameter, Time, kinds
 from codegen.declare.table_function import Interpolant
 from codegen.derive.piecewise_conditions import (
     as_pieces,
@@ -27,6 +30,7 @@ from codegen.derive.piecewise_conditions import (
 )
 from codegen.elements.forces.spring_damper_contact import Contact
 from codegen.model import Model
+from codegen.plain_values import shown
 
 _LINES = 24  # safety: random lines along which a surface is sought, of sizes from 1e-3 to 1e3
 _FOUND = 6  # safety: points of a surface that are looked at
@@ -63,12 +67,17 @@ def step_problems(model: Model, scene: Scene) -> Iterator[str]:
             for q in kinds(expression, Coordinate):
                 numbers[q] = float(known.get(f"{q.owner}.{q.letter}", q.measure.neutral))
             if found := find_step(expression, numbers):
-                place, below, above = found
-                yield (
-                    f"scene '{scene.name}': the {word} of {label(effect)} jumps by "
+                place, below, above, change = found
+                size = (
                     f"{abs(above - below):.4g} {unit} where {place} changes, from {below:.4g} to "
-                    f"{above:.4g} {unit} at one such place; a step exerts no force, and energy "
-                    "would come from nowhere: make the pieces meet, or write a force."
+                )
+                size += f"{above:.4g} {unit} at one such place"
+                if change is not None:
+                    size = f"{shown(change)} where {place} changes"
+                yield (
+                    f"scene '{scene.name}': the {word} of {label(effect)} jumps by {size}; a step "
+                    "exerts no force, and energy would come from nowhere: make the pieces meet, or "
+                    "write a force."
                 )
                 break
 
@@ -87,19 +96,55 @@ def _continuous(effect: Effect, bodies: tuple[Body, ...]) -> Iterator[tuple[str,
         yield word, unit, as_pieces(expression)
 
 
-def find_step(
-    expression: sympy.Expr, numbers: dict[sympy.Symbol, float]
-) -> tuple[str, float, float] | None:
-    """(condition, value on one side, value on the other) of a step; None where none is found.
+class Step(NamedTuple):
+    """A step: the condition that changes there, the values on both sides, or their difference."""
+
+    place: str
+    below: float
+    above: float
+    change: sympy.Expr | None = None
+
+
+def find_step(expression: sympy.Expr, numbers: dict[sympy.Symbol, float]) -> Step | None:
+    """A step of an expression; None where none is found.
 
     `numbers` has the parameters and, of the coordinates, the values about which is looked.
     """
+    return _on_lines(expression, numbers) or _in_regions(expression, numbers)
+
+
+def _in_regions(expression: sympy.Expr, numbers: dict[sympy.Symbol, float]) -> Step | None:
+    """A step where the pieces on both sides of a surface differ, and their conditions hold."""
+    symbols = kinds(expression, Coordinate, Time)
+    start = np.array([numbers.get(s, 1.0) for s in symbols])
+    others = sorted(expression.free_symbols - {*symbols}, key=str)
+    known = {s: numbers.get(s, 1.0) for s in others}
+    everything = (*symbols, *others)
+    rest = tuple(known.values())
+    functions = [_function(e, everything) for e in (expression, sizes(expression))]
+    for jump in jumps(expression):
+        if not kinds(jump.g, Coordinate) or vanishes(jump, known):
+            continue
+        for point, normal in points(jump, symbols, rest, everything, start, _function):
+            value, terms = (
+                lambda s, f=f, o=point, a=normal: f(*(o + s * a), *rest) for f in functions
+            )
+            line = _Line(value, terms, value, float(np.abs(point).max(initial=1e-3)))
+            if sides := _step(line, 0.0):
+                return Step(jump.condition, *sides)
+            if differs(jump.change, symbols, known, point, normal):
+                return Step(jump.condition, 0.0, 0.0, jump.change)
+    return None
+
+
+def _on_lines(expression: sympy.Expr, numbers: dict[sympy.Symbol, float]) -> Step | None:
+    """A step that a random line meets."""
     random = np.random.default_rng(0)
     for text, g in _surfaces(expression):
         moving = kinds(sympy.Tuple(expression, g), Coordinate)
         rest = sorted(sympy.Tuple(expression, g).free_symbols - {*moving}, key=str)
         start = np.array([numbers.get(s, 1.0) for s in moving])
-        functions = [_function(e, (*moving, *rest)) for e in (expression, _sizes(expression), g)]
+        functions = [_function(e, (*moving, *rest)) for e in (expression, sizes(expression), g)]
         found = 0
         for _ in range(_LINES):
             size = 10.0 ** random.uniform(-3, 3)
@@ -115,7 +160,7 @@ def find_step(
             if at is None:
                 continue
             if sides := _step(line, at):
-                return text, *sides
+                return Step(text, *sides)
             found += 1
             if found == _FOUND:
                 break
@@ -151,17 +196,6 @@ def _function(expression: sympy.Expr, symbols: tuple[sympy.Symbol, ...]) -> Call
         return math.nan if isinstance(value, complex) else float(value)
 
     return evaluated
-
-
-def _sizes(node: sympy.Basic) -> sympy.Basic:
-    """The expression with the sizes of all terms added up."""
-    if isinstance(node, sympy.Piecewise):
-        return sympy.Piecewise(*((_sizes(e), c) for e, c in node.args), evaluate=False)
-    if node.is_Add or node.is_Mul:
-        return node.func(*map(_sizes, node.args))
-    if node.is_Pow and node.exp.is_nonnegative:
-        return sympy.Pow(_sizes(node.base), node.exp)
-    return sympy.Abs(node)
 
 
 def _root(line: _Line) -> float | None:

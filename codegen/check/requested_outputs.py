@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
-from codegen.declare.answers import bodies_of
 from codegen.declare.element import label
+from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import Scene
 from codegen.derive.constraint_terms import constraint_terms
 from codegen.derive.effect_terms import effect_terms

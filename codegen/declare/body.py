@@ -11,10 +11,12 @@ from typing import Any, ClassVar
 
 import sympy
 
-from codegen.declare.plain_values import members
-from codegen.declare.public_method import public_method
+from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate, rate
-from codegen.declare.units import expression, plain_length
+from codegen.declare.units import plain_length
+from codegen.errors import ModelError
+from codegen.plain_values import members, plain_name, shown
+from codegen.public_callables import declaration, declarations, unchanging
 
 
 class Pose:
@@ -91,7 +93,7 @@ class Body(Pose):
         By Lagrange's equations from T = q̇ᵀ M q̇ / 2: Q_v = T_q - Ṁ q̇. Zero where M is constant.
         """
         block = self.mass_matrix.items()
-        entries = {pair: expression(m) for pair, m in block if m is not None}
+        entries = {pair: plain_expression(m) for pair, m in block if m is not None}
         kinetic = sympy.Add(
             *(m * a.rate * b.rate / (2 if a == b else 1) for (a, b), m in entries.items())
         )
@@ -130,7 +132,7 @@ class Body(Pose):
     @property
     def rotation(self) -> tuple[sympy.Expr, sympy.Expr]:
         """(cos φ, sin φ), the first column of A, from the body's frame to the global one."""
-        angle = expression(self.angle)  # SymPy's functions would evaluate text in a tuple
+        angle = plain_expression(self.angle)  # SymPy's functions would evaluate text in a tuple
         return sympy.cos(angle), sympy.sin(angle)
 
     @property
@@ -140,7 +142,7 @@ class Body(Pose):
 
     def torque(self, value: sympy.Expr) -> dict[Coordinate, sympy.Expr]:
         """Generalized forces of a torque: value ∂ω/∂q̇."""
-        turning = expression(self.angular_velocity)
+        turning = plain_expression(self.angular_velocity)
         slopes = {q: sympy.diff(turning, q.rate) for q in self.coordinates}
         return {q: value * slope for q, slope in slopes.items() if slope != 0}
 
@@ -155,12 +157,13 @@ class Body(Pose):
     def circle(self, radius: Any, center: tuple[Any, Any] = (0, 0)) -> "Curve":
         """A circle in this body, m, run through counter-clockwise."""
         try:
-            x, y = (expression(plain_length(c)) for c in members(center, 2))
+            x, y = (plain_expression(plain_length(c)) for c in members(center, 2))
         except Exception:  # reported with its joint
             return Curve(self, center, center)
         r = plain_length(radius)
         try:
-            return Curve(self, x + expression(r) * sympy.cos(alpha), y + r * sympy.sin(alpha))
+            size = plain_expression(r)
+            return Curve(self, x + size * sympy.cos(alpha), y + size * sympy.sin(alpha))
         except Exception:
             return Curve(self, r, y)
 
@@ -210,35 +213,39 @@ class Point:
     @property
     def x(self) -> sympy.Expr:
         """Horizontal position in the global frame: r_x + (A s')_x."""
-        (x, _), (c, s) = self.body.position, self.body.rotation
-        return x + self.sx * c - self.sy * s
+        (sx, sy), (c, s) = self.place, self.body.rotation
+        return self.body.position[0] + sx * c - sy * s
 
     @property
     def y(self) -> sympy.Expr:
         """Vertical position in the global frame: r_y + (A s')_y."""
-        (_, y), (c, s) = self.body.position, self.body.rotation
-        return y + self.sx * s + self.sy * c
+        (sx, sy), (c, s) = self.place, self.body.rotation
+        return self.body.position[1] + sx * s + sy * c
 
     @property
     def vx(self) -> sympy.Expr:
         """Horizontal velocity in the global frame."""
-        (c, s), (own_x, own_y) = self.body.rotation, self.own_velocity
+        (own_x, own_y), (c, s) = self.own_velocity, self.body.rotation
         turning = self.body.angular_velocity * (self.y - self.body.position[1])
         return self.body.velocity[0] - turning + c * own_x - s * own_y
 
     @property
     def vy(self) -> sympy.Expr:
         """Vertical velocity in the global frame."""
-        (c, s), (own_x, own_y) = self.body.rotation, self.own_velocity
+        (own_x, own_y), (c, s) = self.own_velocity, self.body.rotation
         turning = self.body.angular_velocity * (self.x - self.body.position[0])
         return self.body.velocity[1] + turning + s * own_x + c * own_y
 
     @property
     def own_velocity(self) -> tuple[sympy.Expr, sympy.Expr]:
         """The velocity in the body's frame, d(sx, sy)/dt; zero for a point fixed in it."""
-        ends = (self.sx, self.sy)
-        x, y = (rate(s) if isinstance(s, sympy.Expr) else sympy.S.Zero for s in ends)
+        x, y = map(rate, self.place)
         return x, y
+
+    @property
+    def place(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """(sx, sy) as expressions, m; ModelError where they are none."""
+        return _lengths("point", self.body, self.sx, self.sy)
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,8 +262,32 @@ class Curve:
 
     def at(self, parameter: sympy.Expr) -> sympy.Matrix:
         """The point of the curve at a parameter, in the body's frame, 2 × 1."""
-        return sympy.Matrix([expression(c).subs(alpha, parameter) for c in (self.x, self.y)])
+        try:
+            at = plain_expression(parameter)
+        except Exception:
+            raise ModelError(
+                f"curve.at({shown(parameter)}): the parameter α is a number or an expression."
+            ) from None
+        x, y = _lengths("curve", self.body, self.x, self.y)
+        return sympy.Matrix([x.subs(alpha, at), y.subs(alpha, at)])
 
 
-for _word in ("at", "curve", "circle", "polar"):
-    setattr(Body, _word, public_method(getattr(Body, _word), "body"))
+def _lengths(word: str, body: object, x: Any, y: Any) -> tuple[sympy.Expr, sympy.Expr]:
+    """Two lengths of a point or curve as expressions; ModelError where it has none."""
+    if not isinstance(body, Body):
+        raise ModelError(f"{word} of {shown(body)}, which is no body; write body.at(x, y).")
+    try:
+        return plain_expression(x), plain_expression(y)
+    except Exception:
+        raise ModelError(
+            f"{word} of body '{plain_name(body.name)}': ({shown(x)}, {shown(y)}) are no lengths; "
+            "give two numbers or expressions in m."
+        ) from None
+
+
+for _word in ("__init__", "at", "curve", "circle", "polar", "torque"):
+    setattr(Body, _word, declaration(getattr(Body, _word), "body"))
+for _class in (Body, Point, Curve):
+    unchanging(_class)
+for _class in (Point, Curve):
+    declarations(_class, _class.__name__)

@@ -6,10 +6,11 @@ depends on parameters goes on into the generated module, and is judged before ea
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import sympy
 
-from codegen.declare.element import Element, Rigid, Sticking, label
+from codegen.declare.element import Rigid, Sticking, label
 from codegen.declare.symbols import Parameter, ParameterDeclaration, kinds
 from codegen.parameter_conditions import ConditionRow, broken_conditions
 
@@ -114,17 +115,11 @@ def hold_conditions(hold: Sticking | Rigid | None) -> tuple[Condition, ...]:
     return (Condition(text, (restitution,), high=1.0), *scale)
 
 
-def conditions_of(element: Element) -> tuple[Condition, ...]:
-    """The conditions of an element; those of a user's own need not have any."""
-    method = getattr(element, "conditions", None)
-    return () if method is None else tuple(method())
-
-
-def number_problems(element: Element) -> list[str]:
-    """Conditions of an element that its numbers break, whatever the parameters are."""
+def number_problems(element: Any) -> list[str]:
+    """Conditions of an element that has some which its numbers violate, whatever the parameters."""
     return [
         problem
-        for condition in conditions_of(element)
+        for condition in element.conditions()
         if condition.known and not condition.varies
         for problem in condition.problems(label(element), {})
     ]

@@ -8,10 +8,11 @@ from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
 import sympy
 
 from codegen.declare.body import Body, Curve, Point, Pose
-from codegen.declare.plain_values import KindError, plain_expression, plain_name, shown
+from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate, given
-from codegen.declare.units import expression
 from codegen.errors import ModelError
+from codegen.plain_values import KindError, plain_name, shown
+from codegen.public_callables import declarations, unchanging
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ class Frame(Pose):
             bindings |= dict(zip(ends, body.rotation, strict=True))
         else:
             bindings[self.phi] = body.angle
-        return bindings | {sx: expression(point.sx), sy: expression(point.sy)}
+        return bindings | {sx: plain_expression(point.sx), sy: plain_expression(point.sy)}
 
 
 I, J = Frame("i"), Frame("j")  # noqa: E741 (Haug's names for the two bodies of a joint)
@@ -89,6 +90,10 @@ class ConjugateReaction:
     @classmethod
     def along(cls, letter: str) -> "ConjugateReaction":
         """The force or torque along a coordinate of that letter."""
+        given: object = letter
+        if not isinstance(given, str) or given not in KINDS:
+            known = ", ".join(KINDS)
+            raise ModelError(f"ConjugateReaction.along({shown(letter)}): give one of {known}.")
         kind = KINDS[letter]
         name = f"f{letter}" if kind.unit == "m" else "torque" if kind.unit == "rad" else "force"
         return cls(((name, kind.force_unit),))
@@ -187,10 +192,12 @@ class Rigid:
 class Element(Protocol):
     """The common part of joints, drivers and effects.
 
-    A class may derive from `Constraint` or `Effect`, and then inherits the answers that stand
-    here, or answer the same words without deriving from them. One that asks something of its
-    numbers, also as parameters, answers, besides, ``conditions() -> (Condition, ...)``; one with
-    closed curves ``profiles() -> ((curve, whether it must be convex), ...)``.
+    A class may derive from `Constraint` or `Effect`, and then inherits the methods that stand
+    here, or have the same methods without deriving from them. One that asks something of its
+    numbers, also as parameters, has, besides, ``conditions() -> (Condition, ...)``; a joint with
+    closed curves ``profiles() -> ((curve, whether it must be convex), ...)``; one that estimates
+    its own coordinates ``near(numbers) -> {coordinate: value}``, from values of the bodies'
+    coordinates and of the parameters; one that stands for a body has it as ``instead_of``.
     """
 
     kind: ClassVar[str]
@@ -219,14 +226,6 @@ class Constraint(Element, Protocol):
 
     def statement(self) -> Statement:
         """The equations."""
-
-
-@runtime_checkable
-class Located(Protocol):
-    """A joint that estimates the coordinates it brings from a rough pose."""
-
-    def near(self, numbers: Mapping[sympy.Symbol, float]) -> dict[Coordinate, float]:
-        """Its coordinates, from values of the bodies' coordinates and of the parameters."""
 
 
 @runtime_checkable
@@ -269,8 +268,15 @@ class OptionalAnswers(NamedTuple):
 
 def label(element: object) -> str:
     """``revolute 'A'``: the element in messages."""
-    try:
-        kind, name = (getattr(element, word, "body") for word in ("kind", "name"))
-        return f"{plain_name(kind)} '{plain_name(name)}'"
-    except Exception:  # a property of a modeller's own
-        return f"element of class {type(element).__name__}"
+    words = []
+    for word, otherwise in (("kind", f"element of class {type(element).__name__}"), ("name", "")):
+        try:
+            text = plain_name(getattr(element, word, "body"))
+        except Exception:  # a property of a modeller's own
+            text = otherwise
+        words.append(text if word == "kind" or not text else f"'{text}'")
+    return " ".join(filter(None, words))
+
+
+for _class in (Frame, Statement, JointReaction, ConjugateReaction, FrictionLaw, Sticking, Rigid):
+    unchanging(declarations(_class, _class.__name__))

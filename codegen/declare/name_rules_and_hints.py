@@ -5,7 +5,7 @@ import keyword
 import re
 from collections.abc import Iterable
 
-from codegen.declare.plain_values import WIDEST, NotText, shown
+from codegen.plain_values import WIDEST, NotText, shown
 
 LONGEST = 32
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
-from codegen.declare.plain_values import NotText, plain_name, shown
 from codegen.errors import SceneError
+from codegen.plain_values import NotText, plain_name, shown
 
 Analysis = Literal["dynamics", "kinematics", "equilibrium"]
 ANALYSES = ("dynamics", "kinematics", "equilibrium")

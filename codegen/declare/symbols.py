@@ -7,6 +7,8 @@ from typing import Any, Literal, NamedTuple
 import sympy
 
 from codegen.errors import ModelError
+from codegen.plain_values import shown
+from codegen.public_callables import declaration
 
 Letter = Literal["x", "y", "phi"]
 LETTERS = ("x", "y", "phi")
@@ -154,7 +156,9 @@ def coordinate(owner: str, letter: str) -> Coordinate:
     given_words: tuple[object, object] = (owner, letter)
     if not all(isinstance(word, str) for word in given_words) or letter not in KINDS:
         known = ", ".join(KINDS)
-        raise ModelError(f"coordinate({owner!r}, {letter!r}): give a name, and one of {known}.")
+        raise ModelError(
+            f"coordinate({shown(owner)}, {shown(letter)}): give a name, and one of {known}."
+        )
     return Coordinate(f"{owner}_{letter}", real=True)
 
 
@@ -172,7 +176,7 @@ def given(name: str) -> Given:
     """Placeholder called `name` for a real number."""
     text: object = name
     if not isinstance(text, str):
-        raise ModelError(f"given({name!r}): give a name.")
+        raise ModelError(f"given({shown(name)}): give a name.")
     return Given(name, real=True)
 
 
@@ -186,3 +190,7 @@ def rate(s: sympy.Expr) -> sympy.Expr:
     """ds/dt = s_q q̇ + s_t."""
     slopes = (sympy.diff(s, q) * q.rate for q in kinds(s, Coordinate))
     return sympy.Add(*slopes, sympy.diff(s, t))
+
+
+coordinate = declaration(coordinate, "coordinate")
+given = declaration(given, "given")

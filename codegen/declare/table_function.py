@@ -8,9 +8,12 @@ from typing import Any
 import sympy
 
 from codegen.cubic_spline import Table
-from codegen.declare.plain_values import KindError, plain_expression, shown
-from codegen.declare.units import is_quantity
+from codegen.declare.plain_expression import plain_expression
+from codegen.declare.symbols import Coordinate, Time, Velocity
+from codegen.declare.units import in_unit, is_quantity, same_dimension
 from codegen.errors import ModelError
+from codegen.plain_values import KindError, plain_float, shown
+from codegen.public_callables import declaration
 
 DEGREE = 3
 FEWEST = 4
@@ -19,18 +22,18 @@ CLOSED = 1e-12
 
 
 class TableAtom(sympy.Atom):  # type: ignore[misc]
-    """A table inside an expression; two are equal where all their numbers are."""
+    """A table inside an expression; two are equal where all their numbers and units are."""
 
-    __slots__ = ("table",)
+    __slots__ = ("table", "unit")
 
-    def __new__(cls, table: Table) -> "TableAtom":
-        """Wrap a table."""
+    def __new__(cls, table: Table, unit: str = "") -> "TableAtom":
+        """Wrap a table of values in `unit`; empty: nobody has said in which."""
         atom: TableAtom = super().__new__(cls)
-        atom.table = table
+        atom.table, atom.unit = table, unit
         return atom
 
-    def _hashable_content(self) -> tuple[str, str]:
-        return (self.table.name, self.table.digest)
+    def _hashable_content(self) -> tuple[str, str, str]:
+        return (self.table.name, self.table.digest, self.unit)
 
     def _sympystr(self, _: Any) -> str:
         return f"{self.table.name}_{self.table.digest[:12]}"
@@ -60,6 +63,11 @@ class Interpolant(sympy.Function):  # type: ignore[misc]
         return table
 
     @property
+    def table_unit(self) -> str:
+        """The unit of its values, where it is no derivative and somebody has said it."""
+        return "" if self.order else str(self.args[0].unit)
+
+    @property
     def order(self) -> int:
         """Which derivative."""
         return int(self.args[1])
@@ -79,23 +87,58 @@ class Interpolant(sympy.Function):  # type: ignore[misc]
 class TableFunction:
     """A table as a function: called with an expression, it returns the table's value there."""
 
-    def __init__(self, table: Table) -> None:
-        self.table = table
+    def __init__(self, table: Table, units: tuple[str, str] = ("", "")) -> None:
+        self.table, self.units = table, units
 
     def __call__(self, at: Any) -> sympy.Expr:
         """The table at `at`: t, coordinates, `alpha` or parameters, in SI units, or a quantity."""
-        if is_quantity(at):
+        unit, of_values = self.units
+        if unit:
+            problems: list[str] = []
+            at = in_unit(at, unit, f"{self!r}, its abscissa", problems)
+            if problems:
+                raise ModelError(problems)
+        elif is_quantity(at):
             at = at.to_base_units().magnitude
         try:
             place = plain_expression(at)
-        except KindError:
+            if place.is_number and math.isnan(self.table(plain_float(place), 0)):
+                raise KindError
+            other = _other_dimension(place, unit) if unit else None
+        except Exception:  # also of numbers beyond floats
             raise ModelError(
-                f"{self!r} is called with {shown(at)}; give a number or an expression."
+                f"{self!r} is called with {shown(at)}; give a number from its first to its last "
+                "abscissa, or an expression."
             ) from None
-        return Interpolant(TableAtom(self.table), sympy.S.Zero, place)
+        if other:
+            raise ModelError(
+                f"{self!r} has abscissae in {unit}, and is called with {shown(at)}, in {other}; "
+                f"give it what is in {unit}, or the table other units=."
+            )
+        return Interpolant(TableAtom(self.table, of_values), sympy.S.Zero, place)
 
     def __repr__(self) -> str:
         return f"table '{self.table.name}' of {len(self.table.knots)} points"
+
+
+for _word in ("__init__", "__call__"):
+    setattr(TableFunction, _word, declaration(getattr(TableFunction, _word), "table"))
+
+
+def _other_dimension(expression: sympy.Expr, unit: str) -> str | None:
+    """The unit of a term of an expression, where it is known and has not the dimension needed."""
+    for term in sympy.Add.make_args(expression):
+        factor, symbol = term.as_coeff_Mul()
+        measured = ""
+        if isinstance(symbol, Coordinate):
+            measured = symbol.unit
+        elif isinstance(symbol, Velocity):
+            measured = symbol.coordinate.measure.rate_unit
+        elif isinstance(symbol, Time):
+            measured = "s"
+        if measured and abs(factor) == 1 and not same_dimension(measured, unit):
+            return measured
+    return None
 
 
 def point_problems(x: list[float], y: list[float], periodic: bool) -> Iterator[str]:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from codegen.declare.plain_values import KindError, one_line, plain_expression, plain_float
 from codegen.errors import ModelError
+from codegen.plain_values import KindError, one_line, plain_float
 
 if TYPE_CHECKING:
     import pint
@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 LONGEST, DEEPEST, STEEPEST = 80, 4, 20  # characters of a unit, brackets in brackets, exponent
 NAME = r"[^\W\d]\w*|%|°"
-PART = re.compile(rf"\s*(?:(\*\*|[\^*/·()])|({NAME})|([+-]?\d+(?:\.\d+)?))")
+EXPONENT = r"[+-]?\d+(?:\.\d+)?"
+PART = re.compile(rf"\s*(?:(\*\*|[\^*/·⋅()])|({NAME})|({EXPONENT}))")
+FRACTION = re.compile(rf"(\^|\*\*)\s*\(\s*({EXPONENT})\s*(?:/\s*(\d{{1,2}})\s*)?\)")
 
 
 @lru_cache(maxsize=1)
@@ -41,6 +43,7 @@ def pint_form(unit: str) -> str:
     """
     parts: list[str] = []
     at = 0
+    unit = FRACTION.sub(_decimal, unit[: LONGEST + 1])
     while unit[at:].strip():
         found = PART.match(unit, at)
         if found is None or len(unit) > LONGEST:
@@ -51,6 +54,12 @@ def pint_form(unit: str) -> str:
     if parts:
         raise ValueError(unit)
     return form
+
+
+def _decimal(exponent: re.Match[str]) -> str:
+    """``^(1/2)`` as ``^0.5``."""
+    power, above, below = exponent.groups()
+    return f"{power}{float(above) / float(below or 1):.4g}"
 
 
 def _quotient(parts: list[str], depth: int) -> str:
@@ -65,7 +74,7 @@ def _quotient(parts: list[str], depth: int) -> str:
 def _product(parts: list[str], depth: int) -> str:
     factors = [_power(parts, depth)]
     while parts and parts[0] not in ("/", ")"):
-        if parts[0] in ("*", "·"):
+        if parts[0] in ("*", "·", "⋅"):
             del parts[0]
         factors.append(_power(parts, depth))
     return "*".join(factors)
@@ -125,6 +134,8 @@ def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
     'crank'"``. All but quantities are taken to be in `unit`.
     """
     if not is_quantity(value):
+        if problem := _table_of_another_unit(value, unit):
+            problems.append(f"{where}: {problem}")
         return value
     target = registry().parse_units(pint_form(unit)) if unit else registry().dimensionless
     try:
@@ -146,6 +157,29 @@ def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
         problems.append(f"{where}: {value} {problem}")
         return 1.0
     return _magnitude(value, target)
+
+
+def same_dimension(one: str, other: str) -> bool:
+    """Whether two units convert into each other; the empty text is that of a pure number."""
+    quantities = (
+        registry().Quantity(1.0, pint_form(unit) if unit else "") for unit in (one, other)
+    )
+    return bool(next(quantities).is_compatible_with(next(quantities)))
+
+
+def _table_of_another_unit(value: Any, unit: str) -> str | None:
+    """Why a table alone, or its negative, does not stand for a value in `unit`, or None."""
+    if not isinstance(value, sympy.Expr):
+        return None
+    factor, table = value.as_coeff_Mul()
+    measured = getattr(table, "table_unit", "")
+    if not measured or abs(factor) != 1 or same_dimension(measured, unit):
+        return None
+    needed = unit or "a pure number"
+    return (
+        f"table '{table.table.name}' has values in {measured}, but {needed} is needed; give the "
+        "table other units=, or write the factor between both."
+    )
 
 
 def _cycles_for_radians(value: Any, target: Any, unit: str) -> str | None:
@@ -191,11 +225,3 @@ def _magnitude(value: Any, target: Any) -> Any:
         return magnitude if isinstance(magnitude, sympy.Basic) else plain_float(magnitude)
     except KindError:
         return magnitude
-
-
-def expression(value: Any) -> sympy.Expr:
-    """`value` as a SymPy expression; TypeError for text, a truth value, a condition, a matrix."""
-    try:
-        return plain_expression(value)
-    except KindError:
-        raise TypeError(f"{one_line(repr(value))} is no number or expression") from None

@@ -9,103 +9,31 @@ from collections.abc import Callable, Iterable, Mapping
 from math import isfinite
 from typing import Any
 
-import numpy as np
 import sympy
 from sympy.core.relational import Relational
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
+from codegen.declare.expression_rules import expression_problem, unreadable
 from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.plain_values import (
-    bounded,
-    members,
-    one_line,
-    plain_expression,
-    plain_float,
-    shown,
-)
-from codegen.declare.real_range import unreal_part
+from codegen.declare.plain_expression import plain_expression
 from codegen.declare.scene import name_of
-from codegen.declare.symbols import (
-    Acceleration,
-    Coordinate,
-    Given,
-    Multiplier,
-    Parameter,
-    ParameterDeclaration,
-    Side,
-    Speed,
-    Time,
-    Velocity,
-    alpha,
-)
-from codegen.declare.table_function import Interpolant
+from codegen.declare.symbols import Coordinate, ParameterDeclaration, Velocity, kinds
 from codegen.declare.units import in_unit
+from codegen.plain_values import KindError, bounded, is_flag, members, one_line, plain_float, shown
+from codegen.public_callables import failure
 
 Names = Iterable["str | Body | Constraint | Effect"]
 Values = Mapping["str | sympy.Symbol", Any]
 NamedValues = tuple[tuple[str, float], ...]
 
-INTERNAL = (Given, Side, Speed, Multiplier, Acceleration)
-"""Symbols of the equations of elements, which mean nothing in a declaration."""
-FUNCTIONS = (
-    *(Interpolant, sympy.Piecewise, sympy.Abs, sympy.Heaviside, sympy.Max, sympy.Min, sympy.sign),
-    *(sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan, sympy.atan2),
-    *(sympy.sinh, sympy.cosh, sympy.tanh, sympy.exp, sympy.log),
-    *(sympy.floor, sympy.ceiling, sympy.Mod),
-)
-"""The functions that can be compiled."""
-MEANINGFUL = (Coordinate, Velocity, Time, Parameter)
-"""Symbols that mean something in a declaration."""
+STEPS = (sympy.floor, sympy.ceiling, sympy.Mod)
 CONDITIONS = (Relational, sympy.And, sympy.Or, sympy.Not)
 
 
 def dotted(symbol: sympy.Symbol) -> str:
     """``crank_phi`` → ``crank.phi``."""
     return ".".join(symbol.name.rsplit("_", 1))
-
-
-def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | None:
-    """Why an expression can stand nowhere in a declaration; a `profile` may contain `alpha`."""
-    if isinstance(expression, MEANINGFUL):
-        return None
-    try:
-        return _problem(expression, profile)
-    except Exception as error:  # of SymPy, of a number of thousands of digits
-        return f"the expression cannot be read, {type(error).__name__}: {one_line(error)}."
-
-
-def _problem(expression: sympy.Expr, profile: bool) -> str | None:
-    for symbol in sorted(expression.free_symbols, key=str):
-        if symbol == alpha and not profile:
-            return (
-                f"{one_line(expression)} contains alpha, the parameter of a profile, which means "
-                "nothing outside of body.curve(...) and body.polar(...); a cam's contact is at "
-                "joint.alpha."
-            )
-        if isinstance(symbol, INTERNAL) and symbol != alpha:
-            return (
-                f"{one_line(expression)} contains '{one_line(symbol)}', a placeholder of an "
-                "element's equations; use coordinates, velocities, parameters and t."
-            )
-    functions = expression.atoms(sympy.Function)  # written, to be sorted, where there is a fault
-    unknown = [f for f in functions if f.func not in FUNCTIONS and not f.is_number]
-    if unknown:
-        known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
-        what = one_line(min(unknown, key=str))
-        return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
-    pieces = expression.atoms(sympy.Piecewise)
-    incomplete = [piece for piece in pieces if piece.args[-1].cond != sympy.true]
-    if incomplete:
-        return (
-            f"{one_line(min(incomplete, key=str))} says nothing where none of its conditions "
-            "holds; end it with (value, True)."
-        )
-    if found := unreal_part(expression):
-        part, why = found
-        start = "the value" if part == expression else one_line(expression)
-        return f"{start} {one_line(why)}; give finite real numbers."
-    return None
 
 
 class Reader:
@@ -127,6 +55,8 @@ class Reader:
         try:
             read = plain_expression(in_unit(value, unit, where, self.problems))
             problem = expression_problem(read, profile)
+        except RecursionError as error:
+            problem = unreadable(error)
         except Exception as error:
             why = f" ({one_line(error)})" if str(error) else ""
             problem = f"{shown(value)} is neither a number nor an expression{why}."
@@ -175,11 +105,15 @@ class Reader:
         if problem := self._condition_problem(when):
             self.note(f"{where}: when={shown(when)}: {problem}")
             return force
+        self.symbols.append((where, frozenset(when.free_symbols)))
         return sympy.S.Zero if force == 0 else sympy.Piecewise((force, when), (0, True))
 
     def _condition_problem(self, when: Any) -> str | None:
         """Why a condition can hold nowhere, or means nothing."""
         if isinstance(when, Relational):
+            for jump in when.atoms(*STEPS):
+                if kinds(jump, Coordinate, Velocity):
+                    return f"{one_line(jump)} jumps where coordinates say; compare what is smooth."
             return next(filter(None, map(expression_problem, when.args)), None)
         if isinstance(when, CONDITIONS):
             return next(filter(None, map(self._condition_problem, when.args)), None)
@@ -221,7 +155,7 @@ class Reader:
 
     def flag(self, value: Any, where: str, otherwise: bool = False) -> bool:
         """True or False, and nothing that Python takes for either."""
-        if isinstance(value, bool | np.bool_):
+        if is_flag(value):
             return bool(value)
         self.note(f"{where}={shown(value)}: write True or False.")
         return otherwise
@@ -232,9 +166,11 @@ class Reader:
         """What a modeller's function answers to expressions, a value in `unit`; 0 if it fails."""
         try:
             answer = function(*arguments)
-        except Exception as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
             self.note(
-                f"{where}: the function fails with {type(error).__name__}: {one_line(error)}; it "
+                f"{where}: the function fails with {failure(error)}; it "
                 f"is called with {len(arguments)} expressions, and answers one."
             )
             return sympy.S.Zero
@@ -252,21 +188,21 @@ class Reader:
         self.note(f"{where}: {word}={shown(value)} is no mapping; write {like}.")
         return {}
 
-    def names(
-        self, value: Any, word: str, where: str, known: Mapping[str, Any] | None = None
-    ) -> list[str]:
+    def names(self, value: Any, word: str, where: str, known: Mapping[str, Any]) -> list[str]:
         """Names of elements, given one or several, by name or as objects of the `known` ones."""
         if isinstance(value, str) or isinstance(getattr(value, "name", None), str):
             given = [value]
         else:
             try:
+                if isinstance(value, Mapping) and any(known.get(k) is not value[k] for k in value):
+                    raise KindError  # a table of the model's own lists its keys
                 given = bounded(value)
             except Exception:
                 self.note(f"{where}: {word} {shown(value)} is no list; write ['a', 'b'].")
                 return []
         chosen = [name_of(e) for e in given]
         for name, e in zip(chosen, given, strict=True):
-            if not isinstance(e, str) and known and known.get(name, e) is not e:
+            if not isinstance(e, str) and known.get(name, e) is not e:
                 self.note(f"{where}: {word} '{name}' is given as an object of another model.")
         return chosen
 

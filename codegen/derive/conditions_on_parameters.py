@@ -6,11 +6,12 @@ from typing import cast
 
 import sympy
 
-from codegen.declare.answers import statement_of
-from codegen.declare.body import Body, Curve
+from codegen.declare.body import Body
 from codegen.declare.cam_profile_checks import derivatives
-from codegen.declare.conditions import Condition, conditions_of, hold_conditions
+from codegen.declare.conditions import Condition, hold_conditions
 from codegen.declare.element import Constraint, Effect, Element, label
+from codegen.declare.return_values.constraints import closed_curves, statement_of
+from codegen.declare.return_values.elements import conditions_of
 from codegen.declare.symbols import Parameter, ParameterDeclaration, alpha, kinds, t
 from codegen.declare.table_function import Interpolant
 from codegen.derive.effect_terms import effect_terms
@@ -76,13 +77,6 @@ def _ranges(lookups: list[Interpolant]) -> Iterator[Condition]:
                 f"{low:g} to {high:g}."
             )
             yield Condition(text, (at,), low, False, high)
-
-
-def closed_curves(element: Element) -> Iterator[tuple[str, Curve, bool]]:
-    """The closed curves of a joint: how messages name each, and whether it has to be convex."""
-    method = getattr(element, "profiles", None)
-    for curve, convex in () if method is None else method():
-        yield f"curve of '{element.name}' on body '{curve.body.name}'", curve, convex
 
 
 def profiles_of(element: Element) -> Iterator[Profile]:

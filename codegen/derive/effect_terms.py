@@ -7,8 +7,13 @@ import sympy
 from sympy.core.relational import Relational
 
 from codegen.declare import element as el
-from codegen.declare.answers import forces_of, optional_answers, potential_of
 from codegen.declare.body import Body
+from codegen.declare.return_values.effects import (
+    forces_of,
+    optional_answers,
+    potential_of,
+    weights_of,
+)
 from codegen.declare.symbols import SPEED, Coordinate, Time, kinds, rate, side, t
 from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import as_pieces
@@ -78,8 +83,9 @@ def effect_terms(effect: el.Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     pulls = tuple((s, _pull(s, f)) for s, f in along_scalars if f != 0) + elastic
     components = tuple((part, unit, _pieces(value)) for part, unit, value in reported)
     friction = None if law is None else _friction(effect.name, law, hold)
-    weights = effect.weights(bodies) if hasattr(effect, "weights") else ()
-    return EffectTerms(potential, loads, pulls, friction, hold, components, weights)
+    return EffectTerms(
+        potential, loads, pulls, friction, hold, components, weights_of(effect, bodies)
+    )
 
 
 @cache

@@ -4,9 +4,10 @@ from dataclasses import dataclass, replace
 
 import sympy
 
-from codegen.declare.answers import bodies_of
 from codegen.declare.body import Body
-from codegen.declare.element import Constraint, Element, Statement, label
+from codegen.declare.element import Constraint, Effect, Element, Statement, label
+from codegen.declare.return_values.calls import errors_named
+from codegen.declare.return_values.elements import bodies_of, replaced_body
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration
 from codegen.derive import constraint_terms as cs
@@ -109,7 +110,7 @@ def active_joints(model: Model, scene: Scene) -> dict[str, Constraint]:
     present = {"ground", *scene.bodies}
     chosen = {}
     for name, joint in model.joints.items():
-        stands_for = getattr(joint, "instead_of", None)
+        stands_for = replaced_body(joint)
         replaced = stands_for is None or stands_for.name not in present
         closed = name not in scene.inactive_joints
         if closed and replaced and all(body.name in present for body in bodies_of(joint)):
@@ -131,6 +132,17 @@ def body_equations(body: Body) -> ConstraintEquations:
     return ConstraintEquations(body.name, OWN, False, statement, cs.statement_terms(statement))
 
 
+def _constraint_equations(element: Constraint, driver: bool) -> ConstraintEquations:
+    with errors_named(element):
+        terms = cs.constraint_terms(element)
+        return ConstraintEquations(element.name, element.kind, driver, *terms)
+
+
+def _effect_equations(name: str, effect: Effect, bodies: tuple[Body, ...]) -> EffectEquations:
+    with errors_named(effect):
+        return EffectEquations(name, effect.kind, effect_terms(effect, bodies))
+
+
 def derive(model: Model, scene: Scene) -> Equations:
     """Instantiate every element that takes part in `scene`."""
     bodies = tuple(model.bodies[name] for name in scene.bodies)
@@ -138,8 +150,7 @@ def derive(model: Model, scene: Scene) -> Equations:
     drivers = {name: model.drivers[name] for name in scene.drivers}
     constraints = tuple(body_equations(body) for body in bodies if body.equations)
     constraints += tuple(
-        ConstraintEquations(e.name, e.kind, e.name in drivers, *cs.constraint_terms(e))
-        for e in (*joints.values(), *drivers.values())
+        _constraint_equations(e, e.name in drivers) for e in (*joints.values(), *drivers.values())
     )
     coordinates = (
         *(q for body in bodies for q in body.coordinates),
@@ -147,7 +158,7 @@ def derive(model: Model, scene: Scene) -> Equations:
     )
     dynamic = scene.analysis != "kinematics"
     effects = tuple(
-        EffectEquations(name, effect.kind, effect_terms(effect, bodies))
+        _effect_equations(name, effect, bodies)
         for name, effect in model.acting(scene).items()
         if dynamic or effect.kind == TRACKED
     )

@@ -14,8 +14,9 @@ from inspect import cleandoc
 from typing import Any, Literal, TypeVar, dataclass_transform, overload
 
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.plain_values import shown
 from codegen.errors import ModelError
+from codegen.plain_values import shown
+from codegen.public_callables import declaration, unchanging
 
 Role = Literal["joint", "driver", "force"]
 Class = TypeVar("Class", bound=type[Any])
@@ -95,12 +96,15 @@ def element(
         if problems:
             raise ModelError(problems)
         if not any("__init__" in vars(c) for c in _own_classes(cls)):
-            cls = dataclass(frozen=True, eq=False)(cls)
+            cls = unchanging(dataclass(frozen=True, eq=False)(cls))
         role: Role = "driver" if driver else "joint" if hasattr(cls, "statement") else "force"
         _KINDS[cls.kind] = Kind(cls.kind, role, cls)
         return cls
 
     return register if cls is None else register(cls)
+
+
+element = declaration(element, "element")
 
 
 def kinds_of_elements() -> dict[str, Kind]:
@@ -141,7 +145,7 @@ def _problems(cls: type[Any]) -> list[str]:
         return [f"element({shown(given)}): give a class; @element stands above one."]
     where, kind = f"element class {cls.__qualname__}", getattr(cls, "kind", None)
     if not isinstance(kind, str) or not WORDS.fullmatch(kind):
-        return [f'{where}: its kind {kind!r} must be a few ASCII words: kind = "belt".']
+        return [f'{where}: its kind {shown(kind)} must be a few ASCII words: kind = "belt".']
     problems = []
     if not (cls.__doc__ or "").strip() or str(cls.__doc__).startswith(f"{cls.__name__}("):
         problems.append(f"{where} has no docstring; say in one sentence what it holds or exerts.")

@@ -2,8 +2,9 @@
 
 from collections.abc import Iterator
 
-from codegen.declare.answers import bodies_of, friction_law
 from codegen.declare.element import Constraint, Effect
+from codegen.declare.return_values.effects import friction_law
+from codegen.declare.return_values.elements import bodies_of, replaced_body
 from codegen.declare.scene import Scene
 from codegen.derive.equations import active_joints
 from codegen.explain.ledger_records import OutputEntry, Part
@@ -36,7 +37,7 @@ class Inventory:
     def _joint(self, joint: Constraint) -> Part:
         name, scene = joint.name, self.scene
         acts = name in self.joints
-        stands_for = getattr(joint, "instead_of", None)
+        stands_for = replaced_body(joint)
         missing = [b.name for b in bodies_of(joint) if b.name not in ("ground", *scene.bodies)]
         if acts:
             why = "its bodies take part"

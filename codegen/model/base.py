@@ -1,24 +1,28 @@
 """The common state of a declaration: its elements, their names and the problems found."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from copy import copy
 from dataclasses import replace
 from functools import wraps
 from inspect import isfunction
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 import sympy
 
 from codegen.declare import symbols as sy
-from codegen.declare.answers import bodies_of, coordinates_of, own_coordinates
 from codegen.declare.body import Body, Ground, Particle, Point
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.name_rules_and_hints import name_problem
-from codegen.declare.plain_values import plain_name, shown
-from codegen.declare.public_method import public_method
+from codegen.declare.name_rules_and_hints import name_problem, nearest
+from codegen.declare.return_values.bodies import coordinates_of
+from codegen.declare.return_values.constraints import own_coordinates
+from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import Scene
 from codegen.declare.value_reader import Reader
 from codegen.elements.registry import role
+from codegen.errors import NoAttributeError
+from codegen.plain_values import one_line, plain_name, shown
+from codegen.public_callables import DeclaredTable, declaration
 
 Declared = TypeVar("Declared", bound=Constraint | Effect | Body)
 Place = Point | Body  # a body means its centre of mass
@@ -34,43 +38,90 @@ def _marked(method: Callable[..., Any]) -> Callable[..., Any]:
         before = len(model._read.problems)
         answer = method(model, *arguments, **words)
         if len(model._read.problems) > before and isinstance(answer, Constraint | Effect):
-            model.noted.add(plain_name(answer.name))
+            vars(model)["noted"] |= {plain_name(answer.name)}
         return answer
 
     return call
 
 
+TABLES = (
+    *("bodies", "parameters", "joints", "drivers", "effects", "scenes"),
+    *("fidelities", "groups", "couplers"),
+)
+"""Attributes of a model that list what is declared, by name."""
+
+
 class Declarations:
     """All that has been declared, by name; a name stands for one thing only."""
+
+    name: str
+    token: object
+    ground: Ground
+    bodies: dict[str, Body]
+    parameters: dict[str, sy.ParameterDeclaration]
+    joints: dict[str, Constraint]
+    drivers: dict[str, Constraint]
+    effects: dict[str, Effect]
+    fidelities: dict[str, dict[str, Effect | str]]
+    groups: dict[str, dict[str, tuple[str, ...]]]
+    scenes: dict[str, Scene]
+    couplers: dict[str, tuple[Body, ...]]
+    files: tuple[Path, ...]
+    noted: frozenset[str]
+    """Elements that hold stand-ins for what was noted; no more is said of them."""
 
     def __init_subclass__(cls) -> None:
         """Let the public methods fail with errors of ours, and mark elements with stand-ins."""
         super().__init_subclass__()
         for word, method in list(vars(cls).items()):
             if isfunction(method) and not word.startswith("_"):
-                setattr(cls, word, public_method(_marked(method), "model"))
+                setattr(cls, word, declaration(_marked(method), "model"))
 
     def __init__(self, name: str) -> None:
-        self.name = name
-        self.token = object()
-        self.ground = Ground("ground", None, None, self.token)
-        self.bodies: dict[str, Body] = {}
-        self.parameters: dict[str, sy.ParameterDeclaration] = {}
-        self.joints: dict[str, Constraint] = {}
-        self.drivers: dict[str, Constraint] = {}
-        self.effects: dict[str, Effect] = {}
-        self.fidelities: dict[str, dict[str, Effect | str]] = {}
-        self.groups: dict[str, dict[str, tuple[str, ...]]] = {}
-        self.scenes: dict[str, Scene] = {}
-        self.couplers: dict[str, tuple[Body, ...]] = {}
-        self.files: list[Path] = []
-        self.noted: set[str] = set()
-        """Elements that hold stand-ins for what was noted; no more is said of them."""
+        token = object()
+        fixed = {"name": name, "token": token, "ground": Ground("ground", None, None, token)}
+        vars(self).update(fixed, files=(), noted=frozenset())
+        vars(self).update({table: DeclaredTable(f"model.{table}") for table in TABLES})
         self._read = Reader()
         self._note = self._read.note
         self._kinds: dict[str, str] = {"ground": "body"}
         if problem := name_problem("model", name):
             self._note(problem)
+
+    def __repr__(self) -> str:
+        return f"Model({shown(self.name)})"
+
+    def __setattr__(self, word: str, value: object) -> None:
+        """Refuse to replace what is declared."""
+        self._keep(word, "set")
+        super().__setattr__(word, value)
+
+    def __delattr__(self, word: str) -> None:
+        """Refuse to forget what is declared."""
+        self._keep(word, "deleted")
+        super().__delattr__(word)
+
+    def __getattr__(self, word: str) -> Any:
+        """Refuse a word that is none, with those that are like it."""
+        hint = nearest(word, (w for w in dir(type(self)) if not w.startswith("_")))
+        raise NoAttributeError(f"a model has no {one_line(word)!r}; {hint}")
+
+    def _keep(self, word: str, verb: str) -> None:
+        if not word.startswith("_") and (word in vars(self) or hasattr(Declarations, word)):
+            raise NoAttributeError(
+                f"model {shown(self.name)}: {word!r} cannot be {verb}; declare with the methods of "
+                "the model, and a machine of another name as another model."
+            )
+
+    def _put(self, table: str, name: str, entry: object) -> None:
+        vars(self)[table].declare(name, entry)
+
+    def altered(self, **tables: Mapping[str, Any]) -> Self:
+        """A copy with other entries in some tables."""
+        copied = copy(self)
+        for table, entries in tables.items():
+            vars(copied)[table] = DeclaredTable(f"model.{table}", entries)
+        return copied
 
     @property
     def problems(self) -> tuple[str, ...]:
@@ -98,7 +149,7 @@ class Declarations:
         if sign and isinstance(read, sy.Parameter) and read.name in self.parameters:
             declared = self.parameters[read.name]
             if declared.sign != "positive":
-                self.parameters[declared.name] = replace(declared, sign=sign)
+                self._put("parameters", declared.name, replace(declared, sign=sign))
         return read
 
     def _optional(self, value: Any, unit: str, where: str, sign: sy.SignRule = "") -> Any:
@@ -125,16 +176,15 @@ class Declarations:
 
     def _declare(self, element: Declared) -> Declared:
         """Declare an element among those of its role."""
-        word = "effect"
-        table: dict[str, Any] = self.effects
+        word, table = "effect", "effects"
         if isinstance(element, Body):
-            word, table = "particle" if isinstance(element, Particle) else "body", self.bodies
+            word, table = "particle" if isinstance(element, Particle) else "body", "bodies"
         elif isinstance(element, Constraint):
-            is_driver = role(element.kind) == "driver"
-            word, table = ("driver", self.drivers) if is_driver else ("joint", self.joints)
+            word = "driver" if role(element.kind) == "driver" else "joint"
+            table = f"{word}s"
         name = plain_name(element.name)
         if self._claim(word, name):
-            table[name] = element
+            self._put(table, name, element)
         return element
 
     def _point(self, name: str, place: Any) -> Point:

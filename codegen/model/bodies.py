@@ -9,8 +9,8 @@ from typing import Any, Literal
 
 import sympy
 
-from codegen.declare.answers import bodies_of
 from codegen.declare.body import Body, Particle, Point
+from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.value_reader import Reader
 from codegen.model.base import Place
 from codegen.model.joints import Joints
@@ -74,7 +74,7 @@ class Bodies(Joints):
                 self.absolute(f"{particle.name}_y", particle, "y", point.sy)
             else:
                 self.revolute(f"{particle.name}_pin", point, particle.at(0, 0))
-        self.couplers[rod.name] = (rod, *halves)
+        self._put("couplers", rod.name, (rod, *halves))
         return rod
 
     def _absent_bodies(

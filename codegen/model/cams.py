@@ -10,13 +10,13 @@ import sympy
 from codegen.cubic_spline import fit
 from codegen.declare.body import Body, Curve
 from codegen.declare.cam_profile_checks import pace, profile_problems
-from codegen.declare.plain_values import members, shown
 from codegen.declare.symbols import alpha
 from codegen.declare.table_function import FEWEST, TableFunction
 from codegen.elements.joints.cam_flat_follower import CamFlatFollower
 from codegen.elements.joints.cam_follower import CamFollower
 from codegen.elements.joints.point_follower import PointFollower
 from codegen.model.base import Declarations, Pair, Place
+from codegen.plain_values import members, shown
 
 # accuracy: first and last point of a path that agree to this part of its size are one
 ROUNDING = 1e-9

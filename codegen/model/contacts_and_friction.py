@@ -7,13 +7,13 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.plain_values import shown
 from codegen.declare.symbols import Coordinate, SignRule, Time, Velocity, kinds, rate
 from codegen.elements.forces.given_load_friction import DryFriction
 from codegen.elements.forces.joint_friction import JointFriction
 from codegen.elements.forces.rigid_contact import RigidContact
 from codegen.elements.forces.spring_damper_contact import Contact, gap_between
 from codegen.model.base import Declarations, Ends, Pair, Place
+from codegen.plain_values import shown
 
 FrictionLaw = Literal["sticking", "regularised"]
 
@@ -191,7 +191,7 @@ class Contacts(Declarations):
             self._note(f"{where}: the fidelity '{word}' {chosen}")
             chosen = next(form for form in forms.values() if not isinstance(form, str))
         if self._declare(chosen) is self.effects.get(chosen.name):
-            self.fidelities[chosen.name] = forms
+            self._put("fidelities", chosen.name, forms)
         return chosen
 
     def _friction_law(

@@ -5,10 +5,10 @@ from typing import Any
 
 from codegen.declare.element import Effect
 from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.plain_values import NotText, plain_name, shown
 from codegen.declare.scene import Scene, name_of
 from codegen.declare.value_reader import Reader
 from codegen.model.bodies import FORMS, Bodies
+from codegen.plain_values import NotText, plain_name, shown
 
 NONE = "none"  # the fidelity of an effect that a scene does without
 
@@ -51,7 +51,7 @@ class Fidelities(Bodies):
             default = None
         if self._claim("group of alternatives", name) and read:
             chosen = default or next(iter(read))
-            self.groups[name] = {chosen: read[chosen]} | read
+            self._put("groups", name, {chosen: read[chosen]} | read)
         return name
 
     def acting(self, scene: Scene) -> dict[str, Effect]:

@@ -7,7 +7,6 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Effect
-from codegen.declare.plain_values import shown
 from codegen.declare.symbols import Coordinate, rate
 from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.forces.applied import AppliedForce, AppliedTorque
@@ -17,6 +16,7 @@ from codegen.elements.forces.spring import Spring
 from codegen.elements.forces.torsion_spring import TorsionSpring
 from codegen.elements.forces.user_expression import GeneralizedForce, Potential
 from codegen.model.base import Declarations, Place
+from codegen.plain_values import shown
 
 Characteristic = Callable[[sympy.Expr, sympy.Expr], Any]  # (ℓ, ℓ̇) or (θ, θ̇) → force or torque
 

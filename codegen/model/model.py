@@ -8,8 +8,6 @@ from typing import Any
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect, label
-from codegen.declare.plain_values import one_line, shown
-from codegen.declare.public_method import public_method, public_methods
 from codegen.declare.scene import Scene
 from codegen.errors import ModelError
 from codegen.model.base import Declared
@@ -19,6 +17,8 @@ from codegen.model.drivers import Drivers
 from codegen.model.forces import Forces
 from codegen.model.parameters_and_tables import Values
 from codegen.model.scene_variations import Variations
+from codegen.plain_values import shown
+from codegen.public_callables import declaration, declarations, failure, unchanging
 
 
 class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
@@ -54,9 +54,8 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
         try:
             known = isinstance(candidate, Body | Constraint | Effect)
         except Exception as error:  # of a property of its own
-            reason = f"{type(error).__name__}: {one_line(error)}"
             raise ModelError(
-                f"{label(element)}: one of its properties fails with {reason}."
+                f"{label(element)}: one of its properties fails with {failure(error)}."
             ) from error
         if known:
             return self._declare(element)
@@ -67,5 +66,5 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
         return element
 
 
-public_methods(Scene, "scene")
-Model.__init__ = public_method(Model.__init__, "Model")  # type: ignore[method-assign]
+unchanging(declarations(Scene, "scene"))
+Model.__init__ = declaration(Model.__init__, "Model")  # type: ignore[method-assign]

@@ -5,10 +5,10 @@ from typing import Any
 
 from codegen.cubic_spline import fit
 from codegen.declare import units as quantities
-from codegen.declare.plain_values import one_line, plain_name, shown
 from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule
 from codegen.declare.table_function import FEWEST, TableFunction, point_problems
 from codegen.model.base import Declarations
+from codegen.plain_values import one_line, plain_name, shown
 
 
 def known_units(units: Any) -> bool:
@@ -54,7 +54,7 @@ class Values(Declarations):
             unit = ""
         number = self._read.number(value, unit, where)
         if self._claim("parameter", name):
-            self.parameters[name] = ParameterDeclaration(name, number, unit, sign)
+            self._put("parameters", name, ParameterDeclaration(name, number, unit, sign))
         return symbol
 
     def table(
@@ -73,7 +73,8 @@ class Values(Declarations):
             Whether the function repeats; the last point is the first one, a period later. One
             that does not repeat is undefined beyond its ends, where a run stops and says so.
         units
-            SI units of x and y.
+            SI units of x and y. What the table is called with, and what it stands for, is compared
+            with them where its unit is known: quantities, coordinates, velocities, t.
         """
         where = f"table '{name}'"
         if not known_units(units):
@@ -89,7 +90,7 @@ class Values(Declarations):
             for problem in point_problems(at, values, periodic):
                 self._note(f"{where}: {problem}")
         if self._claim("table", name) and len(self.problems) == before:
-            return TableFunction(fit(name, at, values, periodic))
+            return TableFunction(fit(name, at, values, periodic), units)
         return TableFunction(fit("none", (0.0, 1.0, 2.0, 3.0), (0.0,) * 4, periodic=False))
 
     def depends_on(self, path: str | Path) -> Path:
@@ -102,7 +103,7 @@ class Values(Declarations):
             self._note(f"depends_on({shown(path)}): {shown(path)} {reason}.")
             return Path()
         if found:
-            self.files.append(file)
+            vars(self)["files"] += (file,)
         else:
             self._note(f"depends_on({shown(path)}): there is no file {one_line(file)}.")
         return file

@@ -5,13 +5,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from codegen.declare.answers import bodies_of
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Reported, label
 from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.plain_values import NotText, bounded, plain_name, shown
+from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.value_reader import Reader
 from codegen.model.base import Declarations, Place
+from codegen.plain_values import NotText, bounded, plain_name, shown
 
 ALL = ("reactions", "energy", "powers")  # outputs of a scene that names none
 GROUPS = (*ALL, "paths", "works")

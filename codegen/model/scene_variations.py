@@ -6,11 +6,11 @@ from dataclasses import replace
 from itertools import chain
 from typing import Any
 
-from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.plain_values import plain_number, shown
-from codegen.declare.scene import Request, Scene, name_of
+from codegen.declare.name_rules_and_hints import name_problem, nearest
+from codegen.declare.scene import ANALYSES, Request, Scene, name_of
 from codegen.declare.value_reader import Reader
 from codegen.model.scenes import Scenes
+from codegen.plain_values import plain_number, shown
 
 WIDEST = 100  # letters of a name, which names a file; a longer one is cut and told apart by a hash
 
@@ -80,6 +80,32 @@ class Variations(Scenes):
             fidelity=tuple((n, word) for n, word in request.fidelity if n not in removed),
         )
 
+    def misfits(self, scene: Scene) -> list[str]:
+        """What a scene holds that no model put there: one made, or changed, by hand."""
+        read, where = Reader(), f"scene {shown(vars(scene)['name'])}"
+        given = vars(scene)
+        if problem := name_problem("scene", given["name"]):
+            read.note(problem)
+        for word, known in (
+            ("bodies", self.bodies), ("effects", self.effects), ("drivers", self.drivers),
+            ("inactive_joints", self.joints),
+        ):  # fmt: skip
+            read.elements(given[word], known, word, where)
+        coordinates = self._coordinates()
+        for word in ("start", "guess"):
+            read.states(_mapping(given[word]), coordinates, word, where)
+        read.overrides(_mapping(given["parameters"]), self.parameters, where)
+        read.flag(given["frozen"], f"{where}: frozen")
+        read.choice(given["analysis"], ANALYSES, f"{where}, analysis")
+        self._read_outputs(read, where, given["outputs"])
+        self._read_fidelities(read, where, _mapping(given["fidelity"]), None)
+        kinds = {"request": Request, "owner": Variations, "root": Scene | None}
+        if any(not isinstance(given[word], kind) for word, kind in kinds.items()) or (
+            not isinstance(given["expression"], str)
+        ):
+            read.note(f"{where} is of no model; vary a scene by without(...) and with_(...).")
+        return read.problems
+
     def recompose(self, scene: Scene) -> Scene:
         """The same scene of this model, where `scene` is that of another of the same names."""
         if scene.owner is self:
@@ -114,6 +140,14 @@ class Variations(Scenes):
             name += f"_{_hash(rest)}"
         name = name.replace("__", "_")
         return name if len(name) <= WIDEST else f"{name[: WIDEST - 9].rstrip('_')}_{_hash(name)}"
+
+
+def _mapping(pairs: Any) -> Any:
+    """Pairs as a mapping; what is none as it is."""
+    try:
+        return dict(pairs)
+    except Exception:
+        return pairs
 
 
 def _hash(value: object) -> str:

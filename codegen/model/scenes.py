@@ -5,17 +5,19 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any, cast
 
-from codegen.declare.answers import ask, bodies_of, own_coordinates
 from codegen.declare.body import Body
-from codegen.declare.element import Located
+from codegen.declare.element import Constraint
 from codegen.declare.name_rules_and_hints import name_problem, nearest
-from codegen.declare.plain_values import plain_name
+from codegen.declare.return_values.constraints import own_coordinates, place_near
+from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene
+from codegen.declare.symbols import Coordinate
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
 from codegen.errors import ModelError
 from codegen.model.bodies import Form
 from codegen.model.fidelities import NONE, Fidelities
 from codegen.model.requested_outputs import Outputs
+from codegen.plain_values import plain_name
 
 DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
 """Keywords of a scene that an extension inherits unless it names them."""
@@ -91,7 +93,7 @@ class Scenes(Fidelities, Outputs):
         elif name in self.scenes:
             self._note(f"{where} is declared twice; give each scene its own name.")
         else:
-            self.scenes[name] = scene
+            self._put("scenes", name, scene)
         return scene
 
     def _read_request(
@@ -190,18 +192,21 @@ class Scenes(Fidelities, Outputs):
         self, start: NamedValues, absent: tuple[str, ...], guess: NamedValues
     ) -> NamedValues:
         """The guess, with places for the contacts that it does not name."""
-        known = dict((*guess, *start))
-        coordinates = self._coordinates()
-        numbers = self.defaults | {q: known.get(dotted(q), q.measure.neutral) for q in coordinates}
+        known = (*guess, *start)
         places = dict(guess)
         for name, joint in self.joints.items():
-            missing = [q for q in own_coordinates(joint) if dotted(q) not in known]
-            taking_part = name not in absent and not any(b.name in absent for b in bodies_of(joint))
-            if missing and taking_part and isinstance(joint, Located):
-                with suppress(ModelError, TypeError, ValueError, KeyError):  # reported by `build`
-                    near = ask(joint, "near", numbers)
-                    places |= {dotted(q): float(near[q]) for q in missing}
+            if name not in absent and not any(b.name in absent for b in bodies_of(joint)):
+                with suppress(ModelError):  # reported by `build`
+                    places |= {dotted(q): at for q, at in self.place_of(joint, known).items()}
         return tuple(places.items())
+
+    def place_of(self, joint: Constraint, known: NamedValues) -> dict[Coordinate, float]:
+        """Where a joint expects those of its own coordinates whose values are not `known`."""
+        values = dict(known)
+        missing = [q for q in own_coordinates(joint) if dotted(q) not in values]
+        coordinates = self._coordinates() if missing else ()
+        places = {q: values.get(dotted(q), q.measure.neutral) for q in coordinates}
+        return place_near(joint, missing, self.defaults | places)
 
 
 def _none_of(*values: object) -> bool:

@@ -14,7 +14,7 @@ numerically: an identity of analytic functions that holds at a few random points
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import combinations
 from random import Random
 from typing import NamedTuple
@@ -63,7 +63,8 @@ def find_loops(
     `q`: the inputs that are the coordinates, by column; `phi`: row → value in the coordinates that
     are left; `angles`: columns that may be solved for; `first_branch`: slot of ``p``; `own`: row of
     each own coordinate of a joint. It alone determines the coordinate: another row of the joint may
-    contain the place of a contact, but its derivative by it vanishes wherever the curves touch.
+    contain the place of a contact, but its derivative by it vanishes wherever the curves touch. Nor
+    is it solved for anything else, which would leave the coordinate to such a row.
     """
     search, loops = _LoopSearch(graph, q, first_branch, own), []
     phi, angles = dict(phi), list(angles)
@@ -106,8 +107,8 @@ class _LoopSearch:
         return None
 
     def _is_determined(self, columns: tuple[int, ...], rows: tuple[int, ...]) -> bool:
-        """Whether the row that determines each own coordinate of a joint is among the rows."""
-        return all(self.own[k] in rows for k in columns if k in self.own)
+        """Whether own coordinates of joints stand with the rows that determine them alone."""
+        return all((k in columns) == (i in rows) for k, i in self.own.items())
 
     # -- forms -------------------------------------------------------------------------------
 
@@ -183,6 +184,9 @@ class _LoopSearch:
             terms += [graph.mul(a, sine), graph.mul(b, cosine)]
         if not self._zero(graph.sub(graph.total(terms), value), value):
             return None
+        # Where the angle cancels, as in a link between two bodies of one pin, rounding is left.
+        if any(self._holds(self._squares(*pair), start, _is_rounding) for pair in factors):
+            return None
         return start, tuple(factors)
 
     def _sine_cosine(self, column: int) -> tuple[int, int]:
@@ -193,6 +197,10 @@ class _LoopSearch:
         """Whether a value is zero at random points, compared with the size of another."""
         if value == self.graph.zero:
             return True
+        return self._holds(value, size, lambda x, size: abs(x) <= AGREED * (1.0 + abs(size)))
+
+    def _holds(self, value: int, size: int, test: Callable[[float, float], bool]) -> bool:
+        """Whether two values pass a test at random points."""
         kernel = Kernel("test", "", (), store("out", [value, size], ["", ""]))
         program = Program(tuple(self.graph.values), (kernel,), (), 0.0)
         for point in range(POINTS):
@@ -200,9 +208,14 @@ class _LoopSearch:
                 out = evaluate(program, "test", RandomPoint(point), math)["out"]
             except (ValueError, ZeroDivisionError, OverflowError):
                 return False
-            if not abs(out[0]) <= AGREED * (1.0 + abs(out[1])):
+            if not test(out[0], out[1]):
                 return False
         return True
+
+
+def _is_rounding(square: float, size: float) -> bool:
+    """Whether a length, given by its square, is rounding beside another."""
+    return square <= (AGREED * size) ** 2
 
 
 class RandomPoint(dict[str, object]):

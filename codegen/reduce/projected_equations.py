@@ -33,10 +33,14 @@ class ProjectedEquations:
         self._project()
 
     def accelerations(self) -> Kernel:
-        """ü and λ_r with the fewest operations."""
-        trials = [self._substituted()]
-        massless = any((k, k) not in self.mass for k in range(len(self.mapping.kept)))
-        if not self.mapping.scene.frictions and not massless:
+        """ü and λ_r with the fewest operations.
+
+        M_r is no pivot where a coordinate belongs to a joint: its entry vanishes at every contact,
+        as the follower moves with the place of the contact only where the two do not touch.
+        """
+        mapping, trials = self.mapping, [self._substituted()]
+        massless = any((k, k) not in self.mass for k in range(len(mapping.kept)))
+        if not (mapping.scene.frictions or massless or mapping.own.keys() & {*mapping.kept}):
             strategies: tuple[Strategy, ...] = ("schur", "mixed", "substitute")
             trials += [self._eliminated(s) for s in strategies[: 3 if self.jacobian else 1]]
         return min(trials, key=lambda kernel: cost(self.graph, kernel))

@@ -10,8 +10,8 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from codegen.argument_readers import real, shortened
 from codegen.errors import AssemblyError, RedundancyError
+from codegen.plain_values import finite_float, shown
 from runtime.assembly import redundancy
 from runtime.assembly.accurate_start_near_singularity import start_on_branch
 from runtime.assembly.joint_closing import CLOSED, Closing, Task, close
@@ -59,11 +59,9 @@ def start_values(mechanism: Mechanism, guess: Values | None) -> Start:
             values[place], fixed[place], named[place] = row.value, row.role == "fixed", True
     problems = []
     for name, value in (guess or {}).items():
-        finite = real(value)
-        if finite is None or not np.isfinite(finite):
-            problems.append(
-                f"Start value {name} is {shortened(value)}; it must be a finite number."
-            )
+        finite = finite_float(value)
+        if finite is None:
+            problems.append(f"Start value {name} is {shown(value)}; it must be a finite number.")
         elif name in places:
             values[places[name]], named[places[name]] = finite, True
         else:

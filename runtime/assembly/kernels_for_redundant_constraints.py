@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from codegen.errors import AnalysisError
-from runtime.core.jit import OPTIONS
+from runtime.assembly.accelerations_by_solver import UNCACHED, accelerations_by
 from runtime.core.kernel_abi import SIGNATURES, Kernels
 from runtime.integrate.method import EXPLICIT, IMPLICIT, alternatives
 from runtime.integrate.problem import Correction
@@ -20,7 +20,6 @@ from runtime.results.assembled_state import Assembly
 
 _VARIANTS: WeakKeyDictionary[Mechanism, dict[tuple[int, ...], Mechanism]] = WeakKeyDictionary()
 """Compiled once for each mechanism and choice of independent constraints."""
-_OPTIONS = {name: value for name, value in OPTIONS.items() if name != "cache"}
 
 
 def with_redundancy(mechanism: Mechanism, start: Assembly) -> Mechanism:
@@ -84,23 +83,9 @@ def redundancy_note(start: Assembly) -> str:
 def _minimum_norm_kernels(kernels: Kernels, description: Description, count: int) -> Kernels:
     """Kernels for which `count` independent constraints suffice."""
     jacobian, constraints, rates = kernels.jacobian, kernels.constraints, kernels.velocity_rhs
-    mass_of, forces, gamma_of = kernels.mass, kernels.applied_forces, kernels.acceleration_rhs
-    resting = description.analysis == "equilibrium"  # such a scene has no γ, which is zero at rest
+    gamma_of = kernels.acceleration_rhs
     rows, columns = description.jacobian_rows, description.jacobian_columns
-    mass_rows, mass_columns = description.mass_rows, description.mass_columns
     n, m = len(description.coordinates), len(description.constraints)
-
-    def dynamic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
-        values, masses = np.empty(rows.size), np.empty(mass_rows.size)
-        gamma, force = np.zeros(m), np.empty(n)
-        jacobian(t, q, p, values)
-        if not resting:
-            gamma_of(t, q, v, p, gamma)
-        mass_of(q, p, masses)
-        forces(t, q, v, p, modes, force)
-        slopes, inertia = Sparse(rows, columns, values), Sparse(mass_rows, mass_columns, masses)
-        lost = solve_motion(slopes, inertia, force, gamma, a, lam)
-        return 0 if lost <= m - count else m
 
     def kinematic(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
         values, right, d = np.empty(rows.size), np.empty((1, m)), np.empty((1, n))
@@ -125,9 +110,9 @@ def _minimum_norm_kernels(kernels: Kernels, description: Description, count: int
         dv[:] = d[1]
         return 0 if rank >= count else m
 
-    accelerations = dynamic if description.has_masses else kinematic
-    return replace(
-        kernels,
-        accelerations=njit(SIGNATURES["accelerations"], **_OPTIONS)(accelerations),
-        correction=njit(SIGNATURES["correction"], **_OPTIONS)(correction),
-    )
+    if description.has_masses:
+        accelerations = accelerations_by(solve_motion, kernels, description, m - count)
+    else:
+        accelerations = njit(SIGNATURES["accelerations"], **UNCACHED)(kinematic)
+    corrected = njit(SIGNATURES["correction"], **UNCACHED)(correction)
+    return replace(kernels, accelerations=accelerations, correction=corrected)

@@ -6,17 +6,12 @@ are not: pivots of Φ_q M⁻¹ Φ_qᵀ are then as small as a light body's share
 """
 
 from dataclasses import replace
-from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numba import njit
 
 from codegen.errors import AnalysisError
-from runtime.core.array_types import Kernel
-from runtime.core.jit import OPTIONS
-from runtime.core.kernel_abi import SIGNATURES
-from runtime.linalg.row_elimination import Sparse
+from runtime.assembly.accelerations_by_solver import accelerations_by
 from runtime.mechanism.dense_equations import Equations, FloatArray, turned
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 
@@ -53,37 +48,12 @@ def suited_to_masses(mechanism: Mechanism, t: float, q: FloatArray, p: FloatArra
             "Declare the parameters with values of this size, so that the build allows for them."
         )
     if mechanism not in _VARIANTS:
-        kernels = replace(mechanism.kernels, accelerations=_accelerations(mechanism))
+        from runtime.linalg.motion_by_null_space import solve_motion_by_null_space
+
+        kernel = accelerations_by(solve_motion_by_null_space, mechanism.kernels, description, 0)
+        kernels = replace(mechanism.kernels, accelerations=kernel)
         _VARIANTS[mechanism] = replace(mechanism, kernels=kernels)
     return _VARIANTS[mechanism]
-
-
-def _accelerations(mechanism: Mechanism) -> Kernel:
-    """The kernel of accelerations and multipliers, by the null space."""
-    from runtime.linalg.motion_by_null_space import solve_motion_by_null_space
-
-    kernels, description = mechanism.kernels, mechanism.description
-    jacobian, gamma_of = kernels.jacobian, kernels.acceleration_rhs
-    mass_of, forces = kernels.mass, kernels.applied_forces
-    resting = description.analysis == "equilibrium"  # such a scene has no γ, which is zero at rest
-    rows, columns = description.jacobian_rows, description.jacobian_columns
-    mass_rows, mass_columns = description.mass_rows, description.mass_columns
-    n, m = len(description.coordinates), len(description.constraints)
-
-    def accelerations(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
-        values, masses = np.empty(rows.size), np.empty(mass_rows.size)
-        gamma, force = np.zeros(m), np.empty(n)
-        jacobian(t, q, p, values)
-        if not resting:
-            gamma_of(t, q, v, p, gamma)
-        mass_of(q, p, masses)
-        forces(t, q, v, p, modes, force)
-        slopes, inertia = Sparse(rows, columns, values), Sparse(mass_rows, mass_columns, masses)
-        return solve_motion_by_null_space(slopes, inertia, force, gamma, a, lam)
-
-    options = {name: value for name, value in OPTIONS.items() if name != "cache"}
-    compiled: Kernel = njit(SIGNATURES["accelerations"], **options)(accelerations)
-    return compiled
 
 
 def mobility_spread(equations: Equations, inertia: FloatArray, slopes: FloatArray) -> float:

@@ -52,6 +52,9 @@ _FLOATS += [
     "usual_part",  # of the exchanged energy, which the trapezoidal rule left open lately
     "unexplained",  # change of the energy less the work of all effects and drivers, J
     "explained",  # that work
+    "before_event",  # kinetic energy before an event, where contacts are rigid, J
+    "rounding",  # of the potential, J, as far as it has been met
+    "doubtful",  # end of a step whose energy was not explained; steps up to it are looked at again
     "lent_until",  # instant from which a method that was lent is not needed
     "stop",  # next instant, known beforehand, at which a step ends; infinite where there is none
 ]
@@ -94,8 +97,10 @@ _INTEGERS += [
     "due",  # 1: another method is due
     "power_rows",  # of the powers that change the energy; -1: its balance is not known
     "potential_moves",  # 1: the potential depends on the time
-    "energy_steps",  # accepted since the energy was taken, and the one that is tried
+    "energy_step",  # number of the step at whose start the energy was taken
+    "balance_at",  # number of the next step whose balance of energy is watched
     "balances",  # looks at the balance of energy that were due
+    "doubts",  # steps up to `doubtful` whose energy was not explained
     "balance_rhs",  # calls of `accelerations` for it
     "next_stop",  # its number
     "plan",  # about a singular position, a `Plan`

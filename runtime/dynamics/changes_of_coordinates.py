@@ -188,9 +188,9 @@ class Changes:
         """The legs as one run, that ended as the last of them."""
         run = self.less if last.q.shape[1] == len(self.reduced.kept) and self.less else self.whole
         assert run is not None
-        last = self._finish(run, last)
+        last, rigid = self._finish(run, last), self.taken.system.rigid
         if len(self.legs) == 1:
-            return replace(last, events=in_order(last.events, last.final_t))
+            return replace(last, events=in_order(last.events, last.final_t, rigid))
         paths = [leg.path for leg in self.legs]
         records = [made.state.record for made in (self.less, self.whole) if made is not None]
         counts = {name: sum(r[name].item() for r in records) for name in COUNTS}
@@ -200,7 +200,7 @@ class Changes:
         samples = zip(*((path.t, path.q, path.v, path.modes) for path in paths), strict=True)
         t, q, v, modes = map(np.concatenate, samples)
         logged = zip(*(vars(path.events).values() for path in paths), strict=True)
-        events = in_order(Events(*map(np.concatenate, logged)), last.final_t)
+        events = in_order(Events(*map(np.concatenate, logged)), last.final_t, rigid)
         return replace(
             last, first_t=paths[0].first_t, t=t, q=q, v=v, modes=modes, events=events,
             statistics=replace(last.statistics, **counts), partitions=partitions,

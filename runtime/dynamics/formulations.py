@@ -21,6 +21,7 @@ FORMULATIONS = ("cartesian", "reduced")
 # safety: ratio of two mobilities, beside typical sizes; their squares are the weights of
 # corrections, and lie as far apart as a pivot may be weak
 _WIDEST = 3e4
+_ROUNDING = 1e-24  # accuracy: of the largest mass, beside typical sizes; less is no mass
 _CORRECTIONS = ("step", "stage")
 
 
@@ -62,7 +63,7 @@ class CartesianCoordinates(Coordinates):
         if method in IMPLICIT:
             self.system = replace(self.system, **self.mechanism.tangents._asdict())
         mass = Equations(ready.mechanism, ready.p).mass(begin.q)
-        self.mobility = _compressed(_mobility(mass), ready.sizes)
+        self.mobility = _compressed(_mobility(mass, ready.sizes), ready.sizes)
 
     def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
         """In the machine's own coordinates."""
@@ -92,7 +93,8 @@ class ReducedCoordinates(Coordinates):
         """In the kept coordinates, on the branches on which the machine stands at (t, q)."""
         reduced, ready = self.reduced, self.ready
         kept, p = reduced.kept, reduced.parameters(ready.p, t, q)
-        scale, sizes = _mobility(reduced.inertia(t, q[kept], p)), ready.sizes[kept]
+        sizes = ready.sizes[kept]
+        scale = _mobility(reduced.inertia(t, q[kept], p), sizes)
         return Problem(t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops)
 
     def run(self, options: Options, progress: Progress) -> Trajectory:
@@ -148,14 +150,16 @@ def formulate(
     return CartesianCoordinates(ready, method, correction)
 
 
-def _mobility(mass: FloatArray) -> FloatArray:
-    """Typical size of a change of each coordinate, 1/√M_kk, shape (n,).
+def _mobility(mass: FloatArray, sizes: FloatArray) -> FloatArray:
+    """Typical size of a change of each coordinate, 1/√M_kk, shape (n,); `sizes` are typical, (n,).
 
     A coordinate without mass, such as the place of a contact on a cam, follows most easily: ten
-    times the size of the most mobile body makes it one of the dependent coordinates.
+    times the size of the most mobile body makes it one of the dependent coordinates. In reduced
+    coordinates its mass is rounding.
     """
     inertia = np.diag(mass)
-    heavy = inertia > 0.0
+    beside = inertia * sizes**2
+    heavy = beside > _ROUNDING * beside.max()
     return 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))
 
 

@@ -64,15 +64,17 @@ def _middle_values(
     p: FloatArray,
 ) -> FloatArray:  # fmt: skip
     """|g_k| midway between the states of events `first` and `after`."""
-    span = (events.t[after] - events.t[first])[:, None]
+    # compiled: most runs have no such events
+    from runtime.dynamics.switching_values import write_switching_values
+
+    switches, span = len(mechanism.description.switches), events.t[after] - events.t[first]
+    span = span[:, None]
     q0, q1, v0, v1 = events.q[first], events.q[after], events.v[first], events.v[after]
     q = 0.5 * (q0 + q1) + 0.125 * span * (v0 - v1)
     v = 1.5 * (q1 - q0) / span - 0.25 * (v0 + v1)
-    t, g = 0.5 * (events.t[first] + events.t[after]), np.zeros(len(mechanism.description.switches))
-    values = np.empty(len(first))
-    for i in range(len(first)):
-        mechanism.kernels.switching(t[i], q[i], v[i], p, g)
-        values[i] = abs(g[k])
+    t, g = 0.5 * (events.t[first] + events.t[after]), np.zeros((len(first), switches))
+    write_switching_values(mechanism.kernel_table, t, q, v, p, g)
+    values: FloatArray = np.abs(g[:, k])
     return values
 
 

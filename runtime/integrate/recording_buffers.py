@@ -1,6 +1,6 @@
 """Samples, events and partitions that the compiled loop writes, taken over when it returns."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -122,23 +122,27 @@ class Recording:
         return Partitions(t, sets.astype(bool))
 
 
-def in_order(events: Events, now: float) -> Events:
+def in_order(events: Events, now: float, rigid: Sequence[int]) -> Events:
     """The events of a run that has reached the instant `now`, in order of time.
 
-    The end of bouncing is logged at the contact's last visible impact, with the instant at which
-    its flights will be over: an event of the same contact, or the end of the run, that comes before
-    it is the latest at which that can be; its state goes back to that instant.
+    The end of bouncing of a contact, of a function among `rigid`, is logged at its last visible
+    impact, with the instant at which its flights will be over: an event of the same contact, or the
+    end of the run, that comes before it is the latest at which that can be; its state goes back to
+    that instant. All other events stay in the order of the log, which a check judges.
     """
     t = events.t
     if not ((np.diff(t) < 0.0).any() or (t[-1:] > now).any()):
         return events
     limit: dict[int, float] = {}
+    bounced = (events.direction == Direction.HOLDS) & np.isin(events.index, rigid)
     for i in range(len(t) - 1, -1, -1):
         k = int(events.index[i])
-        if events.direction[i] == Direction.HOLDS:
+        if bounced[i]:
             latest = min(t[i], limit.get(k, now))
             events.q[i] += (latest - t[i]) * events.v[i]
             t[i] = latest
         limit[k] = float(t[i])
-    order = np.argsort(t, kind="stable")
+    place = t.copy()
+    place[~bounced] = np.maximum.accumulate(t[~bounced])
+    order = np.argsort(place, kind="stable")
     return Events(*(column[order] for column in vars(events).values()))

@@ -58,7 +58,7 @@ def integrate(
     """
     check(system, problem, options)
     path = Run(system, problem, options).execute(progress)
-    return replace(path, events=in_order(path.events, path.final_t))
+    return replace(path, events=in_order(path.events, path.final_t, system.rigid))
 
 
 def initial_modes(
@@ -273,7 +273,9 @@ class Run:
         r = self.state.record
         change, work = float(r["unexplained"] + r["explained"]), float(r["explained"])
         if r["index"] >= 0:
-            return f"The potential energy jumps there by {change:.6g} J, which no force explains."
+            return (
+                f"The energy jumps there by {change:.6g} J, which no force and no impact explains."
+            )
         return (
             f"Up to t = {r['end']:.9g} s the energy changes by {change:.6g} J, and the work of "
             f"effects and drivers is {work:.6g} J."

@@ -26,7 +26,7 @@ _METHOD_NUMBERS = (
 )  # fmt: skip
 # What a run knows of its switching functions, samples and events whatever its coordinates.
 _OF_SWITCHES = ("modes", "switching_rows", "share", "recent_events")
-_OF_ENERGY = ("balances", "usual_part", "potential_moves")
+_OF_ENERGY = ("balances", "usual_part", "potential_moves", "rounding")
 _OF_EVENTS = (
     "t", "usual", "samples", "next_sample", "event_span", "flight", "shrinking", "standing",
     "patience", "stop", "next_stop",
@@ -99,12 +99,13 @@ class RunState:
         # Stabilised constraints, and steps without control of their error, keep no energy.
         keeps = options.fixed_step is None and options.correction in _KEEPING
         r["power_rows"] = self.system.balanced_rows if keeps else -1
+        r["balance_at"] = 0 if r["power_rows"] >= 0 else np.iinfo(np.int64).max
         r["energy"], r["balances"] = np.nan, 1
         r["growth_limit"] = r["ratio_limit"] = GROWTH_LIMIT
         r["event_span"] = np.inf
         r["index"] = -1
         r["permitted"] = 1.0
-        r["quiet"] = r["blind_from"] = r["blind_to"] = -np.inf
+        r["quiet"] = r["blind_from"] = r["blind_to"] = r["doubtful"] = -np.inf
 
     def _choose_return(self, problem: Problem) -> None:
         """When steps return onto the constraints, and Baumgarte's terms."""

@@ -5,6 +5,7 @@ import numpy as np
 from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed
+from runtime.core.kernel_abi import kinetic_energy_of
 from runtime.core.loop_record import run_record
 from runtime.core.outcomes import Outcome
 from runtime.hybrid.mode_consistency import CONSISTENT
@@ -15,7 +16,9 @@ _FLIGHT = 0.6  # measured: of the time between two impacts; a first step that me
 _ZENO_EVENTS = 30  # safety: events in a row with such a ratio that are no accident
 _ZENO_SPAN = 1e-7  # safety: of the run; the time that eight such events must take at most
 _ZENO_RATIO = 0.98  # safety: time of the last eight events over that up to one event earlier
-_NEWTON_FAILED = int(TrialStep.NEWTON_FAILED)
+_DOUBTS = 3  # safety: looks at shorter steps, before a balance of energy that fails ends the run
+_SHORTER = 0.4  # safety: part of the step for that; its multiples do not end where the step did
+_NEWTON_FAILED, _TOO_LARGE = int(TrialStep.NEWTON_FAILED), int(TrialStep.TOO_LARGE)
 LEAST_ERROR = 1e-4  # safety: a smaller error of the last step says nothing of the next one
 
 
@@ -31,8 +34,11 @@ def accept_step(context: Context) -> int:
     r.due = r.changed = 0
     h = r.length
     if h > 0.0:
-        if r.power_rows >= 0 and ft.balance_step_of(context)(context) != 0:
-            return Outcome.CONTRADICTED
+        watched = r.steps >= r.balance_at or (r.end >= r.t_end and r.power_rows >= 0)
+        if watched and ft.balance_step_of(context)(context) != 0:
+            if r.doubts > _DOUBTS:
+                return Outcome.CONTRADICTED
+            return reject(context, _TOO_LARGE, _SHORTER * h)
         if ft.emit_of(context)(context, r.t, r.end, h, r.dense_ready) < 0:
             return reject(context, _NEWTON_FAILED, 0.5 * h)
         r.steps += 1
@@ -47,6 +53,9 @@ def accept_step(context: Context) -> int:
         if r.crossing < 0 and side * g1[k] > band[k]:
             band[k] = 0.0
     if r.crossing >= 0:
+        if context[ft.RIGID_COUNT] != 0:
+            kinetic_energy = kinetic_energy_of(context)
+            r.before_event = kinetic_energy(context.q1, context.v1, context.parameters)
         r.changed = ft.transition_of(context)(context, r.crossing, r.end, r.next_length)
         r.rhs += 1
         if r.power_rows >= 0 and ft.balance_event_of(context)(context) != 0:

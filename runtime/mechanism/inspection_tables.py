@@ -3,6 +3,7 @@
 from html import escape
 from pathlib import Path
 
+from codegen.public_callables import checked_class
 from runtime.core.kernel_abi import Kernels
 from runtime.mechanism import module_tables as tables
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
@@ -10,6 +11,7 @@ from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 _SHOWN = 8  # layout: parameters that the text names
 
 
+@checked_class
 class MechanismTables:
     """Tables of a mechanism in one scene; `mechanism` is the data that the analyses take."""
 

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple, Protocol, SupportsIndex, TypeVar, get_args, 
 import numpy as np
 import numpy.typing as npt
 
-from codegen.argument_readers import shortened
 from codegen.errors import UnknownNameError
 from codegen.parameter_conditions import ConditionRow, ProfileRow
+from codegen.plain_values import shown
 from runtime.core.modes_and_event_kinds import Boundary
 
 Indices = npt.NDArray[np.int64]
@@ -330,6 +330,6 @@ def unknown(what: str, name: object, names: Iterable[str]) -> str:
     names = tuple(names)
     near = get_close_matches(name, names, n=3, cutoff=0.5) if isinstance(name, str) else []
     if near:
-        return f"There is no {what} {shortened(name)}; nearest: {', '.join(near)}."
+        return f"There is no {what} {shown(name)}; nearest: {', '.join(near)}."
     listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
-    return f"There is no {what} {shortened(name)}; there are: {listed or 'none'}."
+    return f"There is no {what} {shown(name)}; there are: {listed or 'none'}."

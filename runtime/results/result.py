@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from codegen import __version__
 from codegen import argument_readers as readers
+from codegen.public_callables import checked_class
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
 from runtime.results.accuracy_target_record import ReachedAccuracy
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 
+@checked_class
 class Result(TimeSeries):
     """Motion of a machine at the instants `t`.
 

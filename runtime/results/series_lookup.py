@@ -7,8 +7,9 @@ from typing import Concatenate, ParamSpec, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from codegen.argument_readers import shortened
 from codegen.errors import InputError
+from codegen.plain_values import shown
+from codegen.public_callables import checked_class
 from runtime.mechanism.module_tables import Description, unknown
 from runtime.results.samples import Samples
 
@@ -27,7 +28,7 @@ def by_names(lookup: Lookup[Names, Column]) -> Lookup[Names, Column]:
         for name in (*names, *keywords.values()):
             if not isinstance(name, str):
                 raise InputError(
-                    f"{result.description.title}: {lookup.__name__}({shortened(name)}): a name is "
+                    f"{result.description.title}: {lookup.__name__}({shown(name)}): a name is "
                     f"a text, such as {result.description.coordinates.names[0]!r} of a coordinate."
                 )
         return lookup(result, *names, **keywords)
@@ -35,6 +36,7 @@ def by_names(lookup: Lookup[Names, Column]) -> Lookup[Names, Column]:
     return checked
 
 
+@checked_class
 class TimeSeries:
     """Samples of a motion, with the tables that name them; see `Result`.
 

@@ -11,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen import argument_readers as readers
-from codegen.argument_readers import MisfitError, Reader, optional, shortened
+from codegen.argument_readers import Reader, optional
 from codegen.errors import AnalysisError, InputError
+from codegen.plain_values import KindError, shown
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.assembled_state import Assembly
 
@@ -34,7 +35,7 @@ def instants(t_eval: npt.ArrayLike) -> npt.NDArray[np.float64]:
     except Exception:
         given = np.asarray(None)
     if given.dtype.kind not in "iuf":
-        raise AnalysisError(f"t_eval is {shortened(t_eval)}; it must be instants in s.")
+        raise AnalysisError(f"t_eval is {shown(t_eval)}; it must be instants in s.")
     times = np.atleast_1d(given.astype(np.float64))
     if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all():
         raise AnalysisError("t_eval must be at least one finite instant in s, in one dimension.")
@@ -74,10 +75,10 @@ def _tolerances(value: Any) -> Any:
 def _start_of(mechanism: Mechanism) -> Reader:
     def read(value: Any) -> Assembly:
         if not isinstance(value, Assembly):
-            raise MisfitError("it must be what assemble() returns.")
+            raise KindError("it must be what assemble() returns.")
         names = value.coordinates.names
         if names and names != mechanism.description.coordinates.names:
-            raise MisfitError(
+            raise KindError(
                 f"it was assembled for another machine, with the coordinates "
                 f"{', '.join(names[:6])}. Assemble this one."
             )
@@ -97,7 +98,7 @@ def _state_readers(mechanism: Mechanism, prefix: str = "") -> dict[str, Reader]:
         if fits and np.isfinite(value).all():
             return np.asarray(value)
         shape = f"of shape {value.shape}; " if is_array else ""
-        raise MisfitError(
+        raise KindError(
             f"{shape}it must be an array of {count} finite numbers of type float64, in the order "
             "of the coordinates."
         )

@@ -1,13 +1,11 @@
 """Parameter values of a run: the defaults, and the user's over them, checked all at once."""
 
-import math
-
 import numpy as np
 import numpy.typing as npt
 
-from codegen.argument_readers import real, shortened
 from codegen.errors import ParameterError
 from codegen.parameter_conditions import ALPHAS, broken_conditions, shape_problems
+from codegen.plain_values import finite_float, shown
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.module_tables import unknown
 from runtime.validation.arguments import check
@@ -35,9 +33,9 @@ def parameter_values(
             problems.append(f"{description.title}: {unknown('parameter', name, table.names)}")
             continue
         row = table[name]
-        finite = real(value)
-        if finite is None or not math.isfinite(finite):
-            problems.append(f"Parameter {name} is {shortened(value)}; it must be a finite number.")
+        finite = finite_float(value)
+        if finite is None:
+            problems.append(f"Parameter {name} is {shown(value)}; it must be a finite number.")
             continue
         if row.sign == "positive" and finite <= 0.0:
             problems.append(

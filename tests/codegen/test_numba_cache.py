@@ -1,6 +1,7 @@
 """Machine code on the disk that is damaged, old or cannot be kept is compiled anew, with a note."""
 
 import os
+import pickle
 import resource
 import signal
 import sys
@@ -12,7 +13,7 @@ import pytest
 
 from codegen import numba_cache
 from codegen.damaged_byte_code import CacheWarning
-from codegen.generated_module_signature_and_import import _TextLoader
+from codegen.generated_module_signature_and_import import _TextLoader, import_generated
 from codegen.numba_cache import checked_caches
 
 TEXT = """import numba
@@ -72,6 +73,46 @@ def test_a_bit_that_has_changed_is_noticed(source: Path) -> None:
     path.write_bytes(content)
     with pytest.warns(CacheWarning, match="damaged"):
         assert _execute(source).scaled(1.0) == 2.0
+
+
+class _Trap:
+    """An object whose pickle runs code where it is loaded."""
+
+    def __init__(self, mark: Path) -> None:
+        self.mark = mark
+
+    def __reduce__(self) -> tuple[object, tuple[object, ...]]:
+        return Path.touch, (self.mark,)
+
+
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+def test_nothing_is_unpickled_that_was_not_written_here(source: Path, ending: str) -> None:
+    (path,) = source.parent.glob(f"__pycache__/*.{ending}")
+    mark = source.parent / "ran"
+    path.write_bytes(pickle.dumps(_Trap(mark)))
+    with pytest.warns(CacheWarning, match="damaged"):
+        assert _execute(source).scaled(1.0) == 2.0
+    assert not mark.exists()
+
+
+def test_machine_code_of_another_function_of_the_file_is_not_run(tmp_path: Path) -> None:
+    path = tmp_path / "scaled.py"
+    path.write_text(TEXT.format(factor=2.0) + TEXT.format(factor=5.0).replace("scaled", "other"))
+    _execute(path)
+    (mine,) = path.parent.glob("__pycache__/scaled.scaled*.nbc")
+    (other,) = path.parent.glob("__pycache__/scaled.other*.nbc")
+    mine.write_bytes(other.read_bytes())
+    with pytest.warns(CacheWarning, match="damaged"):
+        assert _execute(path).scaled(1.0) == 2.0
+    sys.modules.pop("scaled", None)
+
+
+def test_another_text_of_the_same_date_and_size_is_compiled(tmp_path: Path) -> None:
+    path = tmp_path / "scaled.py"
+    for factor in (2.0, 3.0):
+        path.write_text(TEXT.format(factor=factor))
+        os.utime(path, (1e9, 1e9))
+        assert import_generated(path).scaled(1.0) == factor
 
 
 def test_machine_code_of_an_older_source_is_not_run(source: Path) -> None:

@@ -9,8 +9,8 @@ import pytest
 import sympy
 
 from codegen import Model
-from codegen.declare.real_range import unreal_part
 from codegen.declare.units import known_unit, pint_form
+from codegen.real_range import unreal_part
 
 
 def test_units_are_read_by_a_grammar_of_their_own() -> None:

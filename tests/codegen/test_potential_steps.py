@@ -28,9 +28,62 @@ STEPS: dict[str, tuple[Expression, float | None]] = {
     "that moves": (lambda x, y, a, k: Piecewise((3, x > t), (0, True)), 3.0),
     "beside a kink": (lambda x, y, a, k: Max(x, 0) + sign(y), 2.0),
     "branch of an angle": (lambda x, y, a, k: atan2(y, x), 2 * sympy.pi.evalf()),
+    "band": (lambda x, y, a, k: 5 * Heaviside(x - 0.3) * Heaviside(0.3001 - x), 5.0),
+    "cell": (
+        lambda x, y, a, k: Piecewise((5, And(x > 0.3, x < 0.3001, y > 0.7, y < 0.7001)), (0, True)),
+        5.0,
+    ),
+    "cell of products": (
+        lambda x, y, a, k: (
+            k
+            * Heaviside(x - a)
+            * Heaviside(a + 1e-5 - x)
+            * Heaviside(y - a)
+            * Heaviside(1e-5 + a - y)
+        ),
+        100.0,
+    ),
+    "cell of signs": (
+        lambda x, y, a, k: (
+            (1 + sign(x - 2)) * (1 + sign(2.001 - x)) * (1 + sign(y - 1)) * (1 + sign(1.001 - y))
+        ),
+        16.0,
+    ),
+    "cell far away": (
+        lambda x, y, a, k: Piecewise(
+            (Piecewise((5, And(x > 40, x < 40.001)), (0, True)), And(y > -1e3, y < -999.99)),
+            (0, True),
+        ),
+        5.0,
+    ),
+    "cell that is round": (
+        lambda x, y, a, k: Piecewise(
+            (5, And(x**2 + y**2 > 4, x**2 + y**2 < 4.001, y > 1.9999)), (0, True)
+        ),
+        5.0,
+    ),
+    "cell of angles": (
+        lambda x, y, a, k: Piecewise(
+            (3, And(sympy.sin(x) > 0.9999, y > 0.5, y < 0.5001)), (0, True)
+        ),
+        3.0,
+    ),
+    "bump on an edge": (
+        lambda x, y, a, k: 5 * sympy.exp(-(((y - 3) / 0.001) ** 2)) * Heaviside(x),
+        None,
+    ),
     "pole": (lambda x, y, a, k: Piecewise((1 / x, x > 0), (0, True)), None),
 }
 KINKS: dict[str, Expression] = {
+    "band that nothing is in": lambda x, y, a, k: Piecewise((5, And(x > 0.3, x < 0.2)), (0, True)),
+    "bump of a small cell": lambda x, y, a, k: Piecewise(
+        (
+            1e9 * ((x - 1) * (1.01 - x) * (y - 1) * (1.01 - y)) ** 2,
+            And(x > 1, x < 1.01, y > 1, y < 1.01),
+        ),
+        (0, True),
+    ),
+    "many stops": lambda x, y, a, k: sum(k * Max(x - n, 0) ** 2 for n in range(6)),
     "Abs": lambda x, y, a, k: Abs(x),
     "power of Max": lambda x, y, a, k: Max(x, 0) ** 1.5,
     "stop": lambda x, y, a, k: k * Max(x - a, 0) ** 2 / 2,

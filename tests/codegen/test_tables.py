@@ -3,8 +3,10 @@
 import cmath
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pint
 import pytest
 import sympy
 from numpy.testing import assert_allclose
@@ -176,7 +178,8 @@ def test_table_of_a_number_is_a_number() -> None:
     model = Model("numbers")
     law = model.table("law", [0, 1, 2, 3], [0, 1, 4, 9], units=("s", "kg"))
     assert law(1.5) == law(1500 * pint.application_registry.ms) == 2.25
-    assert law(4) is sympy.nan
+    with pytest.raises(ModelError, match="called with 4; give a number from its first"):
+        law(4)
     assert model.body("body", mass=law(1.5), inertia=1.0).mass == 2.25
 
 
@@ -231,3 +234,44 @@ def test_motion_that_runs_off_its_table_says_so(tmp_path: Path) -> None:
     assert run.failed
     assert "'turn' has no finite value at t = 1 s: look for a table evaluated bey" in run.message
     assert_allclose(run.t[-1], 1.0, atol=1e-6)
+
+
+def tabled(units: tuple[str, str] = ("s", "m")) -> tuple[Model, Any, Any]:
+    model = Model("units")
+    body = model.body("body", 1.0, 1.0)
+    law = model.table("law", [0, 1, 2, 3], [0, 1, 4, 9], units=units)
+    return model, body, law
+
+
+@pytest.mark.parametrize(
+    ("at", "told"),
+    [
+        (lambda b: b.x, "abscissae in s, and is called with body_x, in m;"),
+        (lambda b: t - b.phi, "is called with -body_phi . t, in rad;|t - body_phi, in rad"),
+        (lambda b: b.vx, "body_vx, in m/s"),
+        (lambda b: 2 * pint.application_registry.mm, "2 millimeter has the dimension"),
+    ],
+)
+def test_what_a_table_is_called_with_has_its_unit(at: Any, told: str) -> None:
+    _, body, law = tabled()
+    with pytest.raises(ModelError, match=told):
+        law(at(body))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_what_a_table_stands_for_has_its_unit(sign: int) -> None:
+    model, body, law = tabled()
+    model.driver("push", body.x, sign * law(t))
+    model.force("pull", on=body, fx=sign * law(t))
+    with pytest.raises(ModelError) as caught:
+        valid_scenes(model, None)
+    (problem,) = caught.value.problems
+    assert problem.startswith("force 'pull': ")
+    assert "table 'law' has values in m, but N is needed" in problem
+
+
+@pytest.mark.parametrize("units", [("", ""), ("s", "N")])
+def test_tables_of_their_unit_or_without_are_taken(units: tuple[str, str]) -> None:
+    model, body, law = tabled(units)
+    model.force("pull", on=body, fx=law(t), fy=5 * law(3.5 * t))
+    assert valid_scenes(model, None)

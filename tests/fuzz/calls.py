@@ -16,6 +16,7 @@ import traceback
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
+from inspect import signature
 from pathlib import Path
 from time import monotonic
 from typing import Any, NamedTuple
@@ -112,7 +113,7 @@ def calls(free: Machine, driven: Machine) -> list[Call]:
     lookups = ("q", "v", "a", "mode", "share", "power", "work", "path", "energy", "series")
     for lookup in lookups:
         function = getattr(result, lookup)
-        parameter = next(iter(function.__wrapped__.__code__.co_varnames[1:2]))
+        parameter = next(iter(signature(function).parameters))
         described.append(Call(f"Result.{lookup}", function, {parameter: name}, {parameter: set()}))
     for analysis in ("kinematics", "inverse_dynamics"):
         times = NUMBERS | {"list", "tuple", "array", "range"}

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from codegen.generated_module_signature_and_import import import_generated
+from codegen.generated_module_signature_and_import import import_generated, module_name
 from tests.machine_code import compile_apart
 
 ATTRIBUTES = """import math
@@ -56,7 +56,7 @@ def test_equal_kernels_are_compiled_once(tmp_path: Path) -> None:
     for rate in (3.0, 4.0):
         path = tmp_path / f"rate_{rate:g}.py"
         path.write_text(text := TEXT.format(rate=rate))
-        compile_apart(path.stem, path, text, kept)
+        compile_apart(module_name(path, text), path, text, kept)
         module = import_generated(path)
         assert (module.twice(1.0), module.scaled(1.0)) == (2.0, rate)
         assert not {**module.twice.stats.cache_misses, **module.scaled.stats.cache_misses}
@@ -70,7 +70,7 @@ def test_kernels_that_differ_in_a_builtin_or_an_attribute_are_compiled_each(tmp_
     for function, choice in (("sin", "max"), ("cos", "min")):
         path = tmp_path / f"{function}_{choice}.py"
         path.write_text(text := ATTRIBUTES.format(function=function, choice=choice))
-        compile_apart(path.stem, path, text, kept)
+        compile_apart(module_name(path, text), path, text, kept)
         module = import_generated(path)
         answers[function] = (module.of_module(1.0), module.builtin(1.0))
     assert answers == {"sin": (math.sin(1.0), 2.0), "cos": (math.cos(1.0), 1.0)}

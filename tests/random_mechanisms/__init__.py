@@ -8,9 +8,18 @@ from tests.random_mechanisms.generator import (
     DRIVEN,
     FAMILIES,
     FRICTION,
+    PLAIN,
     RandomMechanism,
     random_mechanism,
 )
 from tests.random_mechanisms.pose_builder import Scales
 
-__all__ = ["DRIVEN", "FAMILIES", "FRICTION", "RandomMechanism", "Scales", "random_mechanism"]
+__all__ = [
+    "DRIVEN",
+    "FAMILIES",
+    "FRICTION",
+    "PLAIN",
+    "RandomMechanism",
+    "Scales",
+    "random_mechanism",
+]

@@ -22,6 +22,20 @@ from tests.random_mechanisms.pose_analysis import LEAST_SINGULAR_VALUE, column_s
 from tests.random_mechanisms.pose_builder import PoseBuilder, Scales, less
 
 FAMILIES = ("tree", "series", "parallel", "cams", "wheels", "linkage", "mixed")
+PLAIN: dict[str, tuple[str, ...]] = {  # family → its modules, each on the one before
+    "plain four-bar": ("four-bar",),
+    "plain six-bar": ("four-bar", "four-bar"),
+    "plain slider-crank": ("slider-crank",),
+    "slider behind a four-bar": ("four-bar", "slider-crank"),
+    "plain swinging block": ("swinging block",),
+    "plain five-bar": ("five-bar",),
+    "plain flat cam": ("flat cam",),
+    "pendulum on a four-bar": ("four-bar", "pendulum"),
+    "pendulum on a slider-crank": ("slider-crank", "pendulum"),
+    "pendulum on a flat cam": ("flat cam", "pendulum"),
+    "geared four-bar": ("gear pair", "four-bar"),
+    "racked slider-crank": ("rack", "slider-crank"),
+}
 DRIVEN = ("free", "partly", "wholly")
 FRICTION = ("none", "smooth", "sticking")
 MOST_FREEDOMS = 5
@@ -92,6 +106,7 @@ def random_mechanism(
     ----------
     family, driven, friction
         One of `FAMILIES`, `DRIVEN` and `FRICTION`; drawn unless given, friction without sticking.
+        A family may be one of `PLAIN` as well, whose modules are always the same.
         One with a single freedom cannot be partly driven, and is free.
     scales
         Typical length, mass and time; drawn within three decades to either side unless given. A
@@ -166,6 +181,8 @@ def _compose(build: PoseBuilder, family: str) -> tuple[str, ...]:
     """The parts of a family; answers the modules, or nothing where the draw does not fit."""
     if family == "linkage":
         return _linkage(build)
+    if family in PLAIN:
+        return _plain(build, PLAIN[family])
     loops, wheels, cams = modules.LOOPS, modules.WHEELS, modules.CAMS
     branches = modules.BRANCHES
     catalogue = {
@@ -190,6 +207,18 @@ def _compose(build: PoseBuilder, family: str) -> tuple[str, ...]:
         hosts += [added] if added is not None else []
         names.append(name)
     return tuple(names) if len(names) > 1 else ()
+
+
+def _plain(build: PoseBuilder, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Modules in a row, each on the last one that is pinned to the ground; all of them or none."""
+    hosts = [modules.crank(build)]
+    for name in names:
+        pinned = [host for host in hosts if host.pivot is not None]
+        added = _added(build, modules.ALL[name], pinned[-1])
+        if added is None:
+            return ()
+        hosts.append(added)
+    return ("crank", *names)
 
 
 def _leads(family: str, name: str) -> bool:

@@ -308,3 +308,4 @@ BRANCHES: dict[str, Module] = {
     "bob": bob,
     "attached body": attached,
 }
+ALL = LOOPS | WHEELS | CAMS | BRANCHES

@@ -1,15 +1,15 @@
 """No run is OK that a check at its end contradicts; angles without digits are refused."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from codegen.errors import AssemblyError
+from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
-from runtime.dynamics import end_checks
-from runtime.integrate.trajectory import Trajectory
+from runtime.integrate.recording_buffers import Recording, in_order
+from runtime.integrate.trajectory import Events
 from runtime.machine_facade import Machine
 
 
@@ -48,17 +48,26 @@ def test_right_runs_are_not_contradicted(free: Machine, correction: str, rtol: f
     assert run.outcome is Outcome.OK
 
 
-def test_run_whose_events_go_back_is_not_ok(gas: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: list[Trajectory] = []
+def test_run_whose_log_goes_back_is_not_ok(gas: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the loop has logged is judged, and not what sorting makes of it."""
+    logged = Recording.events
 
-    def shuffled(run: Trajectory) -> str:
-        seen.append(run)
-        events = replace(run.events, t=run.events.t[::-1])
-        return order(replace(run, events=events))
+    def shuffled(recording: Recording) -> Events:
+        events = logged(recording)
+        assert len(events.t) > 1
+        return replace(events, t=events.t[::-1].copy())
 
-    order: Callable[[Trajectory], str] = end_checks._order_of_events
-    monkeypatch.setattr(end_checks, "_order_of_events", shuffled)
+    monkeypatch.setattr(Recording, "events", shuffled)
     run = gas.simulate(1.0, guess={"crank.omega": 30.0})
-    assert len(seen[0].events.t) > 1
     assert run.outcome is Outcome.CONTRADICTED
     assert "not in order" in run.message
+
+
+def test_ends_of_bouncing_alone_are_put_in_order() -> None:
+    t, index = np.array([1.0, 9.0, 2.0, 3.0, 2.5, 4.0]), np.array([0, 1, 0, 2, 0, 2])
+    direction = np.array([1, 0, -1, 0, 1, -1])
+    assert direction[1] == Direction.HOLDS
+    state = np.zeros((6, 1))
+    events = in_order(Events(t, index, direction, state, state.copy()), 5.0, (1,))
+    assert events.t.tolist() == [1.0, 2.0, 3.0, 2.5, 4.0, 5.0]
+    assert events.index.tolist() == [0, 0, 2, 0, 2, 1]

@@ -15,6 +15,7 @@ from codegen.generated_files.generated_file import write_if_changed
 from runtime import load
 from runtime.cli.app import app
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.formulations import _mobility
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
 
@@ -363,3 +364,9 @@ def test_command_line(workshop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert done.exit_code == 0, done.output
     refused = CliRunner().invoke(app, [*arguments, "--formulation", "polar"])
     assert refused.exit_code == 2
+
+
+def test_rounding_in_the_reduced_mass_is_no_mass() -> None:
+    """That of the place of a contact; it would be the most mobile coordinate by far."""
+    mobility = _mobility(np.diag([1.0, 4.0, 1e-34]), np.ones(3))
+    assert_allclose(mobility, [1.0, 0.5, 10.0], rtol=1e-15)

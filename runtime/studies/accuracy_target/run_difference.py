@@ -17,14 +17,15 @@ from runtime.studies.error_norms import scaled_errors
 from runtime.studies.series_by_name import FloatArray, group_magnitude, series_values
 
 DIVERGED = 0.1  # accuracy: scaled difference of runs that have nothing in common any more
-SAFE_POWER = 0.75  # measured: power of rtol with which errors fall at least
+ROUNDING = 2e-13  # accuracy: rtol from which on rounding keeps errors from falling
 
+_SCATTER = 5.0  # measured: of the errors of two runs, about a fall in proportion to rtol
+_SLOWEST = 0.75  # measured: power of rtol with which errors fall over several powers of ten
 _LEAST = 1e-13  # accuracy: difference below which there is nothing but rounding
 _MOST = 1e-2  # accuracy: difference from which on it no longer grows as a small one does
 _STRAY = 10.0  # measured: difference over the second run's motion from which on it is an error
 _EACH, _ALL = 3.0, 30.0  # measured: growth over a quarter of an exponential divergence, over two
 _ENOUGH = 16  # safety: instants from which growth is estimated
-_ROUNDING = 2e-13  # accuracy: rtol from which on rounding keeps errors from falling
 _LEAST_SHARE = 0.1  # safety: least share of a difference where the motions diverge later
 
 
@@ -157,6 +158,16 @@ def tenfold_time(found: Difference) -> float | None:
     return 1.0 / float(np.polyfit(t[later], logs, 1)[0])
 
 
+def safe_share(ratio: float) -> float:
+    """Share of the looser run's error that the tighter one's may be, for this ratio of rtol."""
+    return float(min(1.0, max(_SCATTER * ratio, ratio**_SLOWEST)))
+
+
+def sufficient_ratio(share: float) -> float:
+    """Ratio of rtol for which the error of the tighter run is this share of the looser one's."""
+    return float(min(share / _SCATTER, share ** (1.0 / _SLOWEST)))
+
+
 @dataclass
 class Run:
     """A run with the settings that it had."""
@@ -221,10 +232,10 @@ class Pair:
     def share(self) -> float:
         """Share of the difference that the error of the tighter run is estimated to be."""
         largest = self.difference.largest
-        if not self.conclusive or largest <= _ROUNDING:  # rounding, in both runs alike
+        if not self.conclusive or largest <= ROUNDING:  # rounding, in both runs alike
             return 1.0
-        loose, tight = (max(run.options.rtol, _ROUNDING) for run in (self.loose, self.tight))
-        share: float = (tight / loose) ** SAFE_POWER
+        loose, tight = (max(run.options.rtol, ROUNDING) for run in (self.loose, self.tight))
+        share = safe_share(tight / loose)
         return max(share, _LEAST_SHARE) if largest >= DIVERGED else share
 
     @property

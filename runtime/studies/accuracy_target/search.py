@@ -4,16 +4,14 @@ The error of a run is about C times its relative tolerance, with C from 1 to 300
 and known for none beforehand; it scatters about that line by a power of ten. A run is therefore
 compared with another of much tighter tolerance. Their difference is the error of the first run, or
 of the second if that is larger by chance. From the first to the second, errors fall by the ratio of
-the tolerances as a rule; the estimate assumes that they fall by its power 3/4 only, which leaves a
-factor of three for the scatter at a ratio of 100; below 2e-13 rounding keeps them from falling. If
-the estimate is below the target, the second run is the result; otherwise the difference shows how
-much tighter the next run must be.
+the tolerances as a rule; `run_difference` says what is counted on. If the estimate is below the
+target, the second run is the result; otherwise the difference shows how much tighter the next run
+must be.
 
 A method of order eight costs a third more for a tenth of the tolerance, and less where events cut
-its steps, so that a wide gap between the two runs costs little. In a long smooth motion it costs
-more: there the second run is the looser one, and the first, if it is found accurate enough, the
-result; unless the user bounded the steps, which would make both runs alike. With an implicit
-method, where it costs much, the gap is narrow.
+its steps. A first run with a thousand times the tolerance of the second costs half as much, and
+scatter matters little over so wide a gap; from runs that are nearer, and may err alike, less is
+concluded. With an implicit method, where it costs more, the gap is narrower.
 
 Reduced coordinates are two to four times as fast, and contain the derivatives that implicit methods
 take; both are companion modules, whose first build takes seconds. They are taken only if they are
@@ -51,16 +49,14 @@ from runtime.validation.arguments import instants
 
 POINTS = 501  # output instants if the user gives none
 
-_FIRST, _SLOPE = 1e-4, 0.9  # measured: rtol of the first run for a target of 1e-3; its power law
+_FIRST, _SLOPE = 5e-4, 0.9  # measured: rtol of the first run for a target of 1e-3; its power law
 _LOOSEST, _TIGHTEST = 1e-3, 1e-14  # safety: rtol of any run
-_WIDE = 0.01  # measured: rtol of the second run over that of the first
-_NARROW = 0.03  # measured: the same in long motions, or of the first over that of the second
-_STIFF = 0.1  # measured: the same with an implicit method
-_LONG = 5000  # measured: evaluations between two events from which on a motion is long
+_WIDE = 1e-3  # measured: rtol of the second run over that of the first
+_STIFF = 0.03  # measured: the same with an implicit method
 _NEAR, _FAR = 0.1, 1e-6  # safety: rtol of later runs over that of the last
 _EXPECTED_POWER = 0.85  # measured: power of rtol with which errors are expected to fall
 _MARGIN = 0.5  # safety: share of the target that a run is planned for, and judged by
-_NEXT = 0.01  # measured: rtol of the next run over that of the last, if that shows nothing
+_NEXT = 0.03  # measured: rtol of the next run over that of the last, if that shows nothing
 _MOST_RUNS = 8  # safety
 _SAMPLED = 1e-3  # safety: longest step, of the whole time, where runs agree to the last digit
 
@@ -144,7 +140,8 @@ class _Search:
             previous, choice = choice, self._revised(choice, first.path)
             if choice.formulation == previous.formulation:
                 break
-        pair = self._compare(choice, self._second(first), first)
+        stiff = any(method in IMPLICIT for _, method in first.path.methods)
+        pair = self._compare(choice, rtol * (_STIFF if stiff else _WIDE), first)
         if self._is_unseen(pair):
             longest = min(self.options.h_max or np.inf, self._sampled)
             self.options = replace(self.options, h_max=longest)
@@ -209,23 +206,12 @@ class _Search:
         coordinates = formulate(ready, formulation, method, self.correction)
         return _Choice(method, formulation, coordinates, reasons)
 
-    def _second(self, first: Run) -> float:
-        """rtol of the second run."""
-        rtol, counts = first.options.rtol, first.path.statistics
-        if counts.rhs > _LONG * (counts.events + 1):
-            free = first.path.outcome is Outcome.OK and self.options.h_max is None
-            looser = rtol / _NARROW
-            return looser if free and looser <= _LOOSEST else _NARROW * rtol
-        stiff = any(method in IMPLICIT for _, method in first.path.methods)
-        return rtol * (_STIFF if stiff else _WIDE)
-
-    def _compare(self, choice: _Choice, rtol: float, before: Run) -> Pair:
-        """Another run, compared with an earlier one."""
-        run = self._run(choice, rtol)
-        loose, tight = (run, before) if rtol > before.options.rtol else (before, run)
+    def _compare(self, choice: _Choice, rtol: float, loose: Run) -> Pair:
+        """Another run, of a tighter tolerance, compared with an earlier one."""
+        tight = self._run(choice, rtol)
         t = min(loose.path.t, tight.path.t, key=len)
         found = runs.difference(t, loose.values, tight.values, self.quantities, tight.wholes)
-        run.difference = found.largest
+        tight.difference = found.largest
         resolved = runs.is_resolved(found, tight.values[: len(t)], self.target)
         self.pair = Pair(loose, tight, found, resolved)
         return self.pair
@@ -246,7 +232,8 @@ class _Search:
     def _is_final(self, pair: Pair) -> bool:
         """Whether no further run is needed, or helps."""
         largest, rtol = pair.difference.largest, pair.tight.options.rtol
-        small = largest < runs.DIVERGED and pair.share * largest <= _MARGIN * self.target
+        margin = _MARGIN if rtol > runs.ROUNDING else 1.0  # a tighter run errs as much
+        small = largest < runs.DIVERGED and pair.share * largest <= margin * self.target
         if pair.conclusive and small:
             return True
         return pair.tight_fails or rtol <= _TIGHTEST or len(self.runs) >= _MOST_RUNS
@@ -257,8 +244,9 @@ class _Search:
         if largest >= runs.DIVERGED or not pair.conclusive:
             return max(_TIGHTEST, _NEXT * rtol)
         error = largest * (rtol / pair.loose.options.rtol) ** _EXPECTED_POWER
-        factor = (_MARGIN * self.target / error) ** (1.0 / runs.SAFE_POWER)
-        return float(max(_TIGHTEST, rtol * min(_NEAR, max(_FAR, factor))))
+        factor = runs.sufficient_ratio(_MARGIN * self.target / error)
+        following = rtol * min(_NEAR, max(_FAR, factor))
+        return max(following, runs.ROUNDING if rtol > runs.ROUNDING else _TIGHTEST)
 
     def _run(self, choice: _Choice, rtol: float) -> Run:
         """A run; the longest step, where it bounds the error, decreases as tolerances do.

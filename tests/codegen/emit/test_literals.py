@@ -113,7 +113,7 @@ class Reports(Effect):
 def test_components_and_units_of_an_own_element_are_words(part: str, unit: str) -> None:
     model = bead()
     model.add(Reports(model.bodies["ball"], ((part, unit, sympy.S.One),)))
-    with pytest.raises(LinkwrightError, match=r"'mine': its reported\(\) answers"):
+    with pytest.raises(LinkwrightError, match=r"'mine': its reported\(\) returns"):
         valid_scenes(model, None)
 
 

@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from codegen import Model
 from codegen.driver import translate, valid_scenes
 from codegen.generated_files.generated_file import Clock
 from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.model_file import read_model
 from codegen.reduce.reduced_kernels import Reduced, reduce
+from tests.random_mechanisms import Scales, random_mechanism
 
 MACHINES = [
     ("slider_crank", "compressor"),
@@ -53,7 +55,10 @@ KEPT = {
 
 
 def lowered(root: Path, name: str, scene: str) -> Lowered:
-    model = read_model(root / "models" / f"{name}.py").model
+    return lowered_model(read_model(root / "models" / f"{name}.py").model, scene)
+
+
+def lowered_model(model: Model, scene: str) -> Lowered:
     (chosen,) = valid_scenes(model, scene)
     return translate(model, chosen, Clock({}, lambda message: None, ""))[1]
 
@@ -206,6 +211,35 @@ def test_what_is_kept(root: Path, which: str) -> None:
     assert [names[k] for k in reduced.kept] == kept
     assert [scene.description.constraints[i][0] for i in reduced.closures] == closures
     assert [names[k] for k, _ in reduced.branches] == branches
+
+
+def test_a_link_between_two_bodies_of_one_pin_closes_no_loop() -> None:
+    """The angle of the body before them cancels, but for rounding."""
+    scene = lowered_model(random_mechanism(0, scales=Scales()).model(), "run")
+    reduced = reduce(scene)
+    assert reduced.branches == ()
+    assert "link0" in [scene.description.constraints[i][0] for i in reduced.closures]
+
+
+def test_the_place_of_a_contact_keeps_its_row_and_has_no_mass() -> None:
+    """A lever is solved from the other row; with the place it moves only where nothing touches."""
+    machine = random_mechanism(15, scales=Scales())
+    both = Both(lowered_model(machine.model(), "run"))
+    rows = both.scene.description.constraints
+    assert [rows[i][::2] for _, i in both.reduced.branches] == [("lift0", "across")]
+    order = [
+        machine.parts.coordinates.index(name) for name, *_ in both.scene.description.coordinates
+    ]
+    q, v = machine.q[order], machine.v[order]
+    kept, p = list(both.reduced.kept), [*both.p, 1.0]
+    side = both.ask_reduced("branches", "out", t=0.0, q=q, p=p)
+    p[-1] = math.copysign(1.0, side[0])
+    theirs = both.ask("accelerations", "a", t=0.0, q=q, v=v)[kept]
+    ours = both.ask_reduced("accelerations", "a", t=0.0, q=q[kept], v=v[kept], p=p)
+    assert_allclose(ours, theirs, rtol=0, atol=1e-12 * np.abs(theirs).max())
+    mass = both.ask_reduced("reduced_mass", "values", t=0.0, q=q[kept], p=p)
+    place = [*both.reduced.mass.rows].index(2)
+    assert abs(mass[place]) < 1e-24 * np.abs(mass).max()
 
 
 def test_whole_turns_move_what_turns_with_the_angle(root: Path) -> None:

@@ -15,13 +15,14 @@ from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 
 SCENES = ("loaded", "swinging")
+ALL = (*SCENES, "gusty", "cancelling", "constant", "bouncing")
 
 
 @pytest.fixture(scope="module")
 def machines(workshop: Path) -> dict[str, Machine]:
     """The scenes of `unbalanced.py`."""
     file = Path(__file__).with_name("unbalanced.py")
-    return {scene: load(file, scene, folder=workshop) for scene in (*SCENES, "gusty")}
+    return {scene: load(file, scene, folder=workshop) for scene in ALL}
 
 
 def changed(machine: Machine, kernel: str, make: Callable[[Any], Any]) -> Machine:
@@ -113,6 +114,63 @@ def test_pieces_of_a_potential_meet(machines: dict[str, Machine]) -> None:
     assert "condition p_x > 0.3 of gust" in run.message
     assert "jumps there by 5 J" in run.message
     assert run.t[-1] == pytest.approx(0.3, abs=1e-12)
+
+
+@pytest.mark.parametrize("scene", ["cancelling", "constant"])
+@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-11])
+def test_rounding_of_terms_that_cancel_is_no_fault(
+    machines: dict[str, Machine], scene: str, rtol: float
+) -> None:
+    """5e15 J of one effect beside as many of another: the sum is right to a joule."""
+    assert machines[scene].simulate(20.0, rtol=rtol).outcome is Outcome.OK
+
+
+def lifted(potential: Any) -> Any:
+    """The potential grows by 10 J a metre, which no force is the slope of."""
+    return lambda t, q, p, modes: potential(t, q, p, modes) + 10.0 * q[0]
+
+
+def test_fault_above_the_rounding_is_found(machines: dict[str, Machine]) -> None:
+    run = changed(machines["cancelling"], "potential", stepped_high).simulate(20.0)
+    assert run.outcome is Outcome.CONTRADICTED
+    assert changed(machines["gusty"], "potential", lifted).simulate(2.0).t[-1] == 0.0
+
+
+def stepped_high(potential: Any) -> Any:
+    """A step of 500 J, hundreds of times the rounding."""
+    return lambda t, q, p, modes: potential(t, q, p, modes) + (500.0 if q[0] > 0.3 else 0.0)
+
+
+def test_one_look_does_not_end_a_run(machines: dict[str, Machine]) -> None:
+    """An energy that is wrong at the end of one step, and right where it is taken again."""
+    plain = machines["loaded"].simulate(2.0)
+    spot = float(plain.samples.q[5, 0])
+
+    def glitch(potential: Any) -> Any:
+        return lambda t, q, p, modes: (
+            potential(t, q, p, modes) + (3.0 if abs(q[0] - spot) < 1e-9 else 0.0)
+        )
+
+    run = changed(machines["loaded"], "potential", glitch).simulate(2.0)
+    assert run.outcome is Outcome.OK
+    assert not np.isclose(run.t, plain.t[5], rtol=1e-6).any()
+
+
+def livelier(restitution: Any) -> Any:
+    """The contact throws the ball back faster than it came."""
+
+    def more(p: Any, out: Any) -> None:
+        out[:] = 1.05
+
+    return more
+
+
+def test_impact_must_not_raise_the_energy(machines: dict[str, Machine]) -> None:
+    assert machines["bouncing"].simulate(3.0).outcome is Outcome.OK
+    run = changed(machines["bouncing"], "restitution", livelier).simulate(3.0)
+    assert run.outcome is Outcome.CONTRADICTED
+    assert "energy jumps there by" in run.message
+    assert run.t[-1] == pytest.approx(np.sqrt(2.0 / 9.81), abs=1e-9)
 
 
 @pytest.mark.parametrize("scene", SCENES)

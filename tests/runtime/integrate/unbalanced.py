@@ -6,6 +6,10 @@ loaded
     Two particles on a damped spring, one thrown, one pulled by a point that moves.
 gusty
     One of the particles meets a gust behind a line.
+cancelling, constant
+    One of the particles in potentials whose large terms cancel, or with large constants.
+bouncing
+    One of the particles falls on a floor.
 swinging
     A pendulum on a driven crank, with friction in its pin that creeps.
 """
@@ -35,3 +39,13 @@ model.scene("swinging", ["gravity", "rub"], ["motor"], without=["p", "o"],
             start={bob.phi: 0.5})  # fmt: skip
 model.scene("gusty", ["gust"], without=["crank", "bob", "o"],
             start={p.x: 0.0, p.y: 0.0, p.vx: 1.0, p.vy: 0.0})  # fmt: skip
+model.potential("far", 5 * p.x**2 + 5e9 * (p.y - 1000) ** 2)
+model.potential("back", -5e9 * (p.y - 1000.0) ** 2 + 3 * p.y)
+model.potential("high", 1e15 + 5 * p.x**2)
+model.potential("low", -1e15 + 5 * p.y**2)
+for scene, effects in (("cancelling", ["far", "back"]), ("constant", ["high", "low"])):
+    model.scene(scene, effects, without=["crank", "bob", "o"],
+                start={p.x: 0.5, p.y: 0.2, p.vx: 1.0, p.vy: 0.0})  # fmt: skip
+model.contact("floor", gap=p.y, restitution=0.8)
+model.scene("bouncing", ["gravity", "floor"], without=["crank", "bob", "o"],
+            start={p.x: 0.0, p.y: 1.0, p.vx: 0.0, p.vy: 0.0})  # fmt: skip

@@ -10,6 +10,8 @@ from runtime.studies.accuracy_target.run_difference import (
     Difference,
     difference,
     quantities_of,
+    safe_share,
+    sufficient_ratio,
     tenfold_time,
 )
 
@@ -25,6 +27,14 @@ def test_exponential_growth_differs_from_powers_of_time() -> None:
     for power in (0, 1, 2, 3):
         assert tenfold_time(growing(1e-8 * t**power * wave, t)) is None
     assert tenfold_time(growing(np.zeros(401), t)) is None
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.1, 0.01, 1e-3, 1e-5])
+def test_an_error_that_scatters_by_a_factor_of_five_is_not_underestimated(ratio: float) -> None:
+    """Two runs whose tolerances are near may err alike: little is concluded from them."""
+    assert safe_share(ratio) >= min(1.0, 5.0 * ratio)
+    assert safe_share(ratio) >= ratio**0.75
+    assert safe_share(sufficient_ratio(ratio)) == pytest.approx(ratio)
 
 
 def test_errors_are_scaled_by_size_and_value(thrown: Machine) -> None:

@@ -82,22 +82,20 @@ def test_a_target_takes_two_or_three_runs(compressor: Machine, target: float) ->
     assert sum(run.evaluations for run in found.runs) <= 3 * last.evaluations
 
 
-def test_a_long_smooth_motion_is_compared_with_a_looser_run(
-    library: Callable[[str, str], Machine],
-) -> None:
+def test_the_second_run_is_much_tighter(library: Callable[[str, str], Machine]) -> None:
+    """So that the scatter of both errors is small beside their ratio."""
     chain = library("hard/spring_chain", "struck")
     run = chain.simulate(20.0, accuracy=1e-9, method="dop853", progress=False)
     found = run.accuracy
     assert found is not None
-    first, second, *more = found.runs
-    assert second.rtol > first.rtol >= found.rtol
-    assert second.evaluations < first.evaluations
-    assert all(trial.rtol < first.rtol for trial in more)
+    first, second, *_ = found.runs
+    assert second.rtol <= 1.01e-3 * first.rtol
+    assert second.evaluations < 3 * first.evaluations
     last = found.runs[-1]
     assert found.estimated < last.difference
     again = chain.simulate(20.0, run.t, rtol=found.rtol, progress=False)
     np.testing.assert_array_equal(again.samples.q, run.samples.q)
-    assert f"between rtol = {max(first.rtol, last.rtol):.1e} and {found.rtol:.1e}" in found.means
+    assert f"between rtol = {found.runs[-2].rtol:.1e} and {found.rtol:.1e}" in found.means
     assert f"this one {last.seconds * 1e3:.3g} ms" in found.sentences()[2]
 
 

@@ -1,7 +1,8 @@
-"""What a modeller gives, of any type → plain numbers, text, expressions and lists, by type alone.
+"""Any object → a plain number, name or list, by type alone: for declarations and for runs.
 
 Nothing is parsed, evaluated or called for: text is never a number, and a subclass of `float` is the
-number that it holds, whatever its methods say. What is of another kind raises `KindError`.
+number that it holds, whatever its methods say. What is of another kind raises `KindError`. SymPy
+is not imported but for a number that is one of its expressions.
 """
 
 import math
@@ -9,18 +10,12 @@ import reprlib
 from collections.abc import Iterable, Mapping, Set
 from decimal import Decimal
 from fractions import Fraction
-from functools import lru_cache
 from itertools import islice
 from numbers import Real
 from typing import Any
 
-import numpy as np
-import sympy
-
-from codegen.declare.real_range import unreal_part
-
 MOST = 1_000_000  # safety: members of a list that are read; an iterator may have no end
-WIDEST = 160  # characters of a value in a message
+WIDEST = 160  # layout: characters of a value in a message
 
 _SHORT = reprlib.Repr()
 _SHORT.maxlevel = 4
@@ -29,7 +24,7 @@ _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = WIDEST
 
 
 class KindError(Exception):
-    """A value is not of the kind that is needed; its text says why, if there is more to say."""
+    """A value is not of the kind that is needed; its text says why or what is, if there is more."""
 
 
 class NotText(str):
@@ -41,13 +36,13 @@ class NotText(str):
         return str(self)
 
 
-def shown(value: object) -> str:
+def shown(value: object, widest: int = WIDEST) -> str:
     """`value` in a message: on one line, printable, cut where it is long; never an error."""
     try:
-        text = repr(value) if isinstance(value, sympy.Basic) else _SHORT.repr(value)
+        text = repr(value) if hasattr(type(value), "free_symbols") else _SHORT.repr(value)
     except Exception:  # a user's __repr__, a number of too many digits
         text = f"a {type(value).__name__}"
-    return one_line(text)
+    return one_line(text, widest)
 
 
 def one_line(text: object, widest: int = WIDEST) -> str:
@@ -71,7 +66,7 @@ def plain_name(value: object) -> str:
 
 def plain_number(value: Any) -> int | float | Fraction:
     """A real number as one of Python's own: numpy's, Decimal, and arrays without axes too."""
-    if isinstance(value, bool | np.bool_):
+    if is_flag(value):
         raise KindError
     if isinstance(value, int):
         return int.__pos__(value)
@@ -81,8 +76,10 @@ def plain_number(value: Any) -> int | float | Fraction:
         return value
     if isinstance(value, Real | Decimal) or hasattr(value, "_mpf_"):
         return float(value)
+    if getattr(value, "dimensionless", False) is True and hasattr(value, "magnitude"):
+        return plain_number(value.to("").magnitude)
     if getattr(value, "shape", None) == () and hasattr(value, "item"):
-        if np.any(getattr(value, "mask", False)):
+        if bool(getattr(value, "mask", False)):
             raise KindError("it is masked")
         return plain_number(value.item())
     raise KindError
@@ -90,17 +87,10 @@ def plain_number(value: Any) -> int | float | Fraction:
 
 def plain_float(value: Any) -> float:
     """The same as a float; SymPy's real numbers too. It may be infinite or nan."""
-    if isinstance(value, sympy.Expr) and not value.is_Matrix:
-        if not value.is_number:
-            raise KindError("it is an expression, and a number is needed")
-        if value in (sympy.nan, sympy.oo, -sympy.oo):
-            return float(value)
-        if found := unreal_part(value):  # also what is too large to be evaluated
-            raise KindError(f"it {found[1]}")
-        both = complex(value.evalf(17, maxn=400))
-        if both.imag:
-            raise KindError("it is not real")
-        return both.real
+    if hasattr(type(value), "free_symbols") and hasattr(value, "is_number"):
+        from codegen.real_range import sympy_float
+
+        return sympy_float(value)
     number = plain_number(value)
     try:
         return float(number)
@@ -108,28 +98,18 @@ def plain_float(value: Any) -> float:
         return math.inf if number > 0 else -math.inf
 
 
-@lru_cache(maxsize=4096)
-def _unit_of_sympy(expression: sympy.Expr) -> sympy.Basic | None:
-    units = (a for a in expression.atoms(sympy.AtomicExpr) if hasattr(a, "scale_factor"))
-    return next(units, None)
+def finite_float(value: Any) -> float | None:
+    """A finite real number as a float; None for all else."""
+    try:
+        number = plain_float(value)
+    except Exception:  # of the user's own object
+        return None
+    return number if math.isfinite(number) else None
 
 
-def plain_expression(value: Any) -> sympy.Expr:
-    """A number or an expression as an expression."""
-    if isinstance(value, sympy.Expr):
-        if value.is_Matrix or (not value.is_commutative and value.is_commutative is not None):
-            raise KindError
-        if unit := _unit_of_sympy(value):
-            raise KindError(f"{unit} is a unit of SymPy; give a quantity of pint")
-        return sympy.S.Zero if value.is_Float and value.is_zero else value
-    number = plain_number(value)
-    if number == 0:
-        return sympy.S.Zero  # also 0.0, which SymPy tells from 0
-    if isinstance(number, int):
-        return sympy.Integer(number)
-    if isinstance(number, Fraction):
-        return sympy.Rational(number.numerator, number.denominator)
-    return sympy.Float(number)
+def is_flag(value: Any) -> bool:
+    """Whether it is True or False, of Python or numpy."""
+    return isinstance(value, bool) or type(value).__name__ in {"bool_", "bool"}
 
 
 def members(value: Any, count: int | None = None) -> list[Any]:
@@ -137,13 +117,15 @@ def members(value: Any, count: int | None = None) -> list[Any]:
 
     A set has no order, the members of a mapping are its keys, and text is one thing.
     """
-    if isinstance(value, sympy.MatrixBase):
-        value = value.flat()
+    if getattr(type(value), "is_Matrix", False) is True and hasattr(value, "flat"):
+        flat = value.flat
+        value = flat() if callable(flat) else value
     if isinstance(value, str | bytes | bytearray | Set | Mapping) or not isinstance(
         value, Iterable
     ):
         raise KindError
-    if np.ma.is_masked(value):
+    masks: Any = getattr(value, "mask", False)
+    if hasattr(masks, "any") and masks.any():
         raise KindError("it has masked entries")
     return bounded(value, count)
 

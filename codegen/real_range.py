@@ -12,6 +12,8 @@ from typing import Any
 import sympy
 from sympy.concrete.expr_with_limits import ExprWithLimits
 
+from codegen.plain_values import KindError
+
 Interval = tuple[float, float]
 ALL: Interval = (-math.inf, math.inf)
 HUGE = sys.float_info.max
@@ -54,6 +56,22 @@ def unreal_part(expression: sympy.Basic) -> tuple[sympy.Basic, str] | None:
             return node, f"{verb} a number beyond 1e308"
         known[node] = interval
     return None
+
+
+def sympy_float(value: sympy.Basic) -> float:
+    """The number that an expression of SymPy is; it may be infinite or nan."""
+    if not isinstance(value, sympy.Expr) or value.is_Matrix:
+        raise KindError
+    if not value.is_number:
+        raise KindError("it is an expression, and a number is needed")
+    if value in (sympy.nan, sympy.oo, -sympy.oo):
+        return float(value)
+    if found := unreal_part(value):  # also what is too large to be evaluated
+        raise KindError(f"it {found[1]}")
+    both = complex(value.evalf(17, maxn=400))
+    if both.imag:
+        raise KindError("it is not real")
+    return both.real
 
 
 def _range(node: sympy.Expr, args: list[Interval]) -> Interval | None:

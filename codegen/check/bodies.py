@@ -1,0 +1,47 @@
+"""Checks of the bodies of a declaration."""
+
+from collections.abc import Iterator
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.expression_rules import expression_problem
+from codegen.declare.return_values.bodies import check_body
+from codegen.errors import ModelError
+from codegen.model import Model
+
+
+def body_problems(model: Model, body: Body) -> Iterator[str]:
+    """Problems of a body: of what an own class returns, of its mass and inertia."""
+    numbers: tuple[object, ...] = (vars(body).get("mass"), vars(body).get("inertia"))
+    plain = all(number is None or isinstance(number, sympy.Expr) for number in numbers)
+    if not type(body).__module__.startswith("codegen.") or not plain:
+        try:
+            check_body(body)
+        except ModelError as error:
+            yield from error.problems
+            return
+    yield from _mass_problems(model, body)
+
+
+def _mass_problems(model: Model, body: Body) -> Iterator[str]:
+    for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
+        value = getattr(body, word)
+        if value is None:
+            continue
+        if problem := expression_problem(value):  # of a body that a modeller made by hand
+            yield f"{word} of body '{body.name}': {problem}"
+            continue
+        if unknown := sorted(s.name for s in value.free_symbols if s not in model.defaults):
+            yield (
+                f"{word} of body '{body.name}': unknown symbol {', '.join(map(repr, unknown))}; "
+                "a mass is a number or an expression of parameters."
+            )
+            continue
+        number = value.subs(model.defaults)
+        if not (number.is_real and 0 < number < sympy.oo):
+            shown = f"{float(number):g}" if number.is_real else str(number)
+            yield (
+                f"{word} of body '{body.name}' is {shown} {unit}; it must be positive and "
+                "finite (leave it out where the scene is kinematic)."
+            )

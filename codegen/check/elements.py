@@ -1,0 +1,278 @@
+"""Checks of one joint, driver or effect: its text, its bodies, the symbols of its expressions."""
+
+from collections.abc import Iterable, Iterator
+from itertools import chain
+
+import sympy
+
+from codegen.check.expressions import all_problems, constraint_problems
+from codegen.declare import element as el
+from codegen.declare.body import Body
+from codegen.declare.cam_profile_checks import profile_problems
+from codegen.declare.name_rules_and_hints import nearest
+from codegen.declare.plain_expression import plain_expression
+from codegen.declare.return_values.bodies import coordinates_of
+from codegen.declare.return_values.calls import WORDS
+from codegen.declare.return_values.constraints import (
+    bound_symbols,
+    closed_curves,
+    moving_frame_problem,
+    reaction_components,
+    statement_of,
+)
+from codegen.declare.return_values.effects import (
+    forces_of,
+    optional_answers,
+    potential_of,
+    weights_of,
+)
+from codegen.declare.return_values.elements import (
+    bodies_of,
+    conditions_of,
+    problems_of,
+    replaced_body,
+)
+from codegen.declare.symbols import (
+    SPEED,
+    Coordinate,
+    Given,
+    Side,
+    Speed,
+    Velocity,
+    alpha,
+    kinds,
+    side,
+)
+from codegen.errors import ModelError
+from codegen.model import Model
+from codegen.plain_values import shown
+
+
+def element_problems(
+    model: Model, element: el.Constraint | el.Effect, bodies: tuple[Body, ...],
+    known: frozenset[sympy.Symbol],
+) -> Iterator[str]:  # fmt: skip
+    """Problems of one element, as it says them and as what it returns shows."""
+    yield from _words_and_bodies(model, element)
+    faults = problems_of(element)
+    yield from faults
+    if faults:
+        return
+    asked = [number for condition in conditions_of(element) for number in condition.numbers]
+    if isinstance(element, el.Constraint):
+        yield from _unknown_symbols(model, element, asked, known)
+        yield from _statement_problems(model, element, known)
+        yield from _curve_problems(model, element, known)
+    else:
+        yield from effect_problems(model, element, bodies, known)
+        yield from _unknown_symbols(model, element, asked, known)
+
+
+def effect_problems(
+    model: Model, effect: el.Effect, bodies: tuple[Body, ...], known: frozenset[sympy.Symbol]
+) -> Iterator[str]:
+    """Problems of what an effect returns for the bodies of a scene."""
+    for speed in kinds(potential_of(effect, bodies) or sympy.S.Zero, Velocity):
+        yield (
+            f"{el.label(effect)}: its potential contains the velocity {speed.name}; return a "
+            "force that depends on a velocity by forces()."
+        )
+    answers = optional_answers(effect, bodies)
+    if answers.hold:
+        known |= {side(effect.name)}
+    terms = effect_expressions(effect, bodies)
+    along = [f for _, f in answers.pulls]
+    yield from _unknown_symbols(model, effect, along, known | {SPEED})
+    yield from _unknown_symbols(model, effect, [e for e in terms if e not in along], known)
+    yield from all_problems(el.label(effect), terms, may_switch=True)
+    if law := answers.friction:
+        yield from _law_problems(model, effect, law)
+
+
+def _law_problems(model: Model, effect: el.Effect, law: el.FrictionLaw) -> Iterator[str]:
+    """Check that the joint which rubs has the components of the reaction that press."""
+    where, joint = el.label(effect), model.joints.get(law.joint)
+    if joint is None:
+        yield f"{where} rubs in '{law.joint}', which is no joint of '{model.name}'; name one."
+        return
+    try:
+        components = reaction_components(statement_of(joint))
+    except ModelError:  # reported where the joint is checked
+        return
+    named = (c for load in law.contacts for entry in load for c, _ in entry)
+    for component in dict.fromkeys(c for c in named if c not in components):
+        yield (
+            f"{where}: the load '{component}' is no component of the reaction of '{law.joint}', "
+            f"which has {', '.join(components) or 'none'}."
+        )
+
+
+def _curve_problems(
+    model: Model, constraint: el.Constraint, known: frozenset[sympy.Symbol]
+) -> Iterator[str]:
+    """Check the closed curves of a joint for the parameters' defaults."""
+    for where, curve, convex in closed_curves(constraint):
+        if curve.body not in bodies_of(constraint):
+            yield f"{el.label(constraint)}: the body of its {where} is none of its bodies."
+        shape = curve.at(alpha)
+        unknown = [*_unknown_symbols(model, constraint, shape, known | {alpha})]
+        yield from unknown
+        if not unknown:
+            shape = shape.subs(model.defaults)
+            problems = profile_problems(shape, closed=True, convex=convex)
+            yield from (f"{where}: {problem}" for problem in problems)
+
+
+def _words_and_bodies(model: Model, element: el.Element) -> Iterator[str]:
+    """Check the text of an element's kind, and whose its bodies are."""
+    where, bodies = el.label(element), bodies_of(element)
+    kind: object = element.kind
+    if not isinstance(kind, str) or not WORDS.fullmatch(kind):
+        reason = f"its kind {shown(kind)} must be a few words of ASCII letters"
+        yield f"element {shown(element.name)}: {reason}."
+    replaced_body(element)
+    for body in bodies:
+        if body.model is not model.token:
+            advice = f"use a body of '{model.name}'."
+            yield f"{where}: body '{body.name}' belongs to another model; {advice}"
+        elif not body.fixed and model.bodies.get(body.name) is not body:
+            yield f"{where}: body '{body.name}' is not declared in '{model.name}'."
+    if isinstance(element, el.Constraint) and len(bodies) == 2 and bodies[0] is bodies[1]:
+        yield f"{where} connects body '{bodies[0].name}' with itself; give two different bodies."
+
+
+def _statement_problems(
+    model: Model, constraint: el.Constraint, known: frozenset[sympy.Symbol]
+) -> Iterator[str]:
+    """Check the form of a statement, its texts in the generated module, and its expressions."""
+    where, statement = el.label(constraint), statement_of(constraint)
+    expressions: tuple[sympy.Expr, ...] = statement.phi
+    if problem := moving_frame_problem(constraint, statement):
+        yield problem
+    elif isinstance(reaction := statement.reaction, el.JointReaction):
+        arm = reaction.on.A * reaction.on.s if reaction.arm is None else reaction.arm
+        direction, arm = (tuple(map(plain_expression, v)) for v in (reaction.direction, arm))
+        size = sympy.Add(*(c**2 for c in direction))
+        if len(direction) != 2 or (size.is_number and not abs(float(size) - 1) <= 1e-9):
+            yield (
+                f"{where}: the direction of its reaction is {direction}; give two components of a "
+                "unit vector in global axes."
+            )
+        if len(arm) != 2:
+            yield f"{where}: the arm of its reaction is {arm}; give two components, in m."
+        expressions = (*expressions, *direction, *arm)
+    symbols = bound_symbols(statement, (*expressions, *statement.bindings.values()))
+    bodies = {body.name for body in bodies_of(constraint)}
+    for q in sorted((s for s in symbols if isinstance(s, Coordinate)), key=str):
+        if q.owner in model.bodies and q.owner not in bodies:
+            yield (
+                f"{where} uses {q}, but '{q.owner}' is none of its bodies, with which it takes "
+                "part in a scene; name it there, too."
+            )
+    others = [*_strangers(model, constraint, symbols, known), *constraint_problems(constraint)]
+    others += _orientations(constraint)
+    yield from others or _constant_equations(where, statement)
+
+
+def _constant_equations(where: str, statement: el.Statement) -> Iterator[str]:
+    """Equations without coordinates."""
+    for row, phi in zip(statement.rows, statement.phi, strict=True):
+        if not any(isinstance(s, Coordinate) for s in bound_symbols(statement, (phi,))):
+            yield (
+                f"{where}: its equation '{row}', {shown(phi.xreplace(statement.bindings))} = 0, "
+                "has no coordinate of the machine, and no motion meets or violates it; leave it "
+                "out."
+            )
+
+
+def _orientations(constraint: el.Constraint) -> Iterator[str]:
+    """Joints that would turn a particle, or ask for an angle that a body has not."""
+    statement = statement_of(constraint)
+    phi = sympy.Tuple(*statement.phi)
+    for frame in (el.I, el.J):
+        centred = phi.xreplace(dict.fromkeys(frame.s, sympy.S.Zero))
+        if not centred.has(frame.phi):
+            continue
+        at = statement.bindings.get(frame.x)
+        body = next((b for b in bodies_of(constraint) if at == b.position[0]), None)
+        if body and body.angle is None and phi.xreplace(statement.bindings).has(frame.phi):
+            letters = ", ".join(q.letter for q in body.coordinates)
+            yield (
+                f"{el.label(constraint)} asks for the angle of '{body.name}', which "
+                f"is oriented by {letters} and counts none; use joints that ask for points and "
+                "axes, such as revolute, point-on-line or distance, or model.constraint(...)."
+            )
+        if body and not body.turns:
+            yield (
+                f"{el.label(constraint)} holds an angle of '{body.name}', which is "
+                "a particle and has none; use a joint that leaves it free to turn, or a body."
+            )
+
+
+def effect_expressions(effect: el.Effect, bodies: tuple[Body, ...]) -> list[sympy.Basic]:
+    """All expressions that an effect returns, and the coordinates on which it acts."""
+    forces, potential = forces_of(effect, bodies), potential_of(effect, bodies)
+    expressions: list[sympy.Basic | None] = [*forces, *forces.values(), potential]
+    law, hold, pulls, reported = optional_answers(effect, bodies)
+    expressions += chain.from_iterable(pulls)
+    expressions += [value for _, _, value in reported]
+    expressions += vars(hold).values() if hold else ()
+    if law:
+        loads = (f for load in law.contacts for entry in load for _, f in entry)
+        expressions += (law.strength, law.creep, law.along, *loads)
+    expressions += chain.from_iterable(rest for _, *rest in weights_of(effect, bodies))
+    return [e for e in expressions if e is not None]
+
+
+def _unknown_symbols(
+    model: Model, element: el.Constraint | el.Effect, expressions: Iterable[sympy.Basic],
+    known: frozenset[sympy.Symbol],
+) -> Iterator[str]:  # fmt: skip
+    """Symbols in expressions that mean nothing in the model."""
+    symbols = set().union(*(e.free_symbols for e in expressions))
+    yield from _strangers(model, element, symbols, known)
+
+
+def _strangers(
+    model: Model, element: el.Constraint | el.Effect, symbols: Iterable[sympy.Symbol],
+    known: frozenset[sympy.Symbol],
+) -> Iterator[str]:  # fmt: skip
+    """Symbols that mean nothing in the model."""
+    known |= {s for b in bodies_of(element) for q in coordinates_of(b) for s in (q, q.rate)}
+    for symbol in sorted({*symbols} - known, key=lambda s: s.name):
+        # velocities in constraints are reported as such
+        if not (isinstance(element, el.Constraint) and isinstance(symbol, Velocity)):
+            yield unknown(model, el.label(element), symbol)
+
+
+def unknown(model: Model, where: str, symbol: sympy.Symbol) -> str:
+    """The sentence about a symbol that means nothing in a model."""
+    if isinstance(symbol, Given):
+        return f"{where}: the placeholder '{symbol}' is not bound; add it to bindings."
+    if isinstance(symbol, Speed | Side):
+        meaning = "the rate of a scalar, in a force of pulls()"
+        if isinstance(symbol, Side):
+            meaning = "the side of an effect, in the forces of the one whose hold() says so"
+        return f"{where}: the symbol '{symbol}' stands for {meaning}; nothing else may have it."
+    if isinstance(symbol, Coordinate | Velocity):
+        owner = symbol.name.rpartition("_")[0]
+        if owner in model.bodies:
+            return (
+                f"{where} uses {symbol.name}, but {model.kind(owner)} '{owner}' has no such "
+                f"coordinate; it has {', '.join(q.name for q in model.bodies[owner].coordinates)}."
+            )
+        return (
+            f"{where} uses {symbol.name}, but there is no body '{owner}' in '{model.name}'; "
+            f"{nearest(owner, model.bodies)}"
+        )
+    if symbol.name in model.parameters:
+        return (
+            f"{where}: the symbol '{symbol}' has the name of a parameter but is another symbol; "
+            "use the object that model.parameter(...) returned."
+        )
+    if symbol.name == "t":
+        return f"{where}: the symbol 't' is not the time; use the t of 'from codegen import t'."
+    return (
+        f"{where}: unknown symbol '{symbol}'; declare it with model.parameter('{symbol}', ...), "
+        f"or {nearest(symbol.name, model.parameters)}"
+    )

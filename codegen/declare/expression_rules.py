@@ -1,0 +1,90 @@
+"""What an expression may consist of, wherever it stands in a declaration."""
+
+import sympy
+
+from codegen.declare.symbols import (
+    Acceleration,
+    Coordinate,
+    Given,
+    Multiplier,
+    Parameter,
+    Side,
+    Speed,
+    Time,
+    Velocity,
+    alpha,
+)
+from codegen.declare.table_function import Interpolant
+from codegen.plain_values import one_line
+from codegen.public_callables import failure
+from codegen.real_range import unreal_part
+
+INTERNAL = (Given, Side, Speed, Multiplier, Acceleration)
+"""Symbols of the equations of elements, which mean nothing in a declaration."""
+FUNCTIONS = (
+    *(Interpolant, sympy.Piecewise, sympy.Abs, sympy.Heaviside, sympy.Max, sympy.Min, sympy.sign),
+    *(sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan, sympy.atan2),
+    *(sympy.sinh, sympy.cosh, sympy.tanh, sympy.exp, sympy.log),
+    *(sympy.floor, sympy.ceiling, sympy.Mod),
+)
+"""The functions that can be compiled."""
+MEANINGFUL = (Coordinate, Velocity, Time, Parameter)
+"""Symbols that mean something in a declaration."""
+
+
+def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | None:
+    """Why an expression can stand nowhere in a declaration; a `profile` may contain `alpha`."""
+    if isinstance(expression, MEANINGFUL):
+        return None
+    try:
+        return _problem(expression, profile)
+    except Exception as error:  # of SymPy, of a number of thousands of digits
+        return unreadable(error)
+
+
+def unreadable(error: BaseException) -> str:
+    """What to do about an expression at which SymPy fails."""
+    if isinstance(error, RecursionError):
+        return (
+            "an expression is too deep for Python's stack: functions of functions, some hundred "
+            "one in another; write it in fewer, or as a table of its values (model.table)."
+        )
+    if isinstance(error, ValueError) and "integer string conversion" in str(error):
+        return "an expression contains a number of thousands of digits; give finite floats."
+    return (
+        f"an expression is beyond SymPy, which fails with {failure(error)}; write it in another "
+        "form, of powers, sines and the other functions that are compiled."
+    )
+
+
+def _problem(expression: sympy.Expr, profile: bool) -> str | None:
+    for symbol in sorted(expression.free_symbols, key=str):
+        if symbol == alpha and not profile:
+            return (
+                f"{one_line(expression)} contains alpha, the parameter of a profile, which means "
+                "nothing outside of body.curve(...) and body.polar(...); a cam's contact is at "
+                "joint.alpha."
+            )
+        if isinstance(symbol, INTERNAL) and symbol != alpha:
+            return (
+                f"{one_line(expression)} contains '{one_line(symbol)}', a placeholder of an "
+                "element's equations; use coordinates, velocities, parameters and t."
+            )
+    functions = expression.atoms(sympy.Function)  # written, to be sorted, where there is a fault
+    unknown = [f for f in functions if f.func not in FUNCTIONS and not f.is_number]
+    if unknown:
+        known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
+        what = one_line(min(unknown, key=str))
+        return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
+    pieces = expression.atoms(sympy.Piecewise)
+    incomplete = [piece for piece in pieces if piece.args[-1].cond != sympy.true]
+    if incomplete:
+        return (
+            f"{one_line(min(incomplete, key=str))} says nothing where none of its conditions "
+            "holds; end it with (value, True)."
+        )
+    if found := unreal_part(expression):
+        part, why = found
+        start = "the value" if part == expression else one_line(expression)
+        return f"{start} {one_line(why)}; give finite real numbers."
+    return None

@@ -1,0 +1,85 @@
+"""What bodies return: coordinates, pose, inertia, equations between their coordinates."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.element import label
+from codegen.declare.expression_rules import expression_problem
+from codegen.declare.return_values.calls import (
+    by_coordinate,
+    expression,
+    guarded,
+    name,
+    read,
+    refusal,
+    rows,
+)
+from codegen.declare.symbols import KINDS, Coordinate
+from codegen.errors import ModelError
+
+
+def coordinates_of(body: Any) -> tuple[Coordinate, ...]:
+    """The coordinates of a sound body."""
+    try:
+        value = read(body, "coordinates")
+    except ModelError:  # reported where the body is checked
+        return ()
+    return value if _are_coordinates(body, value) else ()
+
+
+def _are_coordinates(body: Any, value: Any) -> bool:
+    return isinstance(value, tuple) and all(
+        isinstance(q, Coordinate) and q.letter in KINDS and q.owner == body.name for q in value
+    )
+
+
+def check_body(body: Body) -> None:
+    """Ask a body of a modeller's own everything that is asked of bodies; ModelError if wrong."""
+    coordinates = read(body, "coordinates")
+    if not _are_coordinates(body, coordinates):
+        needed = f"a tuple of coordinates of '{body.name}', of letters that are declared"
+        raise refusal(body, "coordinates", coordinates, needed)
+    for word in ("position", "velocity", "mass_centre", "rotation"):
+        pair = read(body, word)
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise refusal(body, word, pair, "two expressions")
+        _ = [_sound(body, word, component) for component in pair]
+    for word, may_lack in (
+        ("angle", True), ("angular_velocity", False), ("mass", True), ("inertia", True)
+    ):  # fmt: skip
+        value = read(body, word)
+        if not isinstance(value, sympy.Expr) and (value is not None or not may_lack):
+            raise refusal(body, word, value, "an expression of SymPy")
+        if value is not None:
+            _sound(body, word, value)
+    for word in ("fixed", "turns"):
+        if not isinstance(flag := read(body, word), bool):
+            raise refusal(body, word, flag, "True or False")
+    block = read(body, "mass_matrix")
+    pairs = block if isinstance(block, Mapping) else [None]
+    if not all(isinstance(p, tuple) and len(p) == 2 and {*p} <= {*coordinates} for p in pairs):
+        raise refusal(body, "mass_matrix", block, "a dictionary, pair of coordinates: expression")
+    for entry in block.values():
+        if entry is not None:
+            _sound(body, "mass_matrix", entry)
+    for word, value in (
+        ("inertia_force", read(body, "inertia_force")),
+        ("torque()", guarded(body, "torque()", lambda: body.torque(sympy.S.One))),
+    ):
+        for force in by_coordinate(body, word, value).values():
+            _sound(body, word, force)
+    equations = read(body, "equations")
+    for word, phi in rows(body, "equations", equations, 2, "pairs (word, expression)"):
+        name(body, "equations", word)
+        _sound(body, "equations", phi)
+
+
+def _sound(body: Any, word: str, value: Any) -> sympy.Expr:
+    """An expression of a body, which has no placeholders as those of elements have."""
+    checked = expression(body, word, value)
+    if problem := expression_problem(checked):
+        raise ModelError(f"{label(body)}: its {word}: {problem}")
+    return checked

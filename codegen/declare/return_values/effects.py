@@ -1,0 +1,148 @@
+"""What effects return: potential, forces, laws of friction and contact, reported components."""
+
+from dataclasses import replace
+from typing import Any
+
+import sympy
+
+from codegen.declare import element as el
+from codegen.declare.body import Body
+from codegen.declare.return_values.calls import (
+    by_coordinate,
+    called,
+    called_if_any,
+    different,
+    expression,
+    moved,
+    name,
+    refusal,
+    rows,
+    unit,
+)
+from codegen.declare.symbols import Coordinate, Velocity, kinds
+from codegen.errors import ModelError
+from codegen.plain_values import shown
+
+Weights = tuple[tuple[str, sympy.Expr, sympy.Expr], ...]
+"""(body, mass, acceleration) of the products that stand in a potential as one number."""
+
+
+def forces_of(effect: Any, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+    """The generalized forces of an effect."""
+    return by_coordinate(effect, "forces()", called(effect, "forces", bodies))
+
+
+def potential_of(effect: Any, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+    """The potential energy of an effect."""
+    value = called(effect, "potential", bodies)
+    return None if value is None else expression(effect, "potential()", value)
+
+
+def weights_of(effect: Any, bodies: tuple[Body, ...]) -> Weights:
+    """The weights in the potential of an effect."""
+    value = called_if_any(effect, "weights", (), bodies)
+    return tuple(
+        (
+            name(effect, "weights()", body),
+            expression(effect, "weights()", mass),
+            expression(effect, "weights()", acceleration),
+        )
+        for body, mass, acceleration in rows(
+            effect, "weights()", value, 3, "a tuple of rows (body, mass, acceleration)"
+        )
+    )
+
+
+def optional_answers(effect: Any, bodies: tuple[Body, ...]) -> el.OptionalAnswers:
+    """What the methods return that not every effect has."""
+    law, hold = friction_law(effect), _hold(effect, bodies)
+    if law and law.creep is None and not isinstance(hold, el.Sticking):
+        raise ModelError(
+            f"{el.label(effect)}: its friction() has no creep speed, so that it sticks, but "
+            "hold() returns no Sticking; return one, or give creep=."
+        )
+    return el.OptionalAnswers(law, hold, _pulls(effect, bodies), _reported(effect, bodies))
+
+
+def friction_law(effect: Any) -> el.FrictionLaw | None:
+    """The law of an effect that follows from a joint's reaction; None for others."""
+    law = called_if_any(effect, "friction", None)
+    if law is None:
+        return None
+    if not isinstance(law, el.FrictionLaw):
+        raise refusal(effect, "friction()", law, "a FrictionLaw or None")
+    name(effect, "joint of friction()", law.joint)
+    unit(effect, "unit of friction()", law.unit)
+    needed = "a tuple of loads, each of sums of (component, factor)"
+    contacts = vars(law)["contacts"]
+    if not (isinstance(contacts, tuple | list) and contacts) or not all(
+        isinstance(load, tuple | list) and load for load in contacts
+    ):
+        raise refusal(effect, "contacts of friction()", contacts, needed)
+    creep = None if law.creep is None else expression(effect, "friction()", law.creep)
+    if creep is not None and creep.is_number and not creep.is_positive:
+        raise refusal(effect, "creep of friction()", creep, "a positive speed, or None")
+    return replace(
+        law,
+        strength=expression(effect, "friction()", law.strength),
+        along=moved(effect, "along of friction()", expression(effect, "friction()", law.along)),
+        creep=creep,
+        contacts=tuple(
+            tuple(_sum(effect, "contacts of friction()", entry, needed) for entry in load)
+            for load in contacts
+        ),
+    )
+
+
+def _sum(effect: Any, word: str, value: Any, needed: str) -> tuple[tuple[str, sympy.Expr], ...]:
+    """(component, factor) of a sum."""
+    pairs = rows(effect, word, value, 2, needed)
+    return tuple((name(effect, word, c), expression(effect, word, f)) for c, f in pairs)
+
+
+def _hold(effect: Any, bodies: tuple[Body, ...]) -> el.Sticking | el.Rigid | None:
+    hold: el.Sticking | el.Rigid | None = called_if_any(effect, "hold", None, bodies)
+    if hold is None:
+        return None
+    if not isinstance(hold, el.Sticking | el.Rigid):
+        raise refusal(effect, "hold()", hold, "a Sticking, a Rigid or None")
+    values: dict[str, Any] = {
+        word: None if value is None and word == "static" else expression(effect, "hold()", value)
+        for word, value in vars(hold).items()
+    }
+    if isinstance(hold, el.Rigid):
+        moved(effect, "gap of hold()", values["gap"])
+    elif not kinds(values["slip"], Velocity):
+        raise ModelError(
+            f"{el.label(effect)}: the slip of its hold() is {shown(values['slip'])}, without a "
+            "velocity; give the rate at which the surfaces slip."
+        )
+    elif values["static"] is not None and values["kinetic"].is_nonpositive:
+        raise ModelError(
+            f"{el.label(effect)}: the coefficient of its hold() is {values['kinetic']}, beside a "
+            "static one; give a positive number."
+        )
+    return type(hold)(**values)
+
+
+def _pulls(effect: Any, bodies: tuple[Body, ...]) -> el.Pulls:
+    value = called_if_any(effect, "pulls", (), bodies)
+    pairs = rows(effect, "pulls()", value, 2, "a tuple of pairs (scalar, force)")
+    pulls = ((expression(effect, "pulls()", s), expression(effect, "pulls()", f)) for s, f in pairs)
+    return tuple((moved(effect, "scalar of pulls()", s), f) for s, f in pulls)
+
+
+def _reported(effect: Any, bodies: tuple[Body, ...]) -> el.Reported:
+    value = called_if_any(effect, "reported", (), bodies)
+    reported = tuple(
+        (
+            name(effect, "reported()", component),
+            unit(effect, "reported()", measure),
+            expression(effect, "reported()", force),
+        )
+        for component, measure, force in rows(
+            effect, "reported()", value, 3, "a tuple of rows (component, unit, value)"
+        )
+    )
+    different(effect, "reported()", [component for component, *_ in reported])
+    return reported

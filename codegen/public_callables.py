@@ -1,0 +1,207 @@
+"""Public functions, methods and classes: called wrongly, they fail with errors of ours alone.
+
+A wrong call names the callable, what it takes and what was given. `KeyboardInterrupt` is the user's
+wish to stop and passes everywhere; all else that a user's own code raises is an answer to it.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import wraps
+from inspect import Parameter, isfunction, signature
+from typing import Any, TypeVar
+
+from codegen.errors import InputError, LinkwrightError, ModelError, NoAttributeError
+from codegen.plain_values import one_line, plain_name, shown
+
+Class = TypeVar("Class", bound=type[Any])
+_SHOWN = 40  # layout: characters of an argument in a message
+
+
+def wrong_call(
+    title: str, function: Callable[..., Any], mismatch: object, arguments: tuple[Any, ...],
+    words: Mapping[str, Any],
+) -> str:  # fmt: skip
+    """What a callable takes, and what it was given instead."""
+    takes = ", ".join(_written(p) for p in signature(function).parameters.values())
+    given = [shown(a, _SHOWN) for a in arguments]
+    given += [f"{one_line(k, _SHOWN)}={shown(v, _SHOWN)}" for k, v in words.items()]
+    return (
+        f"{title}: {one_line(mismatch)}; it takes ({takes.removeprefix('self, ')}), and was given "
+        f"({', '.join(given)})."
+    )
+
+
+def _written(parameter: Parameter) -> str:
+    stars = "*" * (
+        2 * (parameter.kind is Parameter.VAR_KEYWORD) or parameter.kind is Parameter.VAR_POSITIONAL
+    )
+    default = parameter.default
+    tail = "" if default is Parameter.empty or callable(default) else f"={shown(default, _SHOWN)}"
+    return f"{stars}{parameter.name}{tail}"
+
+
+def checked_call(
+    function: Callable[..., Any], title: str, error: type[InputError] = InputError
+) -> Callable[..., Any]:
+    """The callable, which refuses arguments that do not fit its signature."""
+    about = signature(function)
+
+    @wraps(function)
+    def call(*arguments: Any, **words: Any) -> Any:
+        try:
+            about.bind(*arguments, **words)
+        except TypeError as mismatch:
+            given = arguments[1:] if next(iter(about.parameters), "") == "self" else arguments
+            raise error(wrong_call(title, function, mismatch, given, words)) from None
+        return function(*arguments, **words)
+
+    return call
+
+
+def declaration(method: Callable[..., Any], owner: str) -> Callable[..., Any]:
+    """A method or function of a declaration, whose failures are all `ModelError`s.
+
+    It gets text for its `name`.
+
+    What arguments do where they are read (iterate, compare, convert) is theirs, and may fail.
+    """
+    about = signature(method)
+    title = (
+        owner
+        if method.__name__ in ("__init__", "__call__", owner)
+        else f"{owner}.{method.__name__}"
+    )
+    own = int(next(iter(about.parameters), "") == "self")  # arguments before those of the caller
+    named = own and "name" in about.parameters
+
+    @wraps(method)
+    def call(*arguments: Any, **words: Any) -> Any:
+        if named and "name" in words:
+            words["name"] = plain_name(words["name"])
+        elif named and len(arguments) > own:
+            arguments = (*arguments[:own], plain_name(arguments[own]), *arguments[own + 1 :])
+        try:
+            return method(*arguments, **words)
+        except (LinkwrightError, KeyboardInterrupt):
+            raise
+        except BaseException as error:
+            name = words.get("name", (*arguments[own:], None)[0]) if named else None
+            label = title if name is None else f"{title} '{plain_name(name)}'"
+            of_whom = getattr(arguments[0], "__dict__", {}).get("name") if own else None
+            if owner == "body" and of_whom is not None:
+                label += f" of '{plain_name(of_whom)}'"
+            try:
+                about.bind(*arguments, **words)
+            except TypeError as mismatch:
+                what = wrong_call(label, method, mismatch, arguments[own:], words)
+                raise ModelError(what) from error
+            raise ModelError(f"{label}: fails with {failure(error)}.") from error
+
+    return call
+
+
+def declarations(cls: Class, owner: str) -> Class:
+    """The class with its own public methods bounded so."""
+    for word, method in list(vars(cls).items()):
+        if isfunction(method) and (word == "__init__" or not word.startswith("_")):
+            setattr(cls, word, declaration(method, owner))
+    return cls
+
+
+def checked_class(cls: Class) -> Class:
+    """The class with its own public methods called rightly, and with attributes that stay."""
+    for word, method in list(vars(cls).items()):
+        if isfunction(method) and (word == "__init__" or not word.startswith("_")):
+            title = cls.__name__ if word == "__init__" else f"{cls.__name__}.{word}"
+            setattr(cls, word, checked_call(method, title))
+    return cls
+
+
+def unchanging(cls: Class) -> Class:
+    """The class with attributes that are neither set nor deleted, nor asked for in vain.
+
+    Those of a subclass's own stay its own.
+    """
+
+    def is_ours(of: Any, word: str) -> bool:
+        fields = getattr(cls, "__dataclass_fields__", {})
+        return type(of) is cls or word in fields or isinstance(getattr(cls, word, None), property)
+
+    def refuse(of: Any, word: str, *_: Any) -> None:
+        if not is_ours(of, word):
+            getattr(object, "__setattr__" if _ else "__delattr__")(of, word, *_)
+            return
+        name = vars(of).get("name")
+        what = cls.__name__ if name is None else f"{cls.__name__} '{plain_name(name)}'"
+        verb = "set" if _ else "deleted"
+        raise NoAttributeError(
+            f"{what}: {one_line(word)!r} cannot be {verb}; what is declared stays as it is."
+        )
+
+    for special in ("__setattr__", "__delattr__"):
+        setattr(cls, special, refuse)
+    return cls
+
+
+class DeclaredTable(dict[str, Any]):
+    """What is declared, by name: read by everybody, written by the declaration alone."""
+
+    def __init__(self, owner: str, entries: Mapping[str, Any] | None = None) -> None:
+        super().__init__(entries or {})
+        self.owner = owner
+
+    def declare(self, name: str, entry: Any) -> None:
+        """Add an entry, or replace the one of that name."""
+        super().__setitem__(name, entry)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), (self.owner, dict(self)))
+
+    def _refuse(self, *_: Any, **__: Any) -> Any:
+        raise NoAttributeError(
+            f"{self.owner} is a view of what is declared, and is not written to; declare with the "
+            "methods of the model."
+        )
+
+    __setitem__ = __delitem__ = __ior__ = update = setdefault = _refuse
+    pop = popitem = clear = _refuse
+
+
+def failure(error: BaseException) -> str:
+    """An exception of somebody else's in a message."""
+    if isinstance(error, RecursionError):
+        return "RecursionError: functions of functions are too deep for Python's stack"
+    return f"{type(error).__name__}: {one_line(error)}".removesuffix(": ").rstrip(".")
+
+
+class Deferred:
+    """A user's function that is called until it raises; its exception waits for a block's end."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.function = function
+        self.error: Exception | None = None
+
+    def __call__(self, *arguments: Any) -> None:
+        """Call it, unless it has raised."""
+        if self.error is None:
+            try:
+                self.function(*arguments)
+            except Exception as error:
+                self.error = error
+
+    def __enter__(self) -> "Deferred":
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        if kind is None and self.error is not None:
+            raise self.error
+
+
+@contextmanager
+def users_own(what: str) -> Iterator[None]:
+    """A block that calls a user's function: its exception passes on, and says whose it is."""
+    try:
+        yield
+    except BaseException as error:
+        error.add_note(f"{what} raised this: it is the caller's own.")
+        raise

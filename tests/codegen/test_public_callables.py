@@ -1,0 +1,245 @@
+"""What users call and set: wrong calls, read-only declarations, failures of their own functions."""
+
+import copy
+import stat
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sympy
+
+from codegen import (
+    ConjugateReaction,
+    Curve,
+    Effect,
+    I,
+    LinkwrightError,
+    Model,
+    ModelError,
+    Point,
+    Scene,
+    Statement,
+    build,
+    coordinate,
+    element,
+    given,
+    t,
+)
+from codegen.driver import valid_scenes
+from codegen.whole_files import whole_file
+
+
+def machine() -> Model:
+    """A model of a body and a particle under gravity."""
+    model = Model("m", gravity=(0, -9.81))
+    model.body("a", mass=1.0, inertia=0.1)
+    model.particle("p", mass=1.0)
+    return model
+
+
+WRONG: dict[str, Callable[[Model], Any]] = {
+    "build()": lambda m: build(),  # type: ignore[call-arg]
+    "build(): got an unexpected keyword argument 'foo'": lambda m: build(m, foo=1),  # type: ignore[call-arg]
+    "Model": lambda m: Model(),  # type: ignore[call-arg]
+    "model.table": lambda m: m.table(),  # type: ignore[call-arg]
+    "model.body 'c'": lambda m: m.body("c", 1, 2, 3),  # type: ignore[call-arg]
+    "body.at of 'a'": lambda m: m.bodies["a"].at(1),  # type: ignore[call-arg]
+    "table": lambda m: m.table("l", range(5), range(5))(),  # type: ignore[call-arg]
+    "Point": lambda m: Point(),  # type: ignore[call-arg]
+    "Curve": lambda m: Curve(1),  # type: ignore[call-arg, arg-type]
+    "Statement": lambda m: Statement(),  # type: ignore[call-arg]
+    "ConjugateReaction": lambda m: ConjugateReaction(),  # type: ignore[call-arg]
+    "frame.bind": lambda m: I.bind(),  # type: ignore[call-arg]
+    "scene": lambda m: Scene(),  # type: ignore[call-arg]
+    "coordinate": lambda m: coordinate(),  # type: ignore[call-arg]
+    "given": lambda m: given(),  # type: ignore[call-arg]
+    "element": lambda m: element(1, 2),  # type: ignore[call-overload]
+}
+
+
+@pytest.mark.parametrize("title", WRONG)
+def test_a_wrong_call_says_what_is_taken_and_what_was_given(title: str) -> None:
+    with pytest.raises(LinkwrightError) as caught:
+        WRONG[title](machine())
+    assert str(caught.value).lower().startswith(title.lower())
+    assert "it takes (" in str(caught.value)
+    assert "was given (" in str(caught.value)
+
+
+NONSENSE: dict[str, Callable[[Model], Any]] = {
+    "point of body 'a'": lambda m: m.bodies["a"].at("q", 0).x,
+    "point of body 'p'": lambda m: m.bodies["p"].at([1], None).vx,
+    "curve of body 'a'": lambda m: m.bodies["a"].curve("x", "y").at(sympy.pi),
+    "curve.at('x')": lambda m: m.bodies["a"].circle(1).at("x"),  # type: ignore[arg-type]
+    "point of 'a'": lambda m: Point("a", 0, 0).x,  # type: ignore[arg-type]
+    "coordinate(3, 'x')": lambda m: coordinate(3, "x"),  # type: ignore[arg-type]
+    "given(None)": lambda m: given(None),  # type: ignore[arg-type]
+    "ConjugateReaction.along(['x'])": lambda m: ConjugateReaction.along(["x"]),  # type: ignore[arg-type]
+    "table 'l'": lambda m: m.table("l", range(5), range(5))(10**400),
+    "scene 's': effect": lambda m: valid_scenes(_with(m, effects={"gravity": 1}), None),
+}
+
+
+def _with(model: Model, **words: Any) -> Model:
+    model.scene("s", **words)
+    return model
+
+
+@pytest.mark.parametrize("start", NONSENSE)
+def test_nonsense_is_named_where_it_stands(start: str) -> None:
+    with pytest.raises(LinkwrightError) as caught:
+        NONSENSE[start](machine())
+    assert str(caught.value).startswith(start)
+
+
+def test_a_models_own_table_lists_its_effects() -> None:
+    model = machine()
+    assert model.scene("s", effects=model.effects).effects == ("gravity",)
+
+
+def test_what_is_declared_cannot_be_replaced() -> None:
+    model = machine()
+    scene = model.scene("s", effects=["gravity"])
+    body = model.bodies["a"]
+    model.revolute("pin", model.ground.at(0, 0), body.at(1, 0))
+    changes: list[Callable[[], Any]] = [
+        lambda: model.bodies.__setitem__("z", 5),  # type: ignore[arg-type]
+        lambda: model.effects.pop("gravity"),
+        lambda: model.parameters.update(z=5),  # type: ignore[arg-type]
+        model.scenes.clear,
+        lambda: delattr(model, "bodies"),
+        lambda: setattr(model, "name", "a\nb"),
+        lambda: setattr(model, "problems", ()),
+        lambda: setattr(body, "name", "z"),
+        lambda: setattr(body.at(1, 0), "sx", 2),
+        lambda: setattr(scene, "name", "../z"),
+        lambda: delattr(scene, "effects"),
+        lambda: setattr(model.joints["pin"], "name", "z"),
+        lambda: model.revolut("pin"),
+    ]
+    for change in changes:
+        with pytest.raises(ModelError):
+            change()
+    assert set(model.bodies) == {"a", "p"}
+    assert [s.name for s in valid_scenes(copy.deepcopy(model), None)] == ["s"]
+    with pytest.raises(AttributeError, match="did you mean 'revolute'"):
+        _ = model.revolut
+
+
+def test_a_scene_that_is_changed_by_hand_is_read_again() -> None:
+    model = machine()
+    scene = model.scene("s", effects=["gravity"])
+    changes: list[dict[str, Any]] = [
+        {"name": "../x\nimport os"},
+        {"bodies": ("nothing",)},
+        {"effects": 5},
+        {"start": (("a.phi", "x"),)},
+        {"outputs": (5,)},
+        {"fidelity": (("gravity", 7),)},
+        {"request": None},
+        {"expression": 7, "root": scene},
+    ]
+    for change in changes:
+        with pytest.raises(LinkwrightError, match="scene"):
+            valid_scenes(model, replace(scene, **change))
+
+
+def test_what_a_subclass_says_of_its_problems_is_not_asked() -> None:
+    class Silent(Model):
+        problems = property(lambda self: 1 / 0)  # type: ignore[assignment]
+
+    with pytest.raises(ModelError, match="no body"):
+        valid_scenes(Silent("q"), None)
+
+
+class Breaking(BaseException):
+    """Somebody's own way to end."""
+
+
+@pytest.mark.parametrize("kind", [SystemExit, GeneratorExit, RecursionError, Breaking])
+def test_what_a_callback_raises_is_an_answer_of_the_element(kind: type[BaseException]) -> None:
+    def fails(*_: Any) -> Any:
+        raise kind
+
+    model = machine()
+    model.spring("s", model.ground, model.bodies["p"], force=fails)
+    model.add(type("Own", (Effect,), {"kind": "own", "name": "o", "forces": fails})())
+    with pytest.raises(ModelError) as caught:
+        valid_scenes(model, None)
+    assert any(p.startswith("force of spring 's'") for p in caught.value.problems)
+    assert any("own 'o'" in p for p in caught.value.problems)
+
+
+def test_the_wish_to_stop_passes() -> None:
+    def stop(*_: Any) -> Any:
+        raise KeyboardInterrupt
+
+    model = machine()
+    with pytest.raises(KeyboardInterrupt):
+        model.spring("s", model.ground, model.bodies["p"], force=stop)
+
+
+def test_a_progress_that_raises_is_the_users_and_loses_nothing(tmp_path: Path) -> None:
+    def report(line: str) -> None:
+        raise ZeroDivisionError(line)
+
+    model = machine()
+    model.scene("s", effects=["gravity"])
+    with pytest.raises(ZeroDivisionError) as caught:
+        build(model, out=tmp_path, compile=False, progress=report)
+    assert "progress=" in caught.value.__notes__[0]
+    assert (tmp_path / "m__s.py").is_file()
+    with pytest.raises(LinkwrightError, match="called with one text"):
+        build(model, out=tmp_path, compile=False, progress=lambda a, b: None)  # type: ignore[misc, arg-type]
+
+
+def test_expressions_too_deep_for_python_are_refused_with_advice() -> None:
+    model = machine()
+    deep = model.bodies["p"].x
+    for _ in range(280):
+        deep = sympy.sin(deep, evaluate=False)
+    model.force("f", on=model.bodies["p"], fx=deep)
+    with pytest.raises(ModelError, match=r"'f'.*too deep.*model\.table"):
+        valid_scenes(model, None)
+
+
+def test_conditions_that_jump_with_coordinates_are_refused() -> None:
+    model = machine()
+    x = model.bodies["a"].x
+    model.force("f", on=model.bodies["a"], when=x > sympy.ceiling(x))
+    with pytest.raises(ModelError, match=r"ceiling\(a_x\) jumps"):
+        valid_scenes(model, None)
+
+
+@pytest.mark.parametrize("unit", ["N·m", "N⋅m", "m^(1/2)", "kg m^(-3/2)"])
+def test_units_of_parameters_are_units_of_reports(unit: str) -> None:
+    def reported(self: Any, bodies: Any) -> Any:
+        return (("pull", unit, sympy.Float(1)),)
+
+    def forces(self: Any, bodies: Any) -> Any:
+        return {body.x: sympy.cos(t)}
+
+    model = machine()
+    body = model.bodies["p"]
+    model.parameter("k", 1.0, unit=unit)
+    words = {"kind": "own", "name": "o", "forces": forces, "reported": reported}
+    model.add(type("Own", (Effect,), words)())
+    assert valid_scenes(model, None)
+
+
+def test_a_whole_file_keeps_links_modes_and_the_errors_of_others(tmp_path: Path) -> None:
+    file, link = tmp_path / "a.txt", tmp_path / "link"
+    file.write_text("old")
+    file.chmod(0o600)
+    link.symlink_to(file)
+    with whole_file(link) as path:
+        path.write_text("new")
+    assert link.is_symlink()
+    assert file.read_text() == "new"
+    assert stat.S_IMODE(file.stat().st_mode) == 0o600
+    with pytest.raises(FileNotFoundError), whole_file(file) as path:  # noqa: PT012
+        path.write_text("newer")
+        (tmp_path / "nothing").read_text()
+    assert file.read_text() == "new"
