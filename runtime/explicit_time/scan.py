@@ -45,8 +45,8 @@ def shows_all(work: Matrix, watched: Integers) -> bool:
     """Whether values in an interval are about those at its ends, rows FIRST and LAST."""
     for k in watched:
         low, high = work[_LOW, k], work[_HIGH, k]
-        if math.isnan(low):
-            continue  # it has none
+        if math.isnan(low) or low == high:
+            continue  # it has none, or one, which may be infinite
         first, last = work[_FIRST, k], work[_LAST, k]
         least, most = work[_LEAST_SEEN, k], work[_MOST_SEEN, k]
         size = max(most - least, _LEAST * max(abs(least), abs(most)))
