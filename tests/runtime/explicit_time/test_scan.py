@@ -208,9 +208,8 @@ def test_changes_without_end_behind_many_others() -> None:
     assert end == pytest.approx(60.0, abs=1e-3)
 
 
-@pytest.mark.parametrize("f", [1 / sp.cosh(1e4 * (t - 6.6)), 1 / (1 + sp.exp(1e4 * (6.6 - t)))])
-def test_values_that_overflow_hide_nothing(f: sp.Expr) -> None:
-    found = instants(f, 10.0)
+def test_values_that_overflow_hide_nothing() -> None:
+    found = instants(1 / sp.cosh(1e4 * (t - 6.6)), 10.0)
     assert found.crowd is None
     assert np.abs(found.bounds - 6.6).min() < 1e-4
     assert len(found.bounds) < 400
