@@ -27,7 +27,7 @@ class KindError(Exception):
     """A value is not of the kind that is needed; its text says why or what is, if there is more."""
 
 
-class NotText(str):
+class InvalidName(str):
     """A printable stand-in for what was given as a name and is no name."""
 
     __slots__ = ()
@@ -56,12 +56,12 @@ def one_line(text: object, widest: int = WIDEST) -> str:
 
 
 def plain_name(value: object) -> str:
-    """Text as it is; `NotText` in place of all that cannot stand in a message as a name."""
+    """Text as it is; `InvalidName` in place of all that cannot stand in a message as a name."""
     if isinstance(value, str):
         text = str.__str__(value)
-        if len(text) <= WIDEST and text.isprintable() and not isinstance(value, NotText):
+        if len(text) <= WIDEST and text.isprintable() and not isinstance(value, InvalidName):
             return text
-    return value if isinstance(value, NotText) else NotText(shown(value))
+    return value if isinstance(value, InvalidName) else InvalidName(shown(value))
 
 
 def plain_number(value: Any) -> int | float | Fraction:

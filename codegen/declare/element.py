@@ -257,8 +257,8 @@ Reported = tuple[tuple[str, str, sympy.Expr], ...]
 """(component, unit, value) of the forces that an effect reports."""
 
 
-class OptionalAnswers(NamedTuple):
-    """The answers that not every effect gives."""
+class OptionalTerms(NamedTuple):
+    """The terms that not every effect has."""
 
     friction: FrictionLaw | None
     hold: Sticking | Rigid | None

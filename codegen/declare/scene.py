@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
 from codegen.errors import SceneError
-from codegen.plain_values import NotText, plain_name, shown
+from codegen.plain_values import InvalidName, plain_name, shown
 
 Analysis = Literal["dynamics", "kinematics", "equilibrium"]
 ANALYSES = ("dynamics", "kinematics", "equilibrium")
@@ -57,9 +57,9 @@ class Request(Choices):
 
 
 def name_of(element: Any) -> str:
-    """The name of an element that is given by its name or as an object; else `NotText`."""
+    """The name of an element that is given by its name or as an object; else `InvalidName`."""
     name = element if isinstance(element, str) else getattr(element, "name", None)
-    return plain_name(name) if isinstance(name, str) else NotText(shown(element))
+    return plain_name(name) if isinstance(name, str) else InvalidName(shown(element))
 
 
 class Owner(Protocol):

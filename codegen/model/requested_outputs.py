@@ -11,7 +11,7 @@ from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.value_reader import Reader
 from codegen.model.base import Declarations, Place
-from codegen.plain_values import NotText, bounded, plain_name, shown
+from codegen.plain_values import InvalidName, bounded, plain_name, shown
 
 ALL = ("reactions", "energy", "powers")  # outputs of a scene that names none
 GROUPS = (*ALL, "paths", "works")
@@ -92,7 +92,7 @@ class Outputs(Declarations):
         word = plain_name(word)
         if word in GROUPS:
             return None
-        match = None if isinstance(word, NotText) else ONE.match(word)
+        match = None if isinstance(word, InvalidName) else ONE.match(word)
         points = self._tracked()
         acting = [n for n in (*self.joints, *self.drivers, *self.effects) if n not in points]
         if match is None:

@@ -7,7 +7,7 @@ import numpy as np
 from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.explicit_time.interval_evaluation import BREAK, CHOICE, OPERATIONS, enclose
 from runtime.explicit_time.scan import ROWS, SMOOTH, scan
-from runtime.mechanism.module_tables import TimeFunction
+from runtime.mechanism.table_rows import TimeFunction
 
 _MOST_MARKS = 4096  # safety: of one function, in one part of a run
 _WIDE = 1e-6  # safety: of the run; a longer place where nothing is decided holds many instants

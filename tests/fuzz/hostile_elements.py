@@ -8,6 +8,7 @@ import sympy
 from codegen import ConjugateReaction, Constraint, Effect, JointReaction, Model, Statement, t
 from codegen.declare.body import Body
 from codegen.declare.element import FrictionLaw, I, Rigid, Sticking
+from codegen.declare.element_conditions import Condition
 from codegen.declare.symbols import coordinate
 from tests.fuzz.declared_nonsense import CODE, Raises, of_object, of_scalar
 
@@ -21,6 +22,17 @@ class _Joint(Constraint):
 
     def __init__(self, name: Any, body: Body, **answers: Any) -> None:
         self.name, self.body, self.answers = name, body, answers
+        if "near" in answers:
+            place = coordinate("mine", "alpha")
+            phi = (body.x - sympy.cos(place), body.y - place)
+            own = (("along", place),)
+            self.answers["statement"] = lambda: Statement(phi, ("x", "along"), None, own=own)
+        for word in ("conditions", "profiles", "near"):
+            if word in answers:
+                answer = answers[word]
+                setattr(self, word, answer if answer is _raise else lambda *_, a=answer: a)
+        if "instead_of" in answers:
+            self.instead_of = answers["instead_of"]
 
     @property
     def bodies(self) -> Any:
@@ -41,7 +53,7 @@ class _Force(Effect):
 
     def __init__(self, name: Any, body: Body, **answers: Any) -> None:
         self.name, self.body, self.answers = name, body, answers
-        for word in ("friction", "hold", "pulls", "reported"):
+        for word in ("friction", "hold", "pulls", "reported", "conditions", "weights"):
             if word in answers:
                 setattr(self, word, lambda *_, word=word: self._answer(word, None))
 
@@ -127,6 +139,16 @@ def _of_joints(body: Body, odd: Any, random: Random) -> list[tuple[str, Any]]:
         ("statement", odd),
         ("name", odd),
         ("name", None),
+        *((word, answer) for word in ("conditions", "profiles") for answer in (odd, _raise, 7)),
+        ("near", odd),
+        ("near", _raise),
+        ("near", {coordinate("mine", "alpha"): odd}),
+        ("instead_of", odd),
+        ("conditions", (Condition(odd, (body.x,)),)),
+        ("conditions", (Condition("{:g}", (sympy.S.One,), low=odd),)),
+        ("conditions", (Condition("{:g}", odd),)),
+        ("statement", lambda: _statement(body, phi=(1,))),
+        ("statement", lambda: _statement(body, own=(("x", coordinate("a", "x")),))),
         ("statement", lambda: None),
         ("statement", Raises),
         ("statement", lambda: _statement(body, phi=(scalar,))),
@@ -188,6 +210,7 @@ def _of_forces(body: Body, odd: Any, random: Random) -> list[tuple[str, Any]]:
         ("reported", (("f", 7, body.x),)),
         ("reported", ((None, "N", body.x),)),
         ("reported", 7),
+        *((word, answer) for word in ("conditions", "weights") for answer in (odd, _raise, 7)),
         ("reported", ((property(lambda s: 1), "N", body.x),)),
         ("name", odd),
         ("name", None),

@@ -15,7 +15,7 @@ from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate, Time, Velocity, kinds
 from codegen.declare.units import known_unit
 from codegen.errors import LinkwrightError, ModelError
-from codegen.plain_values import NotText, plain_name, shown
+from codegen.plain_values import InvalidName, plain_name, shown
 from codegen.public_callables import failure
 
 WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
@@ -133,8 +133,8 @@ def name(element: Any, word: str, text: Any) -> str:
 
 def unit(element: Any, word: str, text: Any) -> str:
     """A unit as a parameter may have it, or ASCII words; empty for a pure number."""
-    plain = plain_name(text) if isinstance(text, str) else NotText()
-    if isinstance(plain, NotText) or not (WORDS.fullmatch(plain) or known_unit(plain)):
+    plain = plain_name(text) if isinstance(text, str) else InvalidName()
+    if isinstance(plain, InvalidName) or not (WORDS.fullmatch(plain) or known_unit(plain)):
         raise refusal(element, word, text, "a unit, such as 'N m', where one stands")
     return plain
 

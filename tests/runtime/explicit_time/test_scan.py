@@ -19,7 +19,7 @@ from codegen.lower.time_programs import time_programs
 from runtime.explicit_time.function_scan import FunctionArrays
 from runtime.explicit_time.instants import TimeInstants, time_instants
 from runtime.explicit_time.interval_evaluation import enclose
-from runtime.mechanism.module_tables import TimeFunction
+from runtime.mechanism.table_rows import TimeFunction
 
 a = sp.Symbol("a")
 
