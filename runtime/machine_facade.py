@@ -1,6 +1,6 @@
 """The machine that a user holds: its tables and values, and the analyses as methods."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -250,12 +250,7 @@ class Machine(MechanismTables):
         """
         from runtime.dynamics.kinematics_and_inverse_dynamics import kinematics
 
-        require_motion(self.mechanism, "kinematics")
-        given = check(
-            self.mechanism, parameters=parameters, guess=guess, t_start=t_start, progress=progress
-        )
-        with bar(f"kinematics of {self.mechanism.title}", given.pop("progress")) as report:
-            return kinematics(self.mechanism, t_eval, **given, progress=report)
+        return self._prescribed_motion(kinematics, t_eval, parameters, guess, t_start, progress)
 
     def inverse_dynamics(
         self, t_eval: npt.ArrayLike, *, parameters: Values | None = None,
@@ -281,12 +276,23 @@ class Machine(MechanismTables):
         """
         from runtime.dynamics.kinematics_and_inverse_dynamics import inverse_dynamics
 
-        require_motion(self.mechanism, "inverse_dynamics")
+        return self._prescribed_motion(
+            inverse_dynamics, t_eval, parameters, guess, t_start, progress
+        )
+
+    def _prescribed_motion(
+        self, analyse: Callable[..., "Result"], t_eval: npt.ArrayLike, parameters: Values | None,
+        guess: Values | None, t_start: float, progress: bool,
+    ) -> "Result":  # fmt: skip
+        """The motion that the drivers prescribe, analysed."""
+        word = analyse.__name__
+        require_motion(self.mechanism, word)
         given = check(
             self.mechanism, parameters=parameters, guess=guess, t_start=t_start, progress=progress
         )
-        with bar(f"inverse dynamics of {self.mechanism.title}", given.pop("progress")) as report:
-            return inverse_dynamics(self.mechanism, t_eval, **given, progress=report)
+        title = f"{word.replace('_', ' ')} of {self.mechanism.title}"
+        with bar(title, given.pop("progress")) as report:
+            return analyse(self.mechanism, t_eval, **given, progress=report)
 
     def equilibrium(
         self, method: str = "energy", *, guess: Values | None = None,

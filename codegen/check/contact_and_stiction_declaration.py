@@ -6,8 +6,8 @@ from itertools import combinations
 import sympy
 
 from codegen.check.expressions import all_problems
-from codegen.declare.conditions import ROUNDING
 from codegen.declare.element import Rigid, Sticking, label
+from codegen.declare.element_conditions import ROUNDING
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Time, Velocity, kinds
 from codegen.derive.effect_terms import effect_terms

@@ -24,9 +24,9 @@ from codegen.declare.return_values.effects import friction_law
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, Velocity, alpha, kinds, t
-from codegen.derive.conditions_on_parameters import element_conditions
 from codegen.derive.equations import acting_elements, active_joints
-from codegen.errors import LinkwrightError, ModelError
+from codegen.derive.scene_conditions import element_conditions
+from codegen.errors import FAILURES, LinkwrightError, ModelError
 from codegen.model import Model
 from codegen.plain_values import one_line
 
@@ -76,7 +76,7 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
         return [one_line(p, LONGEST) for p in _scene_problems(model, scene)]
     except LinkwrightError:
         raise
-    except Exception as error:
+    except FAILURES as error:
         raise ModelError(f"scene '{scene.name}': {unreadable(error)}") from error
 
 
@@ -115,7 +115,7 @@ def _scene_problems(model: Model, scene: Scene) -> list[str]:
             )
     problems += _problems_in_scene(model, scene, joints)
     problems += [*output_problems(model, scene), *contact_problems(model, scene)]
-    problems += _broken_conditions(model, scene)
+    problems += _violated_conditions(model, scene)
     values = (model.parameters[name].problem(value) for name, value in scene.parameters)
     problems += [f"{where}: {problem}" for problem in values if problem]
     return problems or list(step_problems(model, scene))
@@ -135,7 +135,7 @@ def _problems_in_scene(
                 yield from effect_problems(model, effect, bodies, known)
 
 
-def _broken_conditions(model: Model, scene: Scene) -> Iterator[str]:
+def _violated_conditions(model: Model, scene: Scene) -> Iterator[str]:
     """Conditions and shapes that the scene's values of parameters break."""
     numbers = model.defaults | {Parameter(k, real=True): value for k, value in scene.parameters}
     bodies = tuple(model.bodies[name] for name in scene.bodies)

@@ -22,7 +22,7 @@ from codegen.declare.return_values.constraints import (
 )
 from codegen.declare.return_values.effects import (
     forces_of,
-    optional_answers,
+    optional_terms,
     potential_of,
     weights_of,
 )
@@ -77,7 +77,7 @@ def effect_problems(
             f"{el.label(effect)}: its potential contains the velocity {speed.name}; return a "
             "force that depends on a velocity by forces()."
         )
-    answers = optional_answers(effect, bodies)
+    answers = optional_terms(effect, bodies)
     if answers.hold:
         known |= {side(effect.name)}
     terms = effect_expressions(effect, bodies)
@@ -213,7 +213,7 @@ def effect_expressions(effect: el.Effect, bodies: tuple[Body, ...]) -> list[symp
     """All expressions that an effect returns, and the coordinates on which it acts."""
     forces, potential = forces_of(effect, bodies), potential_of(effect, bodies)
     expressions: list[sympy.Basic | None] = [*forces, *forces.values(), potential]
-    law, hold, pulls, reported = optional_answers(effect, bodies)
+    law, hold, pulls, reported = optional_terms(effect, bodies)
     expressions += chain.from_iterable(pulls)
     expressions += [value for _, _, value in reported]
     expressions += vars(hold).values() if hold else ()

@@ -18,7 +18,7 @@ import sympy
 from codegen.check.boundary_points import differs, jumps, points, sizes, vanishes
 from codegen.declare.body import Body
 from codegen.declare.element import Effect, label
-from codegen.declare.return_values.effects import optional_answers, potential_of
+from codegen.declare.return_values.effects import optional_terms, potential_of
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, Time, kinds
 from codegen.declare.table_function import Interpolant
@@ -85,7 +85,7 @@ def step_problems(model: Model, scene: Scene) -> Iterator[str]:
 def _continuous(effect: Effect, bodies: tuple[Body, ...]) -> Iterator[tuple[str, str, sympy.Expr]]:
     """(word, unit, expression) of what has to be continuous and may not be."""
     potential = potential_of(effect, bodies)
-    answers = optional_answers(effect, bodies)
+    answers = optional_terms(effect, bodies)
     scalars = [("length or angle", "m or rad", s) for s, _ in answers.pulls]
     if isinstance(effect, Contact):
         scalars = [("gap", "m", effect.gap)]

@@ -7,10 +7,10 @@ import numpy as np
 import numpy.typing as npt
 import sympy
 
+from codegen.condition_evaluation import ALPHAS, shape_problems
 from codegen.declare.body import Curve
 from codegen.declare.symbols import alpha
 from codegen.declare.table_function import TableAtom
-from codegen.parameter_conditions import ALPHAS, shape_problems
 
 UNDEFINED = (ArithmeticError, ValueError, TypeError, NameError)
 """Errors that functions of numbers raise outside their domain."""

@@ -5,7 +5,7 @@ import keyword
 import re
 from collections.abc import Iterable
 
-from codegen.plain_values import WIDEST, NotText, shown
+from codegen.plain_values import WIDEST, InvalidName, shown
 
 LONGEST = 32
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
@@ -13,7 +13,7 @@ IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
 
 def name_problem(kind: str, name: object) -> str | None:
     """Why `name` cannot be the name of a `kind`, or None if it can."""
-    text = "" if isinstance(name, NotText) or not isinstance(name, str) else name
+    text = "" if isinstance(name, InvalidName) or not isinstance(name, str) else name
     if not IDENTIFIER.match(text) or keyword.iskeyword(text):
         reason = "is no identifier: use ASCII letters, digits and underscores, a letter first"
     elif "__" in text:

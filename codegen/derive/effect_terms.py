@@ -10,7 +10,7 @@ from codegen.declare import element as el
 from codegen.declare.body import Body
 from codegen.declare.return_values.effects import (
     forces_of,
-    optional_answers,
+    optional_terms,
     potential_of,
     weights_of,
 )
@@ -79,7 +79,7 @@ def effect_terms(effect: el.Effect, bodies: tuple[Body, ...]) -> EffectTerms:
             potential, elastic = None, ((potential, sympy.S.One),)
     forces = sorted(forces_of(effect, bodies).items(), key=lambda pair: pair[0].name)
     loads = tuple((q, f) for q, f in ((q, _pieces(force)) for q, force in forces) if f != 0)
-    law, hold, along_scalars, reported = optional_answers(effect, bodies)
+    law, hold, along_scalars, reported = optional_terms(effect, bodies)
     pulls = tuple((s, _pull(s, f)) for s, f in along_scalars if f != 0) + elastic
     components = tuple((part, unit, _pieces(value)) for part, unit, value in reported)
     friction = None if law is None else _friction(effect.name, law, hold)

@@ -12,7 +12,9 @@ from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration
 from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
-from codegen.derive.conditions_on_parameters import (
+from codegen.derive.effect_terms import EffectTerms, effect_terms
+from codegen.derive.inertia import inertia
+from codegen.derive.scene_conditions import (
     ElementCondition,
     Profile,
     carried,
@@ -20,8 +22,6 @@ from codegen.derive.conditions_on_parameters import (
     expressions_in,
     profiles_of,
 )
-from codegen.derive.effect_terms import EffectTerms, effect_terms
-from codegen.derive.inertia import inertia
 from codegen.derive.time_functions import TimeFunction, time_functions
 from codegen.model import Model
 from codegen.model.requested_outputs import TRACKED

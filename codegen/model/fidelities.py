@@ -8,7 +8,7 @@ from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import Scene, name_of
 from codegen.declare.value_reader import Reader
 from codegen.model.bodies import FORMS, Bodies
-from codegen.plain_values import NotText, plain_name, shown
+from codegen.plain_values import InvalidName, plain_name, shown
 
 NONE = "none"  # the fidelity of an effect that a scene does without
 
@@ -38,7 +38,7 @@ class Fidelities(Bodies):
         read: dict[str, tuple[str, ...]] = {}
         like = "{'held': ['joint'], 'free': ['contact']}"
         for choice, elements in self._read.mapping(choices, "choices", like, where).items():
-            if isinstance(word := plain_name(choice), NotText):
+            if isinstance(word := plain_name(choice), InvalidName):
                 self._note(f"{where}: choice {word} is no word.")
             names = self._read.names(elements, "elements", f"{where}, {word}", known)
             for missing in (n for n in names if n not in known):

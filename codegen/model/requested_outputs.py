@@ -10,8 +10,9 @@ from codegen.declare.element import Effect, Reported, label
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.value_reader import Reader
+from codegen.errors import FAILURES
 from codegen.model.base import Declarations, Place
-from codegen.plain_values import NotText, bounded, plain_name, shown
+from codegen.plain_values import InvalidName, bounded, plain_name, shown
 
 ALL = ("reactions", "energy", "powers")  # outputs of a scene that names none
 GROUPS = (*ALL, "paths", "works")
@@ -73,7 +74,7 @@ class Outputs(Declarations):
             return None
         try:
             given = [outputs] if isinstance(outputs, str) else bounded(outputs)
-        except Exception:
+        except FAILURES:
             what = shown(outputs)
             read.note(
                 f"{where}: outputs={what} is no list; write outputs=['energy', 'power(gas)']."
@@ -92,7 +93,7 @@ class Outputs(Declarations):
         word = plain_name(word)
         if word in GROUPS:
             return None
-        match = None if isinstance(word, NotText) else ONE.match(word)
+        match = None if isinstance(word, InvalidName) else ONE.match(word)
         points = self._tracked()
         acting = [n for n in (*self.joints, *self.drivers, *self.effects) if n not in points]
         if match is None:

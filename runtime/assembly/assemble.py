@@ -19,7 +19,8 @@ from runtime.assembly.redundancy import Dependency, Findings
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
-from runtime.mechanism.module_tables import Description, unknown
+from runtime.mechanism.module_tables import Description
+from runtime.mechanism.table_rows import unknown
 from runtime.results.assembled_state import Assembly, Moved, Redundant
 from runtime.validation.finite_equations import require_finite
 from runtime.validation.parameters import parameter_values

@@ -11,7 +11,8 @@ import numpy as np
 from runtime.core.array_types import Matrix, Vector
 from runtime.explicit_time.interval_evaluation import BREAK, CHOICE, OPERATIONS
 from runtime.explicit_time.scan import ROWS, SMOOTH, scan
-from runtime.mechanism.module_tables import Description, TimeFunction
+from runtime.mechanism.module_tables import Description
+from runtime.mechanism.table_rows import TimeFunction
 
 _MOST_MARKS = 4096  # safety: of one function in a run
 _CLOCK = 16.0 * np.finfo(float).eps  # accuracy: of the time; distance of a kink's two sides from it

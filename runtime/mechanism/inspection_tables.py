@@ -5,8 +5,9 @@ from pathlib import Path
 
 from codegen.public_callables import checked_class
 from runtime.core.kernel_abi import Kernels
-from runtime.mechanism import module_tables as tables
+from runtime.mechanism import table_rows as rows
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.module_tables import Description
 
 _SHOWN = 8  # layout: parameters that the text names
 
@@ -19,7 +20,7 @@ class MechanismTables:
         self.mechanism = mechanism
 
     @property
-    def description(self) -> tables.Description:
+    def description(self) -> Description:
         """The tables of the generated module."""
         return self.mechanism.description
 
@@ -44,22 +45,22 @@ class MechanismTables:
         return self.description.scene
 
     @property
-    def coordinates(self) -> tables.Table[tables.Coordinate]:
+    def coordinates(self) -> rows.Table[rows.Coordinate]:
         """Generalized coordinates with their velocities and units, in the order of q."""
         return self.description.coordinates
 
     @property
-    def constraints(self) -> tables.Table[tables.Constraint]:
+    def constraints(self) -> rows.Table[rows.Constraint]:
         """Scalar constraints, in the order of Φ and of the multipliers λ."""
         return self.description.constraints
 
     @property
-    def parameters(self) -> tables.Table[tables.Parameter]:
+    def parameters(self) -> rows.Table[rows.Parameter]:
         """Declared parameters with their defaults and units, in the order of p."""
         return self.description.parameters
 
     @property
-    def effects(self) -> tables.Table[tables.Effect]:
+    def effects(self) -> rows.Table[rows.Effect]:
         """Gravity, forces, springs, contacts and frictions that act in this scene."""
         return self.description.effects
 

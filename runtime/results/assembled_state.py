@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import UnknownNameError
-from runtime.mechanism.module_tables import Coordinate, Table, unknown
+from runtime.mechanism.table_rows import Coordinate, Table, unknown
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -6,7 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from runtime.mechanism.module_tables import Description, unknown
+from runtime.mechanism.module_tables import Description
+from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
 from runtime.results.series_lookup import ENERGIES
 

@@ -3,11 +3,11 @@
 import numpy as np
 import numpy.typing as npt
 
+from codegen.condition_evaluation import ALPHAS, shape_problems, violated_conditions
 from codegen.errors import ParameterError
-from codegen.parameter_conditions import ALPHAS, broken_conditions, shape_problems
 from codegen.plain_values import finite_float, shown
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
-from runtime.mechanism.module_tables import unknown
+from runtime.mechanism.table_rows import unknown
 from runtime.validation.arguments import check
 
 
@@ -57,7 +57,7 @@ def _broken(mechanism: Mechanism, p: npt.NDArray[np.float64]) -> list[str]:
     description, kernels = mechanism.description, mechanism.kernels
     numbers = np.zeros(sum(row.shown for row in description.conditions))
     kernels.conditions(p, numbers)
-    problems = [*broken_conditions(description.conditions, numbers)]
+    problems = [*violated_conditions(description.conditions, numbers)]
     if description.profiles:
         points = np.zeros((len(ALPHAS), 6 * len(description.profiles)))
         for at, row in zip(ALPHAS, points, strict=True):

@@ -6,8 +6,8 @@ from typing import Any
 import sympy
 
 from codegen import ConjugateReaction, Constraint, Effect, JointReaction, Statement
-from codegen.declare.conditions import Condition
 from codegen.declare.element import FrictionLaw, J
+from codegen.declare.element_conditions import Condition
 from codegen.declare.symbols import coordinate
 from tests.codegen.test_boundary import Machine
 

@@ -9,7 +9,7 @@ import pytest
 import sympy
 
 from codegen import Body, Constraint, Effect, ModelError, Statement, build
-from codegen.declare.conditions import Condition
+from codegen.declare.element_conditions import Condition
 from tests.codegen.hostile_own_effects import EFFECTS
 from tests.codegen.hostile_own_elements import ALPHA, with_place
 from tests.codegen.hostile_own_joints import JOINTS

@@ -8,7 +8,10 @@ import sympy
 from codegen import ConjugateReaction, Constraint, Effect, JointReaction, Model, Statement, t
 from codegen.declare.body import Body
 from codegen.declare.element import FrictionLaw, I, Rigid, Sticking
+from codegen.declare.element_conditions import Condition
 from codegen.declare.symbols import coordinate
+from codegen.errors import FAILURES
+from codegen.plain_values import shown
 from tests.fuzz.declared_nonsense import CODE, Raises, of_object, of_scalar
 
 
@@ -21,6 +24,17 @@ class _Joint(Constraint):
 
     def __init__(self, name: Any, body: Body, **answers: Any) -> None:
         self.name, self.body, self.answers = name, body, answers
+        if "near" in answers:
+            place = coordinate("mine", "alpha")
+            phi = (body.x - sympy.cos(place), body.y - place)
+            own = (("along", place),)
+            self.answers["statement"] = lambda: Statement(phi, ("x", "along"), None, own=own)
+        for word in ("conditions", "profiles", "near"):
+            if word in answers:
+                answer = answers[word]
+                setattr(self, word, answer if answer is _raise else lambda *_, a=answer: a)
+        if "instead_of" in answers:
+            self.instead_of = answers["instead_of"]
 
     @property
     def bodies(self) -> Any:
@@ -41,7 +55,7 @@ class _Force(Effect):
 
     def __init__(self, name: Any, body: Body, **answers: Any) -> None:
         self.name, self.body, self.answers = name, body, answers
-        for word in ("friction", "hold", "pulls", "reported"):
+        for word in ("friction", "hold", "pulls", "reported", "conditions", "weights"):
             if word in answers:
                 setattr(self, word, lambda *_, word=word: self._answer(word, None))
 
@@ -91,10 +105,7 @@ def hostile_element(model: Model, body: Body, random: Random) -> tuple[Any, str]
 
 
 def _text(answer: Any) -> str:
-    try:
-        return ascii(answer)[:100]
-    except Exception:
-        return f"a {type(answer).__name__}"
+    return ascii(shown(answer))[1:101]
 
 
 def _odd(random: Random) -> Any:
@@ -108,7 +119,7 @@ def _odd(random: Random) -> Any:
 def _is_empty(odd: Any) -> bool:
     try:
         return len(odd) == 0
-    except Exception:
+    except FAILURES:
         return False
 
 
@@ -119,7 +130,7 @@ def _of_joints(body: Body, odd: Any, random: Random) -> list[tuple[str, Any]]:
         ("bodies", _raise),
         ("bodies", (7,)),
         ("bodies", None),
-        ("problems", odd if not isinstance(odd, list | tuple) else 7),
+        ("problems", odd if not {*type(odd).__mro__} & {list, tuple} else 7),
         ("problems", _raise),
         ("problems", None),
         ("problems", [7]),
@@ -127,6 +138,16 @@ def _of_joints(body: Body, odd: Any, random: Random) -> list[tuple[str, Any]]:
         ("statement", odd),
         ("name", odd),
         ("name", None),
+        *((word, answer) for word in ("conditions", "profiles") for answer in (odd, _raise, 7)),
+        ("near", odd),
+        ("near", _raise),
+        ("near", {coordinate("mine", "alpha"): odd}),
+        ("instead_of", odd),
+        ("conditions", (Condition(odd, (body.x,)),)),
+        ("conditions", (Condition("{:g}", (sympy.S.One,), low=odd),)),
+        ("conditions", (Condition("{:g}", odd),)),
+        ("statement", lambda: _statement(body, phi=(1,))),
+        ("statement", lambda: _statement(body, own=(("x", coordinate("a", "x")),))),
         ("statement", lambda: None),
         ("statement", Raises),
         ("statement", lambda: _statement(body, phi=(scalar,))),
@@ -188,6 +209,7 @@ def _of_forces(body: Body, odd: Any, random: Random) -> list[tuple[str, Any]]:
         ("reported", (("f", 7, body.x),)),
         ("reported", ((None, "N", body.x),)),
         ("reported", 7),
+        *((word, answer) for word in ("conditions", "weights") for answer in (odd, _raise, 7)),
         ("reported", ((property(lambda s: 1), "N", body.x),)),
         ("name", odd),
         ("name", None),

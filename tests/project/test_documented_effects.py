@@ -1,4 +1,4 @@
-"""The examples of docs/effects.md, run as they stand there."""
+"""The examples of docs/effects.md and the law in pieces of README.md, run as they stand there."""
 
 import re
 from pathlib import Path
@@ -35,3 +35,18 @@ def test_wheel_coasts_to_rest(documented: dict[str, Any], tmp_path: Path) -> Non
     run = machine.simulate(0.9 * stop, np.linspace(0, 0.9 * stop, 31), rtol=1e-10, atol=1e-10)
     assert_allclose(run.v("wheel.x"), 3.0 - slowing * run.t, atol=1e-7)
     assert_allclose(run.q("wheel.phi"), -run.q("wheel.x") / 0.2, atol=1e-10)
+
+
+def test_trapezoidal_profile_of_speed(
+    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, section = (root / "README.md").read_text(encoding="utf-8").split("## A motion law in pieces")
+    declared, run, *_ = re.findall(r"```python\n(.*?)```", section, re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    Path("slide.py").write_text(declared, encoding="utf-8")
+    names: dict[str, Any] = {}
+    exec(run, names)
+    result = names["r"]
+    assert_allclose(result.q("slide.x"), [0.0625, 0.75, 1.4375, 1.5], atol=1e-12)
+    assert_allclose(result.v("slide.x"), [0.5, 1.0, 0.5, 0.0], atol=1e-12)
+    assert_allclose(result.reaction("feed", "fx"), [6.0, 0.0, -6.0, 0.0], atol=1e-9)

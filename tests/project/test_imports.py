@@ -44,7 +44,7 @@ def test_an_import_loads_no_more_than_it_needs(
 COMPILER = {
     *("codegen.argument_readers", "codegen.damaged_byte_code", "codegen.errors"),
     *("codegen.plain_values", "codegen.public_callables"),
-    *("codegen.numba_cache", "codegen.parameter_conditions", "codegen.termination_signals"),
+    *("codegen.numba_cache", "codegen.condition_evaluation", "codegen.termination_signals"),
     "codegen.generated_module_signature_and_import",
 }
 

@@ -21,9 +21,16 @@ from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
+from tests.random_mechanisms import parts
 from tests.random_mechanisms.dense_dynamics import Dense
+from tests.random_mechanisms.dense_hybrid import Hybrid, switching_effects
 from tests.random_mechanisms.dense_motion import driven_motion, free_motion, growth
-from tests.random_mechanisms.generator import FRICTION, RandomMechanism, random_mechanism
+from tests.random_mechanisms.generator import (
+    CONTACTS,
+    FRICTION,
+    RandomMechanism,
+    random_mechanism,
+)
 from tests.random_mechanisms.kernel_comparison import Generated, differences
 
 MET = 1e-10  # of accelerations and reactions, in a state that both are given
@@ -113,7 +120,7 @@ def samples_apart(
 ) -> float:
     """Accelerations and reactions of a sample, relative to the largest of their kind."""
     q, v, a = state
-    ours = dense.solve(q, v, float(result.t[k]))
+    ours = dense.solve(q, v, float(result.t[k]), _modes(machine, result, k))
     sizes, length, period = dense.sizes, machine.scales.length, machine.scales.time
     expected = ours.a / sizes
     scale = max(float(np.abs(expected).max()), 1.0 / period**2)
@@ -131,6 +138,16 @@ def samples_apart(
     return max(apart, float(np.abs(theirs - mine).max()) / max(float(np.abs(mine).max()), force))
 
 
+def _modes(machine: RandomMechanism, result: Result, k: int) -> dict[str, int]:
+    """The modes of a sample, as `Dense.solve` takes them."""
+    effects, modes = switching_effects(machine.parts), {}
+    for switch, mode in zip(result.description.switches, result.samples.modes[k], strict=True):
+        if switch.name in effects and not isinstance(effects[switch.name], parts.Contact):
+            rigid = isinstance(effects[switch.name], parts.RigidContact)
+            modes[switch.name] = {0: 0 if rigid else -1, 1: 1, 2: 0}[int(mode)]
+    return modes
+
+
 def motion_apart(
     machine: RandomMechanism, dense: Dense, instants: Any, q: Any
 ) -> tuple[float, float]:
@@ -138,12 +155,19 @@ def motion_apart(
     if machine.freedoms == 0:
         expected = driven_motion(dense, machine.q, instants)[0]
     else:
-        expected = free_motion(dense, machine.q, machine.v, instants)[0]
+        expected = moved(dense, machine.q, machine.v, instants)
     apart = float(np.abs((q - expected) / dense.sizes).max())
     permitted = MOTION * max(1.0, float(np.abs(expected / dense.sizes).max()))
     if apart > permitted and machine.freedoms:
-        permitted *= max(1.0, 1e-2 * growth(dense, machine.q, machine.v, instants))
+        permitted *= max(1.0, 1e-2 * growth(moved, dense, machine.q, machine.v, instants))
     return apart, permitted
+
+
+def moved(dense: Dense, q: Any, v: Any, instants: Any) -> Any:
+    """Positions at instants by the dense equations, with events where the mechanism has any."""
+    if switching_effects(dense.mechanism):
+        return Hybrid(dense).motion(q, v, instants)[0]
+    return free_motion(dense, q, v, instants)[0]
 
 
 def main() -> None:
@@ -151,7 +175,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("first", type=int)
     parser.add_argument("last", type=int)
-    parser.add_argument("--contacts", action="store_true", help="with stops that yield")
+    parser.add_argument(
+        "--contacts", choices=CONTACTS, default="none", help="stops of all machines"
+    )
     parser.add_argument("--kernels", action="store_true", help="kernels alone, not compiled")
     parser.add_argument("--friction", choices=FRICTION, help="of all machines")
     chosen = parser.parse_args()

@@ -186,7 +186,7 @@ def _(part: parts.Torque, to: Declaration) -> Any:
 
 @add.register
 def _(part: parts.JointFriction, to: Declaration) -> Any:
-    numbers = part.coefficient, part.creep, part.radius, part.length
+    numbers = part.coefficient, part.creep, part.radius, part.length, part.static
     return to.model.friction(part.name, to.joints[part.joint], *numbers)
 
 
@@ -194,7 +194,15 @@ def _(part: parts.JointFriction, to: Declaration) -> Any:
 def _(part: parts.DryFriction, to: Declaration) -> Any:
     return to.model.dry_friction(
         part.name, to.at(part.i), to.at(part.j), axis=part.axis, normal=part.normal,
-        coefficient=part.coefficient, creep=part.creep,
+        coefficient=part.coefficient, creep=part.creep, static=part.static,
+    )  # fmt: skip
+
+
+@add.register
+def _(part: parts.RigidContact, to: Declaration) -> Any:
+    return to.model.contact(
+        part.name, to.at(part.i), to.at(part.j), direction=part.direction,
+        free_length=part.free_length, restitution=part.restitution,
     )  # fmt: skip
 
 

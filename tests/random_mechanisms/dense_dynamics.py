@@ -5,7 +5,8 @@ Taylor series of the equations in `constraint_equations`, Q by virtual work. Not
 from the library.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from math import hypot
 from typing import Any
 
@@ -16,7 +17,13 @@ from tests.random_mechanisms.constraint_equations import Placement, equations
 from tests.random_mechanisms.jets import Derivatives, derivatives, variables
 from tests.random_mechanisms.pose_analysis import column_sizes
 from tests.random_mechanisms.reactions_by_hand import reaction
-from tests.random_mechanisms.virtual_work import Works, normal_force, rubbing, works
+from tests.random_mechanisms.virtual_work import (
+    Works,
+    normal_force,
+    rubbing,
+    switching_scalar,
+    works,
+)
 
 ROUNDS = 200  # of the normal forces of rubbing joints, which converge by a factor of about μ
 
@@ -29,6 +36,7 @@ class Equations:
     slices: dict[str, slice]
     works: Works
     at: Placement  # in plain numbers
+    scalars: dict[str, Derivatives]  # effect → its slip or gap, where it switches
 
     @property
     def jacobian(self) -> Any:
@@ -58,6 +66,11 @@ class Solution:
     a: Any
     lam: Any
     reactions: dict[tuple[str, str], float]
+    held: dict[str, float] = field(default_factory=dict)  # effect → force that keeps it
+    limits: dict[str, float] = field(default_factory=dict)  # friction → the most that it keeps
+    rises: dict[str, tuple[float, float]] = field(default_factory=dict)
+    """Effect → second derivative of its slip or gap, and the size of its terms."""
+    scalars: dict[str, Derivatives] = field(default_factory=dict)  # of the equations
 
 
 class Dense:
@@ -68,7 +81,7 @@ class Dense:
         self.names = mechanism.coordinates
         self.n = len(self.names)
         self.masses = np.array([self._mass(name) for name in self.names])
-        self.sizes = column_sizes(self.names, length)
+        self.sizes, self.length = column_sizes(self.names, length), length
 
     def _mass(self, name: str) -> float:
         owner, letter = name.split(".")
@@ -77,8 +90,10 @@ class Dense:
             return 0.0
         return body.mass if letter in "xy" else float(body.inertia or 0.0)
 
-    def equations(self, q: Any, v: Any, t: float) -> Equations:
-        """Constraints and forces at a state."""
+    def equations(
+        self, q: Any, v: Any, t: float, modes: Mapping[str, int] | None = None
+    ) -> Equations:
+        """Constraints and forces at a state; `modes` as in `solve`."""
         jets, time = variables(q, v, t)
         at, plain = Placement(self.mechanism, jets, time), Placement(self.mechanism, q, t)
         rows: list[Derivatives] = []
@@ -87,15 +102,28 @@ class Dense:
             found = [derivatives(e, self.n) for e in equations(joint, at)]
             slices[joint.name] = slice(len(rows), len(rows) + len(found))
             rows += found
-        return Equations(rows, slices, works(self.mechanism, at, self.n), plain)
+        pushed = works(self.mechanism, at, self.n, modes or {})
+        switching = {
+            f.name: switching_scalar(f, self.mechanism, at) for f in self.mechanism.effects
+        }
+        scalars = {k: derivatives(s, self.n) for k, s in switching.items() if s is not None}
+        return Equations(rows, slices, pushed, plain, scalars)
 
-    def solve(self, q: Any, v: Any, t: float) -> Solution:
-        """The motion at a state; joints that rub are solved by iteration from no friction."""
-        e = self.equations(q, v, t)
-        matrix, scale = self._system(e.jacobian if e.rows else np.zeros((0, self.n)))
+    def solve(self, q: Any, v: Any, t: float, modes: Mapping[str, int] | None = None) -> Solution:
+        """The motion at a state; joints that rub are solved by iteration from no friction.
+
+        `modes`: effect → 0 where its slip or gap is kept as it is, ±1 where a friction slides.
+        Without them every friction slides as its slip says, and every rigid contact is open.
+        """
+        e = self.equations(q, v, t, modes)
+        kept = [name for name in e.scalars if (modes or {}).get(name) == 0]
+        extra = [e.scalars[name] for name in kept]
+        rows = [row.by_q for row in (*e.rows, *extra)]
+        matrix, scale = self._system(np.array(rows) if rows else np.zeros((0, self.n)))
+        gamma = np.array([-row.second for row in (*e.rows, *extra)])
         rubs = [r for f in self.mechanism.effects for r in rubbing(f, self.mechanism, e.works)]
         columns = [e.works.force, *(rub.per_normal for rub in rubs)]
-        right = [np.append(force, e.gamma if k == 0 else 0.0 * e.gamma)
+        right = [np.append(force, gamma if k == 0 else 0.0 * gamma)
                  for k, force in enumerate(columns)]  # fmt: skip
         solved = _solved(matrix, np.array(right).T * scale[:, None]) * scale[:, None]
         normals = np.zeros(len(rubs))
@@ -108,13 +136,39 @@ class Dense:
             if settled:
                 break
         x = solved[:, 0] + solved[:, 1:] @ normals
-        lam = x[self.n :]
+        lam, a = x[self.n : self.n + len(e.rows)], x[: self.n]
         found = {
             (joint.name, component): value
             for joint in self.mechanism.joints
             for component, value in self._reaction(e, joint.name, lam).items()
         }
-        return Solution(x[: self.n], lam, found)
+        held = dict(zip(kept, (-x[self.n + len(e.rows) :]).tolist(), strict=True))
+        found |= {(name, word): f for name, f in held.items() for word in ("force", "torque")}
+        limits = {r.effect: r.limit * n for r, n in zip(rubs, normals, strict=True)}
+        rises = {
+            name: (float(s.by_q @ a) + s.second, float(np.abs(s.by_q) @ np.abs(a)) + abs(s.second))
+            for name, s in e.scalars.items()
+        }
+        return Solution(a, lam, found, held, limits, rises, e.scalars)
+
+    def impulse(self, q: Any, v: Any, t: float, wanted: Mapping[str, float]) -> tuple[Any, Any]:
+        """Change of velocity, and impulses, that change the rates of scalars as wanted."""
+        e = self.equations(q, v, t)
+        matrix, scale = self._system(
+            np.array([row.by_q for row in (*e.rows, *(e.scalars[name] for name in wanted))])
+        )
+        right = np.concatenate([np.zeros(self.n + len(e.rows)), list(wanted.values())])
+        x = _solved(matrix, right * scale) * scale
+        return x[: self.n], -x[self.n + len(e.rows) :]
+
+    def independent(self, q: Any, t: float, names: Any) -> bool:
+        """Whether scalars are independent of each other and of the joints."""
+        e = self.equations(q, np.zeros(self.n), t)
+        rows = [row.by_q * self.sizes for row in (*e.rows, *(e.scalars[name] for name in names))]
+        if not rows:
+            return True
+        unit = np.array([row / max(float(np.linalg.norm(row)), 1e-300) for row in rows])
+        return len(rows) <= self.n and float(np.linalg.svd(unit, compute_uv=False)[-1]) > 1e-3
 
     def _reaction(self, e: Equations, name: str, lam: Any) -> dict[str, float]:
         joint = next(j for j in self.mechanism.joints if j.name == name)

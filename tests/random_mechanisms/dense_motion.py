@@ -1,6 +1,6 @@
 """Motions of a mechanism by the dense equations: integrated at 1e-12, or driven by Newton."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -81,12 +81,15 @@ def _driven_velocity(dense: Dense, q: Any, t: float) -> Any:
     return np.linalg.lstsq(scaled / rows[:, None], e.nu / rows, rcond=None)[0] * dense.sizes
 
 
-def growth(dense: Dense, q: Any, v: Any, instants: Sequence[float], size: float = 1e-8) -> float:
+def growth(
+    motion: Callable[[Dense, Any, Any, Sequence[float]], Any], dense: Dense, q: Any, v: Any,
+    instants: Sequence[float], size: float = 1e-8,
+) -> float:  # fmt: skip
     """By what factor a small change of the start grows until the end, in typical sizes."""
     random = np.random.default_rng(0)
     shift = random.normal(size=(2, dense.n)) * dense.sizes * size
     scale = max(1.0, float(np.abs(v / dense.sizes).max()))
     begin = dense.closed(q + shift[0], v + scale * shift[1], instants[0])
-    moved = free_motion(dense, *begin, [instants[0], instants[-1]])[0][-1]
-    there = free_motion(dense, q, v, [instants[0], instants[-1]])[0][-1]
+    moved = motion(dense, *begin, instants)[-1]
+    there = motion(dense, q, v, instants)[-1]
     return float(np.abs((moved - there) / dense.sizes).max()) / size

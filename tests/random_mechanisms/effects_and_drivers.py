@@ -8,7 +8,11 @@ from tests.random_mechanisms import parts
 from tests.random_mechanisms.constraint_equations import Placement, equations
 from tests.random_mechanisms.jets import derivatives, variables
 from tests.random_mechanisms.parts import GROUND, End, Law
-from tests.random_mechanisms.pose_analysis import LEAST_SINGULAR_VALUE, freedoms
+from tests.random_mechanisms.pose_analysis import (
+    LEAST_SINGULAR_VALUE,
+    freedoms,
+    slips_are_independent,
+)
 from tests.random_mechanisms.pose_builder import PoseBuilder, less, polar
 
 RUBBING = (parts.Revolute, parts.Translational, parts.Slot)
@@ -45,8 +49,10 @@ def add_effects(build: PoseBuilder, friction: str) -> None:
     for probability, add in wishes:
         if build.chance(probability):
             add(build, u)
-    if friction != "none":
-        _friction(build, u, friction == "sticking")
+    if friction == "sticking":
+        _sticking(build, u)
+    elif friction == "smooth":
+        _friction(build, u)
 
 
 def _bodies(pin: parts.Revolute) -> tuple[int, int]:
@@ -129,33 +135,69 @@ def _torque(build: PoseBuilder, u: Units) -> None:
         build.effects.append(parts.Torque(build.name("motor"), body, law, drag))
 
 
-def _friction(build: PoseBuilder, u: Units, sticks: bool) -> None:
-    """Friction in one joint or two, and a rubbing block or belt now and then."""
-    joints = [
+def _joints_that_rub(build: PoseBuilder) -> list:
+    return [
         j for j in build.joints
         if isinstance(j, RUBBING)
         and not (isinstance(j, parts.Revolute) and any(map(build.is_particle, _bodies(j))))
     ]  # fmt: skip
-    order = build.random.permutation(len(joints))[: 1 if sticks or build.chance(0.6) else 2]
+
+
+def _friction(build: PoseBuilder, u: Units) -> None:
+    """Friction in one joint or two that creep at rest, and a belt now and then."""
+    joints = _joints_that_rub(build)
+    order = build.random.permutation(len(joints))[: 1 if build.chance(0.6) else 2]
     for k in order.tolist():
         joint = joints[k]
         pin = isinstance(joint, parts.Revolute)
-        speed = (1.0 if pin else u.length) / u.time
-        creep = None if sticks else build.between(0.1, 0.4) * speed
+        creep = build.between(0.1, 0.4) * (1.0 if pin else u.length) / u.time
         radius = build.between(0.02, 0.06) * u.length if pin else None
         guide = isinstance(joint, parts.Translational) and build.chance(0.4)
         length = build.between(0.5, 1.0) * u.length if guide else None
         numbers = build.between(0.05, 0.25), creep, radius, length
         build.effects.append(parts.JointFriction(build.name("rub"), joint.name, *numbers))
-    if not sticks and build.chance(0.3) and (ends := _ends(build, u.length)):
+    if build.chance(0.3) and (ends := _ends(build, u.length)):
         axis = polar(1.0, build.angle())
         normal, mu = build.between(0.5, 3) * u.force, build.between(0.1, 0.4)
         creep = build.between(0.1, 0.4) * u.length / u.time
         build.effects.append(parts.DryFriction(build.name("belt"), *ends, axis, normal, mu, creep))
 
 
-def add_contact(build: PoseBuilder) -> None:
-    """A stop on the ground, a little ahead of a body's point, that yields."""
+def _sticking(build: PoseBuilder, u: Units) -> None:
+    """Friction that sticks, in as many joints and on as many belts as there are freedoms, or two.
+
+    Their slips are independent: how several frictions share one freedom is a convention.
+    """
+    joints = _joints_that_rub(build)
+    for k in build.random.permutation(len(joints)).tolist()[:2]:
+        joint = joints[k]
+        pin = isinstance(joint, parts.Revolute)
+        radius = build.between(0.05, 0.25) * u.length if pin else None
+        guide = isinstance(joint, parts.Translational) and build.chance(0.4)
+        length = build.between(0.5, 1.0) * u.length if guide else None
+        mu = build.between(0.1, 0.4)
+        static = mu * build.between(1.0, 1.6) if build.chance(0.5) else None
+        numbers = mu, None, radius, length, static
+        build.effects.append(parts.JointFriction(build.name("rub"), joint.name, *numbers))
+        _keep_if_independent(build)
+    if build.chance(0.5) and (ends := _ends(build, u.length)):
+        axis = polar(1.0, build.angle())
+        normal, mu = build.between(0.5, 8) * u.force, build.between(0.1, 0.5)
+        static = mu * build.between(1.0, 1.6) if build.chance(0.5) else None
+        numbers = normal, mu, None, static
+        build.effects.append(parts.DryFriction(build.name("belt"), *ends, axis, *numbers))
+        _keep_if_independent(build)
+
+
+def _keep_if_independent(build: PoseBuilder) -> None:
+    """Take the last friction away unless its slip is independent of all others and the joints."""
+    mechanism = mechanism_of(build)
+    if not slips_are_independent(mechanism, build.scales.length):
+        build.effects.pop()
+
+
+def add_contact(build: PoseBuilder, rigid: bool = False) -> None:
+    """A stop on the ground, a little ahead of a body's point, that yields or is rigid."""
     u = Units(build)
     body = int(build.random.integers(len(build.bodies)))
     at = build.somewhere(body, 0.5 * u.length)
@@ -168,6 +210,10 @@ def add_contact(build: PoseBuilder) -> None:
     line = polar(1.0, direction)
     name = build.name("stop")
     ends = foot, build.end(body, at)
+    if rigid:
+        e = build.between(0.2, 0.8) if build.chance(0.7) else 0.0
+        build.effects.append(parts.RigidContact(name, *ends, line, free, e))
+        return
     build.effects.append(parts.Contact(name, *ends, line, free, stiffness, damping))
 
 

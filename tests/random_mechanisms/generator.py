@@ -38,6 +38,7 @@ PLAIN: dict[str, tuple[str, ...]] = {  # family → its modules, each on the one
 }
 DRIVEN = ("free", "partly", "wholly")
 FRICTION = ("none", "smooth", "sticking")
+CONTACTS = ("none", "yielding", "rigid")
 MOST_FREEDOMS = 5
 
 
@@ -98,7 +99,7 @@ class RandomMechanism:
 
 def random_mechanism(
     seed: int, family: str | None = None, driven: str | None = None, friction: str | None = None,
-    scales: Scales | None = None, contacts: bool = False,
+    scales: Scales | None = None, contacts: str = "none",
 ) -> RandomMechanism:  # fmt: skip
     """The mechanism of a seed, the same in every process.
 
@@ -112,7 +113,7 @@ def random_mechanism(
         Typical length, mass and time; drawn within three decades to either side unless given. A
         seed gives the same mechanism in any of them.
     contacts
-        Whether it may run against stops that yield.
+        One of `CONTACTS`: whether it may run against a stop that yields, or two that are rigid.
     """
     first = np.random.default_rng([seed, 0])
     drawn = [
@@ -139,8 +140,8 @@ def random_mechanism(
     add_drivers(build, wanted)
     set_laws(build, velocities)
     add_effects(build, friction)
-    if contacts:
-        add_contact(build)
+    for _ in range(CONTACTS.index(contacts)):
+        add_contact(build, contacts == "rigid")
     return _with_start(build, velocities, seed, family, friction, names)
 
 

@@ -287,6 +287,7 @@ class JointFriction(Effect):
     creep: float | None
     radius: float | None
     length: float | None
+    static: float | None = None  # of one that sticks, without creep
 
 
 @dataclass(frozen=True)
@@ -298,7 +299,19 @@ class DryFriction(Effect):
     axis: Pair
     normal: float
     coefficient: float
-    creep: float
+    creep: float | None
+    static: float | None = None
+
+
+@dataclass(frozen=True)
+class RigidContact(Effect):
+    """No gap along a direction of body i is ever negative; impacts after Newton."""
+
+    i: End
+    j: End
+    direction: Pair
+    free_length: float
+    restitution: float
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ import scipy.linalg
 from tests.random_mechanisms import parts
 from tests.random_mechanisms.constraint_equations import Placement, equations
 from tests.random_mechanisms.jets import Derivatives, derivatives, variables
+from tests.random_mechanisms.virtual_work import switching_scalar
 
 # Parts of the largest: below it a constraint depends on others, or nearly so.
 LEAST_SINGULAR_VALUE = 0.03
@@ -63,6 +64,24 @@ def freedoms(mechanism: parts.Mechanism, length: float) -> Freedoms:
         return Freedoms(0.0, np.zeros((len(q), 0)), names)
     _, singular, right = np.linalg.svd(jacobian / sizes)
     return Freedoms(float(singular[-1] / singular[0]), right[len(jacobian) :].T, names)
+
+
+def slips_are_independent(mechanism: parts.Mechanism, length: float) -> bool:
+    """Whether frictions that stick in the pose take a freedom each."""
+    names, q = mechanism.coordinates, np.array(mechanism.pose)
+    jets, time = variables(q, np.zeros(len(q)), 0.0)
+    at = Placement(mechanism, jets, time)
+    slips = (
+        switching_scalar(f, mechanism, at)
+        for f in mechanism.effects
+        if isinstance(f, parts.JointFriction | parts.DryFriction)
+    )
+    rows = [derivatives(s, len(q)).by_q for s in slips if s is not None]
+    steps = np.array(rows) * column_sizes(names, length) @ freedoms(mechanism, length).allowed
+    if len(steps) > steps.shape[1]:
+        return False
+    sizes = np.abs(np.array(rows) * column_sizes(names, length)).max(axis=1, keepdims=True)
+    return float(np.linalg.svd(steps / sizes, compute_uv=False)[-1]) > 0.1
 
 
 def column_sizes(names: tuple[str, ...], length: float) -> Any:

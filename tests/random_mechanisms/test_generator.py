@@ -84,5 +84,5 @@ def test_other_units_give_the_same_mechanism(seed: int) -> None:
 def test_every_family_can_be_declared(family: str) -> None:
     """The declarations are checked without a complaint."""
     for seed in range(3):
-        machine = random_mechanism(seed, family, friction="sticking", contacts=True)
+        machine = random_mechanism(seed, family, friction="sticking", contacts="yielding")
         assert [s.name for s in valid_scenes(machine.model(), None)] == ["run"]

@@ -17,3 +17,12 @@ def test_a_run_agrees_with_the_dense_motion(seed: int, request: pytest.FixtureRe
     assert verdict.outcome == "OK"
     assert verdict.statics < MET
     assert verdict.motion < MOTION * 10
+
+
+def test_sticking_and_impacts_agree_with_the_dense_motion(request: pytest.FixtureRequest) -> None:
+    """A pinion and its rack that rub, change their direction, strike a stop, and stick."""
+    folder: Path = request.config.cache.mkdir("random-mechanisms")
+    machine = random_mechanism(5, driven="free", friction="sticking", contacts="rigid")
+    verdict = judge(machine, folder)
+    assert (verdict.outcome, verdict.complaint) == ("OK", "")
+    assert verdict.motion < MOTION

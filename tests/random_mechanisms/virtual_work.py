@@ -1,6 +1,6 @@
 """Generalized forces of all effects by virtual work: Σ f s_q over the scalars s that f moves."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import hypot, tanh
 from typing import Any
@@ -23,6 +23,7 @@ class Works:
     at: Placement
     n: int
     force: Any
+    modes: Mapping[str, int]  # effect → see `side`
     potential: float = 0.0
 
     def push(self, s: Any, force: float) -> None:
@@ -35,9 +36,9 @@ class Works:
         return derivatives(s, self.n)
 
 
-def works(mechanism: parts.Mechanism, at: Placement, n: int) -> Works:
-    """All effects but the friction of joints."""
-    total = Works(at, n, np.zeros(n))
+def works(mechanism: parts.Mechanism, at: Placement, n: int, modes: Mapping[str, int]) -> Works:
+    """All effects but the friction of joints, and what keeps a slip or a gap as it is."""
+    total = Works(at, n, np.zeros(n), modes)
     for effect in mechanism.effects:
         _act(effect, mechanism, total)
     return total
@@ -78,8 +79,9 @@ def _act(effect: parts.Effect, mechanism: parts.Mechanism, total: Works) -> None
         case parts.Torque(_, on, value, drag):
             phi = at.angle(on)
             total.push(phi, _now(value, at) - drag * total.measured(phi).rate)
-        case parts.DryFriction(_, i, j, axis, normal, mu, creep):
-            _belt(total, along_and_across(at, i, j, axis)[0], mu * normal, creep)
+        case parts.DryFriction(name, i, j, axis, normal, mu, creep):
+            s = along_and_across(at, i, j, axis)[0]
+            total.push(s, -mu * normal * side(total, name, total.measured(s).rate, creep))
         case parts.Contact(_, i, j, direction, free, k, c):
             gap = along_and_across(at, i, j, direction)[0] - free
             now = total.measured(gap)
@@ -94,9 +96,29 @@ def _spring(total: Works, s: Any, k: float, free: float, c: float, actuator: flo
     total.potential += 0.5 * k * (now.value - free) ** 2
 
 
-def _belt(total: Works, s: Any, limit: float, creep: float) -> None:
-    """Friction -μ N tanh(slip/creep)."""
-    total.push(s, -limit * tanh(total.measured(s).rate / creep))
+def side(total: Works, name: str, slip: float, creep: float | None) -> float:
+    """What friction is multiplied by: ±1 where it slides, 0 where it sticks, between with a creep.
+
+    Without modes it is the sign of the slip.
+    """
+    if creep is not None:
+        return tanh(slip / creep)
+    return total.modes.get(name, float(np.sign(slip)))
+
+
+def switching_scalar(effect: parts.Effect, mechanism: parts.Mechanism, at: Placement) -> Any:
+    """The slip of a friction or the gap of a contact, whose events end a smooth motion; or None."""
+    match effect:
+        case parts.JointFriction(_, joint, _, None):
+            stated: Any = next(j for j in mechanism.joints if j.name == joint)
+            if isinstance(stated, parts.Revolute):
+                return at.angle(stated.j.body) - at.angle(stated.i.body)
+            return along_and_across(at, stated.i, stated.j, stated.axis)[0]
+        case parts.DryFriction(_, i, j, axis, _, _, None):
+            return along_and_across(at, i, j, axis)[0]
+        case parts.RigidContact(_, i, j, direction, free) | parts.Contact(_, i, j, direction, free):
+            return along_and_across(at, i, j, direction)[0] - free
+    return None
 
 
 @dataclass(frozen=True)
@@ -107,6 +129,8 @@ class Rub:
     length: float | None
     pin: bool
     per_normal: Any
+    effect: str
+    limit: float  # the largest force that sticks, for a normal force of 1 N
 
 
 def rubbing(effect: parts.Effect, mechanism: parts.Mechanism, total: Works) -> Iterator[Rub]:
@@ -120,9 +144,11 @@ def rubbing(effect: parts.Effect, mechanism: parts.Mechanism, total: Works) -> I
     else:
         s = along_and_across(at, joint.i, joint.j, joint.axis)[0]
     now = total.measured(s)
-    side = float(np.sign(now.rate)) if effect.creep is None else tanh(now.rate / effect.creep)
     arm = effect.radius if effect.radius is not None else 1.0
-    yield Rub(joint.name, effect.length, pin, -effect.coefficient * arm * side * now.by_q)
+    slides = side(total, effect.name, now.rate, effect.creep)
+    most = arm * (effect.static or effect.coefficient)
+    per_normal = -effect.coefficient * arm * slides * now.by_q
+    yield Rub(joint.name, effect.length, pin, per_normal, effect.name, most)
 
 
 def normal_force(rub: Rub, reaction: dict[str, float]) -> float:

@@ -13,7 +13,7 @@ from codegen.errors import AssemblyError, RedundancyError
 from runtime import load
 from runtime.assembly.redundancy import Dependency, dependent_rows
 from runtime.machine_facade import Machine
-from runtime.mechanism.module_tables import StartValue, Table
+from runtime.mechanism.table_rows import StartValue, Table
 
 
 def starting(machine: Machine, *start: tuple[str, float, str]) -> Machine:

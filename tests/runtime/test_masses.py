@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from codegen.errors import ParameterError
-from runtime.mechanism.module_tables import Coordinate
+from runtime.mechanism.table_rows import Coordinate
 from runtime.validation import masses
 
 

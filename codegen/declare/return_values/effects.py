@@ -53,7 +53,7 @@ def weights_of(effect: Any, bodies: tuple[Body, ...]) -> Weights:
     )
 
 
-def optional_answers(effect: Any, bodies: tuple[Body, ...]) -> el.OptionalAnswers:
+def optional_terms(effect: Any, bodies: tuple[Body, ...]) -> el.OptionalTerms:
     """What the methods return that not every effect has."""
     law, hold = friction_law(effect), _hold(effect, bodies)
     if law and law.creep is None and not isinstance(hold, el.Sticking):
@@ -61,7 +61,7 @@ def optional_answers(effect: Any, bodies: tuple[Body, ...]) -> el.OptionalAnswer
             f"{el.label(effect)}: its friction() has no creep speed, so that it sticks, but "
             "hold() returns no Sticking; return one, or give creep=."
         )
-    return el.OptionalAnswers(law, hold, _pulls(effect, bodies), _reported(effect, bodies))
+    return el.OptionalTerms(law, hold, _pulls(effect, bodies), _reported(effect, bodies))
 
 
 def friction_law(effect: Any) -> el.FrictionLaw | None:

@@ -6,8 +6,8 @@ from string import Formatter
 from typing import Any
 
 from codegen.declare.body import Body
-from codegen.declare.conditions import Condition
 from codegen.declare.element import label
+from codegen.declare.element_conditions import Condition
 from codegen.declare.return_values.calls import (
     called,
     called_if_any,

@@ -3,8 +3,8 @@
 import sympy
 
 from codegen.declare.body import Point
-from codegen.declare.conditions import Condition, number_problems
 from codegen.declare.element import ConjugateReaction, I, J, Statement
+from codegen.declare.element_conditions import Condition, number_problems
 from codegen.elements.drivers.driver_base_class import Driver
 from codegen.elements.joints.body_line import ALONG, Axis, axis_conditions, bind_axis
 from codegen.elements.registry import element

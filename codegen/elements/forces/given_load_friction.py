@@ -3,13 +3,13 @@
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.conditions import (
+from codegen.declare.element import Effect, Reported, Sticking, label
+from codegen.declare.element_conditions import (
     Condition,
     number_problems,
     sign_conditions,
     static_condition,
 )
-from codegen.declare.element import Effect, Reported, Sticking, label
 from codegen.declare.symbols import Coordinate, Velocity, kinds, side
 from codegen.elements.forces.scalar_measures import is_constant, same_body
 from codegen.elements.registry import element

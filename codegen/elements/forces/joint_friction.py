@@ -6,7 +6,7 @@ import sympy
 
 from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.declare.conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import rate
 from codegen.elements.forces.given_load_friction import coefficient_problems, coefficients
 from codegen.elements.forces.scalar_measures import angle_problems, relative_angle, span

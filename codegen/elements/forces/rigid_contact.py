@@ -3,8 +3,8 @@
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.conditions import hold_conditions
 from codegen.declare.element import Effect, Pulls, Reported, Rigid
+from codegen.declare.element_conditions import hold_conditions
 from codegen.declare.symbols import side
 from codegen.elements.forces.spring_damper_contact import gap_problems
 from codegen.elements.registry import element

@@ -3,8 +3,8 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.conditions import Condition, number_problems, sign_conditions
 from codegen.declare.element import Effect, Element, Pulls, label
+from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
 
 

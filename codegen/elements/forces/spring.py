@@ -3,8 +3,8 @@
 import sympy
 
 from codegen.declare.body import Point
-from codegen.declare.conditions import Condition
 from codegen.declare.element import label
+from codegen.declare.element_conditions import Condition
 from codegen.elements.forces.scalar_measures import SpringDamper, characteristic, distance
 from codegen.elements.registry import element
 

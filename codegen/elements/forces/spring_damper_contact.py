@@ -3,8 +3,8 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.conditions import Condition, number_problems, sign_conditions
 from codegen.declare.element import Effect, Pulls, label
+from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
 from codegen.elements.forces.scalar_measures import distance, is_constant, same_body
 from codegen.elements.registry import element

@@ -3,8 +3,8 @@
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.conditions import Condition
 from codegen.declare.element import label
+from codegen.declare.element_conditions import Condition
 from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.registry import element
 

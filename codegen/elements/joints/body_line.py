@@ -8,8 +8,8 @@ i, since the part of s'_i is constant: u_iᵀ A_i s'_i = u'_iᵀ s'_i.
 
 import sympy
 
-from codegen.declare.conditions import Condition
 from codegen.declare.element import I, J
+from codegen.declare.element_conditions import Condition
 from codegen.declare.symbols import given
 
 Axis = tuple[sympy.Expr, sympy.Expr]

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.conditions import Condition, number_problems
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
+from codegen.declare.element_conditions import Condition, number_problems
 from codegen.declare.symbols import given
 from codegen.elements.joints.revolute import Revolute
 from codegen.elements.registry import element

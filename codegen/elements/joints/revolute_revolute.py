@@ -3,8 +3,8 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.conditions import Condition, number_problems, sign_conditions
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
+from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import given
 from codegen.elements.registry import element
 

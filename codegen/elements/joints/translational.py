@@ -3,8 +3,8 @@
 import sympy
 
 from codegen.declare.body import Point
-from codegen.declare.conditions import Condition, number_problems
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
+from codegen.declare.element_conditions import Condition, number_problems
 from codegen.declare.symbols import given
 from codegen.elements.joints.body_line import ACROSS, DIRECTION, Axis, axis_conditions, bind_axis
 from codegen.elements.registry import element

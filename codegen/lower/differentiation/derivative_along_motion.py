@@ -10,7 +10,7 @@ Haug's formulas come out: ω² times the components of A s, that are there.
 from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
-from codegen.lower.differentiation.broken_powers import BrokenPower, broken_power
+from codegen.lower.differentiation.fractional_powers import FractionalPower, fractional_power
 from codegen.lower.differentiation.program_tangents import slopes_of
 from codegen.lower.factored_sums import PLAIN, Parts
 from codegen.lower.graph import SUMS, Graph
@@ -58,7 +58,7 @@ class Direction:
         parts = [self._known[a] for a in value.args]
         if not any(part.first for part in parts):
             return self._nothing
-        if (power := broken_power(graph, number)) is not None:
+        if (power := fractional_power(graph, number)) is not None:
             return self._power(power)
         match value.op:
             case Op.ADD | Op.SUB | Op.NEG:
@@ -122,7 +122,7 @@ class Direction:
             ),
         )
 
-    def _power(self, power: BrokenPower) -> Jet:
+    def _power(self, power: FractionalPower) -> Jet:
         """n = bᵉ: n' = e bᵉ⁻¹ b', n'' = e bᵉ⁻¹ b'' + e (e - 1) bᵉ⁻² b'²."""
         under, slope = self._known[power.base], power.slope(self.graph)
 

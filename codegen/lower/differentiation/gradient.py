@@ -8,8 +8,8 @@ slope B s, which is there: Haug's formulas come out.
 
 from collections.abc import Iterable, Mapping
 
-from codegen.lower.differentiation.broken_powers import broken_power
 from codegen.lower.differentiation.derivative_along_motion import Direction
+from codegen.lower.differentiation.fractional_powers import fractional_power
 from codegen.lower.differentiation.program_tangents import slopes_of
 from codegen.lower.factored_sums import PLAIN, Parts
 from codegen.lower.graph import SUMS, Graph
@@ -128,7 +128,7 @@ class Slopes:
 
     def _back(self, queue: dict[int, Parts], number: int, share: Parts) -> None:
         graph, value = self.graph, self.graph.values[number]
-        if (power := broken_power(graph, number)) is not None:
+        if (power := fractional_power(graph, number)) is not None:
             self._accumulate(queue, power.base, share.times(power.slope(graph)))
             return
         match value.op:

@@ -13,7 +13,7 @@ of its next derivative, and its third, constant between two knots, has none.
 
 from collections.abc import Callable, Mapping, Sequence
 
-from codegen.lower.differentiation.broken_powers import broken_power
+from codegen.lower.differentiation.fractional_powers import fractional_power
 from codegen.lower.graph import Graph
 from codegen.lower.program import (
     LOGICAL,
@@ -53,7 +53,7 @@ def _tangent(graph: Graph, number: int, value: Value, known: Mapping[int, int]) 
     parts = [known.get(a, graph.zero) for a in value.args]
     if all(part == graph.zero for part in parts):
         return graph.zero
-    if (power := broken_power(graph, number)) is not None:
+    if (power := fractional_power(graph, number)) is not None:
         return graph.mul(power.slope(graph), known.get(power.base, graph.zero))
     match value.op:
         case Op.ADD | Op.SUB | Op.NEG:

@@ -1,7 +1,7 @@
 """The kernel of accelerations and multipliers, by the elimination that costs least."""
 
 from codegen.lower.kernels.corrections import solutions
-from codegen.lower.kernels.mobility_spread import FAR
+from codegen.lower.kernels.inverse_mass_ratio import FAR
 from codegen.lower.kernels.reaction_friction import with_friction
 from codegen.lower.linear.factorization import Elimination, Strategy, augmented
 from codegen.lower.linear.labels import Labels

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from codegen.derive.equations import Equations
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.kernels.accelerations import accelerations
+from codegen.lower.kernels.condition_kernels import condition_kernels
 from codegen.lower.kernels.corrections import correction
-from codegen.lower.kernels.mobility_spread import mobility_spread, weak_pivot
-from codegen.lower.kernels.parameter_conditions import condition_kernels
+from codegen.lower.kernels.inverse_mass_ratio import inverse_mass_ratio, weak_pivot
 from codegen.lower.kernels.rigid_contact_and_stiction import hold_kernels, reaction_outputs
 from codegen.lower.kernels.selection_by_outputs import Selection
 from codegen.lower.linear.factorization import Strategy
@@ -47,7 +47,7 @@ def lower(equations: Equations) -> Lowered:
         gamma = storing("acceleration_rhs", summary, "t q v p gamma", scene.gamma, scene.rows)
         kernels.append(gamma)
     strategy: Strategy | None = None
-    spread = mobility_spread(scene)
+    spread = inverse_mass_ratio(scene)
     recovered, reported = selection.multipliers(scene), selection.reactions(scene)
     if recovered or not resting:
         fused, strategy = accelerations(scene, recovered, spread)

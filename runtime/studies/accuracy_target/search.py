@@ -51,6 +51,7 @@ POINTS = 501  # output instants if the user gives none
 
 _FIRST, _SLOPE = 5e-4, 0.9  # measured: rtol of the first run for a target of 1e-3; its power law
 _LOOSEST, _TIGHTEST = 1e-3, 1e-14  # safety: rtol of any run
+_LAST = 3e-14  # measured: the same where errors are small; a tighter run errs more, by rounding
 _WIDE = 1e-3  # measured: rtol of the second run over that of the first
 _STIFF = 0.03  # measured: the same with an implicit method
 _NEAR, _FAR = 0.1, 1e-6  # safety: rtol of later runs over that of the last
@@ -236,7 +237,7 @@ class _Search:
         small = largest < runs.DIVERGED and pair.share * largest <= margin * self.target
         if pair.conclusive and small:
             return True
-        return pair.tight_fails or rtol <= _TIGHTEST or len(self.runs) >= _MOST_RUNS
+        return pair.tight_fails or rtol <= _tightest(pair) or len(self.runs) >= _MOST_RUNS
 
     def _tighter(self, pair: Pair) -> float:
         """rtol of the next run, so that its estimated error is the target less a margin."""
@@ -246,7 +247,7 @@ class _Search:
         error = largest * (rtol / pair.loose.options.rtol) ** _EXPECTED_POWER
         factor = runs.sufficient_ratio(_MARGIN * self.target / error)
         following = rtol * min(_NEAR, max(_FAR, factor))
-        return max(following, runs.ROUNDING if rtol > runs.ROUNDING else _TIGHTEST)
+        return max(following, runs.ROUNDING if rtol > runs.ROUNDING else _tightest(pair))
 
     def _run(self, choice: _Choice, rtol: float) -> Run:
         """A run; the longest step, where it bounds the error, decreases as tolerances do.
@@ -277,3 +278,9 @@ class _Search:
         if self.signals.arrived or path.outcome is Outcome.INTERRUPTED:
             raise _InterruptedError
         return self.runs[-1]
+
+
+def _tightest(pair: Pair) -> float:
+    """Tightest rtol after these two runs."""
+    near = pair.conclusive and pair.difference.largest < runs.DIVERGED
+    return _LAST if near else _TIGHTEST

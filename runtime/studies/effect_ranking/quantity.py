@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.mechanism.module_tables import unknown
+from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
 from runtime.results.series_lookup import ENERGIES
 from runtime.studies.series_by_name import FloatArray, series_names, unknown_series

@@ -14,7 +14,7 @@ from codegen import argument_readers as readers
 from codegen.errors import AnalysisError, InputError
 from runtime.integrate.method import METHODS
 from runtime.machine_facade import Machine
-from runtime.mechanism.module_tables import unknown
+from runtime.mechanism.table_rows import unknown
 from runtime.results.assembled_state import Assembly
 from runtime.studies import scene_loading, series_by_name
 from runtime.studies.series_by_name import FloatArray

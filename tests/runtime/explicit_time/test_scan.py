@@ -16,7 +16,7 @@ from codegen.derive.equations import derive
 from codegen.lower.time_programs import time_programs
 from runtime.explicit_time.instants import TimeInstants, _Code, time_instants
 from runtime.explicit_time.interval_evaluation import enclose
-from runtime.mechanism.module_tables import TimeFunction
+from runtime.mechanism.table_rows import TimeFunction
 
 a = sp.Symbol("a")
 

@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from codegen.errors import InputError
+from models.hard.suite.linkages import crank_angle
 from runtime.cli.app import app, summary
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
@@ -178,6 +179,20 @@ def test_a_dead_centre_is_passed_by_the_reduced_runs(
     assert run.singular
     assert {row.formulation for row in run.accuracy.runs} == {"reduced"}
     assert run.accuracy.runs[0].outcome == "OK"
+
+
+@pytest.mark.parametrize("target", [1e-8, 1e-9])
+def test_a_target_just_above_rounding_is_met(
+    library: Callable[[str, str], Machine], target: float
+) -> None:
+    """Runs through six dead centres, which are right to 1e-9 from 3e-13 on, and not at 1e-14."""
+    t = np.linspace(0.0, 10.0, 101)
+    run = library("hard/n_four_bar", "fall").simulate(
+        10.0, t, accuracy=target, formulation="cartesian", progress=False
+    )
+    assert run.outcome is Outcome.OK, run.message
+    exact = crank_angle(2, t)
+    assert np.max(np.abs(run.q("crank_0.phi") - exact) / (1.0 + np.abs(exact))) <= target
 
 
 # Accuracy that cannot be reached

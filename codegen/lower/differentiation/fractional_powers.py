@@ -14,7 +14,7 @@ from codegen.lower.program import Op
 LEAST = 5e-324
 
 
-class BrokenPower(NamedTuple):
+class FractionalPower(NamedTuple):
     """sign · base ^ exponent."""
 
     base: int
@@ -40,13 +40,13 @@ class BrokenPower(NamedTuple):
         return graph.mul(front, graph.div(square, divisor))
 
 
-def broken_power(graph: Graph, number: int) -> BrokenPower | None:
+def fractional_power(graph: Graph, number: int) -> FractionalPower | None:
     """The power with a broken exponent above 1 that a value is; None for other values."""
     value = graph.values[number]
     if value.op is Op.POW:
         exponent = graph.number(value.args[1])
         known = exponent is not None and exponent > 1.0 and exponent != int(exponent)
-        return BrokenPower(value.args[0], exponent, 1.0) if known and exponent else None
+        return FractionalPower(value.args[0], exponent, 1.0) if known and exponent else None
     if value.op is not Op.MUL:
         return None
     for whole, root in (value.args, value.args[::-1]):
@@ -54,7 +54,7 @@ def broken_power(graph: Graph, number: int) -> BrokenPower | None:
             base = graph.values[root].args[0]
             bare = graph.unsigned(base)
             if count := _factors(graph, whole, bare):
-                return BrokenPower(base, count + 0.5, 1.0 if base == bare else (-1.0) ** count)
+                return FractionalPower(base, count + 0.5, 1.0 if base == bare else (-1.0) ** count)
     return None
 
 

@@ -8,8 +8,8 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.cam_profile_checks import derivatives
-from codegen.declare.conditions import Condition, hold_conditions
 from codegen.declare.element import Constraint, Effect, Element, label
+from codegen.declare.element_conditions import Condition, hold_conditions
 from codegen.declare.return_values.constraints import closed_curves, statement_of
 from codegen.declare.return_values.elements import conditions_of
 from codegen.declare.symbols import Parameter, ParameterDeclaration, alpha, kinds, t

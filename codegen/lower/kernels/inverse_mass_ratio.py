@@ -24,7 +24,7 @@ _NEGLIGIBLE = 1e-6  # accuracy: a slope of a length, or an arm beside the longes
 _POSES = 5  # safety: poses in which arms are looked at; one in which all of them vanish is rare
 
 
-def mobility_spread(scene: SceneGraph) -> float:
+def inverse_mass_ratio(scene: SceneGraph) -> float:
     """Largest ratio of two mobilities in a row of Φ_q, of two masses, or of two inertias.
 
     With the parameters as declared, at lengths of 0 and several angles.

@@ -10,9 +10,9 @@ from typing import Any
 
 import sympy
 
+from codegen.condition_evaluation import ConditionRow, violated_conditions
 from codegen.declare.element import Rigid, Sticking, label
 from codegen.declare.symbols import Parameter, ParameterDeclaration, kinds
-from codegen.parameter_conditions import ConditionRow, broken_conditions
 
 Numbers = Mapping[sympy.Symbol, float]
 # accuracy: difference of two ratios of friction coefficients that rounding explains
@@ -51,7 +51,7 @@ class Condition:
     def problems(self, where: str, values: Numbers) -> Iterator[str]:
         """The sentence, where the condition is broken for these values of parameters."""
         numbers = [_number(number.subs(values)) for number in self.numbers]
-        yield from broken_conditions([self.row(where)], numbers)
+        yield from violated_conditions([self.row(where)], numbers)
 
     def follows_from(self, parameters: Mapping[str, ParameterDeclaration]) -> bool:
         """Whether the rules of the parameters' own signs imply it."""

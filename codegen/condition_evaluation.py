@@ -32,7 +32,7 @@ class ProfileRow(NamedTuple):
     convex: bool  # whether its follower needs it to be
 
 
-def broken_conditions(
+def violated_conditions(
     rows: Iterable[ConditionRow], numbers: Sequence[float] | npt.NDArray[np.float64]
 ) -> Iterator[str]:
     """A sentence for each condition that its numbers, those of all rows in order, do not meet."""

@@ -1,0 +1,180 @@
+"""The rows of a generated module's tables, each found by its name."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import Any, NamedTuple, Protocol, SupportsIndex, TypeVar, overload
+
+import numpy as np
+
+from codegen.errors import UnknownNameError
+from codegen.plain_values import shown
+
+
+class Row(Protocol):
+    """A line of a table, which is found by its name."""
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+
+
+RowT = TypeVar("RowT", bound=Row)
+
+
+class Table(tuple[RowT, ...]):
+    """A tuple of named rows; a row is found by its position or by its name."""
+
+    __slots__ = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names, in order."""
+        return tuple(row.name for row in self)
+
+    def __contains__(self, item: object) -> bool:
+        """Whether a row, or a row of that name, is here."""
+        return item in self.names if isinstance(item, str) else super().__contains__(item)
+
+    @overload
+    def __getitem__(self, item: SupportsIndex | str) -> RowT: ...
+    @overload
+    def __getitem__(self, item: slice) -> tuple[RowT, ...]: ...
+    def __getitem__(self, item: SupportsIndex | str | slice) -> RowT | tuple[RowT, ...]:
+        """Row by position or name."""
+        if isinstance(item, int | np.integer | slice):
+            return super().__getitem__(item)
+        return super().__getitem__(self.index(item))
+
+    def index(self, item: object, *bounds: SupportsIndex) -> int:
+        """Position of a row, or of the row of that name."""
+        if isinstance(item, str):
+            try:
+                return self.names.index(item, *bounds)
+            except ValueError:
+                raise UnknownNameError(unknown("name", item, self.names)) from None
+        try:
+            return super().index(item, *bounds)
+        except Exception as error:
+            raise UnknownNameError(unknown("name", item, self.names)) from error
+
+
+class Coordinate(NamedTuple):
+    """A generalized coordinate, the name of its velocity, and its unit."""
+
+    name: str
+    velocity: str
+    unit: str
+
+    @property
+    def is_angle(self) -> bool:
+        """Whether it is measured in rad."""
+        return self.unit == "rad"
+
+    @property
+    def is_length(self) -> bool:
+        """True for a position in metres."""
+        return self.unit == "m"
+
+    @property
+    def velocity_unit(self) -> str:
+        """Unit of its velocity."""
+        return f"{self.unit}/s"
+
+    @property
+    def acceleration_unit(self) -> str:
+        """Unit of its acceleration."""
+        return f"{self.unit}/s^2"
+
+
+class Constraint(NamedTuple):
+    """One scalar equation of a joint or a driver."""
+
+    element: str
+    kind: str
+    row: str
+
+    @property
+    def name(self) -> str:
+        """`element.row`."""
+        return f"{self.element}.{self.row}"
+
+
+class Parameter(NamedTuple):
+    """A declared parameter; `sign` is "", "positive" or "nonnegative"."""
+
+    name: str
+    default: float
+    unit: str
+    sign: str
+
+
+class Effect(NamedTuple):
+    """Something that acts on the bodies: gravity, a force, a spring, a driver."""
+
+    name: str
+    kind: str
+
+
+class Switch(NamedTuple):
+    """A condition on which an effect depends; it holds where its function is positive."""
+
+    name: str
+    condition: str
+    # "friction": a slip that may stay zero; "contact": the gap of a rigid contact; at g = 0 a
+    # "closed condition" holds, and of a "balanced condition" the mean of both sides
+    kind: str = "condition"
+
+    @property
+    def title(self) -> str:
+        """`effect: condition`, as events name it."""
+        return f"{self.name}: {self.condition}"
+
+
+class RigidContact(NamedTuple):
+    """A rigid contact and the number of its switch."""
+
+    name: str
+    switch: int
+
+
+class ReactionRow(NamedTuple):
+    """One component of what a joint or driver transmits."""
+
+    element: str
+    component: str
+    unit: str
+
+    @property
+    def name(self) -> str:
+        """`element.component`."""
+        return f"{self.element}.{self.component}"
+
+
+class TimeFunction(NamedTuple):
+    """An explicit function of time, as operations; see `codegen.lower.time_programs`.
+
+    A row is (operation, rows that it takes ...); ("const", number), ("p", slot) or ("t",); or
+    ("table", row, (knots, coefficients), derivative, periodic).
+    """
+
+    name: str  # of the element
+    role: str  # "law" or "effect"
+    watched: tuple[int, ...]  # rows that may bend sharply
+    rows: tuple[tuple[Any, ...], ...]
+
+
+class StartValue(NamedTuple):
+    """A start value of a coordinate or velocity."""
+
+    name: str
+    value: float
+    role: str  # "fixed", "guess", or "neutral": that of the neutral pose, if not zero
+
+
+def unknown(what: str, name: object, names: Iterable[str]) -> str:
+    """Sentence saying that a name does not exist, with the nearest that do."""
+    names = tuple(names)
+    near = get_close_matches(name, names, n=3, cutoff=0.5) if isinstance(name, str) else []
+    if near:
+        return f"There is no {what} {shown(name)}; nearest: {', '.join(near)}."
+    listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+    return f"There is no {what} {shown(name)}; there are: {listed or 'none'}."

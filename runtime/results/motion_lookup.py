@@ -1,0 +1,132 @@
+"""Series of a result's motion by name: coordinates, velocities, accelerations, paths."""
+
+from collections.abc import Callable, Iterable
+from functools import wraps
+from typing import Concatenate, ParamSpec, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.errors import InputError
+from codegen.plain_values import is_a, shown
+from codegen.public_callables import checked_class
+from runtime.mechanism.module_tables import Description
+from runtime.mechanism.table_rows import unknown
+from runtime.results.samples import Samples
+
+FloatArray = npt.NDArray[np.float64]
+Names = ParamSpec("Names")
+Column = TypeVar("Column")
+Series = TypeVar("Series", bound="MotionSeries")
+Lookup = Callable[Concatenate[Series, Names], Column]
+
+
+def by_names(lookup: Lookup[Series, Names, Column]) -> Lookup[Series, Names, Column]:
+    """A lookup that refuses arguments that are no texts."""
+
+    @wraps(lookup)
+    def checked(result: Series, /, *names: Names.args, **keywords: Names.kwargs) -> Column:
+        for name in (*names, *keywords.values()):
+            if not is_a(name, str):
+                raise InputError(
+                    f"{result.description.title}: {lookup.__name__}({shown(name)}): a name is "
+                    f"a text, such as {result.description.coordinates.names[0]!r} of a coordinate."
+                )
+        return lookup(result, *names, **keywords)
+
+    return checked
+
+
+@checked_class
+class MotionSeries:
+    """Samples of a motion, with the tables that name them."""
+
+    description: Description
+    samples: Samples
+
+    @by_names
+    def q(self, name: str) -> FloatArray:
+        """A coordinate over time.
+
+        Parameters
+        ----------
+        name
+            Of the coordinate, such as "crank.phi".
+
+        Returns
+        -------
+        (k,) float64
+            In the coordinate's unit, m or rad.
+        """
+        return self._column(self.samples.q, name, velocity=False)
+
+    @by_names
+    def v(self, name: str) -> FloatArray:
+        """A velocity over time.
+
+        Parameters
+        ----------
+        name
+            Of the velocity, such as "crank.omega", or of its coordinate.
+
+        Returns
+        -------
+        (k,) float64
+            In m/s or rad/s.
+        """
+        return self._column(self.samples.v, name)
+
+    @by_names
+    def a(self, name: str) -> FloatArray:
+        """An acceleration over time.
+
+        Parameters
+        ----------
+        name
+            Of its coordinate or velocity.
+
+        Returns
+        -------
+        (k,) float64
+            In m/s² or rad/s²; not a number in singular configurations.
+        """
+        return self._column(self.samples.a, name)
+
+    @by_names
+    def path(self, point: str) -> FloatArray:
+        """Global coordinates of a tracked point over time.
+
+        Parameters
+        ----------
+        point
+            Name of the tracked point.
+
+        Returns
+        -------
+        (k, 2) float64
+            x and y in m.
+
+        Raises
+        ------
+        InputError
+            If there is no such point, or the scene leaves it out.
+        """
+        description = self.description
+        if point in description.tracked:
+            rows = [description.reactions.index(f"{point}.{axis}") for axis in "xy"]
+            return self.samples.reaction[:, rows]
+        left_out = description.left_out
+        if point in left_out.names and left_out[point].kind == "tracked point":
+            raise InputError(description.suggest_output(f"path({point})"))
+        raise self._unknown("path of", point, description.tracked)
+
+    def _column(self, array: FloatArray, name: str, *, velocity: bool = True) -> FloatArray:
+        table = self.description.coordinates
+        for index, row in enumerate(table):
+            if name == row.name or (velocity and name == row.velocity):
+                return array[:, index]
+        names = [*table.names, *(row.velocity for row in table if velocity)]
+        raise self._unknown("coordinate", name, names)
+
+    def _unknown(self, kind: str, name: str, names: Iterable[str]) -> InputError:
+        return InputError(f"{self.description.title}: {unknown(kind, name, names)}")
