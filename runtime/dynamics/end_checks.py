@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
@@ -12,6 +13,10 @@ from runtime.results.samples import Samples
 _CLOSED = 1e-9  # accuracy: of a coordinate's size; to this the joints close, however fine rtol is
 # measured: tolerances; Baumgarte's method with dopri5 leaves 0.4 of one, each other return 1e-5
 _RESIDUAL = 10.0
+_SIDE = (
+    1e-6  # accuracy: of a switching function's largest value; nearer to zero either side is right
+)
+_SIDE_TOLERANCES = 100.0  # safety: relative tolerances within which an event is located
 
 
 def check_result(
@@ -23,7 +28,8 @@ def check_result(
         return
     found = _residuals(equations, result.samples, sizes, options)
     if run is not None:
-        found = f"{_order_of_events(run)} {found}".strip()
+        modes = _sides_of_modes(equations, result.samples, options.rtol)
+        found = " ".join(filter(None, [_order_of_events(run), modes, found]))
     if found:
         outcome = result.outcome = Outcome.CONTRADICTED
         result.message = f"{outcome.meaning} {found} {outcome.advice} {result.message}"
@@ -82,4 +88,30 @@ def _order_of_events(run: Trajectory) -> str:
     return (
         f"Its events are not in order: t = {times[back[0]]:.9g} s comes before "
         f"{times[back[0] + 1]:.9g} s."
+    )
+
+
+def _sides_of_modes(equations: Equations, samples: Samples, rtol: float) -> str:
+    """A sentence on a mode that contradicts the sign of its function; empty for none.
+
+    At one sample it may, as in the instant of a jump; at two in a row an event was missed.
+    """
+    switches = equations.description.switches
+    if not switches or len(samples.t) < 2:
+        return ""
+    # compiled: most scenes have no switches
+    from runtime.dynamics.switching_values import write_switching_values
+
+    g = np.zeros(samples.modes.shape)
+    write_switching_values(equations.table, samples.t, samples.q, samples.v, equations.p, g)
+    sides = np.where(samples.modes == SLIDING, 0, 2 * samples.modes - 1)
+    near = max(_SIDE, _SIDE_TOLERANCES * rtol) * np.abs(g).max(axis=0)
+    wrong = sides * g < -near
+    found = np.argwhere(wrong[1:] & wrong[:-1])
+    if not len(found):
+        return ""
+    first, k = (int(number) for number in found[0])
+    return (
+        f"From t = {samples.t[first]:.6g} s on the mode of {switches[k].title} contradicts its "
+        f"switching function, which is {g[first + 1, k]:.3g} there: an event was missed."
     )

@@ -71,3 +71,23 @@ def test_ends_of_bouncing_alone_are_put_in_order() -> None:
     events = in_order(Events(t, index, direction, state, state.copy()), 5.0, (1,))
     assert events.t.tolist() == [1.0, 2.0, 3.0, 2.5, 4.0, 5.0]
     assert events.index.tolist() == [0, 0, 2, 0, 2, 1]
+
+
+@pytest.mark.parametrize("t_eval", [None, np.linspace(0.0, 1.0, 50)])
+def test_run_whose_modes_contradict_their_functions_is_not_ok(
+    gas: Machine, monkeypatch: pytest.MonkeyPatch, t_eval: np.ndarray | None
+) -> None:
+    """A condition that the run takes for false while it holds: an event was missed."""
+    turning = {"crank.omega": 30.0}
+    assert gas.simulate(1.0, t_eval, guess=turning).outcome is Outcome.OK
+    recorded = Recording.samples
+
+    def missed(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        t, y, modes = recorded(recording)
+        return t, y, 1 - modes
+
+    monkeypatch.setattr(Recording, "samples", missed)
+    run = gas.simulate(1.0, t_eval, guess=turning)
+    assert run.outcome is Outcome.CONTRADICTED
+    assert "contradicts its switching function" in run.message
+    assert gas.description.switches[0].title.partition(":")[0] in run.message
