@@ -14,9 +14,9 @@ from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
-from codegen.errors import InputError
-from codegen.plain_values import KindError, finite_float, is_flag, one_line, shown
-from codegen.public_callables import checked_call, users_own
+from codegen.errors import FAILURES, InputError
+from codegen.plain_values import KindError, finite_float, is_flag, shown
+from codegen.public_callables import checked_call, failure, users_own
 
 Reader = Callable[[Any], Any]
 Arguments = ParamSpec("Arguments")
@@ -44,8 +44,8 @@ def read_arguments(
             problems.append(f"{where}: {name} is {shown(value, _SHOWN)}; {misfit}")
         except InputError:
             raise
-        except Exception as failure:
-            why = f"{type(failure).__name__}: {one_line(failure)}"
+        except FAILURES as problem:
+            why = failure(problem)
             problems.append(
                 f"{where}: {name} is {shown(value, _SHOWN)}; reading it fails with {why}"
             )

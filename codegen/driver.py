@@ -27,7 +27,7 @@ from codegen.declare.return_values.calls import calling_each_method_once
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.emit.module import module_text, operation_table
-from codegen.errors import LinkwrightError, ModelError, ParameterError, SceneError
+from codegen.errors import FAILURES, LinkwrightError, ModelError, ParameterError, SceneError
 from codegen.generated_files.build_report import BuildReport, report
 from codegen.generated_files.companions import COMPANIONS
 from codegen.generated_files.generated_file import Clock, File, Progress
@@ -36,7 +36,7 @@ from codegen.generated_files.provenance import default_folder, file_name, origin
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.model import Model
 from codegen.model_file import ModelFile, read_model
-from codegen.plain_values import finite_float, shown
+from codegen.plain_values import finite_float, one_line, shown
 from codegen.public_callables import Deferred
 
 GENERATOR = f"linkwright {codegen.__version__}"
@@ -173,7 +173,7 @@ def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowe
             findings = examine(equations, lowered)
     except LinkwrightError:
         raise
-    except Exception as error:
+    except FAILURES as error:
         raise ModelError(
             f"scene '{scene.name}', at the stage {stage}: {unreadable(error)}"
         ) from error
@@ -231,7 +231,7 @@ def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None
         for name in by_name
         if name not in model.scenes
     ]
-    missing += [problem for scene in variants for problem in scene.problems]
+    missing += [one_line(problem, 2000) for scene in variants for problem in scene.problems]
     if missing:
         raise SceneError(missing)
     scenes = [scene for name, scene in model.scenes.items() if name in by_name]

@@ -5,6 +5,9 @@ This module imports nothing, so that the runtime can raise the same errors witho
 
 from collections.abc import Iterable
 
+FAILURES = (Exception, SystemExit, GeneratorExit)
+"""What a user's own object or function may raise; KeyboardInterrupt is the wish to stop."""
+
 
 class LinkwrightError(Exception):
     """Base of every error that Linkwright raises on purpose.

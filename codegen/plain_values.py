@@ -12,12 +12,32 @@ from decimal import Decimal
 from fractions import Fraction
 from itertools import islice
 from numbers import Real
-from typing import Any
+from typing import Any, TypeGuard, TypeVar
 
+from codegen.errors import FAILURES
+
+Kind = TypeVar("Kind")
 MOST = 1_000_000  # safety: members of a list that are read; an iterator may have no end
 WIDEST = 160  # layout: characters of a value in a message
 
-_SHORT = reprlib.Repr()
+
+class _Short(reprlib.Repr):
+    """Short texts of values; SymPy would compare powers of powers of numbers to sort a sum."""
+
+    def repr_instance(self, value: Any, level: int) -> str:
+        """The text of any object that is no list, number or text."""
+        if hasattr(type(value), "free_symbols"):
+            waiting = [value]
+            while waiting:
+                node = waiting.pop()
+                if node.is_Pow and node.exp.is_Pow and node.exp.is_number:
+                    return "an expression with powers of powers of numbers"
+                waiting += [a for a in node.args if hasattr(a, "args")]
+            return repr(value)
+        return super().repr_instance(value, level)
+
+
+_SHORT = _Short()
 _SHORT.maxlevel = 4
 _SHORT.maxtuple = _SHORT.maxlist = _SHORT.maxdict = _SHORT.maxset = _SHORT.maxfrozenset = 12
 _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = WIDEST
@@ -39,8 +59,8 @@ class InvalidName(str):
 def shown(value: object, widest: int = WIDEST) -> str:
     """`value` in a message: on one line, printable, cut where it is long; never an error."""
     try:
-        text = repr(value) if hasattr(type(value), "free_symbols") else _SHORT.repr(value)
-    except Exception:  # a user's __repr__, a number of too many digits
+        text = _SHORT.repr(value)
+    except FAILURES:  # a user's __repr__, a number of too many digits
         text = f"a {type(value).__name__}"
     return one_line(text, widest)
 
@@ -49,7 +69,7 @@ def one_line(text: object, widest: int = WIDEST) -> str:
     """Text without line ends and other characters that do not print, cut where it is long."""
     try:
         words = " ".join(str(text).split())
-    except Exception:
+    except FAILURES:
         words = f"a {type(text).__name__}"
     line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in words)
     return line if len(line) <= widest else f"{line[: widest - 3]}..."
@@ -57,11 +77,13 @@ def one_line(text: object, widest: int = WIDEST) -> str:
 
 def plain_name(value: object) -> str:
     """Text as it is; `InvalidName` in place of all that cannot stand in a message as a name."""
-    if isinstance(value, str):
+    if is_a(value, InvalidName):
+        return value
+    if is_a(value, str):
         text = str.__str__(value)
-        if len(text) <= WIDEST and text.isprintable() and not isinstance(value, InvalidName):
+        if len(text) <= WIDEST and text.isprintable():
             return text
-    return value if isinstance(value, InvalidName) else InvalidName(shown(value))
+    return InvalidName(shown(value))
 
 
 def plain_number(value: Any) -> int | float | Fraction:
@@ -102,9 +124,14 @@ def finite_float(value: Any) -> float | None:
     """A finite real number as a float; None for all else."""
     try:
         number = plain_float(value)
-    except Exception:  # of the user's own object
+    except FAILURES:  # of the user's own object
         return None
     return number if math.isfinite(number) else None
+
+
+def is_a(value: object, kind: type[Kind]) -> TypeGuard[Kind]:
+    """Whether its class is, or derives from, `kind`; what it says of itself is not asked."""
+    return kind in type(value).__mro__
 
 
 def is_flag(value: Any) -> bool:

@@ -35,11 +35,25 @@ UNFINISHED = (sympy.Limit, sympy.Derivative, sympy.Subs, ExprWithLimits)
 NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
 
+def distinct_nodes(expression: sympy.Basic) -> list[sympy.Basic]:
+    """The parts of an expression, each once, those inside first."""
+    found: dict[sympy.Basic, None] = {}
+    waiting: list[tuple[sympy.Basic, bool]] = [(expression, False)]
+    while waiting:
+        node, is_inside_done = waiting.pop()
+        if is_inside_done:
+            found[node] = None
+        elif node not in found:
+            waiting.append((node, True))
+            waiting += [(a, False) for a in reversed(node.args) if isinstance(a, sympy.Basic)]
+    return list(found)
+
+
 def unreal_part(expression: sympy.Basic) -> tuple[sympy.Basic, str] | None:
     """A part of an expression that never is a finite real number, and why; None: there is none."""
     known: dict[sympy.Basic, Interval] = {}
-    for node in sympy.postorder_traversal(expression):
-        if node in known or not isinstance(node, sympy.Expr):
+    for node in distinct_nodes(expression):
+        if not isinstance(node, sympy.Expr):
             continue
         verb = "is" if node == expression else "contains"
         if isinstance(node, UNFINISHED):

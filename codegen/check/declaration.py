@@ -26,7 +26,7 @@ from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, Velocity, alpha, kinds, t
 from codegen.derive.equations import acting_elements, active_joints
 from codegen.derive.scene_conditions import element_conditions
-from codegen.errors import LinkwrightError, ModelError
+from codegen.errors import FAILURES, LinkwrightError, ModelError
 from codegen.model import Model
 from codegen.plain_values import one_line
 
@@ -76,7 +76,7 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
         return [one_line(p, LONGEST) for p in _scene_problems(model, scene)]
     except LinkwrightError:
         raise
-    except Exception as error:
+    except FAILURES as error:
         raise ModelError(f"scene '{scene.name}': {unreadable(error)}") from error
 
 

@@ -14,7 +14,7 @@ import sympy
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate, rate
 from codegen.declare.units import plain_length
-from codegen.errors import ModelError
+from codegen.errors import FAILURES, ModelError
 from codegen.plain_values import members, plain_name, shown
 from codegen.public_callables import declaration, declarations, unchanging
 
@@ -50,6 +50,9 @@ class Body(Pose):
     model: object
     fixed: ClassVar[bool] = False
     turns: ClassVar[bool] = True
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({shown(vars(self).get('name'))})"
 
     @property
     def vx(self) -> Velocity:
@@ -158,13 +161,13 @@ class Body(Pose):
         """A circle in this body, m, run through counter-clockwise."""
         try:
             x, y = (plain_expression(plain_length(c)) for c in members(center, 2))
-        except Exception:  # reported with its joint
+        except FAILURES:  # reported with its joint
             return Curve(self, center, center)
         r = plain_length(radius)
         try:
             size = plain_expression(r)
             return Curve(self, x + size * sympy.cos(alpha), y + size * sympy.sin(alpha))
-        except Exception:
+        except FAILURES:
             return Curve(self, r, y)
 
     def polar(self, radius: Any) -> "Curve":
@@ -209,6 +212,9 @@ class Point:
     body: Body
     sx: Any
     sy: Any
+
+    def __repr__(self) -> str:
+        return f"a Point of {shown(self.body)}"
 
     @property
     def x(self) -> sympy.Expr:
@@ -260,11 +266,14 @@ class Curve:
     y: Any
     pace: float = 1.0
 
+    def __repr__(self) -> str:
+        return f"a Curve of {shown(self.body)}"
+
     def at(self, parameter: sympy.Expr) -> sympy.Matrix:
         """The point of the curve at a parameter, in the body's frame, 2 × 1."""
         try:
             at = plain_expression(parameter)
-        except Exception:
+        except FAILURES:
             raise ModelError(
                 f"curve.at({shown(parameter)}): the parameter α is a number or an expression."
             ) from None
@@ -278,7 +287,7 @@ def _lengths(word: str, body: object, x: Any, y: Any) -> tuple[sympy.Expr, sympy
         raise ModelError(f"{word} of {shown(body)}, which is no body; write body.at(x, y).")
     try:
         return plain_expression(x), plain_expression(y)
-    except Exception:
+    except FAILURES:
         raise ModelError(
             f"{word} of body '{plain_name(body.name)}': ({shown(x)}, {shown(y)}) are no lengths; "
             "give two numbers or expressions in m."

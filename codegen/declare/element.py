@@ -10,7 +10,7 @@ import sympy
 from codegen.declare.body import Body, Curve, Point, Pose
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate, given
-from codegen.errors import ModelError
+from codegen.errors import FAILURES, ModelError
 from codegen.plain_values import KindError, plain_name, shown
 from codegen.public_callables import declarations, unchanging
 
@@ -272,7 +272,7 @@ def label(element: object) -> str:
     for word, otherwise in (("kind", f"element of class {type(element).__name__}"), ("name", "")):
         try:
             text = plain_name(getattr(element, word, "body"))
-        except Exception:  # a property of a modeller's own
+        except FAILURES:  # a property of a modeller's own
             text = otherwise
         words.append(text if word == "kind" or not text else f"'{text}'")
     return " ".join(filter(None, words))

@@ -1,6 +1,8 @@
 """What an expression may consist of, wherever it stands in a declaration."""
 
 import sympy
+from sympy.core.relational import Relational
+from sympy.logic.boolalg import Boolean
 
 from codegen.declare.symbols import (
     Acceleration,
@@ -14,10 +16,11 @@ from codegen.declare.symbols import (
     Velocity,
     alpha,
 )
-from codegen.declare.table_function import Interpolant
+from codegen.declare.table_function import Interpolant, TableAtom
+from codegen.errors import FAILURES
 from codegen.plain_values import one_line
 from codegen.public_callables import failure
-from codegen.real_range import unreal_part
+from codegen.real_range import UNFINISHED, distinct_nodes, unreal_part
 
 INTERNAL = (Given, Side, Speed, Multiplier, Acceleration)
 """Symbols of the equations of elements, which mean nothing in a declaration."""
@@ -28,6 +31,11 @@ FUNCTIONS = (
     *(sympy.floor, sympy.ceiling, sympy.Mod),
 )
 """The functions that can be compiled."""
+PLAIN = (
+    *(sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow, TableAtom),
+    *(sympy.I.func, sympy.zoo.func, Relational, Boolean, sympy.Tuple, *UNFINISHED),
+)
+"""What needs no function, or is refused for a reason of its own."""
 MEANINGFUL = (Coordinate, Velocity, Time, Parameter)
 """Symbols that mean something in a declaration."""
 
@@ -38,7 +46,7 @@ def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | N
         return None
     try:
         return _problem(expression, profile)
-    except Exception as error:  # of SymPy, of a number of thousands of digits
+    except FAILURES as error:  # of SymPy, of a number of thousands of digits
         return unreadable(error)
 
 
@@ -58,6 +66,9 @@ def unreadable(error: BaseException) -> str:
 
 
 def _problem(expression: sympy.Expr, profile: bool) -> str | None:
+    found = unreal_part(expression)
+    if found and found[0].is_number and found[0].is_Pow:  # to write it, SymPy would evaluate it
+        return f"the value {one_line(found[1])}; give finite real numbers."
     for symbol in sorted(expression.free_symbols, key=str):
         if symbol == alpha and not profile:
             return (
@@ -70,12 +81,15 @@ def _problem(expression: sympy.Expr, profile: bool) -> str | None:
                 f"{one_line(expression)} contains '{one_line(symbol)}', a placeholder of an "
                 "element's equations; use coordinates, velocities, parameters and t."
             )
-    functions = expression.atoms(sympy.Function)  # written, to be sorted, where there is a fault
-    unknown = [f for f in functions if f.func not in FUNCTIONS and not f.is_number]
-    if unknown:
-        known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
-        what = one_line(min(unknown, key=str))
-        return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
+    nodes = distinct_nodes(expression)
+    unknown = [n for n in nodes if n.func not in FUNCTIONS and not isinstance(n, PLAIN)]
+    for node in unknown:  # written, to be sorted, where there is a fault
+        if node.is_number is not True:
+            known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
+            what = one_line(min((n for n in unknown if n.is_number is not True), key=one_line))
+            return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
+        if node.evalf(17, maxn=400).is_real is not True:
+            return f"{one_line(node)} is no real number; give finite real numbers."
     pieces = expression.atoms(sympy.Piecewise)
     incomplete = [piece for piece in pieces if piece.args[-1].cond != sympy.true]
     if incomplete:
@@ -83,7 +97,7 @@ def _problem(expression: sympy.Expr, profile: bool) -> str | None:
             f"{one_line(min(incomplete, key=str))} says nothing where none of its conditions "
             "holds; end it with (value, True)."
         )
-    if found := unreal_part(expression):
+    if found:
         part, why = found
         start = "the value" if part == expression else one_line(expression)
         return f"{start} {one_line(why)}; give finite real numbers."

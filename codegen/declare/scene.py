@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
-from codegen.errors import SceneError
-from codegen.plain_values import InvalidName, plain_name, shown
+from codegen.errors import FAILURES, SceneError
+from codegen.plain_values import InvalidName, is_a, plain_name, shown
 
 Analysis = Literal["dynamics", "kinematics", "equilibrium"]
 ANALYSES = ("dynamics", "kinematics", "equilibrium")
@@ -58,8 +58,11 @@ class Request(Choices):
 
 def name_of(element: Any) -> str:
     """The name of an element that is given by its name or as an object; else `InvalidName`."""
-    name = element if isinstance(element, str) else getattr(element, "name", None)
-    return plain_name(name) if isinstance(name, str) else InvalidName(shown(element))
+    try:
+        name = element if is_a(element, str) else getattr(element, "name", None)
+    except FAILURES:  # of the user's own object
+        name = None
+    return plain_name(name) if is_a(name, str) else InvalidName(shown(element))
 
 
 class Owner(Protocol):

@@ -164,7 +164,7 @@ def coordinate(owner: str, letter: str) -> Coordinate:
 
 def own_coordinate(letter: str, text: str) -> Coordinate:
     """A property of bodies and joints: the coordinate of that letter; `text` describes it."""
-    return property(lambda owner: coordinate(owner.name, letter), doc=text)  # type: ignore[return-value]
+    return property(lambda owner: _coordinate(owner.name, letter), doc=text)  # type: ignore[return-value]
 
 
 def side(name: str) -> Side:
@@ -192,5 +192,5 @@ def rate(s: sympy.Expr) -> sympy.Expr:
     return sympy.Add(*slopes, sympy.diff(s, t))
 
 
-coordinate = declaration(coordinate, "coordinate")
+_coordinate, coordinate = coordinate, declaration(coordinate, "coordinate")
 given = declaration(given, "given")

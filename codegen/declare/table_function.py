@@ -11,7 +11,7 @@ from codegen.cubic_spline import Table
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import Coordinate, Time, Velocity
 from codegen.declare.units import in_unit, is_quantity, same_dimension
-from codegen.errors import ModelError
+from codegen.errors import FAILURES, ModelError
 from codegen.plain_values import KindError, plain_float, shown
 from codegen.public_callables import declaration
 
@@ -105,7 +105,7 @@ class TableFunction:
             if place.is_number and math.isnan(self.table(plain_float(place), 0)):
                 raise KindError
             other = _other_dimension(place, unit) if unit else None
-        except Exception:  # also of numbers beyond floats
+        except FAILURES:  # also of numbers beyond floats
             raise ModelError(
                 f"{self!r} is called with {shown(at)}; give a number from its first to its last "
                 "abscissa, or an expression."

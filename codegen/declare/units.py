@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from codegen.errors import ModelError
+from codegen.errors import FAILURES, ModelError
 from codegen.plain_values import KindError, one_line, plain_float
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def registry() -> "pint.UnitRegistry[Any]":
     """The unit registry (pint's application registry, so that a user's quantities fit)."""
     try:
         import pint
-    except Exception as error:
+    except FAILURES as error:
         raise ModelError(
             f"units are read with the package pint, which does not import: {one_line(error)}; "
             "install it anew."
@@ -106,7 +106,7 @@ def known_unit(unit: str) -> bool:
     try:
         shared.parse_units(pint_form(unit))
         si_factor(unit)
-    except Exception:  # pint raises several kinds, among them tokenizer errors
+    except FAILURES:  # pint raises several kinds, among them tokenizer errors
         return False
     return True
 
@@ -140,7 +140,7 @@ def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
     target = registry().parse_units(pint_form(unit)) if unit else registry().dimensionless
     try:
         fits = value.is_compatible_with(target)
-    except Exception:
+    except FAILURES:
         problems.append(
             f"{where}: {one_line(value)} is a quantity of a unit registry of its own; take those "
             "of pint.get_application_registry()."
@@ -214,7 +214,7 @@ def plain_length(value: Any) -> Any:
     """A length in metres; any other value is returned unchanged and reported where it is used."""
     try:
         return _magnitude(value, "m") if is_quantity(value) else value
-    except Exception:
+    except FAILURES:
         return value
 
 

@@ -20,7 +20,18 @@ from codegen.declare.plain_expression import plain_expression
 from codegen.declare.scene import name_of
 from codegen.declare.symbols import Coordinate, ParameterDeclaration, Velocity, kinds
 from codegen.declare.units import in_unit
-from codegen.plain_values import KindError, bounded, is_flag, members, one_line, plain_float, shown
+from codegen.errors import FAILURES
+from codegen.plain_values import (
+    InvalidName,
+    KindError,
+    bounded,
+    is_a,
+    is_flag,
+    members,
+    one_line,
+    plain_float,
+    shown,
+)
 from codegen.public_callables import failure
 
 Names = Iterable["str | Body | Constraint | Effect"]
@@ -57,7 +68,7 @@ class Reader:
             problem = expression_problem(read, profile)
         except RecursionError as error:
             problem = unreadable(error)
-        except Exception as error:
+        except FAILURES as error:
             why = f" ({one_line(error)})" if str(error) else ""
             problem = f"{shown(value)} is neither a number nor an expression{why}."
         if problem is None:
@@ -73,7 +84,7 @@ class Reader:
         """As many values as `units`; anything else is noted, and read as the stand-in or zeros."""
         try:
             given = members(value, len(units))
-        except Exception:
+        except FAILURES:
             self.note(f"{where}: {shown(value)} {like}.")
             given = list(stand_in or (0,) * len(units))
         return tuple(self.value(v, unit, where) for v, unit in zip(given, units, strict=True))
@@ -123,7 +134,7 @@ class Reader:
         """A plain number in `unit`."""
         try:
             return plain_float(in_unit(value, unit, where, self.problems))
-        except Exception as error:
+        except FAILURES as error:
             why = f" ({one_line(error)})" if str(error) else ""
             self.note(f"{where}: {shown(value)} is not a number{why}.")
             return 1.0
@@ -140,7 +151,7 @@ class Reader:
         """A list of plain finite numbers, whose entries are counted from 0."""
         try:
             given = members(value)
-        except Exception as error:
+        except FAILURES as error:
             why = f" ({one_line(error)})" if str(error) else ""
             self.note(f"{where}: {word} is {shown(value)}{why}; give at least {fewest} numbers.")
             return []
@@ -190,19 +201,19 @@ class Reader:
 
     def names(self, value: Any, word: str, where: str, known: Mapping[str, Any]) -> list[str]:
         """Names of elements, given one or several, by name or as objects of the `known` ones."""
-        if isinstance(value, str) or isinstance(getattr(value, "name", None), str):
+        if is_a(value, str) or not is_a(name_of(value), InvalidName):
             given = [value]
         else:
             try:
                 if isinstance(value, Mapping) and any(known.get(k) is not value[k] for k in value):
                     raise KindError  # a table of the model's own lists its keys
                 given = bounded(value)
-            except Exception:
+            except FAILURES:
                 self.note(f"{where}: {word} {shown(value)} is no list; write ['a', 'b'].")
                 return []
         chosen = [name_of(e) for e in given]
         for name, e in zip(chosen, given, strict=True):
-            if not isinstance(e, str) and known.get(name, e) is not e:
+            if not is_a(e, str) and known.get(name, e) is not e:
                 self.note(f"{where}: {word} '{name}' is given as an object of another model.")
         return chosen
 

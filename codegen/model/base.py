@@ -21,7 +21,7 @@ from codegen.declare.scene import Scene
 from codegen.declare.value_reader import Reader
 from codegen.elements.registry import role
 from codegen.errors import NoAttributeError
-from codegen.plain_values import one_line, plain_name, shown
+from codegen.plain_values import is_a, one_line, plain_name, shown
 from codegen.public_callables import DeclaredTable, declaration
 
 Declared = TypeVar("Declared", bound=Constraint | Effect | Body)
@@ -188,8 +188,8 @@ class Declarations:
         return element
 
     def _point(self, name: str, place: Any) -> Point:
-        point = place.at(0, 0) if isinstance(place, Body) else place
-        if not isinstance(point, Point) or not isinstance(point.body, Body):
+        point = place.at(0, 0) if is_a(place, Body) else place
+        if not is_a(point, Point) or not is_a(point.body, Body):
             what = shown(place)
             self._note(f"'{name}': {what} is neither a point nor a body; write body.at(x, y).")
             point = self.ground.at(0, 0)
@@ -216,9 +216,9 @@ class Declarations:
 
     def _body(self, where: str, body: Any, advice: str) -> Body:
         """A body, where a point means nothing."""
-        if isinstance(body, Body):
+        if is_a(body, Body):
             return body
-        at_point = isinstance(body, Point) and isinstance(body.body, Body)
+        at_point = is_a(body, Point) and is_a(body.body, Body)
         label = f"Point of '{body.body.name}'" if at_point else shown(body)
         self._note(f"{where}: {label} is no body; {advice}")
         return self.ground
@@ -227,7 +227,7 @@ class Declarations:
         """A declared body of this model, or None, which stands in for anything else as well."""
         if body is None:
             return None
-        if not isinstance(body, Body):
+        if not is_a(body, Body):
             self._note(f"{where}: {word}={shown(body)} is no body; give one, or leave it out.")
         elif body.fixed:
             self._note(f"{where}: {word} is the ground, which always takes part; give a body.")

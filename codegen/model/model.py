@@ -9,7 +9,7 @@ from typing import Any
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect, label
 from codegen.declare.scene import Scene
-from codegen.errors import ModelError
+from codegen.errors import FAILURES, ModelError
 from codegen.model.base import Declared
 from codegen.model.cams import Cams
 from codegen.model.contacts_and_friction import Contacts
@@ -53,7 +53,7 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
         candidate: object = element
         try:
             known = isinstance(candidate, Body | Constraint | Effect)
-        except Exception as error:  # of a property of its own
+        except FAILURES as error:  # of a property of its own
             raise ModelError(
                 f"{label(element)}: one of its properties fails with {failure(error)}."
             ) from error

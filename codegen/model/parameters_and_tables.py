@@ -7,6 +7,7 @@ from codegen.cubic_spline import fit
 from codegen.declare import units as quantities
 from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule
 from codegen.declare.table_function import FEWEST, TableFunction, point_problems
+from codegen.errors import FAILURES
 from codegen.model.base import Declarations
 from codegen.plain_values import one_line, plain_name, shown
 
@@ -98,7 +99,7 @@ class Values(Declarations):
         try:
             file = Path(path).resolve()
             found = file.is_file()
-        except Exception as error:
+        except FAILURES as error:
             reason = f"is no path of a file ({one_line(error)})"
             self._note(f"depends_on({shown(path)}): {shown(path)} {reason}.")
             return Path()

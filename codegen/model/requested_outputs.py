@@ -10,6 +10,7 @@ from codegen.declare.element import Effect, Reported, label
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.value_reader import Reader
+from codegen.errors import FAILURES
 from codegen.model.base import Declarations, Place
 from codegen.plain_values import InvalidName, bounded, plain_name, shown
 
@@ -73,7 +74,7 @@ class Outputs(Declarations):
             return None
         try:
             given = [outputs] if isinstance(outputs, str) else bounded(outputs)
-        except Exception:
+        except FAILURES:
             what = shown(outputs)
             read.note(
                 f"{where}: outputs={what} is no list; write outputs=['energy', 'power(gas)']."

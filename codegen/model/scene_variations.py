@@ -9,6 +9,7 @@ from typing import Any
 from codegen.declare.name_rules_and_hints import name_problem, nearest
 from codegen.declare.scene import ANALYSES, Request, Scene, name_of
 from codegen.declare.value_reader import Reader
+from codegen.errors import FAILURES
 from codegen.model.scenes import Scenes
 from codegen.plain_values import plain_number, shown
 
@@ -101,7 +102,7 @@ class Variations(Scenes):
         self._read_fidelities(read, where, _mapping(given["fidelity"]), None)
         kinds = {"request": Request, "owner": Variations, "root": Scene | None}
         if any(not isinstance(given[word], kind) for word, kind in kinds.items()) or (
-            not isinstance(given["expression"], str)
+            not isinstance(given["expression"], str) or not _are_texts(given["problems"])
         ):
             read.note(f"{where} is of no model; vary a scene by without(...) and with_(...).")
         return read.problems
@@ -142,11 +143,15 @@ class Variations(Scenes):
         return name if len(name) <= WIDEST else f"{name[: WIDEST - 9].rstrip('_')}_{_hash(name)}"
 
 
+def _are_texts(given: Any) -> bool:
+    return type(given) is tuple and all(type(text) is str for text in given)
+
+
 def _mapping(pairs: Any) -> Any:
     """Pairs as a mapping; what is none as it is."""
     try:
         return dict(pairs)
-    except Exception:
+    except FAILURES:
         return pairs
 
 
@@ -156,6 +161,13 @@ def _hash(value: object) -> str:
 
 def _written(value: Any) -> str:
     """A keyword's value in the comment that says how a scene was varied: names and numbers."""
+    try:
+        return _as_python(value)
+    except FAILURES:
+        return shown(value)
+
+
+def _as_python(value: Any) -> str:
     if value is None or isinstance(value, bool):
         return str(value)
     if isinstance(value, str) or isinstance(getattr(value, "name", None), str):
@@ -164,7 +176,4 @@ def _written(value: Any) -> str:
         return f"{{{', '.join(f'{_written(k)}: {_written(v)}' for k, v in value.items())}}}"
     if isinstance(value, tuple | list):
         return f"[{', '.join(map(_written, value))}]"
-    try:
-        return repr(plain_number(value))
-    except Exception:
-        return shown(value)
+    return repr(plain_number(value))

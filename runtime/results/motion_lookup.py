@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.plain_values import shown
+from codegen.plain_values import is_a, shown
 from codegen.public_callables import checked_class
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
@@ -27,7 +27,7 @@ def by_names(lookup: Lookup[Series, Names, Column]) -> Lookup[Series, Names, Col
     @wraps(lookup)
     def checked(result: Series, /, *names: Names.args, **keywords: Names.kwargs) -> Column:
         for name in (*names, *keywords.values()):
-            if not isinstance(name, str):
+            if not is_a(name, str):
                 raise InputError(
                     f"{result.description.title}: {lookup.__name__}({shown(name)}): a name is "
                     f"a text, such as {result.description.coordinates.names[0]!r} of a coordinate."

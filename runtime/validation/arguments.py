@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from codegen import argument_readers as readers
 from codegen.argument_readers import Reader, optional
-from codegen.errors import AnalysisError, InputError
+from codegen.errors import FAILURES, AnalysisError, InputError
 from codegen.plain_values import KindError, shown
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.assembled_state import Assembly
@@ -32,7 +32,7 @@ def instants(t_eval: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """The output instants as an array, checked."""
     try:
         given = np.asarray(None if np.ma.is_masked(t_eval) else t_eval)
-    except Exception:
+    except FAILURES:
         given = np.asarray(None)
     if given.dtype.kind not in "iuf":
         raise AnalysisError(f"t_eval is {shown(t_eval)}; it must be instants in s.")

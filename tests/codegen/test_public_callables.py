@@ -243,3 +243,40 @@ def test_a_whole_file_keeps_links_modes_and_the_errors_of_others(tmp_path: Path)
         path.write_text("newer")
         (tmp_path / "nothing").read_text()
     assert file.read_text() == "new"
+
+
+def test_a_sum_with_powers_of_powers_of_numbers_is_never_written() -> None:
+    """To sort the terms of a sum for its text, SymPy compares them, and would never end."""
+    model = machine()
+    tower = sympy.Integer(9)
+    for _ in range(3):
+        tower = sympy.Pow(9, tower, evaluate=False)
+    total = model.bodies["a"].x + tower
+    model.force("f", on=model.bodies["a"], fx=total)
+    model.parameter("k", [total])
+    model.cam_follower("c", model.bodies["a"].circle(tower), model.bodies["p"].circle(1))
+    with pytest.raises(ModelError) as caught:
+        valid_scenes(model, None)
+    assert any("a number beyond 1e308" in problem for problem in caught.value.problems)
+
+
+class Hidden:
+    """An object whose class is not to be had."""
+
+    @property  # type: ignore[misc]
+    def __class__(self) -> Any:
+        raise SystemExit
+
+
+def test_objects_that_hide_their_class_are_refused_where_they_stand() -> None:
+    model = machine()
+    model.revolute("pin", Hidden(), model.bodies["a"].at(0, 0))  # type: ignore[arg-type]
+    model.force("f", on=model.bodies["a"], fx=Hidden())
+    model.scene("s", effects=[Hidden()])  # type: ignore[list-item]
+    model.cam_follower("c", Hidden(), model.bodies["a"].circle(1))  # type: ignore[arg-type]
+    with pytest.raises(ModelError) as caught:
+        valid_scenes(model, None)
+    for name in ("'pin'", "'f'", "'s'", "'c'"):
+        assert any(
+            name in problem and "fails with" not in problem for problem in caught.value.problems
+        )

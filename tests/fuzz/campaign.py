@@ -48,8 +48,8 @@ class Campaign:
         return "\n".join(lines) + "\n"
 
 
-class OverTimeError(BaseException):
-    """A case takes longer than it may; no `except Exception` catches it."""
+class OverTimeError(KeyboardInterrupt):
+    """A case takes longer than it may; nothing that is fuzzed catches the wish to stop."""
 
 
 @contextmanager

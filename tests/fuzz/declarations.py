@@ -21,16 +21,20 @@ from typing import Any
 from codegen import LinkwrightError, Model
 from codegen.driver import translate, valid_scenes
 from codegen.emit.module import Origin, module_text
+from codegen.errors import FAILURES
 from codegen.generated_files.generated_file import Clock
+from codegen.plain_values import shown
 from tests.fuzz import campaign
 from tests.fuzz.declared_arguments import Scenery
 from tests.fuzz.declared_methods import BAD_NAMES, METHODS, NO_NAME
+from tests.fuzz.declared_misuse import misuse
 from tests.fuzz.declared_nonsense import MARK
 from tests.fuzz.hostile_elements import hostile_body, hostile_element
 
 LATE = re.compile(r"(model\.\w+|Model)( '\w*')?: fails with")  # the last guard of a declaration
 # what cannot be read for another reason than its depth or the number of its digits
 UNREAD = re.compile(r" cannot be read, (?!RecursionError|ValueError: Exceeds the limit)")
+MISUSED = 0.3  # part of the cases that misuse something public in another way
 LIMIT = 20.0  # seconds after which a case counts as hanging
 
 
@@ -44,6 +48,8 @@ def judge(random: Random) -> str | None:
         warnings.simplefilter("error")
         try:
             scenery = Scenery(Model("m"))
+            if random.random() < MISUSED:
+                return _misuse_fault(scenery, random)
             for k in range(random.choice([1, 1, 2])):
                 about, bad, name = _call(scenery, random, k)
                 told.append(about[0])
@@ -56,11 +62,27 @@ def judge(random: Random) -> str | None:
             fault = f"accepted: {told}" if spoilt else _text_fault(text)
         except LinkwrightError as error:
             fault = _error_fault(error, names)
-        except Exception as error:
+        except FAILURES as error:
             fault = f"{_place(error)}: {type(error).__name__}: {str(error)[:300]}"
     if MARK.exists():
         return f"evaluated: {told}"
     return fault and f"{fault}\n    {told}"
+
+
+def _misuse_fault(scenery: Scenery, random: Random) -> str | None:
+    """What is wrong about the answer to a misuse of something public."""
+    misused = misuse(scenery, random)
+    fault: str | None = None
+    try:
+        misused.call()
+        fault = None if misused.may_be_right else "accepted"
+    except LinkwrightError as error:
+        fault = _error_fault(error, [misused.name])
+    except FAILURES as error:
+        fault = f"{_place(error)}: {type(error).__name__}: {str(error)[:300]}"
+    if MARK.exists():
+        fault = "evaluated"
+    return fault and f"{fault}\n    {misused.words}"
 
 
 def _call(
@@ -138,7 +160,7 @@ def _error_fault(error: LinkwrightError, names: list[str]) -> str | None:
     for problem in error.problems:
         if "\n" in problem or len(problem) > 3000 or not problem.isprintable():
             return f"{_place(error)}: no printable sentence: {problem[:300]!r}"
-    if not any(name and name in text for name in names) and all(names):
+    if not any(name and name.lower() in text.lower() for name in names) and all(names):
         return f"{_place(error)}: names no element: {text[:300]}"
     if LATE.search(text) or UNREAD.search(text):
         return f"{_place(error)}: caught late: {text[:300]}"
@@ -158,10 +180,7 @@ def _place(error: BaseException) -> str:
 
 
 def _short(value: Any) -> str:
-    try:
-        return ascii(value)[:120]
-    except Exception:
-        return f"a {type(value).__name__}"
+    return ascii(shown(value))[1:121]
 
 
 def main() -> int:

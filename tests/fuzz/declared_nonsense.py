@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -20,6 +21,7 @@ from sympy.physics.units import meter
 
 from codegen.declare.element import I, J
 from codegen.declare.symbols import SPEED, Acceleration, Multiplier, alpha, given, side, t
+from tests.fuzz.hostile_objects import SELDOM
 
 MARK = Path(tempfile.gettempdir()) / f"linkwright_fuzz_was_here_{os.getpid()}"
 CODE = f"__import__('pathlib').Path({str(MARK)!r}).touch()"
@@ -51,6 +53,12 @@ class Endless:
 
     def __iter__(self) -> Any:
         return itertools.count()
+
+
+@cache
+def another_registry() -> Any:
+    """A registry of units that is not the application's."""
+    return UnitRegistry()
 
 
 def _loop() -> list[Any]:
@@ -117,7 +125,8 @@ OBJECTS: list[Callable[[], Any]] = [
     lambda: "\ud800",
     lambda: u.Quantity(np.array([1.0, 2.0]), "m"),
     lambda: u.Quantity(np.array([1.0, 2.0]), "m")[:0],
-    lambda: UnitRegistry().Quantity(1.0, "m") * [1, 2],
+    lambda: another_registry().Quantity(1.0, "m") * [1, 2],
+    *SELDOM,
     lambda: u.m,
 ]
 """What is neither a number nor an expression, of any kind that Python has."""

@@ -11,6 +11,8 @@ import numpy as np
 import sympy
 import xarray as xr
 
+from tests.fuzz.hostile_objects import SELDOM
+
 NUMBERS = {"one", "minus", "zero", "float", "array of no dimension", "data array", "decimal"}
 NUMBERS |= {"fraction", "sympy number"}
 """Kinds that are finite real numbers."""
@@ -94,5 +96,6 @@ KINDS: dict[str, Callable[[], Any]] = {
     "broken object": Broken,
     "path": lambda: Path("abc"),
     "module": lambda: np,
+    **{f"seldom {number}": make for number, make in enumerate(SELDOM)},
 }
 """Kind → a new value of it."""

@@ -14,7 +14,7 @@ from codegen.declare.expression_rules import unreadable
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate, Time, Velocity, kinds
 from codegen.declare.units import known_unit
-from codegen.errors import LinkwrightError, ModelError
+from codegen.errors import FAILURES, LinkwrightError, ModelError
 from codegen.plain_values import InvalidName, plain_name, shown
 from codegen.public_callables import failure
 
@@ -47,7 +47,7 @@ def errors_named(element: Any) -> Iterator[None]:
         yield
     except LinkwrightError:
         raise
-    except Exception as error:  # of an expression too deep, of SymPy
+    except FAILURES as error:  # of an expression too deep, of SymPy
         raise ModelError(f"{label(element)}: {unreadable(error)}") from error
 
 
@@ -73,7 +73,7 @@ def has(element: Any, word: str) -> bool:
     """Whether the element has something under a word; a property that fails counts."""
     try:
         return getattr(element, word, None) is not None
-    except Exception:
+    except FAILURES:
         return True
 
 
@@ -111,7 +111,7 @@ def expression(element: Any, word: str, value: Any) -> sympy.Expr:
     """A number or expression."""
     try:
         return plain_expression(value)
-    except Exception:
+    except FAILURES:
         raise refusal(element, word, value, "an expression") from None
 
 
