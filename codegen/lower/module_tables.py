@@ -94,7 +94,10 @@ def describe(
         constraints=tuple((c.name, c.kind, row) for c in constraints for row in c.statement.rows),
         parameters=() if named.frozen else parameters,
         folded=parameters if named.frozen else (),
-        effects=tuple((e.name, e.kind) for e in equations.effects),
+        # what follows from a joint's reaction is friction in it, whatever its author calls it
+        effects=tuple(
+            (e.name, "friction" if e.terms.friction else e.kind) for e in equations.effects
+        ),
         left_out=equations.left_out,
         unused=equations.unused,
         outputs=named.outputs,

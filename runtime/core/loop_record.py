@@ -48,8 +48,10 @@ _FLOATS += [
     "foresight",  # change of the coordinates, in their sizes, over which one is looked for
     "energy",  # T + V at the start of the next step, J; NaN: not known
     "power",  # of all effects and drivers there, W
+    "slope",  # its mean change over the step before, W/s; NaN: not known
+    "slope_over",  # length of that step
     "scatter",  # error of the energy that the tolerances permit, at the last look at its balance
-    "usual_part",  # of the exchanged energy, which the trapezoidal rule left open lately
+    "usual_part",  # of the exchanged energy, which a parabola of powers left open lately
     "unexplained",  # change of the energy less the work of all effects and drivers, J
     "explained",  # that work
     "before_event",  # kinetic energy before an event, where contacts are rigid, J

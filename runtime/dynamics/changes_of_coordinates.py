@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from runtime.core.array_types import Vector
+from runtime.core.array_types import Integers, Vector
 from runtime.core.loop_record import Plan
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import PARTITION
 from runtime.hybrid.loop_branch_guard import LEAST
-from runtime.integrate.problem import Options
+from runtime.integrate.problem import Options, Passage, Stops
 from runtime.integrate.recording_buffers import in_order
 from runtime.integrate.run import Progress, Run
 from runtime.integrate.run_state import COUNTS
@@ -149,6 +149,7 @@ class Changes:
 
     def _make_less(self, t: float, q: Vector, v: Vector) -> Run:
         problem = replace(self.taken.problem(t, q, v), t0=self.taken.begin.t)
+        problem = replace(problem, stops=self._stops_of_all(problem.stops))
         check(self.taken.system, problem, self.options)
         self.less = Run(self.taken.system, problem, self.options)
         return self.less
@@ -161,6 +162,25 @@ class Changes:
         self.whole = Run(system, problem, self.options)
         self.whole.most = _LOOK_EVERY
         return self.whole
+
+    def _stops_of_all(self, stops: Stops | None) -> Stops | None:
+        """Stops that are passed in all coordinates; velocities behind them are kept ones."""
+        if stops is None:
+            return None
+        given, more = stops.passage, stops.further
+
+        def passage(number: int, q: Vector, v: Vector, modes: Integers) -> Passage:
+            less, reduced, n = self.less, self.reduced, len(self.start[1])
+            if less is None or len(q) == n:
+                return given(number, q, v, modes)
+            t, turns = float(less.state.record["t"]), np.zeros(len(reduced.angles))
+            all_q, all_v = np.zeros(n), np.zeros(n)
+            reduced.expand(t, q, v, less.state.p, turns, all_q, all_v)
+            found = given(number, all_q, all_v, modes)
+            return found if found.v is None else found._replace(v=found.v[reduced.kept])
+
+        further = None if more is None else lambda: self._stops_of_all(more())
+        return stops._replace(passage=passage, further=further)
 
     # -- the result --------------------------------------------------------------------------
 

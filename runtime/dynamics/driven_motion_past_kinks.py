@@ -8,6 +8,7 @@ from runtime.continuation.driven_motion import follow
 from runtime.continuation.driven_motion_state import DrivenMotion
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.prepared_simulation import passages_of
+from runtime.explicit_time.instants import Kink
 from runtime.explicit_time.passage import Passages
 from runtime.integrate.problem import Passage
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
@@ -23,44 +24,56 @@ def follow_past_kinks(
     """The motion of `follow`, up to where a law has no value or jumps, and the events of laws."""
     sizes = magnitudes(equations, start.t, start.q)
     path = np.concatenate([[start.t], times])
-    passages = passages_of(equations, start, float(path.max()), sizes, float(path.min()))
+    passages = passages_of(equations, float(path.min()), float(path.max()), sizes)
     if passages is None:
         return follow(equations, times, start, preferred, progress), []
-    modes = np.zeros(len(equations.description.switches), np.int64)
-    kinks = passages.instants.kinks
-    passed = [passages.passage(k, start.q, start.v, modes) for k in range(len(kinks))]
-    reached, end = _reached(path, passages, passed)
+    ascending = bool((np.diff(path) >= 0.0).all())
+    passed, ends = _judged(passages, start, ascending)
+    reached, end = _reached(path, ends)
     done = times[:reached]
-    events = [k for k, passage in enumerate(passed) if passage.event is not None]
     instants = done
-    if (np.diff(path) >= 0.0).all() and reached:
-        sides = [t for k in events for t in kinks[k][:2] if start.t <= t <= done[-1]]
+    if ascending and reached:
+        sides = [t for kink, _ in passed for t in kink[:2] if start.t <= t <= done[-1]]
         instants = np.union1d(done, sides)
     motion = follow(equations, instants if reached else path[:1], start, preferred, progress)
     rows = {float(t): row for row, t in enumerate(motion.t[: len(instants)])}
     found = []
-    for k in events:
-        row = rows.get(kinks[k].after)
+    for kink, passage in passed:
+        row = rows.get(kink.after)
         if row is not None and instants is not done:
             state = motion.q[row], motion.v[row]
-            found.append(Event(kinks[k].title, kinks[k].after, int(passed[k].event or 0), *state))
+            title = equations.description.time_functions[passage.source].title
+            found.append(Event(title, kink.after, int(passage.event or 0), *state))
     return _of_instants(motion, times, done, instants, end), found
 
 
+def _judged(
+    passages: Passages, start: Assembly, ascending: bool
+) -> tuple[list[tuple[Kink, Passage]], list[tuple[float, Passage]]]:
+    """The kinks that are events, and where laws end and how, each with its passage."""
+    passed, ends = list[tuple[Kink, Passage]](), list[tuple[float, Passage]]()
+    for part in passages.parts():
+        for kink in part.kinks:
+            g = passages.equations.switching(kink.before, start.q, start.v)
+            state = start.q, start.v, (g > 0.0).astype(np.int64)
+            passage = passages.passage(kink, *state)
+            if passage.outcome is Outcome.OK and kink.steep is not None:
+                passage = max(passage, passages.steep(kink, *state), key=lambda p: p.outcome)
+            if passage.outcome is not Outcome.OK:
+                ends.append((kink.before, passage))
+            elif passage.event is not None:
+                passed.append((kink, passage))
+        if part.crowd is not None:
+            ends.append((part.crowd[0], passages.crowded(part)))
+        if ends and ascending:
+            break
+    return passed, ends
+
+
 def _reached(
-    path: FloatArray, passages: Passages, passed: list[Passage]
+    path: FloatArray, ends: list[tuple[float, Passage]]
 ) -> tuple[int, tuple[float, Passage] | None]:
     """How many instants are reached before a law ends, and where and how that is; None: all."""
-    instants = passages.instants
-    ends = [
-        (kink.before, passage)
-        for kink, passage in zip(instants.kinks, passed, strict=True)
-        if passage.outcome is not Outcome.OK
-    ]
-    if instants.crowd is not None:
-        none = np.zeros(0, np.int64)
-        last = passages.passage(len(instants.kinks), *passages.start, none)
-        ends.append((instants.crowd[0], last))
     for reached, (a, b) in enumerate(pairwise(path.tolist())):
         within = [end for end in ends if min(a, b) <= end[0] < max(a, b)]
         if within:
@@ -85,6 +98,6 @@ def _of_instants(
     message = f"{len(times)} instants from t = {times[0]:g} to {times[-1]:g} s.{notes}"
     if end is None:
         return motion._replace(message=message)
-    t, (outcome, _, note, *_) = end
-    message = f"Stopped before t = {t:.9g} s. {outcome.meaning} {note} {outcome.advice}"
-    return motion._replace(outcome=outcome, message=message)
+    t, passage = end
+    message = f"Stopped before t = {t:.9g} s. {passage.text}"
+    return motion._replace(outcome=passage.outcome, message=message)

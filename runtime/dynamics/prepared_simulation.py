@@ -20,21 +20,14 @@ if TYPE_CHECKING:
 
 
 def passages_of(
-    equations: Equations, begin: Assembly, t_end: float, sizes: FloatArray,
-    t_begin: float | None = None,
-) -> "Passages | None":  # fmt: skip
-    """What explicit functions of time ask of a motion until t_end, s; None where there are none.
-
-    It begins at `t_begin`, s, or at the start.
-    """
+    equations: Equations, t_begin: float, t_end: float, sizes: FloatArray
+) -> "Passages | None":
+    """What explicit functions of time ask of a motion, times in s; None where there are none."""
     if not equations.description.time_functions:
         return None
-    from runtime.explicit_time.instants import time_instants  # compiled: other scenes do without
-    from runtime.explicit_time.passage import Passages
+    from runtime.explicit_time.passage import Passages  # compiled: other scenes do without
 
-    first = begin.t if t_begin is None else t_begin
-    instants = time_instants(equations.description, equations.p, first, t_end)
-    return Passages(equations, instants, begin.q, begin.v, sizes)
+    return Passages(equations, t_begin, t_end, sizes)
 
 
 class PreparedSimulation:
@@ -57,13 +50,13 @@ class PreparedSimulation:
         self.begin, self.sizes = begin, magnitudes(equations, begin.t, begin.q)
         least = float(self.sizes.min(initial=1.0))
         require_apart(mechanism, p, begin.t, begin.q, begin.v, least)
-        self.passages = passages_of(equations, begin, self.t_end, self.sizes)
+        self.passages = passages_of(equations, begin.t, self.t_end, self.sizes)
         if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
             refuse_structure(mechanism)
 
     @property
     def stops(self) -> Stops | None:
-        """Instants, known beforehand, at which the steps of all runs end."""
+        """Instants at which the steps of a run end, known before it gets there."""
         return None if self.passages is None else self.passages.stops()
 
     def run(self, taken: "Coordinates", options: Options, progress: Progress) -> Trajectory:

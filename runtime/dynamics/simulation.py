@@ -113,8 +113,7 @@ def _result(
         "wall_seconds": clock.perf_counter() - began,
     }
     titles, log = [switch.title for switch in mechanism.description.switches], run.events
-    if ready.passages is not None:
-        titles += [kink.title for kink in ready.passages.instants.kinks]
+    titles += [function.title for function in mechanism.description.time_functions]
     events = [
         Event(titles[int(index)], float(time), int(direction), at_q, at_v)
         for time, index, direction, at_q, at_v in zip(
@@ -179,6 +178,8 @@ def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
     elif run.index >= 0:
         row = description.constraints[run.index]
         where = f", {'driver' if row.element in description.drivers else 'joint'} {row.name}"
+    if run.outcome is Outcome.ZENO and run.note:  # of a function of time, of which it says all
+        return f"Stopped at t = {run.final_t:.9g} s{where}. {run.note}"
     jam = describe_jam(mechanism, run, p)
     if jam:
         return f"Stopped at t = {run.final_t:.9g} s{where}. {jam}"

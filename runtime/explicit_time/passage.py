@@ -3,17 +3,18 @@
 The kernels say it themselves: they are called on both sides of the instant, at one state.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from runtime.core.array_types import Integers, Vector
 from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
-from runtime.explicit_time.instants import Kink, TimeInstants
+from runtime.explicit_time.function_scan import FAR, GROWTH
+from runtime.explicit_time.instants import Kink, TimeInstants, time_instants
 from runtime.integrate.problem import Passage, Stops
 from runtime.mechanism.dense_equations import Equations
 
-_FAR = 1000.0  # safety: distances of a kink's sides from it; there a pole has not begun
-_GROWTH = 300.0  # safety: of a value from there to its side; that of a pole is 1000
 _GREAT = 1e3  # safety: of its size; a smaller value is not that of a pole
 _ADVICE = (
     ": look for a table evaluated beyond its ends, a division by zero, or a root or logarithm of "
@@ -23,64 +24,107 @@ _JUMP = 1e-9  # accuracy: of the typical size; a smaller jump is rounding
 
 
 class Passages:
-    """The kinks of a machine's explicit functions of time, and how a motion passes them."""
+    """The kinks of a machine's explicit functions of time from t0 to t1, and how to pass them."""
 
-    def __init__(
-        self, equations: Equations, instants: TimeInstants, q: Vector, v: Vector, sizes: Vector
-    ) -> None:
-        self.equations, self.instants, self.start = equations, instants, (q, v)
+    def __init__(self, equations: Equations, t0: float, t1: float, sizes: Vector) -> None:
+        self.equations, self.span = equations, (t0, t1)
         self.size = float(sizes.max(initial=1.0))
+        first = next(self._parts(), None)  # often the only one; others are found in each run anew
+        self.whole = first if first is None or first.end >= t1 else None
+        self.some = first is not None
 
-    def stops(self) -> Stops | None:
-        """The instants at which the steps of a run end."""
-        bounds, kinks, crowd = self.instants
+    def _parts(self) -> Iterator[TimeInstants]:
+        return time_instants(self.equations.description, self.equations.p, *self.span)
+
+    def parts(self) -> Iterator[TimeInstants]:
+        """The instants, part by part."""
+        return self._parts() if self.whole is None else iter([self.whole])
+
+    def stops(self, parts: Iterator[TimeInstants] | None = None) -> Stops | None:
+        """The instants at which the steps of a run end, of the next of `parts`."""
+        parts = self.parts() if parts is None else parts
+        part = next(parts, None)
+        if part is None:
+            return None
+        bounds, kinks, end, crowd = part
+        count, more = len(kinks), end < self.span[1]
         rows = [(float(t), -1, float(t)) for t in bounds]
         rows += [(kink.before, k, kink.after) for k, kink in enumerate(kinks)]
+        steep = [(kink.steep, k) for k, kink in enumerate(kinks) if kink.steep is not None]
+        rows += [(t, count + 1 + k, t) for t, k in steep]
         if crowd is not None:
-            rows.append((crowd[0], len(kinks), crowd[0]))
+            rows.append((crowd[0], count, crowd[0]))
+        rows.sort()
+        if more:
+            last = max(end, rows[-1][2]) if rows else end
+            rows.append((last, 2 * count + 1, last))
         if not rows:
             return None
-        times, numbers, after = zip(*sorted(rows), strict=True)
-        return Stops(np.array(times), np.array(numbers, np.int64), np.array(after), self.passage)
+        times, numbers, after = zip(*rows, strict=True)
 
-    def passage(self, number: int, q: Vector, v: Vector, modes: Integers) -> Passage:
-        """How a motion passes the kink of that number in the state (q, v), under `modes`.
+        def passage(number: int, q: Vector, v: Vector, modes: Integers) -> Passage:
+            if number == count:
+                return self.crowded(part)
+            if number > count:
+                return self.steep(kinks[number - count - 1], q, v, modes)
+            return self.passage(kinks[number], q, v, modes)
 
-        In fewer coordinates than the machine's own the state at the start stands for it.
-        """
-        if number == len(self.instants.kinks):
-            return self._crowded()
-        kink, equations = self.instants.kinks[number], self.equations
-        reduced = len(q) != equations.n
-        q, v = self.start if reduced else (q, v)
+        arrays = np.array(times), np.array(numbers, np.int64), np.array(after)
+        return Stops(*arrays, passage, (lambda: self.stops(parts)) if more else None)
+
+    def passage(self, kink: Kink, q: Vector, v: Vector, modes: Integers) -> Passage:
+        """How a motion passes a kink in the state (q, v), (n,) each, under `modes`."""
         slides = bool(np.any(modes == SLIDING))
         modes = np.where(modes == SLIDING, 0, modes)
         sides = [self._values(t, q, v, modes) for t in kink[:2]]
         if ended := self._without_bound(kink, sides, q, v, modes):
             return ended
-        (phi, nu, *others), (phi_after, nu_after, *others_after) = sides
-        apart = kink.after - kink.before
-        jumps = np.abs(phi_after - phi) - 2.0 * apart * np.maximum(np.abs(nu), np.abs(nu_after))
+        (phi, nu, gamma, *forces), (phi_after, nu_after, gamma_after, *forces_after) = sides
+        apart, most = kink.after - kink.before, np.maximum
+        jumps = np.abs(phi_after - phi) - 2.0 * apart * most(np.abs(nu), np.abs(nu_after))
         if np.any(jumps > _JUMP * self.size):
             row = int(jumps.argmax())
             size = abs(float(phi_after[row] - phi[row]))
             return self._end(kink, f"jumps by {size:.6g} at t = {kink.after:.9g} s", row)
-        speeds = np.maximum(np.abs(nu), np.abs(nu_after))
-        jumps = np.abs(nu_after - nu) - _JUMP * np.maximum(speeds, self.size)
+        speeds = most(np.abs(nu), np.abs(nu_after))
+        jumps = np.abs(nu_after - nu) - 2.0 * apart * most(np.abs(gamma), np.abs(gamma_after))
+        jumps -= _JUMP * most(speeds, self.size)
         if np.any(jumps > 0.0):
             row = int(jumps.argmax())
             size = abs(float(nu_after[row] - nu[row]))
-            text = f"has a rate that jumps by {size:.6g} a second at t = {kink.after:.9g} s"
-            if reduced:
-                text += ", an impact, for which reduced coordinates have no equations"
-                return self._end(kink, text, row, 'Take formulation="cartesian". ')
             if slides:
-                text += ", while a contact is closed or friction sticks"
-                return self._end(kink, text, row)
-            return Passage(v=self._velocities(kink.after, q, v, nu_after), event=Direction.IMPACT)
-        pairs = zip(others, others_after, strict=True)
+                text = f"has a rate that jumps by {size:.6g} a second at t = {kink.after:.9g} s, "
+                return self._end(kink, f"{text}while a contact is closed or friction sticks", row)
+            v_after = self._velocities(kink.after, q, v, nu_after)
+
+            def behind(t: float) -> bool:
+                rate = float(self.equations.velocity_rhs(t, q)[row])
+                return bool(abs(rate - nu_after[row]) < abs(rate - nu[row]))
+
+            return Passage(v=v_after, behind=behind, event=Direction.IMPACT, source=kink.function)
+        pairs = zip((gamma, *forces), (gamma_after, *forces_after), strict=True)
         bends = any(not np.allclose(a, b, rtol=_JUMP, atol=_JUMP) for a, b in pairs)
-        return Passage(event=Direction.BEGAN if bends else None)
+        return Passage(event=Direction.BEGAN if bends else None, source=kink.function)
+
+    def steep(self, kink: Kink, q: Vector, v: Vector, modes: Integers) -> Passage:
+        """The end of a run where a function begins to grow without bound, if that acts at all.
+
+        State and modes go on to change until then. It acts at whatever speed, and in all modes.
+        """
+        moving = q + self.size, v + self.size
+        states = [
+            (*state, m) for state in ((q, v), moving) for m in (modes, 0 * modes, 0 * modes + 1)
+        ]
+        ends = []
+        for there_q, there_v, m in states:
+            there = np.where(m == SLIDING, 0, m)
+            sides = [self._values(t, there_q, there_v, there) for t in kink[:2]]
+            ends.append(self._without_bound(kink, sides, there_q, there_v, there))
+        for k in range(2):
+            found = ends[3 * k : 3 * k + 3]
+            if found[0] is not None and None not in found:
+                return found[0]
+        return Passage()
 
     def _values(self, t: float, q: Vector, v: Vector, modes: Integers) -> list[Vector]:
         """Φ, ν, γ and the applied forces."""
@@ -95,11 +139,11 @@ class Passages:
         self, kink: Kink, sides: list[list[Vector]], q: Vector, v: Vector, modes: Integers
     ) -> Passage | None:
         """The end of a run where a function grows without bound, or has no value behind."""
-        far = _FAR * 0.5 * (kink.after - kink.before)
+        far = FAR * 0.5 * (kink.after - kink.before)
         for side, way in zip(sides, (-far, far), strict=True):
             there = self._values(0.5 * (kink.before + kink.after) + way, q, v, modes)
             for order, (near, distant) in enumerate(zip(side, there, strict=True)):
-                grown = np.abs(near) > np.maximum(_GROWTH * np.abs(distant), _GREAT * self.size)
+                grown = np.abs(near) > np.maximum(GROWTH * np.abs(distant), _GREAT * self.size)
                 bad = ~np.isfinite(near) | (
                     (order != 2) & grown
                 )  # γ may grow, but not its integral
@@ -110,18 +154,27 @@ class Passages:
                     return self._end(kink, text, row)
         return None
 
-    def _end(self, kink: Kink, what: str, row: int, more: str = "") -> Passage:
-        note = f"A function of time in '{kink.element}' {what}. {more}"
-        return Passage(Outcome.DISCONTINUOUS, row, note.rstrip())
+    def _end(self, kink: Kink, what: str, row: int) -> Passage:
+        return Passage(
+            Outcome.DISCONTINUOUS,
+            row,
+            f"A function of time in '{self._name(kink.function)}' {what}.",
+        )
 
-    def _crowded(self) -> Passage:
-        assert self.instants.crowd is not None
-        begin, end, element = self.instants.crowd
+    def crowded(self, part: TimeInstants) -> Passage:
+        """The end of a run where changes of a function accumulate."""
+        assert part.crowd is not None
+        begin, end, function = part.crowd
         note = (
-            f"A function of time in '{element}' changes ever faster up to about t = {end:.9g} s, "
-            f"infinitely often; from t = {begin:.9g} s on its changes cannot be told apart."
+            f"A function of time in '{self._name(function)}' changes ever faster up to about "
+            f"t = {end:.9g} s, infinitely often; from t = {begin:.9g} s on its changes cannot be "
+            "told apart. Write one whose changes come to rest, such as a frequency with a bound in "
+            "place of 1/(t - a), or end the run before this time."
         )
         return Passage(Outcome.ZENO, note=note)
+
+    def _name(self, function: int) -> str:
+        return self.equations.description.time_functions[function].name
 
     def _velocities(self, t: float, q: Vector, v: Vector, nu: Vector) -> Vector:
         """Velocities after an impact of the drivers: M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν."""

@@ -33,7 +33,7 @@ _VARIED, _HIDDEN = 0.25, 0.1
 _LEAST = 1e-2  # safety: of a value's size; a smaller range counts as that
 _QUARTERS = 4  # measured: parts of an interval at whose ends a function is seen
 _SAMPLES = 64  # measured: instants at which the ranges of values are seen before the search
-_MOST = 1_000_000  # safety: intervals that are looked at
+_MOST = 250_000  # safety: intervals that are looked at in one call
 SMOOTH = 0  # code of a mark: the end of an interval, in which nothing hides
 _BENT = 4  # code: in an interval something may hide, although no condition is undecided in it
 _LOW, _HIGH, _SPARE, _LEAST_SEEN, _MOST_SEEN, _FIRST, _LAST, _BEFORE, _HERE, _STEPS = range(10)
@@ -45,8 +45,8 @@ def shows_all(work: Matrix, watched: Integers) -> bool:
     """Whether values in an interval are about those at its ends, rows FIRST and LAST."""
     for k in watched:
         low, high = work[_LOW, k], work[_HIGH, k]
-        if math.isnan(low):
-            continue  # it has none
+        if math.isnan(low) or low == high:
+            continue  # it has none, or one, which may be infinite
         first, last = work[_FIRST, k], work[_LAST, k]
         least, most = work[_LEAST_SEEN, k], work[_MOST_SEEN, k]
         size = max(most - least, _LEAST * max(abs(least), abs(most)))
@@ -99,7 +99,8 @@ def scan(
 
     A mark of the kind SMOOTH is the end of an interval in which nothing hides; one of another kind,
     CHOICE or BREAK or both, an instant at which nothing finer than `finest`, s, could be decided.
-    The search ends early where `marks` is full. `work`, (ROWS, values), and `stack` are scratch.
+    The search ends early where `marks` is full or much was looked at; the row behind the last mark
+    begins with the instant up to which it came. `work`, (ROWS, values), and `stack` are scratch.
     """
     work[_LEAST_SEEN, :], work[_MOST_SEEN, :] = math.inf, -math.inf
     for k in range(_SAMPLES + 1):
@@ -140,4 +141,8 @@ def scan(
         look(f, right, work, _HERE)
         copy_vector(work[_HERE], work[_BEFORE])
         top -= 1
+    if top >= 0 and count > 1 and kinds[count - 1] != SMOOTH and marks[count - 1, 1] == left:
+        count -= 1  # what is undecided there may go on
+        left = marks[count, 0]
+    marks[count, 0] = left if top >= 0 else t1
     return count

@@ -3,13 +3,13 @@
     Δ(T + V) = ∫ (Σ powers + ∂V/∂t) dt
 
 Powers are those of effects without a potential, of drivers and of constraints that move. Four
-steps in a row are watched, then 60 are not, but for the first 64 and the last of a run; where
-nothing but potentials acts, the energy tells of these too. At the end of a step the trapezoidal
-rule tells what it can. Where it leaves a larger part of the exchanged energy unexplained than it
-has lately in steps that were right, and in a few steps of every run, the work is integrated by
-Gauss' rule over the dense output, and compared with what the tolerances permit, and with the
-rounding of the potential. Where it is more, shorter steps are taken, and a fault that stays ends
-the run. At an event the pieces of the potential have to meet, and an impact must not
+steps in a row are watched, then 92 are not, but for the first 96 and the last of a run; where
+nothing but potentials acts, the energy tells of these too. At the end of a step a parabola through
+the last three powers tells what it can. Where it leaves a larger part of the exchanged energy
+unexplained than it has lately in steps that were right, and in a few steps of every run, the work
+is integrated by Gauss' rule over the dense output, and compared with what the tolerances permit,
+and with the rounding of the potential. Where it is more, shorter steps are taken, and a fault that
+stays ends the run. At an event the pieces of the potential have to meet, and an impact must not
 raise the kinetic energy where nothing moves by itself.
 
 Nothing is said of steps in sliding modes, near singular positions, or without control of the error.
@@ -35,21 +35,24 @@ INNER = 2.0 - 2.0 * OUTER  # formula: so that parabolas are integrated
 _ERRORS = 50.0  # measured: tolerances of a step by which its energy may err
 _PART = 1e-3  # safety: of the energy that a step exchanges, which need not be explained
 _MEET = 1e-9  # accuracy: of the energy, to which the pieces of a potential meet
-_ROUGH = 0.05  # measured: of the exchanged energy, which the trapezoidal rule leaves open
+_ROUGH = 0.01  # measured: of the exchanged energy, which a parabola of powers leaves open
 _MORE = 4.0  # measured: growth of that part after which it is looked at
 _FORGET = 0.98  # measured: part of it that the next step remembers: one look in 70 steps
 _SELDOM = 60  # measured: steps up to the first look in any case; the k-th comes after k² times that
+_OFTEN = 1024  # measured: steps between two looks at the most; each costs some evaluations
 _ROUNDING = 1e-13  # accuracy: of an energy; rounding of the sums that it is made of
-_WATCHED, _CYCLE = 4, 64  # measured: steps in a row, of so many; all together cost below 2 %
-_SHORT = 1.0 / 64.0  # measured: of a step, over which ∂V/∂t is a difference
+_WATCHED, _CYCLE = 4, 96  # measured: steps in a row, of so many; all together cost below 2 %
+_SHORT = 1.0 / 64.0  # measured: of a step, over which ∂V/∂t is a difference, to either side
 
 
 @inner
-def evaluate_power(context: Context, t: float, row: int, known: bool, forward: float) -> float:
+def evaluate_power(
+    context: Context, t: float, row: int, known: bool, ahead: float, behind: float
+) -> float:
     """Σ powers + ∂V/∂t of the state in a row of the workspace, W.
 
-    `known` says that the multipliers are those of this state; `forward`, of either sign, is the
-    time over which ∂V/∂t is taken.
+    `known` says that the multipliers are those of this state; ∂V/∂t is taken from `behind` to
+    `ahead`, times from now of either sign.
     """
     r, p, modes = run_record(context), context.parameters, context.modes
     q, v = ws.positions(context, row), ws.velocities(context, row)
@@ -64,8 +67,8 @@ def evaluate_power(context: Context, t: float, row: int, known: bool, forward: f
             total += context.power_values[i]
     if r.potential_moves != 0:
         potential = abi.potential_of(context)
-        now = potential(t, q, p, modes)
-        total += (potential(t + forward, q, p, modes) - now) / forward
+        change = potential(t + ahead, q, p, modes) - potential(t + behind, q, p, modes)
+        total += change / (ahead - behind)
     return total
 
 
@@ -100,7 +103,7 @@ def integrate_power(context: Context, t: float, h: float) -> tuple[float, float,
         node = NODES[i]
         x = 0.5 * (1.0 + node)
         interpolate(context, r.dense_rows, x, ws.SAMPLE)
-        power = evaluate_power(context, t + x * h, ws.SAMPLE, False, _SHORT * h)
+        power = evaluate_power(context, t + x * h, ws.SAMPLE, False, _SHORT * h, -_SHORT * h)
         work += RULE[i] * power
         size += RULE[i] * abs(power)
         if i == 2:
@@ -117,8 +120,8 @@ def start_balance(context: Context, t: float, row: int, h: float) -> None:
     q, v = ws.positions(context, row), ws.velocities(context, row)
     potential = abi.potential_of(context)(t, q, context.parameters, context.modes)
     r.energy = abi.kinetic_energy_of(context)(q, v, context.parameters) + potential
-    r.energy_step = r.steps
-    r.power = evaluate_power(context, t, row, False, _SHORT * h)
+    r.energy_step, r.slope = r.steps, np.nan
+    r.power = evaluate_power(context, t, row, False, _SHORT * h, 0.0)
     r.scatter = permit_error(context, t, row)
 
 
@@ -129,13 +132,14 @@ def is_explained(context: Context, t: float, h: float, change: float) -> bool:
     work, rough, size = integrate_power(context, t, h)
     r.scatter = max(permit_error(context, t, ws.Y0), permit_error(context, r.end, ws.Y1))
     r.unexplained, r.explained = change - work, work
-    rounding = r.rounding + _ROUNDING * (abs(r.energy) + abs(change))
+    magnified = 1.0 + 0.5 / _SHORT if r.potential_moves != 0 else 1.0  # by the difference for ∂V/∂t
+    rounding = magnified * r.rounding + _ROUNDING * (abs(r.energy) + abs(change))
     steps = 1 + r.steps - r.energy_step
     permitted = r.scatter * steps + rounding + rough + _PART * (size + abs(change))
     if not abs(change - work) > permitted:
         return True
     r.rounding = max(r.rounding, measure_rounding(context, t))
-    return not abs(change - work) > permitted + r.rounding
+    return not abs(change - work) > permitted + magnified * r.rounding
 
 
 @addressed(ft.BALANCE)
@@ -159,13 +163,17 @@ def balance_step(context: Context) -> int:
     known = r.dense_ready == 0
     potential = abi.potential_of(context)(t1, context.q1, p, modes)
     energy = abi.kinetic_energy_of(context)(context.q1, context.v1, p) + potential
-    power = evaluate_power(context, t1, ws.Y1, known, -_SHORT * h)
+    power = evaluate_power(context, t1, ws.Y1, known, 0.0, -_SHORT * h)
     change = energy - r.energy
-    left = abs(change - 0.5 * h * (r.power + power))
+    slope, curvature = (power - r.power) / h, 0.0
+    if not np.isnan(r.slope):
+        curvature = 2.0 * (slope - r.slope) / (h + r.slope_over)
+    left = abs(change - 0.5 * h * (r.power + power) + h * h * h * curvature / 12.0)
     noise = r.scatter * (1 + r.steps - r.energy_step) + r.rounding
     exchanged = 0.5 * h * (abs(r.power) + abs(power)) + noise
     r.usual_part *= _FORGET
-    due = r.balances * r.balances * _SELDOM <= r.steps or t < r.doubtful
+    due = r.balances * min(r.balances * _SELDOM, _OFTEN) <= r.steps or t1 >= r.t_end
+    due = due or t < r.doubtful
     if left > max(_ROUGH, _MORE * r.usual_part) * exchanged or due:
         r.balances += 1 if due and not t < r.doubtful else 0
         if r.potential_moves == 0 and (
@@ -179,6 +187,7 @@ def balance_step(context: Context) -> int:
             return 1
         r.usual_part = max(r.usual_part, left / max(exchanged, 1e-300))
     r.energy, r.power, r.energy_step = energy, power, r.steps + 1
+    r.slope, r.slope_over = slope, h
     return 0
 
 

@@ -21,17 +21,28 @@ class Passage(NamedTuple):
     row: int = -1  # the constraint that an outcome concerns, or -1
     note: str = ""  # on an outcome
     v: Vector | None = None  # velocities behind it, where they are others
+    behind: Callable[[float], bool] | None = None  # whether an instant, s, is one of these
     event: Direction | None = None  # None: nothing to be seen
+    source: int = 0  # number of the function of time to which an event belongs
+
+    @property
+    def text(self) -> str:
+        """Why the run ends: of changes without end the note says all, for no condition switches."""
+        if self.outcome is Outcome.ZENO:
+            return self.note
+        return f"{self.outcome.meaning} {self.note} {self.outcome.advice}"
 
 
 class Stops(NamedTuple):
-    """Instants, known before a run, at which its steps end."""
+    """Instants, known before a run gets there, at which its steps end."""
 
     times: Vector  # (k,): ascending, s
     kinks: Integers  # (k,): number of the kink, or -1: a step ends, and nothing else
     after: Vector  # (k,): instants at which the run goes on
     # (number of the kink, q, v, modes) of the state before it → how the run passes it
     passage: Callable[[int, Vector, Vector, Integers], Passage]
+    # The stops behind the last of these, which is where they are to be asked for; None: no others
+    further: Callable[[], "Stops | None"] | None = None
 
 
 @dataclass(frozen=True)

@@ -86,6 +86,18 @@ class Recording:
         self.partition_rows.take(r["logged_repartitions"], *self.log)
         r["logged_events"] = r["logged_repartitions"] = 0
 
+    def add_sample(self, t: float, y: Vector, modes: Integers) -> None:
+        """Add a sample at an instant that the loop does not see, t in s and y of shape (2 n,)."""
+        if self.fixed_size:
+            row = int(self.record["samples"])
+            for array, value in zip(self.out, (t, y, modes), strict=True):
+                array[row] = value
+            self.record["samples"] += 1
+        else:  # an interval of no length, its nodes before its end
+            rows = (np.tile(value, (self.interval, 1)) for value in (t, y, modes))
+            times, *states = rows
+            self.sample_rows.take(self.interval, times[:, 0], *states)
+
     def add_events(self, t: float, switches: Integers, kinds: list[int], y: Vector) -> None:
         """Add events at one instant that the loop has not seen."""
         count, kind = len(switches), np.column_stack([switches, kinds])

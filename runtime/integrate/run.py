@@ -8,6 +8,7 @@ import numpy as np
 
 from codegen.errors import AnalysisError
 from codegen.termination_signals import Deferral
+from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Integers, Vector
 from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
@@ -20,7 +21,7 @@ from runtime.integrate.method import LEADING
 from runtime.integrate.problem import Options, Passage, Problem
 from runtime.integrate.recording_buffers import Recording, in_order
 from runtime.integrate.run_state import COUNTS, RunState
-from runtime.integrate.sampling import INTERVAL
+from runtime.integrate.sampling import INTERVAL, STEP_ENDS
 from runtime.integrate.singular_crossing.crossing import Crossings
 from runtime.integrate.step import Signal
 from runtime.integrate.trajectory import Statistics, Trajectory
@@ -188,7 +189,8 @@ class Run:
         """The outcome of a run whose steps get ever shorter up to an instant known beforehand."""
         r, arrays = self.state.record, self.state.wiring.arrays
         ahead = np.flatnonzero(arrays["stop_kinds"][r["next_stop"] :] >= 0) + r["next_stop"]
-        if not len(ahead):
+        stops = self.state.stops
+        if not len(ahead) or (stops is not None and stops.further is not None and len(ahead) == 1):
             return code
         way = float(arrays["stop_times"][ahead[0]] - r["t"])
         passage = self._passage(ahead[0]) if way <= _CLOSE * float(r["duration"]) else Passage()
@@ -208,21 +210,35 @@ class Run:
     def _pass_kink(self) -> int:
         """Go on behind a kink of an explicit function of time, or end before it."""
         state, r = self.state, self.state.record
-        kink = int(state.wiring.arrays["stop_kinds"][r["next_stop"]])
+        last = r["next_stop"] == state.table[ft.STOPS] - 1
+        if last and state.stops is not None and state.stops.further is not None:
+            state.set_stops(state.stops.further())
+            return _GOING
         passage = self._passage(int(r["next_stop"]))
         if passage.outcome is not Outcome.OK:
             return passage.outcome
-        v = state.y[1]
+        before = state.y.ravel().copy()
         state.leave_kink()
         if passage.v is not None:
-            v[:] = passage.v
+            state.y[1] = passage.v
         code: int = start_anew(state.table)
         self.recording.flush()
+        self._sample_kink(before, passage)
         if passage.event is not None:
-            number = np.array([state.system.switches + kink])
+            number = np.array([state.system.switches + passage.source])
             self.recording.add_events(r["t"], number, [passage.event], state.y.ravel())
             r["events"] += 1
         return _GOING if code == Outcome.OK else code
+
+    def _sample_kink(self, before: Vector, passage: Passage) -> None:
+        """Take the samples that are asked for between the two sides of a kink."""
+        state, r, times = self.state, self.state.record, self.state.wiring.arrays["sample_times"]
+        while r["next_sample"] < len(times) and times[r["next_sample"]] <= r["t"]:
+            at = float(times[r["next_sample"]])
+            after = passage.behind is None or passage.behind(at)
+            if r["every_step"] != STEP_ENDS:
+                self.recording.add_sample(at, state.y.ravel() if after else before, state.modes)
+            r["next_sample"] += 1
 
     def result(self, outcome: Outcome, seconds: float) -> Trajectory:
         """What was recorded since the start, or since the run took over from another."""

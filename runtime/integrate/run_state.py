@@ -61,7 +61,7 @@ class RunState:
         self._fill_record(problem)
         self._take(find_method(options.method))
         self._choose_return(problem)
-        self._set_stops(problem.stops)
+        self.set_stops(problem.stops)
 
     @property
     def y(self) -> Matrix:
@@ -123,7 +123,7 @@ class RunState:
         arrays["weights"][:n], arrays["weights"][3 * n :] = problem.scale**2, problem.sizes
         arrays["spreads"][:] = problem.spreads
 
-    def _set_stops(self, stops: Stops | None) -> None:
+    def set_stops(self, stops: Stops | None) -> None:
         """Write the instants at which steps end into the table; a fixed step keeps its length."""
         self.stops = stops
         times, kinks = (np.zeros(0), np.zeros(0, np.int64)) if stops is None else stops[:2]
@@ -132,6 +132,7 @@ class RunState:
         self.table[ft.STOPS] = len(times)
         place(self.table, self.wiring.arrays, "stop_times", times)
         place(self.table, self.wiring.arrays, "stop_kinds", kinks)
+        self.record["next_stop"] = 0
         self.record["stop"] = times[0] if len(times) else np.inf
 
     def leave_kink(self) -> None:
@@ -150,6 +151,8 @@ class RunState:
         coordinates.
         """
         r, theirs, arrays = self.record, other.record, self.wiring.arrays
+        if other.stops is not self.stops:
+            self.set_stops(other.stops)
         counted = {name: r[name] for name in (*COUNTS, *_OF_ENERGY)}
         arrays["record"][0] = fresh
         for name, count in counted.items():

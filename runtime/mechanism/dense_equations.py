@@ -1,12 +1,13 @@
 """The equations of a machine at one instant, as dense arrays, for analyses of few positions."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from runtime.core.array_types import Kernel
-from runtime.core.modes_and_event_kinds import Boundary
+from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.singularity.scaled_constraints import ScaledConstraints
@@ -65,16 +66,23 @@ class Equations:
         return matrix
 
     def forces(self, t: float, q: FloatArray, v: FloatArray, modes: IntArray) -> FloatArray:
-        """Q, shape (n,)."""
-        return _filled(self.n, self.kernels.applied_forces, t, q, v, self.p, modes)
+        """Q, shape (n,); of a condition in mode 2 the mean of both sides, here as below."""
+        kernel = self.kernels.applied_forces
+        mean: FloatArray = _mean_of_sides(
+            modes, lambda m: _filled(self.n, kernel, t, q, v, self.p, m)
+        )
+        return mean
 
     def potential(self, t: float, q: FloatArray, modes: IntArray) -> float:
         """V in J."""
-        return float(self.kernels.potential(t, q, self.p, modes))
+        kernel = self.kernels.potential
+        return float(_mean_of_sides(modes, lambda m: np.float64(kernel(t, q, self.p, m))))
 
     def potential_gradient(self, t: float, q: FloatArray, modes: IntArray) -> FloatArray:
         """∂V/∂q, shape (n,)."""
-        return _filled(self.n, self.kernels.potential_gradient, t, q, self.p, modes)
+        kernel = self.kernels.potential_gradient
+        mean: FloatArray = _mean_of_sides(modes, lambda m: _filled(self.n, kernel, t, q, self.p, m))
+        return mean
 
     def motion(
         self, t: float, q: FloatArray, v: FloatArray, modes: IntArray
@@ -84,10 +92,12 @@ class Equations:
         return a, lam, int(self.kernels.accelerations(t, q, v, self.p, modes, a, lam))
 
     def rest_modes(self, t: float, q: FloatArray) -> IntArray:
-        """Modes at rest, shape (s,); a condition at its boundary holds where it is closed."""
+        """Modes at rest, shape (s,); a condition at its boundary has the mode that is given there.
+
+        That is 2 of a balanced one.
+        """
         g = self.switching(t, q, np.zeros(self.n))
-        closed = self.description.boundaries == Boundary.CLOSED
-        modes: IntArray = ((g > 0.0) | ((g == 0.0) & closed)).astype(np.int64)
+        modes: IntArray = np.where(g == 0.0, self.description.boundaries, g > 0.0).astype(np.int64)
         return modes
 
     def switching(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
@@ -173,6 +183,17 @@ def turned(description: Description, q: FloatArray) -> tuple[FloatArray, FloatAr
     first[angles] += 0.5 + 0.2 * np.sin(1.0 + angles)
     second[angles] -= 0.5 + 0.2 * np.cos(2.0 * angles)
     return first, second
+
+
+def _mean_of_sides(modes: IntArray, values: Callable[[IntArray], Any]) -> Any:
+    """Values by modes 0 and 1; where a mode is 2, the mean of those of both."""
+    plain = np.where(modes == SLIDING, 0, modes)
+    base = total = values(plain)
+    for k in np.flatnonzero(modes == SLIDING):
+        plain[k] = 1
+        total = total + 0.5 * (values(plain) - base)
+        plain[k] = 0
+    return total
 
 
 def _filled(count: int, kernel: Kernel, *arguments: Any) -> FloatArray:

@@ -161,6 +161,11 @@ class TimeFunction(NamedTuple):
     watched: tuple[int, ...]  # rows that may bend sharply
     rows: tuple[tuple[Any, ...], ...]
 
+    @property
+    def title(self) -> str:
+        """As events name it."""
+        return f"{self.name}: next piece of its function of time"
+
 
 class StartValue(NamedTuple):
     """A start value of a coordinate or velocity."""

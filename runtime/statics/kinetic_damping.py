@@ -15,7 +15,7 @@ from numba import from_dtype
 from runtime.core.array_types import i8, integers, matrix, named_tuple_type, vector
 from runtime.core.jit import ADDRESSES, compiled, inlined, inner
 from runtime.core.kernel_abi import accelerations_of, correction_of, kinetic_energy_of, switching_of
-from runtime.core.modes_and_event_kinds import CLOSED
+from runtime.core.modes_and_event_kinds import CLOSED, SLIDING
 from runtime.linalg.vectors import axpy, largest_ratio
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
@@ -169,6 +169,7 @@ def settle_down(
     """
     equations, scale, n = statics.equations, statics.scale, len(q)
     part, modes = statics.partition(q), equations.rest_modes(statics.t, q)
+    modes[modes == SLIDING] = 0  # the push leaves such a surface
     push = np.random.default_rng(4).normal(size=len(part.independent))
     state = Workspace(
         p=equations.p, scale=scale, weights=scale * scale, q=q.copy(),

@@ -143,17 +143,20 @@ class StaticEquations:
         here = self.gradient(q, part)
         modes = self.equations.rest_modes(self.t, q)
         for column, unit in enumerate(np.eye(count)):
-            changed: set[int] = set()
+            changed = set[int]()
             for step in _DIFFERENCES:
-                slopes, changed = [], set()
+                slopes, changed, sides = [], set[int](), list[FloatArray]()
                 for change in (step, -step):
                     closed = self.displaced(q, part, change * unit)
                     if closed is None:
                         continue
                     there = self.equations.rest_modes(self.t, closed)
                     changed |= set(np.flatnonzero(there != modes).tolist())
+                    sides.append(self.gradient(closed, part))
                     if (there == modes).all():
-                        slopes.append((self.gradient(closed, part) - here) / change)
+                        slopes.append((sides[-1] - here) / change)
+                if not slopes and len(sides) == 2:  # on the surface of a balanced condition
+                    slopes = [(sides[0] - sides[1]) / (2.0 * step)]
                 if slopes:
                     matrix[:, column] = np.mean(slopes, axis=0)
                 if not changed:

@@ -10,8 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import sympy
 
 from codegen import Model
+from codegen.elements.forces.joint_friction import JointFriction
 from codegen.errors import AnalysisError, RedundancyError
 from models.hard.parallel_linkage import parallel_linkage
 from models.hard.suite.case import ROOT
@@ -235,9 +237,27 @@ def test_other_ways_back_are_refused_by_name(table: Machine, correction: str) ->
     assert run.outcome is Outcome.OK
 
 
-def test_friction_that_follows_from_reactions_is_refused(tmp_path: Path) -> None:
-    model = parallel_linkage(3)
+class Rust(JointFriction):
+    """Friction in a pin, by a kind of its own."""
+
+    kind = "rust"
+
+
+def rub(model: Model) -> None:
     model.friction("rub", model.joints["A0"], 0.1, radius=0.02)
+
+
+def rust(model: Model) -> None:
+    coefficient, creep, radius = (sympy.Float(number) for number in (0.1, 1e-3, 0.02))
+    model.add(Rust("rub", model.joints["A0"], coefficient, creep, radius))
+
+
+@pytest.mark.parametrize("add", [rub, rust])
+def test_friction_that_follows_from_reactions_is_refused(
+    add: Callable[[Model], None], tmp_path: Path
+) -> None:
+    model = parallel_linkage(3)
+    add(model)
     fall = model.scenes["fall"]
     model.scene("rubbed", ["gravity", "rub"], start=dict(fall.start), guess=dict(fall.guess))
     with pytest.raises(AnalysisError, match=r"friction in joints \(rub\) follows from their reac"):

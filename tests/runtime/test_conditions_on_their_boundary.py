@@ -116,6 +116,41 @@ def test_inverse_dynamics_and_equilibrium_agree(workshop: Path) -> None:
     assert_allclose(rest.q("bead.x")[-1], 0.0, atol=1e-8)
 
 
+@pytest.mark.parametrize("condition", [t > 0, t >= 0, t < 0, t <= 0])
+def test_all_analyses_agree_on_the_first_instant(workshop: Path, condition: Any) -> None:
+    names = {t > 0: "after", t >= 0: "from", t < 0: "before", t <= 0: "until"}
+    machines = []
+    for which in ("driven", "both"):
+        model = Model(f"first_{names[condition]}_{which}")
+        bead = model.particle("bead", mass=1.0)
+        model.absolute("rail", bead, "y", 0)
+        model.driver("drive", bead.x, t)
+        model.force("push", bead, fx=2.0, when=condition)
+        if which == "both":
+            free = model.particle("free", mass=1.0)
+            model.force("same", free, fx=2.0, when=condition)
+        machines.append(load(model, folder=workshop))
+    driven = machines[0].inverse_dynamics([0.0, 0.5], progress=False)
+    run = machines[1].simulate(0.5, [0.0, 0.5], progress=False)
+    assert_allclose(driven.reaction("drive", "fx"), -run.a("free.x"))
+    assert_allclose(run.reaction("drive", "fx"), -run.a("free.x"))
+    assert run.a("free.x")[1] == (2.0 if names[condition] in {"after", "from"} else 0.0)
+
+
+def test_equilibrium_has_the_mean_of_both_sides(workshop: Path) -> None:
+    """On y = 0 the sign is 0 and Heaviside's function 1/2: springs alone hold x and z."""
+    model = Model("balanced")
+    bead, other = model.particle("bead", mass=1.0), model.particle("other", mass=1.0)
+    for p in (bead, other):
+        model.absolute(f"rail_{p.name}", p, "y", 0)
+        model.spring(f"back_{p.name}", model.ground.at(-1, 0), p, 4.0, free_length=1.0)
+    model.force("side", bead, fx=5 * sign(bead.y))
+    model.force("half", other, fx=8 * Heaviside(other.y))
+    rest = load(model, folder=workshop).equilibrium()
+    assert_allclose(rest.q("bead.x")[-1], 0.0, atol=1e-8)
+    assert_allclose(rest.q("other.x")[-1], 1.0, rtol=1e-7)
+
+
 BEAD = Body("bead", None, None, None)
 X, V = BEAD.x, BEAD.vx
 SHARED = [

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,11 +11,13 @@ import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose
 
 from codegen import Model, t
 from codegen.derive.equations import derive
 from codegen.lower.time_programs import time_programs
-from runtime.explicit_time.instants import TimeInstants, _Code, time_instants
+from runtime.explicit_time.function_scan import FunctionArrays
+from runtime.explicit_time.instants import TimeInstants, time_instants
 from runtime.explicit_time.interval_evaluation import enclose
 from runtime.mechanism.table_rows import TimeFunction
 
@@ -39,7 +42,7 @@ def instants(
     f: sp.Expr, t1: float, t0: float = 0.0, law: bool = False, **values: float
 ) -> TimeInstants:
     described: Any = SimpleNamespace(time_functions=functions(f, law, **values))
-    return time_instants(described, np.array([*values.values()]), t0, t1)
+    return next(time_instants(described, np.array([*values.values()]), t0, t1))
 
 
 @pytest.mark.parametrize(
@@ -123,10 +126,10 @@ def test_branches_that_are_not_taken_do_nothing(f: sp.Expr, kink: float) -> None
 @pytest.mark.parametrize("f", [sp.sin(1 / (t - 1)), sp.sign(sp.sin(1 / (t - 1)))])
 @pytest.mark.parametrize("law", [True, False])
 def test_changes_without_end_have_a_place(f: sp.Expr, law: bool) -> None:
-    begin, end, element = instants(f, 2.0, law=law).crowd or (0.0, 0.0, "")
+    begin, end, function = instants(f, 2.0, law=law).crowd or (0.0, 0.0, -1)
     assert 0.99 < begin < 1.0
     assert end == pytest.approx(1.0, abs=1e-4)
-    assert element == "f"
+    assert function == 0
     assert (instants(f, 2.0, 1.0, law=law).crowd or (0.0,))[0] == pytest.approx(1.0, abs=1e-9)
     assert instants(f, 0.9, law=law).crowd is None
 
@@ -158,7 +161,7 @@ def test_bounds_hold_every_value(data: st.DataObject) -> None:
     t1 = t0 + data.draw(st.floats(0, 2))
     value = sp.lambdify(t, f, "math")
     for function in functions(f, law=True):
-        code = _Code(function)
+        code = FunctionArrays(function)
         low, high, steps = np.zeros((3, len(code.code)))
         arrays = code.code, code.numbers, np.zeros(0), code.knots, code.pieces
         enclose(*arrays, t0, t1, low, high, steps)
@@ -167,3 +170,46 @@ def test_bounds_hold_every_value(data: st.DataObject) -> None:
             size = 1e-9 * (1.0 + abs(there))
             within = [low[-1] - size <= s * there <= high[-1] + size for s in (1.0, -1.0)]
             assert any(within)
+
+
+def parts(f: sp.Expr, t1: float, law: bool = True) -> list[TimeInstants]:
+    described: Any = SimpleNamespace(time_functions=functions(f, law))
+    return list(time_instants(described, np.zeros(0), 0.0, t1))
+
+
+def test_all_kinks_of_a_long_run_are_known_part_by_part() -> None:
+    found = parts(sp.Max(0, sp.sin(50 * t)) ** 3 + sp.exp(-(((t - 990.5) / 1e-3) ** 2)), 1000.0)
+    assert len(found) > 3
+    assert [part.end for part in found] == sorted({part.end for part in found})
+    assert found[-1].end == 1000.0
+    kinks = [kink for part in found for kink in part.kinks if kink.before > 0.0]
+    assert_allclose([k.before for k in kinks], np.arange(1, 15916) * math.pi / 50, atol=1e-11)
+    assert all(a.after <= b.before for a, b in pairwise(kinks))
+    assert all(len(part.bounds) + len(part.kinks) < 8192 for part in found)
+    assert np.abs(found[-1].bounds - 990.5).min() < 1e-3
+
+
+def test_a_burst_of_changes_is_not_without_end() -> None:
+    few, burst = sp.sign(sp.sin(40 * t)), sp.sign(sp.sin(4e4 * t))
+    found = parts(sp.Piecewise((few, t < 100), (burst, t < 101), (few, True)), 200.0)
+    assert all(part.crowd is None for part in found)
+    assert found[-1].end == 200.0
+
+
+def test_changes_without_end_behind_many_others() -> None:
+    endless = sp.sin(1 / (t - 60))
+    f = sp.Piecewise((sp.Max(0, sp.sin(500 * t)), t < 50), (sp.Max(0, endless), True))
+    described: Any = SimpleNamespace(time_functions=functions(f, law=True))
+    for part in time_instants(described, np.zeros(0), 0.0, 100.0):
+        if part.crowd is not None:
+            break
+    begin, end, _ = part.crowd or (0.0, 0.0, 0)
+    assert 59.0 < begin < 60.0
+    assert end == pytest.approx(60.0, abs=1e-3)
+
+
+def test_values_that_overflow_hide_nothing() -> None:
+    found = instants(1 / sp.cosh(1e4 * (t - 6.6)), 10.0)
+    assert found.crowd is None
+    assert np.abs(found.bounds - 6.6).min() < 1e-4
+    assert len(found.bounds) < 400

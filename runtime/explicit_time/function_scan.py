@@ -1,0 +1,181 @@
+"""One explicit function of time, looked at part by part: its bounds, kinks, poles and crowds."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from runtime.core.array_types import Integers, Matrix, Vector
+from runtime.explicit_time.interval_evaluation import BREAK, CHOICE, OPERATIONS, enclose
+from runtime.explicit_time.scan import ROWS, SMOOTH, scan
+from runtime.mechanism.table_rows import TimeFunction
+
+_MOST_MARKS = 4096  # safety: of one function, in one part of a run
+_WIDE = 1e-6  # safety: of the run; a longer place where nothing is decided holds many instants
+_BLUR = 1e-8  # accuracy: of the run; distance in which rounding alone makes two breaks of one
+_SLOWER = 0.85  # measured: ratio of the ways of marks from doubling to doubling that accumulate
+FAR = 1000.0  # safety: distances of a kink's sides from it; there a pole has not begun
+GROWTH = 300.0  # safety: of a value from there to its side; that of a pole is 1000
+_STEEP = 1e6  # safety: of the typical value of a function; no step goes further into its pole
+_NEAR_POLE = 0.05  # safety: of the run; a run ends no earlier before a pole
+_SEEN = 64  # measured: instants at which the typical value of a function is taken
+
+
+class FunctionArrays:
+    """A function as the arrays that `enclose` takes."""
+
+    def __init__(self, function: TimeFunction) -> None:
+        rows = function.rows
+        self.code = np.zeros((len(rows), 4), np.int64)
+        self.numbers = np.zeros(len(rows))
+        knots: list[float] = []
+        pieces: list[Sequence[float]] = []
+        for k, (name, *args) in enumerate(rows):
+            self.code[k, 0] = OPERATIONS.index(name)
+            if name == "const":
+                self.numbers[k] = args[0]
+            elif name == "table":
+                at, (places, table), order, periodic = args
+                self.code[k, 1:] = at, len(knots), len(table)
+                self.numbers[k] = places[-1] - places[0] if periodic else 0.0
+                knots += places
+                pieces += [_derivative(row, order) for row in table] + [(0.0,) * 4]
+            elif args:
+                self.code[k, 1 : 1 + len(args)] = args
+                self.code[k, 1 + len(args) :] = args[0]
+        self.knots = np.array(knots)
+        self.pieces = np.array(pieces, dtype=np.float64).reshape(-1, 4)
+        self.watched = np.array(function.watched, dtype=np.int64)
+
+
+def _derivative(row: Sequence[float], order: int) -> Sequence[float]:
+    """The coefficients of a derivative of a cubic."""
+    for _ in range(order):
+        row = (row[1], 2.0 * row[2], 3.0 * row[3], 0.0)
+    return row
+
+
+class FunctionScan:
+    """What a function asks of a run from t0 to t1, s; it is known up to `reach`."""
+
+    def __init__(self, function: TimeFunction, p: Vector, t0: float, t1: float) -> None:
+        self.is_law = function.role == "law"
+        self.t0, self.t1, self.reach, self.p = t0, t1, t0, p
+        self.bounds = np.zeros(0)  # known and not yet given away, as are
+        self.kinks: list[tuple[float, float]] = []
+        self.crowd: tuple[float, float] | None = None
+        self._arrays = FunctionArrays(function)
+        self._marks = np.zeros((_MOST_MARKS, 2))
+        self._kinds = np.zeros(_MOST_MARKS, np.int64)
+        self._work = np.zeros((ROWS, len(self._arrays.code)))
+        self._parts, self._next = 0, 1
+        self._doublings = [t0, t0, t0]  # where a quarter, half and all of the marks end
+
+    def go_on(self, finest: float) -> None:
+        """Look at the next part, as finely as `finest`, s."""
+        begin = self.reach
+        self.reach, count = self._scan(begin, finest)
+        marks, kinds = self._marks[:count].copy(), self._kinds[:count]
+        bounds, kinks = self._sorted(marks, kinds)
+        self._parts += 1
+        if self.reach < self.t1 and self._parts >= self._next:
+            if self._parts == 1 and count > 3:
+                ends = [float(marks[k, 0]) for k in ((count - 1) // 4, (count - 1) // 2)]
+                self._doublings = [*ends, self.reach]
+            else:
+                self._doublings = [*self._doublings[1:], self.reach]
+            self._next *= 2
+            self.crowd = self.crowd or self._accumulation(finest)
+        self.bounds, self.kinks = np.append(self.bounds, bounds), [*self.kinks, *kinks]
+
+    def give(self, end: float) -> tuple[Vector, list[tuple[float, float]]]:
+        """Bounds and kinks until `end`, which are forgotten."""
+        bounds, kinks = self.bounds, self.kinks
+        self.bounds = bounds[bounds >= end]
+        self.kinks = [kink for kink in kinks if kink[0] > end]
+        return bounds[bounds < end], kinks[: len(kinks) - len(self.kinks)]
+
+    def steep_from(self, instant: float, clock: float) -> float | None:
+        """Where a function that grows without bound up to an instant becomes steep, s; or None.
+
+        From there on it is a million times as large as it is typically.
+        """
+        near, far = (self._size(instant - way * clock) for way in (1.0, FAR))
+        if not near > GROWTH * far:
+            return None
+        seen = [self._size(t) for t in np.linspace(self.t0, self.t1, _SEEN + 1)]
+        sizes = [size for size in seen if 0.0 < size < np.inf]
+        typical = (
+            float(np.median(sizes)) if sizes else self._size(instant - (self.t1 - self.t0) / _SEEN)
+        )
+        way, most = FAR * clock, min(_NEAR_POLE * (self.t1 - self.t0), instant - self.t0)
+        if not self._size(instant - way) > _STEEP * typical:
+            return None
+        while way < most and self._size(instant - 2.0 * way) > _STEEP * typical:
+            way *= 2.0
+        return instant - min(way, most)
+
+    def _size(self, t: float) -> float:
+        """|f(t)|, not a number where it has no value."""
+        a, (low, high, steps) = self._arrays, self._work[:3]
+        enclose(a.code, a.numbers, self.p, a.knots, a.pieces, t, t, low, high, steps)
+        return max(abs(float(low[-1])), abs(float(high[-1])))
+
+    def _scan(self, begin: float, finest: float) -> tuple[float, int]:
+        """Fill marks and kinds from `begin` on; up to where, and how many."""
+        a = self._arrays
+        arrays = a.code, a.numbers, self.p, a.knots, a.pieces, a.watched
+        count = scan(
+            arrays, begin, self.t1, finest, self._marks, self._kinds, self._work, np.zeros(64)
+        )
+        return float(self._marks[count, 0]), count
+
+    def _sorted(self, marks: Matrix, kinds: Integers) -> tuple[Vector, list[tuple[float, float]]]:
+        """Bounds and kinks among marks; a place where nothing is decided is a crowd."""
+        span = self.t1 - self.t0
+        wide = marks[:, 1] - marks[:, 0] > _WIDE * span
+        blurred = self._merged(marks[(kinds & BREAK != 0) & ~wide])
+        exact = marks[(kinds == CHOICE) & ~wide] if self.is_law else marks[:0]
+        if wide.any():
+            begin = float(marks[wide, 0][0])
+            exact = np.vstack([exact, [[begin, begin]]])
+            self.crowd = self.crowd or (begin, begin)
+        kinks = sorted((float(a), float(b)) for a, b in (*blurred, *exact))
+        return marks[kinds == SMOOTH, 0], kinks
+
+    def _merged(self, places: Matrix) -> list[tuple[float, float]]:
+        """Places at which a function breaks; those that rounding alone separates as one."""
+        near, merged = _BLUR * (self.t1 - self.t0), list[tuple[float, float]]()
+        for low, high in places.tolist():
+            if merged and low - merged[-1][1] <= near:
+                merged[-1] = merged[-1][0], high
+            elif low - self.t0 > near:
+                merged.append((low, high))
+        return merged
+
+    def _accumulation(self, finest: float) -> tuple[float, float] | None:
+        """Where marks are too many, and the instant before t1 at which they accumulate; or None.
+
+        The k-th of them stands at t* - C k^-a, a > 0: its way shrinks by 2^-a from one doubling of
+        k to the next, where that of marks at equal distances doubles. A burst of changes does the
+        same at first, and is told from them by two more doublings.
+        """
+        quarter, half, end = self._doublings
+        reach, parts = end, self._parts
+        while (ratio := _ratio(quarter, half, reach)) < _SLOWER:
+            limit = reach + (reach - half) * ratio / (1.0 - ratio)
+            if limit >= self.t1:
+                return None
+            if parts == 4 * self._parts:
+                return end, limit
+            quarter, half = half, reach
+            for _ in range(parts):
+                if reach >= self.t1:
+                    return None
+                reach, _ = self._scan(reach, finest)
+            parts *= 2
+        return None
+
+
+def _ratio(quarter: float, half: float, end: float) -> float:
+    """By how much the way of marks grows from one doubling to the next."""
+    return (end - half) / (half - quarter) if half > quarter else 1.0
