@@ -264,6 +264,7 @@ class Run:
             events=self.recording.events(),
             partitions=self.recording.partitions(),
             methods=tuple((t, LEADING if name == "auto" else name) for t, name in state.methods),
+            decay=state.mean_decay,
             crossings=tuple(self.crossings.passed),
             note=note,
         )

@@ -187,6 +187,15 @@ class RunState:
         self.wiring.arrays["method_integers"][:] = 0
         self.method.restart(self.table, self.record["t"], self.record["h"])
 
+    @property
+    def mean_decay(self) -> float:
+        """Mean of -h Re λ over all steps, λ the fastest motion's; 0 unless "auto" was asked for."""
+        if self.options.method != "auto" or len(self.methods) > 1:
+            return 0.0
+        from runtime.integrate.implicit.stiffness_switching import mean_decay
+
+        return mean_decay(self.wiring.arrays["method_floats"], int(self.record["steps"]))
+
     def change_method(self) -> None:
         """Go on with the method that suits: the state and its derivative are all that it needs.
 

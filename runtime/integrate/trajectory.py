@@ -85,3 +85,4 @@ class Trajectory:
     crossings: tuple[Crossing, ...] = ()
     note: str = ""  # what else is to be said about the outcome; empty as a rule
     methods: tuple[tuple[float, str], ...] = ()  # from when on each was used: one, but for "auto"
+    decay: float = 0.0  # of the fastest motion in a step of "auto": mean of -h Re λ

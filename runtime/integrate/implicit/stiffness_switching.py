@@ -12,7 +12,7 @@ method is due, and the run changes over; see `successor`.
 from dataclasses import replace
 
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Context
+from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, compiled
 from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import SIZE, Y0, K, row_of
@@ -34,6 +34,8 @@ _DOUBT = 2  # measured: of them are forgotten for one other
 _MANY = 20  # measured: unknowns from which on three stages at a time cost more than small steps
 _LOOSE = 1e-5  # measured: relative tolerance down to which those are few
 
+_DECAYED = mem.CHANGE  # place in METHOD_FLOATS: sum of -h Re λ over the steps
+
 
 def successor(name: str, freedoms: int, rtol: float) -> str:
     """The method to change to from `name` ("auto" is the explicit one), with its reason.
@@ -44,6 +46,11 @@ def successor(name: str, freedoms: int, rtol: float) -> str:
     if name != "auto":
         return "auto"
     return "bdf" if freedoms >= _MANY and rtol >= _LOOSE else "radau5"
+
+
+def mean_decay(method_floats: Vector, steps: int) -> float:
+    """Mean of -h Re λ over that many steps of "auto", λ the fastest motion's eigenvalue."""
+    return float(method_floats[_DECAYED]) / max(1, steps)
 
 
 @addressed(ft.STAGES)
@@ -66,7 +73,9 @@ def accepted(context: Context, t: float, h: float) -> int:
         change = max(change, abs(after[j] - before[j]) / size[j])
         largest = max(largest, abs(after[j]) / size[j])
     easy = change < _EASY * r.rtol**0.2 * largest
-    turn = h * context.method_floats[mem.STIFFNESS]
+    memory = context.method_floats
+    turn = h * memory[mem.STIFFNESS]
+    memory[_DECAYED] += turn * memory[mem.DAMPING]
     limited = turn > _EDGE or (easy and turn > _TURN)
     notes[mem.STIFF] = notes[mem.STIFF] + 1 if limited else max(0, notes[mem.STIFF] - _DOUBT)
     if notes[mem.STIFF] < _SEEN * r.patience:

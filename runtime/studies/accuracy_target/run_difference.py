@@ -19,8 +19,8 @@ from runtime.studies.series_by_name import FloatArray, group_magnitude, series_v
 DIVERGED = 0.1  # accuracy: scaled difference of runs that have nothing in common any more
 ROUNDING = 2e-13  # accuracy: rtol from which on rounding keeps errors from falling
 
-_SCATTER = 5.0  # measured: of the errors of two runs, about a fall in proportion to rtol
-_SLOWEST = 0.75  # measured: power of rtol with which errors fall over several powers of ten
+_SCATTER = 4.0  # measured: of the errors of two runs, about a fall in proportion to rtol
+_SLOWEST = 0.8  # measured: power of rtol with which errors fall over several powers of ten
 _LEAST = 1e-13  # accuracy: difference below which there is nothing but rounding
 _MOST = 1e-2  # accuracy: difference from which on it no longer grows as a small one does
 _STRAY = 10.0  # measured: difference over the second run's motion from which on it is an error

@@ -54,6 +54,10 @@ _LOOSEST, _TIGHTEST = 1e-3, 1e-14  # safety: rtol of any run
 _LAST = 3e-14  # measured: the same where errors are small; a tighter run errs more, by rounding
 _WIDE = 1e-3  # measured: rtol of the second run over that of the first
 _STIFF = 0.03  # measured: the same with an implicit method
+_CHANGED = 1.5e-3  # measured: the same with an implicit method after an explicit one
+_DECAY = 2.0  # measured: -h Re λ in explicit steps from which on an implicit method costs less,
+_COARSE = 1e-8  # measured: and its rtol down to which it does
+_SHORT = 25  # measured: such steps below which BDF, which begins at order one, is not worth it
 _NEAR, _FAR = 0.1, 1e-6  # safety: rtol of later runs over that of the last
 _EXPECTED_POWER = 0.85  # measured: power of rtol with which errors are expected to fall
 _MARGIN = 0.5  # safety: share of the target that a run is planned for, and judged by
@@ -138,11 +142,10 @@ class _Search:
         rtol = min(max(_FIRST * (self.target / 1e-3) ** _SLOPE, _TIGHTEST / _WIDE), _LOOSEST)
         while True:  # until there is a run that can be compared with others
             first = self._run(choice, rtol)
-            previous, choice = choice, self._revised(choice, first.path)
+            previous, choice = choice, self._revised(choice, first)
             if choice.formulation == previous.formulation:
                 break
-        stiff = any(method in IMPLICIT for _, method in first.path.methods)
-        pair = self._compare(choice, rtol * (_STIFF if stiff else _WIDE), first)
+        pair = self._compare(choice, rtol * _second_ratio(choice, first.path), first)
         if self._is_unseen(pair):
             longest = min(self.options.h_max or np.inf, self._sampled)
             self.options = replace(self.options, h_max=longest)
@@ -188,15 +191,19 @@ class _Search:
                 reason = f"reduced coordinates are refused ({error.problems[0]})"
         return self._choice("cartesian", reason)
 
-    def _revised(self, choice: _Choice, run: Trajectory) -> _Choice:
+    def _revised(self, choice: _Choice, first: Run) -> _Choice:
         """The choice for the next run, given the first."""
+        run = first.path
         if choice.formulation == "reduced" and run.outcome is not Outcome.OK:
             if self.formulation is not None:
                 return choice
             end = f"t = {run.final_t:.6g} s ({run.outcome.name})"
             return self._choice("cartesian", f"in reduced coordinates the run ends at {end}")
         if choice.method == "auto" and self.method is None and len(run.methods) == 1:
-            return choice._replace(method=LEADING)
+            if run.decay < _DECAY or first.options.rtol * _CHANGED < _COARSE:
+                return choice._replace(method=LEADING)
+            # In too few steps for the run to change by itself.
+            return choice._replace(method="radau5" if run.statistics.steps < _SHORT else "bdf")
         return choice
 
     def _choice(self, formulation: Formulation, *reasons: str) -> _Choice:
@@ -278,6 +285,16 @@ class _Search:
         if self.signals.arrived or path.outcome is Outcome.INTERRUPTED:
             raise _InterruptedError
         return self.runs[-1]
+
+
+def _second_ratio(choice: _Choice, first: Trajectory) -> float:
+    """rtol of the second run, with this choice, over that of the first.
+
+    A first run whose steps stability limits errs by much more than its tolerance suggests.
+    """
+    if any(method in IMPLICIT for _, method in first.methods):
+        return _STIFF
+    return _CHANGED if choice.method in IMPLICIT else _WIDE
 
 
 def _tightest(pair: Pair) -> float:
