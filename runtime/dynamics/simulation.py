@@ -71,7 +71,7 @@ def finish_simulation(
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
     check_result(result, equations, ready.sizes, options, run)
-    count, note = describe_unresolved_switches(mechanism, run.events, ready.p, ready.sizes, options)
+    count, note = describe_unresolved_switches(equations, run.events, ready.sizes, options)
     result.stats["events_within_tolerance"] = count
     result.message += note
     result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
