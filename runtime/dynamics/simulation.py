@@ -11,7 +11,7 @@ from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.end_checks import check_result
 from runtime.dynamics.formulations import Coordinates, formulate
-from runtime.dynamics.friction_jam import describe_jam
+from runtime.dynamics.friction_jam import describe_jam, end_at_jam
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.switches_within_tolerance import describe_unresolved_switches
@@ -66,6 +66,7 @@ def finish_simulation(
     works = works and bool(mechanism.description.work_rows)
     if works or run is None:
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
+    run = end_at_jam(mechanism, run, ready.p, ready.t_end - begin.t)
     result = _result(mechanism, run, ready, began)
     if works:
         integrate_works(result, len(run.t), options.t_eval)
