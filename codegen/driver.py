@@ -201,7 +201,8 @@ def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
     if problems:
         raise ParameterError(problems)
     scenes = {name: without_overridden(scene, settings) for name, scene in model.scenes.items()}
-    return model.altered(parameters=parameters, scenes=scenes)
+    altered: Model = model.altered(parameters=parameters, scenes=scenes)
+    return altered
 
 
 def without_overridden(scene: Scene, settings: Mapping[str, float]) -> Scene:

@@ -1,24 +1,35 @@
 """Numba's cache on disk, made safe: nothing damaged or of another source is ever run.
 
-Numba trusts what lies in its cache: a file that is cut short ends a program; where a process ends
-between the writing of an index and of its data, old machine code is taken for new; both are
-pickles, which run whatever they hold. Here each file ends with a hash of its content, its name and,
-for machine code, its source, which is checked before anything is unpickled. A source is known by
-its date and by its module, whose name has the hash of a generated text. What does not agree is
-thrown away and compiled anew, with a note; a folder that cannot be written costs a note, too, and
-no more.
+Numba trusts what lies in its cache: a file that is cut short ends a program; between the writing of
+an index and of its data, old machine code is taken for new; both are pickles, which run whatever
+they hold. Here each file ends with a hash of its content, its name and, for machine code, its
+source, which is checked before anything is unpickled. A source is known by its date and by its
+module, whose name has the hash of a generated text. What does not agree is thrown away and compiled
+anew, with a note; a folder that cannot be written costs a note, too, and no more.
+
+Processes may write and read one cache at once. The name of a file of machine code follows from its
+content, and it is written before the index that names it, so that no index names machine code of
+another source; a reader whose file has been replaced meanwhile reads the index again.
+
+Numba tells functions of one name apart, closures above all, by a number that counts what a process
+has compiled. Two functions of two processes can have one number, and where both come from the
+cache, the linker takes the first for both. So the numbers of each process begin at a random one.
 """
 
 import hashlib
+import os
 import pickle
+import secrets
 import threading
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 from numba.core import dispatcher, event
+from numba.core.bytecode import FunctionIdentity
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
 
 from codegen.damaged_byte_code import CacheWarning
@@ -28,10 +39,21 @@ _Function: Any = FunctionCache  # numba leaves these untyped
 _IndexData: Any = IndexDataCacheFile
 _events: Any = event
 _numba: Any = dispatcher
+_Identity: Any = FunctionIdentity
 
 _SEAL = hashlib.sha256().digest_size
+_FORMAT = "numbers of functions are random"  # machine code of another format is compiled anew
 _one_at_a_time = threading.RLock()
 _noted: set[str] = set()  # folders with a note
+
+
+def _number_functions() -> None:
+    """Let this process number functions as no other process does."""
+    _Identity._unique_ids = count(secrets.randbits(64) << 32)
+
+
+_number_functions()
+os.register_at_fork(after_in_child=_number_functions)
 
 
 @contextmanager
@@ -64,7 +86,7 @@ class CheckedCache(_Function):  # type: ignore[misc]
         super().__init__(function)
         files = self._cache_file
         files.__class__ = _CheckedFiles
-        files._source_stamp = (files._source_stamp, function.__module__)
+        files._source_stamp = (files._source_stamp, function.__module__, _FORMAT)
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Machine code from the disk; None where there is none that can be trusted."""
@@ -88,21 +110,46 @@ class CheckedCache(_Function):  # type: ignore[misc]
 class _CheckedFiles(_IndexData):  # type: ignore[misc]
     """Index and data of one function's cache."""
 
+    def save(self, key: Any, data: Any) -> None:
+        """Write machine code, then the index that names it; remove what only the old one names."""
+        content = self._dump(data)
+        name = f"{Path(self._index_name).stem}.{hashlib.sha256(content).hexdigest()[:16]}.nbc"
+        self._write(name, content, self._source_stamp)
+        source, before = self._read_index()
+        overloads = {**before, key: name} if source == self._source else {key: name}
+        self._write(self._index_name, self._dump((*self._source, overloads)))
+        for old in set(before.values()).difference(overloads.values()):
+            with suppress(OSError):
+                Path(self._data_path(old)).unlink()
+
+    def load(self, key: Any) -> Any:
+        """Machine code; None where there is none, or none that can be trusted."""
+        before = None
+        while (name := self._load_index().get(key)) not in (None, before):
+            before = name
+            with suppress(FileNotFoundError):  # a process that writes has removed it since
+                return self._load_data(name)
+        return None
+
     def _load_index(self) -> Any:
+        source, overloads = self._read_index()
+        return overloads if source == self._source else {}
+
+    def _read_index(self) -> tuple[Any, dict[Any, str]]:
+        """(source, the file of each signature); without files where there is no sound index."""
         try:
             content = Path(self._index_path).read_bytes()
         except FileNotFoundError:
-            return {}
+            return None, {}
         if not _is_sealed(content, self._index_name):
             _note_damage(self._index_path, "its content is not what was written")
-            return {}
-        version, stamp, overloads = pickle.loads(content[:-_SEAL])
-        return overloads if (version, stamp) == (self._version, self._source_stamp) else {}
+            return None, {}
+        *source, overloads = pickle.loads(content[:-_SEAL])
+        return tuple(source), overloads
 
-    def _save_index(self, overloads: Any) -> None:
-        content = self._dump((self._version, self._source_stamp, overloads))
-        with self._open_for_write(self._index_path) as file:
-            file.write(content + _seal(content, self._index_name))
+    @property
+    def _source(self) -> tuple[Any, Any]:
+        return self._version, self._source_stamp
 
     def _load_data(self, name: str) -> Any:
         path = Path(self._data_path(name))
@@ -112,10 +159,9 @@ class _CheckedFiles(_IndexData):  # type: ignore[misc]
         _note_damage(path, "its content is not what was written for this source")
         return None
 
-    def _save_data(self, name: str, data: Any) -> None:
-        content = self._dump(data)
+    def _write(self, name: str, content: bytes, *about: object) -> None:
         with self._open_for_write(self._data_path(name)) as file:
-            file.write(content + _seal(content, name, self._source_stamp))
+            file.write(content + _seal(content, name, *about))
 
 
 def _seal(data: bytes, *about: object) -> bytes:

@@ -5,7 +5,7 @@ wish to stop and passes everywhere; all else that a user's own code raises is an
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import wraps
 from inspect import Parameter, isfunction, signature
 from typing import Any, TypeVar
@@ -22,13 +22,11 @@ def wrong_call(
     words: Mapping[str, Any],
 ) -> str:  # fmt: skip
     """What a callable takes, and what it was given instead."""
-    takes = ", ".join(_written(p) for p in signature(function).parameters.values())
+    taken = (p for p in signature(function).parameters.values() if p.name != "self")
+    takes = ", ".join(map(_written, taken))
     given = [shown(a, _SHOWN) for a in arguments]
     given += [f"{one_line(k, _SHOWN)}={shown(v, _SHOWN)}" for k, v in words.items()]
-    return (
-        f"{title}: {one_line(mismatch)}; it takes ({takes.removeprefix('self, ')}), and was given "
-        f"({', '.join(given)})."
-    )
+    return f"{title}: {one_line(mismatch)}; it takes ({takes}), and was given ({', '.join(given)})."
 
 
 def _written(parameter: Parameter) -> str:
@@ -129,8 +127,9 @@ def unchanging(cls: Class) -> Class:
 
     def refuse(of: Any, word: str, *_: Any) -> None:
         if not is_ours(of, word):
-            getattr(object, "__setattr__" if _ else "__delattr__")(of, word, *_)
-            return
+            with suppress(AttributeError):
+                getattr(object, "__setattr__" if _ else "__delattr__")(of, word, *_)
+                return
         name = vars(of).get("name")
         what = cls.__name__ if name is None else f"{cls.__name__} '{plain_name(name)}'"
         verb = "set" if _ else "deleted"

@@ -138,7 +138,7 @@ class Scene(Choices):
             `Model.scene`.
         """
         words = fidelity
-        if fidelity is not None and not isinstance(fidelity, Mapping):
+        if elements and fidelity is not None and not isinstance(fidelity, Mapping):
             words = {name_of(e): fidelity for e in elements}
         return self._owner().varied(self, out=(), taken=elements, fidelity=words, **changes)
 

@@ -57,6 +57,17 @@ def declare_letter(letter: str, kind: CoordinateKind) -> None:
 class Coordinate(sympy.Symbol):  # type: ignore[misc]
     """A generalized coordinate, ``owner_letter``; `rate` is its velocity."""
 
+    def __new__(cls, *name: Any, **assumptions: Any) -> "Coordinate":
+        """As SymPy makes a symbol, whose assumptions are True or False."""
+        if [type(one) for one in name] != [str] or {*map(type, assumptions.values())} - {bool}:
+            given = [*map(shown, name), *(f"{k}={shown(v)}" for k, v in assumptions.items())]
+            raise ModelError(
+                f"Coordinate takes a name and SymPy's assumptions, and was given "
+                f"({', '.join(given)})."
+            )
+        made: Coordinate = super().__new__(cls, *name, **assumptions)
+        return made
+
     @property
     def owner(self) -> str:
         """The body or element that brings it."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import replace
-from functools import wraps
+from functools import partial, wraps
 from inspect import isfunction
 from pathlib import Path
 from typing import Any, Self, TypeVar
@@ -20,7 +20,7 @@ from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import Scene
 from codegen.declare.value_reader import Reader
 from codegen.elements.registry import role
-from codegen.errors import NoAttributeError
+from codegen.errors import ModelError, NoAttributeError
 from codegen.plain_values import is_a, one_line, plain_name, shown
 from codegen.public_callables import DeclaredTable, declaration
 
@@ -107,7 +107,8 @@ class Declarations:
         raise NoAttributeError(f"a model has no {one_line(word)!r}; {hint}")
 
     def _keep(self, word: str, verb: str) -> None:
-        if not word.startswith("_") and (word in vars(self) or hasattr(Declarations, word)):
+        ours = (cls for cls in type(self).__mro__ if cls.__module__.startswith("codegen."))
+        if not word.startswith("_") and any(word in vars(of) for of in (self, *ours)):
             raise NoAttributeError(
                 f"model {shown(self.name)}: {word!r} cannot be {verb}; declare with the methods of "
                 "the model, and a machine of another name as another model."
@@ -116,10 +117,16 @@ class Declarations:
     def _put(self, table: str, name: str, entry: object) -> None:
         vars(self)[table].declare(name, entry)
 
+    @partial(declaration, owner="model")
     def altered(self, **tables: Mapping[str, Any]) -> Self:
         """A copy with other entries in some tables."""
         copied = copy(self)
         for table, entries in tables.items():
+            if table not in TABLES or not isinstance(entries, Mapping):
+                raise ModelError(
+                    f"model.altered: {one_line(table)}={shown(entries)}; give mappings of the "
+                    f"tables {', '.join(TABLES)}."
+                )
             vars(copied)[table] = DeclaredTable(f"model.{table}", entries)
         return copied
 

@@ -132,8 +132,8 @@ class Contacts(Declarations):
 
     def dry_friction(
         self, name: str, i: Place | None = None, j: Place | None = None, *, coefficient: Any,
-        normal: Any, axis: Pair = (1, 0), slip: Any = None, static: Any = None, creep: Any = None,
-        fidelity: FrictionLaw | None = None,
+        normal: Any, axis: Pair | None = None, slip: Any = None, static: Any = None,
+        creep: Any = None, fidelity: FrictionLaw | None = None,
     ) -> Effect:  # fmt: skip
         """Coulomb friction under a normal force that is known: a block on a belt, a brake.
 
@@ -147,9 +147,10 @@ class Contacts(Declarations):
         normal
             N in newton, an expression of coordinates, velocities, t and parameters.
         axis
-            u in the frame of body `i`, of any length.
+            u in the frame of body `i`, of any length; None: (1, 0).
         slip
-            Instead of points: ṡ itself, in m/s, linear in velocities: ``block.vx - speed``.
+            Instead of points and axis: ṡ itself, in m/s, linear in velocities, as
+            ``block.vx - speed``.
         static
             μ_s of a friction that sticks, at least μ; None: μ.
         creep
@@ -165,12 +166,17 @@ class Contacts(Declarations):
         if slip is not None:
             if i is not None or j is not None:
                 self._note(f"{where} has both slip= and points; give one of them.")
+            if axis is not None:
+                self._note(f"{where} has both slip= and axis=; the axis is that of two points.")
             s = self._value(slip, "m/s", f"slip of {where}")
             bodies = self._bodies_in(s)
         else:
             missing = f"{where} has no slip; give two points, or slip= a velocity."
             ends, bodies = self._surfaces(name, i, j, missing)
-            along = self._direction(where, "axis", axis) or (sympy.S.One, sympy.S.Zero)
+            along = self._direction(where, "axis", (1, 0) if axis is None else axis) or (
+                sympy.S.One,
+                sympy.S.Zero,
+            )
             if moving := kinds(sympy.Tuple(*along), Coordinate, Velocity, Time):
                 self._note(
                     f"{where}: the axis {along} depends on {moving[0].name}, and one that turns by "

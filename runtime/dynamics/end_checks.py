@@ -4,6 +4,7 @@ import numpy as np
 
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.switches_within_tolerance import tolerance_of_switch
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -13,9 +14,8 @@ from runtime.results.samples import Samples
 _CLOSED = 1e-9  # accuracy: of a coordinate's size; to this the joints close, however fine rtol is
 # measured: tolerances; Baumgarte's method with dopri5 leaves 0.4 of one, each other return 1e-5
 _RESIDUAL = 10.0
-# accuracy: of a switching function's largest value; nearer to zero either side is right
-_SIDE = 1e-6
-_SIDE_TOLERANCES = 100.0  # safety: relative tolerances within which an event is located
+_SIDE = 1e-6  # safety: of a switching function's largest value; nearer to zero none is judged
+_SIDE_TOLERANCES = 10.0  # safety: of a switching function; by as much a mode may miss its sign
 
 
 def check_result(
@@ -27,7 +27,7 @@ def check_result(
         return
     found = _residuals(equations, result.samples, sizes, options)
     if run is not None:
-        modes = _sides_of_modes(equations, result.samples, options.rtol)
+        modes = _sides_of_modes(equations, result.samples, sizes, options)
         found = " ".join(filter(None, [_order_of_events(run), modes, found]))
     if found:
         outcome = result.outcome = Outcome.CONTRADICTED
@@ -90,10 +90,13 @@ def _order_of_events(run: Trajectory) -> str:
     )
 
 
-def _sides_of_modes(equations: Equations, samples: Samples, rtol: float) -> str:
+def _sides_of_modes(
+    equations: Equations, samples: Samples, sizes: FloatArray, options: Options
+) -> str:
     """A sentence on a mode that contradicts the sign of its function; empty for none.
 
-    At one sample it may, as in the instant of a jump; at two in a row an event was missed.
+    At one sample it may, as in the instant of a jump; at two in a row, by more than the tolerances
+    of coordinates and velocities explain, an event was missed.
     """
     switches = equations.description.switches
     if not switches or len(samples.t) < 2:
@@ -101,16 +104,22 @@ def _sides_of_modes(equations: Equations, samples: Samples, rtol: float) -> str:
     # compiled: most scenes have no switches
     from runtime.dynamics.switching_values import write_switching_values
 
-    g = np.zeros(samples.modes.shape)
-    write_switching_values(equations.table, samples.t, samples.q, samples.v, equations.p, g)
+    t, q, v, g = samples.t, samples.q, samples.v, np.zeros(samples.modes.shape)
+    write_switching_values(equations.table, t, q, v, equations.p, g)
     sides = np.where(samples.modes == SLIDING, 0, 2 * samples.modes - 1)
-    near = max(_SIDE, _SIDE_TOLERANCES * rtol) * np.abs(g).max(axis=0)
-    wrong = sides * g < -near
-    found = np.argwhere(wrong[1:] & wrong[:-1])
-    if not len(found):
-        return ""
-    first, k = (int(number) for number in found[0])
-    return (
-        f"From t = {samples.t[first]:.6g} s on the mode of {switches[k].title} contradicts its "
-        f"switching function, which is {g[first + 1, k]:.3g} there: an event was missed."
-    )
+    wrong = sides * g < -_SIDE * np.abs(g).max(axis=0)
+    pairs = wrong[1:] & wrong[:-1]
+    largest = np.concatenate([np.abs(q).max(axis=0), np.abs(v).max(axis=0)])
+    for k in np.flatnonzero(pairs.any(axis=0)):
+        lower = np.where(pairs[:, k], np.minimum(np.abs(g[1:, k]), np.abs(g[:-1, k])), 0.0)
+        row = int(np.argmax(lower))
+        at = float(t[row]), q[row], v[row]
+        permitted = tolerance_of_switch(equations, int(k), at, largest, sizes, options)
+        if lower[row] > _SIDE_TOLERANCES * permitted:
+            first = np.flatnonzero(pairs[:, k])[0]
+            return (
+                f"From t = {t[first]:.6g} s on the mode of {switches[k].title} contradicts its "
+                f"switching function, which is {g[row, k]:.3g} at t = {t[row]:.6g} s: an event was "
+                "missed."
+            )
+    return ""

@@ -1,5 +1,7 @@
 """Friction that jams where a run ended: no acceleration agrees with sliding (P. Painlevé)."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from runtime.core.modes_and_event_kinds import SLIDING
@@ -8,11 +10,37 @@ from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 
+# What a run meets first on its way into a jam, where the multipliers grow without bound.
+_WAYS_IN = {
+    Outcome.SINGULAR, Outcome.CONTRADICTED, Outcome.STEP_TOO_SMALL, Outcome.NEWTON_FAILED,
+    Outcome.NOT_FINITE,
+}  # fmt: skip
+_CLOSE = 1e-6  # safety: of the run; nearer to a jam, the jam is why it ends
 _JAM = (
     "{} jams{}: friction raises the force that presses{} by more than it needs, and no "
     "acceleration agrees with sliding on. A creep speed does not help: lower the coefficient, "
     "start at rest, where friction may stick, or replace the joint by a contact that can open."
 )
+
+
+def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: float) -> Trajectory:
+    """The run, ended by the jam of a friction with a creep speed, where one is as near as that.
+
+    `duration`, s, is that of the whole run. Where the motion goes on, its accelerations are no
+    numbers then, and the kernel names the joint.
+    """
+    rubs = any(row.kind == "friction" for row in mechanism.description.effects)
+    named = run.outcome is not Outcome.SINGULAR and run.index >= 0
+    if run.outcome not in _WAYS_IN or named or not rubs:
+        return run
+    equations, (t, q, v) = Equations(mechanism, p), (run.final_t, run.final_q, run.final_v)
+    a, _, _ = equations.motion(t, q, v, run.final_modes)
+    for h in _CLOSE * duration * np.array([0.0, 0.001, 0.01, 0.1, 1.0]):
+        there = t + h, q + h * (v + 0.5 * h * a), v + h * a
+        ahead, _, weak = equations.motion(*there, run.final_modes)
+        if weak > 0 and not np.isfinite(ahead).all():
+            return replace(run, outcome=Outcome.NOT_FINITE, index=weak - 1)
+    return run
 
 
 def describe_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:

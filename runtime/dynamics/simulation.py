@@ -11,7 +11,7 @@ from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.end_checks import check_result
 from runtime.dynamics.formulations import Coordinates, formulate
-from runtime.dynamics.friction_jam import describe_jam
+from runtime.dynamics.friction_jam import describe_jam, end_at_jam
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.switches_within_tolerance import describe_unresolved_switches
@@ -66,12 +66,13 @@ def finish_simulation(
     works = works and bool(mechanism.description.work_rows)
     if works or run is None:
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
+    run = end_at_jam(mechanism, run, ready.p, ready.t_end - begin.t)
     result = _result(mechanism, run, ready, began)
     if works:
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
     check_result(result, equations, ready.sizes, options, run)
-    count, note = describe_unresolved_switches(mechanism, run.events, ready.p, ready.sizes, options)
+    count, note = describe_unresolved_switches(equations, run.events, ready.sizes, options)
     result.stats["events_within_tolerance"] = count
     result.message += note
     result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)

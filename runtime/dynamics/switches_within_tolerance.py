@@ -11,8 +11,7 @@ import numpy.typing as npt
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Events
-from runtime.mechanism.dense_equations import FloatArray
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.dense_equations import Equations, FloatArray
 
 Indices = npt.NDArray[np.intp]
 
@@ -20,7 +19,7 @@ _SHOWN = 3  # layout: switches that the sentence names
 
 
 def describe_unresolved_switches(
-    mechanism: Mechanism, events: Events, p: FloatArray, sizes: FloatArray, options: Options
+    equations: Equations, events: Events, sizes: FloatArray, options: Options
 ) -> tuple[int, str]:
     """The number of events within the tolerance, and a sentence that names them; 0 and empty.
 
@@ -39,14 +38,17 @@ def describe_unresolved_switches(
         first, after = first[span > 0.0], after[span > 0.0]
         if not len(first):
             continue
-        reached = _middle_values(mechanism, int(k), events, first, after, p)
-        permitted = _tolerance(mechanism, int(k), events, rows, p, sizes, options)
+        reached = _middle_values(equations, int(k), events, first, after)
+        largest = np.concatenate([np.abs(y[rows]).max(axis=0) for y in (events.q, events.v)])
+        begin = rows[0]
+        at = float(events.t[begin]), events.q[begin], events.v[begin]
+        permitted = tolerance_of_switch(equations, int(k), at, largest, sizes, options)
         within = reached <= permitted
         if within.any():
             count = len(np.union1d(first[within], after[within]))
             total += count
             clauses.append(
-                f"{mechanism.description.switches[int(k)].title} ({count} from t = "
+                f"{equations.description.switches[int(k)].title} ({count} from t = "
                 f"{events.t[first[within][0]]:.6g} s on, past zero by {reached[within].max():.1g}, "
                 f"permitted {permitted:.1g})"
             )
@@ -60,42 +62,41 @@ def describe_unresolved_switches(
 
 
 def _middle_values(
-    mechanism: Mechanism, k: int, events: Events, first: Indices, after: Indices,
-    p: FloatArray,
-) -> FloatArray:  # fmt: skip
+    equations: Equations, k: int, events: Events, first: Indices, after: Indices
+) -> FloatArray:
     """|g_k| midway between the states of events `first` and `after`."""
     # compiled: most runs have no such events
     from runtime.dynamics.switching_values import write_switching_values
 
-    switches, span = len(mechanism.description.switches), events.t[after] - events.t[first]
+    switches, span = len(equations.description.switches), events.t[after] - events.t[first]
     span = span[:, None]
     q0, q1, v0, v1 = events.q[first], events.q[after], events.v[first], events.v[after]
     q = 0.5 * (q0 + q1) + 0.125 * span * (v0 - v1)
     v = 1.5 * (q1 - q0) / span - 0.25 * (v0 + v1)
     t, g = 0.5 * (events.t[first] + events.t[after]), np.zeros((len(first), switches))
-    write_switching_values(mechanism.kernel_table, t, q, v, p, g)
+    write_switching_values(equations.table, t, q, v, equations.p, g)
     values: FloatArray = np.abs(g[:, k])
     return values
 
 
-def _tolerance(
-    mechanism: Mechanism, k: int, events: Events, rows: Indices, p: FloatArray,
+def tolerance_of_switch(
+    equations: Equations, k: int, at: tuple[float, FloatArray, FloatArray], largest: FloatArray,
     sizes: FloatArray, options: Options,
 ) -> float:  # fmt: skip
-    """What g_k may err by as each coordinate and velocity may, at its first event."""
-    n, g = len(sizes), np.zeros(len(mechanism.description.switches))
-    t, state = events.t[rows[0]], np.concatenate([events.q[rows[0]], events.v[rows[0]]])
-    largest = np.hstack([np.abs(events.q[rows]).max(axis=0), np.abs(events.v[rows]).max(axis=0)])
+    """What g_k may err by at the state `at` as each coordinate and velocity may.
+
+    `largest` are their largest magnitudes, (2n,).
+    """
+    (t, q, v), n = at, len(sizes)
+    state = np.concatenate([q, v])
     absolute = np.concatenate([
         np.broadcast_to(options.rtol * np.minimum(1.0, sizes) if a is None else np.asarray(a), n)
         for a in (options.atol_q, options.atol_v)
     ])  # fmt: skip
     change = absolute + options.rtol * largest
-    mechanism.kernels.switching(t, state[:n].copy(), state[n:].copy(), p, g)
-    here, total = float(g[k]), 0.0
+    here, total = float(equations.switching(t, q, v)[k]), 0.0
     for j in range(2 * n):
         moved = state.copy()
         moved[j] += change[j]
-        mechanism.kernels.switching(t, moved[:n], moved[n:], p, g)
-        total += abs(float(g[k]) - here)
+        total += abs(float(equations.switching(t, moved[:n], moved[n:])[k]) - here)
     return total

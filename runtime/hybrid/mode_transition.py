@@ -152,6 +152,9 @@ def mark_surfaces(context: Context, t: float, h: float, crossing: int, impact: b
             if near and impact and rates[k] > _STILL * context.struck[k]:
                 context.preferred[k] = consistency.decided_entry(1)
         band[k] = surface_band(g[k], largest) if near else 0.0
+        if k == crossing and impact and abs(g[k]) > surface:
+            # It came back before it had left the band of its opening; the next impact is no deeper.
+            band[k] = abs(g[k]) + surface
         if k == crossing and slid and rigid[k] >= 0:
             # It parts with the third power of time: at first by less than a step's error, which is
             # no impact.

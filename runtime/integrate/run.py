@@ -43,7 +43,7 @@ _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress
 _GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
 _KINK = int(Signal.KINK)
 _STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
-_CLOSE = 1e-6  # safety: of the run; nearer to a pole, the pole is why it ends
+_CLOSE = 1e-6  # safety: of the run; nearer to a pole or a lock-up, that is why it ends
 
 
 def integrate(
@@ -182,7 +182,7 @@ class Run:
                 if code == _GOING and (signals.arrived or stopped):
                     code, signals.answered = int(Outcome.INTERRUPTED), not stopped
             if code in (*_STUCK, Outcome.CONTRADICTED):
-                code = run._end_at_pole(code)
+                code = run._end_at_lock_up(run._end_at_pole(code))
         return run.result(Outcome(code), time.thread_time() - began)
 
     def _end_at_pole(self, code: int) -> int:
@@ -195,6 +195,18 @@ class Run:
         way = float(arrays["stop_times"][ahead[0]] - r["t"])
         passage = self._passage(ahead[0]) if way <= _CLOSE * float(r["duration"]) else Passage()
         return code if passage.outcome is Outcome.OK else passage.outcome
+
+    def _end_at_lock_up(self, code: int) -> int:
+        """SINGULAR where drivers ask for ever more speed up to a position that is close by."""
+        r = self.state.record
+        of_event = code == Outcome.CONTRADICTED and r["index"] >= 0
+        if of_event or code not in (*_STUCK, Outcome.CONTRADICTED):
+            return code
+        row = self.crossings.find_lock_up(_CLOSE * float(r["duration"]))
+        if row < 0:
+            return code
+        r["index"] = row
+        return int(Outcome.SINGULAR)
 
     def _passage(self, stop: int) -> Passage:
         """How the run passes the kink that is a stop of this number."""

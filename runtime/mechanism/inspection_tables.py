@@ -3,6 +3,8 @@
 from html import escape
 from pathlib import Path
 
+from codegen.errors import InputError
+from codegen.plain_values import shown
 from codegen.public_callables import checked_class
 from runtime.core.kernel_abi import Kernels
 from runtime.mechanism import table_rows as rows
@@ -17,6 +19,8 @@ class MechanismTables:
     """Tables of a mechanism in one scene; `mechanism` is the data that the analyses take."""
 
     def __init__(self, mechanism: Mechanism) -> None:
+        if not isinstance(mechanism, Mechanism):
+            raise InputError(f"{shown(mechanism)} is no mechanism; runtime.load makes machines.")
         self.mechanism = mechanism
 
     @property

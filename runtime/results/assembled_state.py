@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import UnknownNameError
+from codegen.public_callables import checked_class
 from runtime.mechanism.table_rows import Coordinate, Table, unknown
 
 FloatArray = npt.NDArray[np.float64]
@@ -40,6 +41,7 @@ class Redundant(NamedTuple):
         return f"Constraint {self.name} is redundant and consistent: it {origin}."
 
 
+@checked_class
 @dataclass(frozen=True)
 class Assembly:
     """An assembled state at time t.

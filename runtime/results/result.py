@@ -12,6 +12,8 @@ import numpy.typing as npt
 
 from codegen import __version__
 from codegen import argument_readers as readers
+from codegen.errors import InputError
+from codegen.plain_values import shown
 from codegen.public_callables import checked_class
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
@@ -66,6 +68,16 @@ class Result(TimeSeries):
         partitions: Sequence[Partition] = (), not_unique: Sequence[str] = (),
         singular: Sequence[SingularPosition] = ()
     ) -> None:  # fmt: skip
+        for value, kind in (
+            (description, Description), (samples, Samples), (p, np.ndarray), (outcome, Outcome),
+            (stats, Mapping), (events, Sequence), (partitions, Sequence), (not_unique, Sequence),
+            (singular, Sequence),
+        ):  # fmt: skip
+            if not isinstance(value, kind):
+                raise InputError(
+                    f"Result: {shown(value)} is no {kind.__name__}; the analyses of a machine make "
+                    "results."
+                )
         self.description, self.samples = description, samples
         self.analysis, self.outcome, self.message = analysis, outcome, message
         self.stats = dict(stats)

@@ -83,6 +83,14 @@ class ScaledConstraints:
         matrix[self.places] = entries
         return matrix[:-1]
 
+    def weakest(self, t: float, q: Vector) -> tuple[Vector, float, Vector]:
+        """Left vector u and size of the least singular value of Φ_q, and ν; of unit rows, (m',)."""
+        matrix = self.dense(self.entries(t, q, 1.0))
+        lengths = np.linalg.norm(matrix[:, :-1], axis=1)
+        matrix /= np.where(lengths > 0.0, lengths, 1.0)[:, None]
+        left, values, _ = np.linalg.svd(matrix[:, :-1])
+        return left[:, -1], float(values[-1]), -matrix[:, -1]
+
     def all_rows(self, t: float, q: Vector) -> Matrix:
         """Φ_q of all constraints, columns scaled and rows made unit length, shape (m, n)."""
         values = self.entries(t, q, 0.0)[: self.rows.size]

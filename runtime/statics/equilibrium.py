@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from codegen.errors import AnalysisError
+from codegen.public_callables import checked_class
 from runtime.assembly.assemble import assemble
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
 from runtime.assembly.masses_far_apart import suited_to_masses
@@ -32,6 +33,7 @@ _TURNED = 25.0  # safety: rad after which nothing holds a machine whose forces d
 _FAR = 1e6  # safety: scaled length after which nothing does
 
 
+@checked_class
 class Equilibrium(Result):
     """A result of one instant: the rest position, with everything that a result has.
 

@@ -12,6 +12,7 @@ import sympy
 
 from codegen import (
     ConjugateReaction,
+    Coordinate,
     Curve,
     Effect,
     I,
@@ -56,6 +57,7 @@ WRONG: dict[str, Callable[[Model], Any]] = {
     "coordinate": lambda m: coordinate(),  # type: ignore[call-arg]
     "given": lambda m: given(),  # type: ignore[call-arg]
     "element": lambda m: element(1, 2),  # type: ignore[call-overload]
+    "model.altered": lambda m: m.altered(1),
 }
 
 
@@ -75,11 +77,28 @@ NONSENSE: dict[str, Callable[[Model], Any]] = {
     "curve.at('x')": lambda m: m.bodies["a"].circle(1).at("x"),  # type: ignore[arg-type]
     "point of 'a'": lambda m: Point("a", 0, 0).x,  # type: ignore[arg-type]
     "coordinate(3, 'x')": lambda m: coordinate(3, "x"),  # type: ignore[arg-type]
+    "Coordinate takes a name": lambda m: Coordinate(sympy.Dummy("a")),  # type: ignore[arg-type]
+    "Coordinate takes": lambda m: Coordinate("a_x", real=[1]),
+    "model.altered: scenes=3": lambda m: m.altered(scenes=3),
+    "model.altered: zz={}": lambda m: m.altered(zz={}),
+    "model 'm': 'spring'": lambda m: setattr(m, "spring", 3),
+    "model 'm': 'torque'": lambda m: delattr(m, "torque"),
+    "Body 'p': 'at'": lambda m: delattr(m.bodies["p"], "at"),
+    "scene 's', varied: fidelity=": lambda m: valid_scenes(
+        m, [_with(m).scenes["s"].with_(fidelity=[1])]
+    ),
+    "dry friction 'f' has both slip= and axis=": lambda m: valid_scenes(_with_axis(m), None),
     "given(None)": lambda m: given(None),  # type: ignore[arg-type]
     "ConjugateReaction.along(['x'])": lambda m: ConjugateReaction.along(["x"]),  # type: ignore[arg-type]
     "table 'l'": lambda m: m.table("l", range(5), range(5))(10**400),
     "scene 's': effect": lambda m: valid_scenes(_with(m, effects={"gravity": 1}), None),
 }
+
+
+def _with_axis(model: Model) -> Model:
+    slip = model.bodies["p"].vx
+    model.dry_friction("f", coefficient=0.2, normal=1, axis=(0, 1), slip=slip)
+    return _with(model)
 
 
 def _with(model: Model, **words: Any) -> Model:

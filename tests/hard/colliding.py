@@ -10,6 +10,8 @@ fitting
     A ball pushed to and fro between two walls without clearance.
 tray
     A block slides on a tray, which sticks to the ground; at the tray's end it strikes a stop.
+arms
+    A double pendulum between a floor under its tip and a wall beside its elbow.
 """
 
 from sympy import sin, sqrt
@@ -51,3 +53,11 @@ model.force("pull", block, push * sin(3 * t))
 model.contact("stop", gap=1 - (block.x - tray.x), restitution=e)
 model.scene("tray", ["gravity", "pull", "rubs", "sticks", "stop"],
             start={tray.x: 0.0, tray.vx: 0.0, block.x: 0.0, block.vx: 0.0})  # fmt: skip
+
+arm, forearm = (model.body(name, mass=1.0, inertia=0.1) for name in ("arm", "forearm"))
+model.revolute("shoulder", model.ground.at(0, 0), arm.at(-0.5, 0))
+model.revolute("elbow", arm.at(0.5, 0), forearm.at(-0.5, 0))
+model.contact("floor", gap=forearm.at(0.5, 0).y + 1.2, restitution=0.5)
+model.contact("wall", gap=arm.at(0.5, 0).x + 0.2, restitution=0.9)
+model.scene("arms", ["gravity", "floor", "wall"],
+            start={arm.phi: 0.5, forearm.phi: 0.2, arm.omega: 0.0, forearm.omega: 0.0})  # fmt: skip

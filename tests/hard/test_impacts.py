@@ -86,3 +86,29 @@ def test_bouncing_that_friction_meddles_with_ends_at_one_time(
     ]
     assert ends[0] == pytest.approx(ends[2], abs=1e-6)
     assert ends[1] == pytest.approx(ends[2], abs=1e-8)
+
+
+@pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-5])
+def test_a_contact_that_parts_for_less_than_the_tolerance_stays_shut(
+    colliding: Callable[[str], Machine], rtol: float
+) -> None:
+    """The tip comes back to the floor before it has left it by more than a step's error.
+
+    Its next impacts are where it came back: the floor must not give way with each of them.
+    """
+    run = colliding("arms").simulate(5.0, rtol=rtol)
+    assert run.outcome is Outcome.OK
+    assert len(changes(run, "floor", "began")) > 1
+    tip = run.q("forearm.y") + 0.5 * np.sin(run.q("forearm.phi")) + 1.2
+    elbow = run.q("arm.x") + 0.5 * np.cos(run.q("arm.phi")) + 0.2
+    assert min(tip.min(), elbow.min()) > -3.0 * rtol
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-8, 1e-11])
+def test_contacts_that_touch_keep_the_sign_of_their_gaps(
+    colliding: Callable[[str], Machine], rtol: float
+) -> None:
+    """A gap of -1e-16 between two that touch is rounding, and no missed event."""
+    start = {"ball1.x": 0.5, "ball2.x": 0.6}
+    run = colliding("cradle").simulate(5.0, rtol=rtol, guess=start)
+    assert run.outcome is Outcome.OK

@@ -1,12 +1,19 @@
 """What a user holds: tables, parameters, modes, summary."""
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
-from codegen.errors import ParameterError
+from codegen.errors import InputError, ParameterError
 from runtime.machine_facade import Machine
+from runtime.results.assembled_state import Assembly
+from runtime.results.result import Result
+from runtime.statics.equilibrium import Equilibrium
+from runtime.studies.effect_ranking.ranking import Matters
+from runtime.studies.work_precision.diagram import WorkPrecision
 
 
 def test_tables_answer_to_position_and_name(driven: Machine) -> None:
@@ -101,3 +108,39 @@ def test_tables_are_read_and_not_replaced(driven: Machine) -> None:
         with pytest.raises(AttributeError):
             setattr(driven, name, {})
         assert getattr(Machine, name).__doc__
+
+
+WRONG: dict[str, Callable[[Machine], Any]] = {
+    "'x' is no mechanism": lambda of: Machine("x"),  # type: ignore[arg-type]
+    "Result: None is no Description": lambda of: Result(
+        None, None, None, analysis="", outcome=None, message="", stats=None,  # type: ignore[arg-type]
+    ),
+    "Result.facts: too many positional arguments; it takes ()": lambda of: result(of).facts(3),  # type: ignore[call-arg]
+    "Equilibrium.facts: too many positional arguments; it takes ()": lambda of: Equilibrium.facts(
+        object.__new__(Equilibrium), 3  # type: ignore[call-arg]
+    ),
+    "Assembly: missing a required argument": lambda of: Assembly(),  # type: ignore[call-arg]
+    "Matters.facts": lambda of: study(Matters).facts(foo=3),
+    "no effect [1]; there are: .": lambda of: study(Matters)[[1]],
+    "WorkPrecision.facts": lambda of: study(WorkPrecision).facts(foo=3),
+    "no setting None; there are: .": lambda of: study(WorkPrecision)[None],
+}  # fmt: skip
+
+
+def result(machine: Machine) -> Result:
+    """A result of the machine."""
+    return machine.kinematics([0.0], progress=False)
+
+
+def study(kind: Any) -> Any:
+    """A study that has found nothing."""
+    made = object.__new__(kind)
+    vars(made).update(rows=(), lines=())
+    return made
+
+
+@pytest.mark.parametrize("start", WRONG)
+def test_wrong_calls_of_results_and_studies_are_errors_of_ours(driven: Machine, start: str) -> None:
+    with pytest.raises(InputError) as caught:
+        WRONG[start](driven)
+    assert str(caught.value).startswith(start)

@@ -96,3 +96,14 @@ def test_kinematics(driven: Machine, given: dict[str, Any]) -> None:
 def test_modes_of_a_state_of_the_wrong_shape(gas: Machine, q: Any, v: Any) -> None:
     with pytest.raises(InputError, match="must be an array of 9 finite numbers"):
         gas.initial_modes(0.0, q, v)
+
+
+def test_unknown_quantities_are_refused_before_anything_runs(
+    pendulum: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def never(*_: object, **__: object) -> None:
+        raise AssertionError("a run was prepared")
+
+    monkeypatch.setattr("runtime.studies.accuracy_target.search.PreparedSimulation", never)
+    with pytest.raises(InputError, match=r"no series 'a'.*\n.*no series 'b'"):
+        pendulum.simulate(0.01, accuracy=1e-4, quantities=np.array(["a", "b"]), progress=False)  # type: ignore[arg-type]

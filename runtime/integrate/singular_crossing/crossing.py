@@ -34,6 +34,8 @@ _ALLOWANCE = 100.0  # measured: ratio of rounding in an error to its expectation
 _ASTRAY = 1e-6  # accuracy: of a velocity; error of a start against the branch that it follows
 _SLACK = 1e3  # measured: factor by which the estimate may be wrong where rounding rules
 _LARGE = 0.5  # measured: of the largest share; lengths of rows and masses enter one by as much
+_PROBE = 0.01  # safety: of the way to a lock-up, over which its singular value is compared
+_ASKED = 0.1  # safety: of a velocity; less does not come from a lock-up
 _TRIES = 4  # safety: plans for one crossing
 
 # As integers: looking up a member of an enumeration is slow in Python 3.11.
@@ -116,6 +118,25 @@ class Crossings:
         assert self.position is not None
         self.handover.begin(self.steps, self.position, 0.0, self._usual_length())
         return self._cross()
+
+    def find_lock_up(self, within: float) -> int:
+        """The constraint whose own motion ends in a lock-up within that time, s; -1 for none.
+
+        There the least singular value σ of Φ_q goes as the root of the time left, which is
+        -σ/(2 σ̇), and (uᵀν)/σ, what moving constraints ask of it, a good part of the velocity.
+        """
+        constraints, (q, v), t = self.positions.constraints, self.state.y, float(self.record["t"])
+        speed = self._length(v)
+        if not (constraints.m and 0.0 < speed < np.inf):
+            return -1
+        lost, rest, rates = constraints.weakest(t, q)
+        asked = lost * rates
+        h = _PROBE * rest / speed
+        if not abs(asked.sum()) > _ASKED * rest * speed or t + h == t:
+            return -1
+        change = constraints.weakest(t + h, q + h * v)[1] - rest
+        close = change < 0.0 and rest * h <= -2.0 * change * within
+        return int(constraints.independent[np.abs(asked).argmax()]) if close else -1
 
     # -- steps of a plan ----------------------------------------------------------------------
 

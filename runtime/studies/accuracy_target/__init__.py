@@ -7,6 +7,7 @@ from typing import Any
 from codegen.errors import InputError
 from runtime.integrate.problem import Formulation
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
 
 FINEST = 1e-12  # accuracy: tightest target; rounding shows below it
@@ -40,8 +41,23 @@ def accuracy_or_tolerances(
             "the tolerances. Leave one of them out."
             for name, value in tolerances.items()
         ]
+        problems += _unknown_quantities(mechanism.description, quantities or ())
     if accuracy is None or problems:
         raise InputError(f"{mechanism.title}: {text}" for text in problems)
     from runtime.studies.accuracy_target.search import simulate_to
 
     return partial(simulate_to, mechanism, accuracy=accuracy, quantities=quantities, **chosen)
+
+
+def _unknown_quantities(description: Description, names: Sequence[str]) -> list[str]:
+    """Names of series that no result has; whether it has works and energies, a result says."""
+    from runtime.results.series_lookup import ENERGIES
+    from runtime.studies.series_by_name import series_names, unknown_series
+
+    known = series_names(description)
+    existing = {*ENERGIES, *(name for listed in known.values() for name in listed)}
+    return [
+        unknown_series(name, known)
+        for name in names
+        if name not in existing and not name.startswith("work(")
+    ]

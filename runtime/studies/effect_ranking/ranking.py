@@ -4,6 +4,9 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
 
+from codegen.errors import UnknownNameError
+from codegen.plain_values import shown
+from codegen.public_callables import checked_class
 from runtime.results.samples import plain
 
 
@@ -72,6 +75,7 @@ class Proposal:
     """Combinations that were run, with their relative change (None: it does not work)."""
 
 
+@checked_class
 @dataclass(frozen=True)
 class Matters:
     """The effects of a scene, those first that change a quantity most.
@@ -106,8 +110,8 @@ class Matters:
     def __getitem__(self, title: str) -> Row:
         """The row of an effect, or of ``"rod as link"``."""
         rows = {row.title: row for row in self.rows}
-        if title not in rows:
-            raise KeyError(f"{title!r}; there are: {', '.join(rows)}")
+        if type(title) is not str or title not in rows:
+            raise UnknownNameError(f"no effect {shown(title)}; there are: {', '.join(rows)}.")
         return rows[title]
 
     def facts(self) -> dict[str, Any]:

@@ -5,6 +5,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from codegen.errors import UnknownNameError
+from codegen.plain_values import shown
+from codegen.public_callables import checked_class
 from runtime.integrate.method import IMPLICIT
 from runtime.results.samples import plain
 from runtime.studies.error_norms import Errors, Scale
@@ -128,6 +131,7 @@ class Choice:
     reason: str = ""  # why there is no run
 
 
+@checked_class
 @dataclass(frozen=True)
 class WorkPrecision:
     """The time that the accuracy of a scene's motion costs.
@@ -171,8 +175,8 @@ class WorkPrecision:
     def __getitem__(self, title: str) -> Line:
         """The line of a setting, by its title."""
         lines = {line.setting.title: line for line in self.lines}
-        if title not in lines:
-            raise KeyError(f"{title!r}; there are: {'; '.join(lines)}")
+        if type(title) is not str or title not in lines:
+            raise UnknownNameError(f"no setting {shown(title)}; there are: {'; '.join(lines)}.")
         return lines[title]
 
     def facts(self) -> dict[str, Any]:

@@ -1,0 +1,35 @@
+"""Runs that end at a lock-up of partly driven machines, or where friction jams: by that name."""
+
+from pathlib import Path
+
+import pytest
+
+from codegen import Model
+from runtime import load
+from runtime.core.outcomes import Outcome
+from tests.random_mechanisms import Scales, random_mechanism
+
+
+def test_a_lock_up_has_one_name_whatever_the_tolerance(tmp_path: Path) -> None:
+    """A driver of a length asks for more than pendulums permit, whose speeds grow without bound."""
+    pendulums = random_mechanism(48, "tree", "partly", scales=Scales())
+    machine = load(pendulums.model(), pendulums.scene, folder=tmp_path)
+    for rtol in (1e-9, 1e-12, 1e-13):
+        run = machine.simulate(10.0, rtol=rtol)
+        assert run.outcome is Outcome.SINGULAR, run.message
+        assert run.t[-1] == pytest.approx(0.39231464, abs=2e-8)
+        assert "driver drive1.distance" in run.message
+
+
+def test_a_motion_into_a_jam_names_the_joint(tmp_path: Path) -> None:
+    """Painlevé's rod tilts until no force at its tip agrees with its friction."""
+    model = Model("rod", gravity=(0, -9.81))
+    rod = model.body("rod", mass=1.0, inertia=0.1)
+    slide = model.revolute_translational("slide", model.ground, rod.at(-1, 0), axis=(1, 0))
+    model.friction("rub", slide, 1.0, 1e-3)
+    model.scene("drag", ["gravity", "rub"], start={rod.phi: 1.55, rod.x: 0.0, rod.omega: -4.0,
+                rod.vx: -3.0}, guess={rod.y: 0.93})  # fmt: skip
+    run = load(model, folder=tmp_path).simulate(0.3)
+    assert run.outcome is Outcome.NOT_FINITE
+    assert 0.1 < run.t[-1] < 0.102
+    assert "joint slide.normal. Friction rub in joint slide jams" in run.message
