@@ -34,6 +34,8 @@ UNFINISHED = (sympy.Limit, sympy.Derivative, sympy.Subs, ExprWithLimits)
 """What stands for an expression that is still to be found."""
 NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
+_SMALLEST = 1e-300  # safety: of a number that multiplies a power; one that is smaller is inside
+
 
 def distinct_nodes(expression: sympy.Basic) -> list[sympy.Basic]:
     """The parts of an expression, each once, those inside first."""
@@ -49,11 +51,26 @@ def distinct_nodes(expression: sympy.Basic) -> list[sympy.Basic]:
     return list(found)
 
 
+def powers_with_number_outside(node: sympy.Basic) -> list[sympy.Expr]:
+    """The powers b^x, b > 0, of a product whose number no float holds.
+
+    SymPy takes e^990 out of exp(990 - 150 t), which is a fair function.
+    """
+    if not (isinstance(node, sympy.Mul) and node.args[0].is_Float):
+        return []
+    if _SMALLEST < abs(node.args[0]) < 1.0 / _SMALLEST:
+        return []
+    pairs = ((factor, *factor.as_base_exp()) for factor in node.args[1:])
+    return [f for f, base, x in pairs if base.is_number and base.is_positive and not x.is_number]
+
+
 def unreal_part(expression: sympy.Basic) -> tuple[sympy.Basic, str] | None:
     """A part of an expression that never is a finite real number, and why; None: there is none."""
-    known: dict[sympy.Basic, Interval] = {}
-    for node in distinct_nodes(expression):
-        if not isinstance(node, sympy.Expr):
+    nodes = distinct_nodes(expression)
+    products = [node for node in nodes if powers_with_number_outside(node)]
+    known: dict[sympy.Basic, Interval] = {product.args[0]: ALL for product in products}
+    for node in nodes:
+        if not isinstance(node, sympy.Expr) or node in known:
             continue
         verb = "is" if node == expression else "contains"
         if isinstance(node, UNFINISHED):

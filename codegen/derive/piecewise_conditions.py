@@ -19,6 +19,8 @@ from codegen.errors import ModelError
 KINKED = (sympy.Abs, sympy.Max, sympy.Min, sympy.sign, sympy.Heaviside)
 STEPS = (sympy.Mod, sympy.ceiling, sympy.floor)
 """Functions with a jump at every whole number, in which only what is known beforehand may stand."""
+INVERSES = (sympy.asin, sympy.acos)
+"""Functions that make a triangle wave of a sine or cosine, in closed form 0/0 at its corners."""
 
 
 class Boundary(IntEnum):
@@ -91,6 +93,9 @@ def boundary(condition: Relational) -> Boundary:
 
 def as_pieces(expression: sympy.Expr) -> sympy.Expr:
     """The same function with every kink spelled out as a Piecewise."""
+    for inverse in INVERSES:
+        if expression.has(inverse):
+            expression = expression.replace(inverse, partial(_triangle, inverse))
     for function in KINKED:
         if expression.has(function):
             expression = expression.replace(function, partial(_pieces, function))
@@ -98,6 +103,16 @@ def as_pieces(expression: sympy.Expr) -> sympy.Expr:
         expression = expression.replace(sympy.Mod, lambda a, b: a - b * sympy.floor(a / b))
         expression = expression.replace(sympy.ceiling, lambda a: -sympy.floor(-a))
     return expression.replace(sympy.ITE, _alternatives)
+
+
+def _triangle(inverse: type[sympy.Function], argument: sympy.Expr) -> sympy.Expr:
+    """The inverse of a sine or cosine of the time by straight pieces, acos(cos u) = |u - 2πk|."""
+    if not (isinstance(argument, sympy.sin | sympy.cos) and is_known_beforehand(argument)):
+        return inverse(argument)
+    phase = argument.args[0] - (sympy.pi / 2 if isinstance(argument, sympy.sin) else 0)
+    apart = sympy.Mod(phase + sympy.pi, 2 * sympy.pi) - sympy.pi
+    wave = sympy.Piecewise((apart, apart >= 0), (-apart, True))  # a corner: the side behind it
+    return sympy.pi / 2 - wave if inverse is sympy.asin else wave
 
 
 def _alternatives(condition: Boolean, yes: Boolean, no: Boolean) -> Boolean:

@@ -13,6 +13,7 @@ from sympy.core.relational import Relational
 from codegen.declare.symbols import Time
 from codegen.derive.effect_terms import EffectTerms
 from codegen.derive.piecewise_conditions import is_known_beforehand, switching_function
+from codegen.real_range import powers_with_number_outside
 
 if TYPE_CHECKING:
     from codegen.derive.equations import ConstraintEquations, EffectEquations
@@ -59,6 +60,8 @@ def _parts(expression: sympy.Basic) -> Iterator[sympy.Expr]:
             yield sympy.Piecewise((sympy.S.One, g > 0), (sympy.S.Zero, True))
         elif isinstance(node, sympy.Add | sympy.Mul):
             timely = [a for a in node.args if is_of_time(a)]
+            if timely and powers_with_number_outside(node):
+                timely.insert(0, node.args[0])
             if timely:
                 yield node.func(*timely)
             stack += [a for a in node.args[::-1] if a not in timely]

@@ -15,6 +15,7 @@ from sympy.core.relational import Relational
 from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.declare.table_function import Interpolant
 from codegen.derive.piecewise_conditions import (
+    INVERSES,
     KINKED,
     STEPS,
     as_pieces,
@@ -26,6 +27,7 @@ from codegen.derive.switching_functions import Switch, find_switch
 from codegen.errors import ModelError
 from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op
+from codegen.real_range import powers_with_number_outside
 
 FUNCTIONS = {getattr(sympy, name): Op(name) for name in ELEMENTARY if name not in ("sqrt", "pow")}
 
@@ -83,6 +85,8 @@ class Translator:
             return graph.lookup(node.table, node.order, self(node.at))
         if node.func in (*KINKED, *STEPS) and node.func not in FUNCTIONS:
             return self(as_pieces(node))
+        if node.func in INVERSES and (pieces := as_pieces(node)) != node:
+            return self(pieces)
         if node.func in FUNCTIONS:
             return graph.function(FUNCTIONS[node.func], *(self(a) for a in node.args))
         if isinstance(node, sympy.logic.boolalg.BooleanFunction | Relational):
@@ -114,6 +118,8 @@ class Translator:
 
     def _product(self, node: sympy.Mul) -> int:
         numerator, denominator = [], []
+        if powers := powers_with_number_outside(node):
+            return self._with_number_inside(node, powers)
         for factor in node.args:
             base, exponent = factor.as_base_exp()
             if exponent.is_number and exponent < 0:
@@ -125,6 +131,15 @@ class Translator:
             for factors in (numerator, denominator)
         )
         return self.graph.div(top, bottom) if denominator else top
+
+    def _with_number_inside(self, node: sympy.Mul, powers: Sequence[sympy.Expr]) -> int:
+        """c b^x as ±exp(x log b + log|c|), for no float holds c."""
+        number, *factors = node.args
+        pairs = [power.as_base_exp() for power in powers]
+        exponents = [self(exponent * sympy.log(base)) for base, exponent in pairs]
+        inside = self._sum([*exponents, self(sympy.log(abs(number)))])
+        rest = self(sympy.Mul(sympy.sign(number), *(f for f in factors if f not in powers)))
+        return self.graph.mul(self.graph.function(Op.EXP, inside), rest)
 
     def _piecewise(self, node: sympy.Piecewise) -> int:
         *pieces, last = node.args

@@ -51,11 +51,12 @@ _TEXT = {
     Outcome.INCONSISTENT: """
         No modes of the switching effects are consistent with the motion that follows from them: on
         either side of the switch, forces drive the motion back to the other side, and no sliding or
-        sticking is possible between them.
+        sticking was found between them.
 
         Look for a joint that jams because friction raises its own normal force, a contact that
-        works against a driver, or two conditions that undo each other; give the friction creep= or
-        the contact stiffness=, or end the run before this time.
+        works against a driver, two conditions that undo each other, or a body that rests where a
+        force jumps with its position; give the friction creep=, the contact stiffness=, that force
+        a steep slope in place of its jump, or end the run before this time.
         """,
     Outcome.ZENO: """
         Switching conditions change ever faster, infinitely often in a finite time, with no rest.

@@ -148,7 +148,7 @@ class FunctionScan:
         for low, high in places.tolist():
             if merged and low - merged[-1][1] <= near:
                 merged[-1] = merged[-1][0], high
-            elif low - self.t0 > near:
+            else:
                 merged.append((low, high))
         return merged
 

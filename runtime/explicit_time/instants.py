@@ -62,10 +62,11 @@ def time_instants(
             middle, way = 0.5 * (low + high), clock
             if high - low > clock:  # several breaks, which rounding alone separates
                 way += 0.5 * (high - low)
-            before, after = max(middle - way, t0), middle + way
-            if after < t0 or after >= t1 - clock or (after <= behind and behind > t0):
+            # t0 and t1 themselves belong to the side that the kernels find there.
+            before, after = max(middle - way, t0), min(middle + way, t1)
+            if after < t0 or before >= t1 or (after <= behind and behind > t0):
                 continue
-            steep = scans[number].steep_from(middle, way)
+            steep = scans[number].steep_from(middle, way) if before > t0 else None
             if kinks and before <= kinks[-1].after:
                 last = kinks[-1]
                 kinks[-1] = last._replace(after=after, steep=last.steep or steep)

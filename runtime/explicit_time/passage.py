@@ -16,6 +16,7 @@ from runtime.integrate.problem import Passage, Stops
 from runtime.mechanism.dense_equations import Equations
 
 _GREAT = 1e3  # safety: of its size; a smaller value is not that of a pole
+_RATE_GROWTH = 3.0  # safety: as GROWTH, of ν; the rate of a root is 30, of |t - a|^(2/3) 10
 _ADVICE = (
     ": look for a table evaluated beyond its ends, a division by zero, or a root or logarithm of "
     "what is not positive"
@@ -77,6 +78,8 @@ class Passages:
         slides = bool(np.any(modes == SLIDING))
         modes = np.where(modes == SLIDING, 0, modes)
         sides = [self._values(t, q, v, modes) for t in kink[:2]]
+        if kink.before <= self.span[0] and not all(np.isfinite(x).all() for x in sides[0]):
+            return Passage()  # the run begins where a function has no value: others say so
         if ended := self._without_bound(kink, sides, q, v, modes):
             return ended
         (phi, nu, gamma, *forces), (phi_after, nu_after, gamma_after, *forces_after) = sides
@@ -143,7 +146,8 @@ class Passages:
         for side, way in zip(sides, (-far, far), strict=True):
             there = self._values(0.5 * (kink.before + kink.after) + way, q, v, modes)
             for order, (near, distant) in enumerate(zip(side, there, strict=True)):
-                grown = np.abs(near) > np.maximum(GROWTH * np.abs(distant), _GREAT * self.size)
+                growth = _RATE_GROWTH if order == 1 else GROWTH
+                grown = np.abs(near) > np.maximum(growth * np.abs(distant), _GREAT * self.size)
                 bad = ~np.isfinite(near) | (
                     (order != 2) & grown
                 )  # γ may grow, but not its integral

@@ -251,6 +251,8 @@ class Run:
             if r["every_step"] != STEP_ENDS:
                 self.recording.add_sample(at, state.y.ravel() if after else before, state.modes)
             r["next_sample"] += 1
+        if r["every_step"] == STEP_ENDS and r["t"] >= r["t_end"]:
+            self.recording.add_sample(float(r["t"]), state.y.ravel(), state.modes)
 
     def result(self, outcome: Outcome, seconds: float) -> Trajectory:
         """What was recorded since the start, or since the run took over from another."""

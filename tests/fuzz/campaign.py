@@ -3,7 +3,7 @@
 import signal
 import time
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -92,10 +92,20 @@ def shard(generator: str, seed: int, numbers: Sequence[int], limit: float) -> Ca
     return found
 
 
+def silent(_: str) -> object:
+    """Say nothing of a campaign under way."""
+    return None
+
+
 def run(
-    generator: str, seed: int, numbers: Sequence[int], limit: float = 20.0, workers: int = 1
+    generator: str,
+    seed: int,
+    numbers: Sequence[int],
+    limit: float = 20.0,
+    workers: int = 1,
+    say: Callable[[str], object] = silent,
 ) -> Campaign:
-    """The cases of some numbers, shared among processes."""
+    """The cases of some numbers, shared among processes; `say` gets the report of each shard."""
     started = time.perf_counter()
     if workers == 1:
         return shard(generator, seed, numbers, limit)
@@ -106,6 +116,7 @@ def run(
         futures = [pool.submit(shard, generator, seed, part, limit) for part in parts]
         for future in futures:
             found = future.result()
+            say(found.report())
             whole.findings += found.findings
             whole.slowest = max(whole.slowest, found.slowest)
     whole.seconds = time.perf_counter() - started

@@ -183,6 +183,12 @@ def _short(value: Any) -> str:
     return ascii(shown(value))[1:121]
 
 
+def _say(report: str) -> None:
+    """Show a shard's report at once, so that an interruption loses nothing."""
+    sys.stdout.write(report)
+    sys.stdout.flush()
+
+
 def main() -> int:
     """The command."""
     parser = argparse.ArgumentParser(prog="python -m tests.fuzz declarations")
@@ -193,7 +199,7 @@ def main() -> int:
     parser.add_argument("--limit", type=float, default=LIMIT, help="seconds that a case may take")
     words = parser.parse_args()
     numbers = range(words.first, words.first + words.count)
-    found = campaign.run("declarations", words.seed, numbers, words.limit, words.workers)
+    found = campaign.run("declarations", words.seed, numbers, words.limit, words.workers, _say)
     sys.stdout.write(found.report())
     return 1 if found.findings else 0
 

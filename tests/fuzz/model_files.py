@@ -48,6 +48,14 @@ EXPRESSIONS = [
     *("model", "model.ground", "bob", "rod", "length", "bob.phi", "bob.vx", "bob.at(1, 0)", "pi"),
     *("rod.at(t, 0)", "sin(bob.x) / 0", "sqrt(-1)", "1 / (t - t)", "b'x'", "'a\\nb'", "bob.at"),
     *("Piecewise((1, t > 1))", "cos", "-length", "bob.phi > 0", "model.gravity", "2 * bob"),
+    *("model.scenes", "model.scene", "[bob, rod]", "{'bob': bob}", "(x for x in [1])", "range(3)"),
+    *("bob.phi.rate", "bob.phi.diff(t)", "t ** 0.5", "t == 1", "...", "NotImplemented", "float"),
+    *("type('S', (str,), {})('bob')", "type('F', (float,), {})(1)", "bob.at(bob.x, 0)", "''.join"),
+    *("Model('other').body('o', mass=1)", "Model('other').ground", "Model('other')", "1 / bob.x"),
+    *("model.table('tab', [0, 1, 2, 3], [0, 1, 0, 2])", "model.table('tab', [0], [1])", "2**0.5"),
+    *("(lambda: 1 / 0)()", "[].pop()", "open('no such file')", "__import__('no_module')", "y"),
+    *("model.bodies['hinge']", "model.effects.pop('damper')", "setattr(bob, 'mass', 3)", "exit()"),
+    *("bob.mass", "bob.torque(1)", "bob.circle(0.1)", "bob.polar(t)", "cos(bob.phi.rate) > 1"),
 ]
 ODD_FILES: dict[str, bytes | str] = {
     "raises.py": SOUND + "class E(BaseException):\n    pass\nraise E('no')\n",

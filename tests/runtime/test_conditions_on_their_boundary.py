@@ -170,3 +170,13 @@ def test_conditions_share_a_switch_where_they_agree(pair: tuple[Any, Any]) -> No
     switch = Switch("f", str(first), g, g, boundary=boundary(first))
     found = find_switch(switching_function(second), boundary(second), [switch])
     assert (found is not None) is (pair in SHARED)
+
+
+def test_a_force_that_holds_by_another_share_of_its_jump_says_so(workshop: Path) -> None:
+    model = Model("tip")
+    bead = model.particle("bead", mass=1.0)
+    model.force("F", bead, fx=-5 * sign(bead.x) + 2)
+    model.scene("run", ["F"], start={bead.x: 0, bead.y: 0, bead.vx: 0, bead.vy: 0})
+    result = load(model, "run", folder=workshop).simulate(1.0, progress=False)
+    assert result.outcome is Outcome.INCONSISTENT
+    assert "a body that rests where a force jumps with its position" in result.message

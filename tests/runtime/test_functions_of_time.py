@@ -8,7 +8,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from sympy import Abs, Expr, Heaviside, Max, Mod, Piecewise, atan2, cos, exp, floor, sign, sin, tanh
+from sympy import (
+    Abs,
+    Expr,
+    Heaviside,
+    Max,
+    Mod,
+    Piecewise,
+    acos,
+    asin,
+    atan2,
+    cos,
+    exp,
+    floor,
+    sign,
+    sin,
+    tanh,
+)
 
 from codegen import Model, t
 from runtime import load
@@ -108,6 +124,9 @@ def test_steps_end_at_kinks(workshop: Path) -> None:
         ("broken", 1 / (t - 0.5), 0.5, "has no finite value at t = 0.5 s"),
         ("twice_broken", 1 / (t - 0.5) ** 2, 0.5, "has no finite value at t = 0.5 s"),
         ("endless", 0.1 * sin(1 / (t - 1)), 1.0, "changes ever faster up to about t = "),
+        ("from_the_start", 0.1 * Mod(-t, 2.5), 0.0, "jumps by 0.25 at t = "),
+        ("at_the_end", 0.1 * floor(t / 2), 2.0, "jumps by 0.1 at t = 2 s"),
+        ("cusp", Abs(t - 0.7) ** 0.5, 0.7, "has no finite rate at t = 0.7 s"),
     ],
 )
 def test_a_law_that_ends_says_so_in_every_analysis(
@@ -127,7 +146,7 @@ def test_a_law_that_ends_says_so_in_every_analysis(
         assert "witch" not in result.message  # a law has none
         assert instant - 0.08 < result.t[-1] < instant + 1e-9
         shown = result.t < instant - 1e-3
-        expected = np.vectorize(lambda x: float(law.subs(t, x)))(result.t[shown])
+        expected = np.array([float(law.subs(t, x)) for x in result.t[shown]])
         assert_allclose(angle(result)[shown], expected, rtol=1e-6, atol=1e-7)
     assert time.perf_counter() - began < 20.0
 
@@ -217,3 +236,64 @@ def test_a_contact_opens_where_a_law_pulls_away(workshop: Path) -> None:
         ("rest", "began"),
         ("motor", "began"),
     ]
+
+
+@pytest.mark.parametrize("method", ["dop853", "bdf"])
+def test_a_run_ends_on_the_side_that_its_last_instant_has(
+    crank: Callable[..., Machine], method: str
+) -> None:
+    machine = crank("bouncing", 0.1 * Mod(t, 2) * (2 - Mod(t, 2)))
+    for end, rate, impacts in ((3.0, 0.0, 1), (4.0, 0.2, 2), (4.0 - 1e-9, -0.2, 1)):
+        result = machine.simulate(end, [end], method=method, progress=False)
+        assert result.outcome is Outcome.OK
+        assert result.t[-1] == result.samples.t[-1] == end
+        assert_allclose(result.series("crank.omega")[0][-1], rate, atol=1e-8)
+        assert [event.what for event in result.events] == ["impact"] * impacts
+    every_step = machine.simulate(4.0, method=method, progress=False)
+    assert (every_step.t[-1], len(every_step.events)) == (4.0, 2)
+
+
+@pytest.mark.parametrize(
+    ("name", "law", "wave", "corners"),
+    [
+        ("of_sine", asin(sin(3 * t)), lambda x: np.arcsin(np.sin(3 * x)), [pi / 6, pi / 2]),
+        ("of_cosine", acos(cos(3 * t)), lambda x: np.arccos(np.cos(3 * x)), [pi / 3]),
+        ("crossed", asin(cos(3 * t)), lambda x: np.arcsin(np.cos(3 * x)), [pi / 3]),
+        ("crosswise", acos(sin(3 * t)), lambda x: np.arccos(np.sin(3 * x)), [pi / 6, pi / 2]),
+    ],
+)
+def test_triangle_waves_have_impacts_at_their_corners(
+    crank: Callable[..., Machine], name: str, law: Expr, wave: Callable[..., np.ndarray],
+    corners: list[float],
+) -> None:  # fmt: skip
+    machine, at = crank(f"triangle_{name}", law), np.linspace(0.0, 1.9, 39)
+    for result in (
+        machine.simulate(1.9, at, progress=False),
+        machine.kinematics(at, progress=False),
+    ):
+        assert result.outcome is Outcome.OK
+        assert [event.what for event in result.events] == ["impact"] * len(corners)
+        assert_allclose([event.time for event in result.events], corners, atol=1e-13)
+        assert_allclose(result.samples.q[:, 2], wave(at), atol=1e-8)
+        assert_allclose(np.abs(result.samples.v[:, 2]), 3.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("steepness", [150.0, -150.0, 1e4, -1e4])
+def test_exponentials_beyond_all_floats_act(
+    crank: Callable[..., Machine], steepness: float
+) -> None:
+    """SymPy takes e^(6.6 k) out of the exponential, as a number that no float holds."""
+    name = f"logistic_{steepness:g}".replace("-", "m").replace("+", "")
+    result = crank(name, torque=2.0 / (1 + exp(steepness * (6.6 - t)))).simulate(
+        10.0, progress=False
+    )
+    assert result.outcome is Outcome.OK
+    impulse = 3.4 if steepness > 0 else 6.6
+    assert_allclose(result.series("crank.omega")[0][-1], impulse, atol=1e-7)
+
+
+def test_a_pulse_whose_square_is_multiplied_out_acts(crank: Callable[..., Machine]) -> None:
+    pulse = (10 * exp(-(((t - 50.0) / 0.1) ** 2))).expand()
+    result = crank("multiplied_out", torque=pulse).simulate(60.0, progress=False)
+    assert result.outcome is Outcome.OK
+    assert_allclose(result.series("crank.omega")[0][-1], 0.5 * sqrt(pi), atol=1e-7)

@@ -38,11 +38,11 @@ def test_four_bars_of_any_lengths_pass_dead_centres(workshop: Path) -> None:
     write_if_changed(path, FOUR_BAR)
     machine = load(path, "run", folder=workshop)
     random, found = np.random.default_rng(5), list[Comparison]()
-    while len(found) < 20:
+    while len(found) < 10:
         lengths = {name: float(random.uniform(0.4, 2.0)) for name in "abcd"}
         try:
             found.append(compare_runs(machine, str(lengths), 10.0, lengths))
         except AssemblyError:
             continue
     assert [str(one) for one in found if one.verdict != "ok"] == []
-    assert sum(one.changes > 0 for one in found) > 10
+    assert sum(one.changes > 0 for one in found) > 5
