@@ -45,13 +45,14 @@ def counts(lowered: Lowered) -> dict[str, int]:
 
 def never_declared(model: Model, *effects: str) -> Model:
     """The model as it would be if these effects were not in its file."""
-    other = copy(model)
-    other.effects = {n: e for n, e in model.effects.items() if n not in effects}
-    other.fidelities = {n: f for n, f in model.fidelities.items() if n not in effects}
-    other.groups = {
-        group: {c: tuple(n for n in names if n not in effects) for c, names in choices.items()}
-        for group, choices in model.groups.items()
-    }
+    other = model.altered(
+        effects={n: e for n, e in model.effects.items() if n not in effects},
+        fidelities={n: f for n, f in model.fidelities.items() if n not in effects},
+        groups={
+            group: {c: tuple(n for n in names if n not in effects) for c, names in choices.items()}
+            for group, choices in model.groups.items()
+        },
+    )
     return without_values(other, effects)
 
 
@@ -146,9 +147,8 @@ def test_compressor_of_gravity_alone_is_that_of_a_machine_with_nothing_else(root
     text, lowered = compiled_without_names(model, scene)
     poor = never_declared(model, *(set(model.effects) - {"gravity_right"}))
     without_values(poor, poor.drivers)
-    poor.drivers = {}
-    poor.scenes = {}
-    poor.parameters = {n: p for n, p in model.parameters.items() if n in ("J1", "rod_length")}
+    left = {n: p for n, p in model.parameters.items() if n in ("J1", "rod_length")}
+    poor = poor.altered(drivers={}, scenes={}, parameters=left)
     given = {"start": dict(scene.start), "guess": dict(scene.guess), "outputs": []}
     poor.scene("falling", ["gravity_right"], **given)
     other, _ = compiled_without_names(poor, valid_scenes(poor, "falling")[0])

@@ -207,9 +207,7 @@ def test_parameters_and_constants_are_as_if_built_with_them(slider_crank: Model)
     changed = {"J1": 900.0, "rod_length": 2.9, "motor_torque": 1e4}
     p = [changed.get(d.name, d.value) for d in machine.equations.parameters]
     assert len(machine.program.constants) > 0
-    frozen = Model("slider_crank")
-    frozen.__dict__.update(slider_crank.__dict__)
-    frozen.scenes = {}
+    frozen = slider_crank.altered(scenes={})
     names = slider_crank.scenes["compressor"]
     frozen.scene("other", names.effects, parameters=changed, frozen=True)
     rebuilt = Interpreted(frozen, "other")
