@@ -166,7 +166,8 @@ def path(value: Any) -> Path:
         plain.encode()  # a name that cannot be decoded cannot be written into a file
         Path(plain).exists()
     except (OSError, UnicodeError) as error:
-        raise KindError(f"no file can have that path ({error}).") from error
+        why = getattr(error, "strerror", None) or type(error).__name__
+        raise KindError(f"no file can have that path ({why}).") from error
     return Path(plain)
 
 

@@ -228,7 +228,7 @@ def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None
         raise SceneError(misfits)
     variants = [model.recompose(scene) for scene in given]
     missing = [
-        f"model '{model.name}' has no scene '{name}'; {nearest(name, model.scenes)}"
+        f"model '{model.name}' has no scene '{one_line(name)}'; {nearest(name, model.scenes)}"
         for name in by_name
         if name not in model.scenes
     ]

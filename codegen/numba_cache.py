@@ -53,7 +53,8 @@ def _number_functions() -> None:
 
 
 _number_functions()
-os.register_at_fork(after_in_child=_number_functions)
+if hasattr(os, "register_at_fork"):  # a system that forks
+    os.register_at_fork(after_in_child=_number_functions)
 
 
 @contextmanager
@@ -144,7 +145,10 @@ class _CheckedFiles(_IndexData):  # type: ignore[misc]
         if not _is_sealed(content, self._index_name):
             _note_damage(self._index_path, "its content is not what was written")
             return None, {}
-        *source, overloads = pickle.loads(content[:-_SEAL])
+        try:
+            *source, overloads = pickle.loads(content[:-_SEAL])
+        except Exception:  # a type that this numba no longer has
+            return None, {}
         return tuple(source), overloads
 
     @property

@@ -147,7 +147,7 @@ def members(value: Any, count: int | None = None) -> list[Any]:
     if getattr(type(value), "is_Matrix", False) is True and hasattr(value, "flat"):
         flat = value.flat
         value = flat() if callable(flat) else value
-    if isinstance(value, str | bytes | bytearray | Set | Mapping) or not isinstance(
+    if isinstance(value, str | bytes | bytearray | memoryview | Set | Mapping) or not isinstance(
         value, Iterable
     ):
         raise KindError

@@ -85,7 +85,8 @@ def declaration(method: Callable[..., Any], owner: str) -> Callable[..., Any]:
         except BaseException as error:
             name = words.get("name", (*arguments[own:], None)[0]) if named else None
             label = title if name is None else f"{title} '{plain_name(name)}'"
-            of_whom = getattr(arguments[0], "__dict__", {}).get("name") if own else None
+            called_on = arguments[0] if own and arguments else None
+            of_whom = getattr(called_on, "__dict__", {}).get("name")
             if owner == "body" and of_whom is not None:
                 label += f" of '{plain_name(of_whom)}'"
             try:

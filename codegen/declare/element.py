@@ -11,7 +11,7 @@ from codegen.declare.body import Body, Curve, Point, Pose
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate, given
 from codegen.errors import FAILURES, ModelError
-from codegen.plain_values import KindError, plain_name, shown
+from codegen.plain_values import KindError, one_line, plain_name, shown
 from codegen.public_callables import declarations, unchanging
 
 
@@ -138,8 +138,8 @@ class Statement:
                 bindings[place] = plain_expression(value)
             except KindError:
                 raise ModelError(
-                    f"the placeholder '{place}' is bound to {shown(value)}; give a number or an "
-                    "expression."
+                    f"Statement: the placeholder '{one_line(place)}' is bound to {shown(value)}; "
+                    "give a number or an expression."
                 ) from None
         object.__setattr__(self, "bindings", bindings)
 

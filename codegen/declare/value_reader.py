@@ -159,7 +159,7 @@ class Reader:
 
     def choice(self, value: Any, allowed: tuple[str, ...], where: str) -> Any:
         """One of a few words."""
-        if isinstance(value, str) and value in allowed:
+        if is_a(value, str) and value in allowed:
             return str.__str__(value)
         self.note(f"{where}: {shown(value)} is none of {', '.join(map(repr, allowed))}.")
         return allowed[0]
@@ -194,8 +194,12 @@ class Reader:
         """The mapping that the keyword `word` takes; None, and anything else, is read as empty."""
         if value is None:
             return {}
-        if isinstance(value, Mapping):
-            return dict(value)
+        if issubclass(type(value), Mapping):
+            try:
+                return dict(bounded(value.items()))
+            except FAILURES as error:
+                self.note(f"{where}: {word}={shown(value)} fails with {failure(error)}.")
+                return {}
         self.note(f"{where}: {word}={shown(value)} is no mapping; write {like}.")
         return {}
 

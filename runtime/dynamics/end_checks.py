@@ -112,11 +112,12 @@ def _sides_of_modes(
     largest = np.concatenate([np.abs(q).max(axis=0), np.abs(v).max(axis=0)])
     for k in np.flatnonzero(pairs.any(axis=0)):
         lower = np.where(pairs[:, k], np.minimum(np.abs(g[1:, k]), np.abs(g[:-1, k])), 0.0)
-        row = int(np.argmax(lower))
+        row = int(np.argmax(lower))  # its g is told, and the first that errs as far
         at = float(t[row]), q[row], v[row]
         permitted = tolerance_of_switch(equations, int(k), at, largest, sizes, options)
-        if lower[row] > _SIDE_TOLERANCES * permitted:
-            first = np.flatnonzero(pairs[:, k])[0]
+        missed = np.flatnonzero(lower > _SIDE_TOLERANCES * permitted)
+        if len(missed):
+            first = missed[0]
             return (
                 f"From t = {t[first]:.6g} s on the mode of {switches[k].title} contradicts its "
                 f"switching function, which is {g[row, k]:.3g} at t = {t[row]:.6g} s: an event was "

@@ -27,7 +27,8 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
     """The run, ended by the jam of a friction with a creep speed, where one is as near as that.
 
     `duration`, s, is that of the whole run. Where the motion goes on, its accelerations are no
-    numbers then, and the kernel names the joint.
+    numbers then, and the kernel names the joint. At rest such a friction has no force: where the
+    accelerations are no numbers then either, it is not what ends the run.
     """
     rubs = any(row.kind == "friction" for row in mechanism.description.effects)
     named = run.outcome is not Outcome.SINGULAR and run.index >= 0
@@ -35,10 +36,14 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
         return run
     equations, (t, q, v) = Equations(mechanism, p), (run.final_t, run.final_q, run.final_v)
     a, _, _ = equations.motion(t, q, v, run.final_modes)
+    a = np.where(np.isfinite(a), a, 0.0)
     for h in _CLOSE * duration * np.array([0.0, 0.001, 0.01, 0.1, 1.0]):
         there = t + h, q + h * (v + 0.5 * h * a), v + h * a
         ahead, _, weak = equations.motion(*there, run.final_modes)
         if weak > 0 and not np.isfinite(ahead).all():
+            resting, _, _ = equations.motion(there[0], there[1], np.zeros_like(v), run.final_modes)
+            if not np.isfinite(resting).all():
+                return run
             return replace(run, outcome=Outcome.NOT_FINITE, index=weak - 1)
     return run
 

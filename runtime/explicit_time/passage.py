@@ -32,7 +32,6 @@ class Passages:
         self.size = float(sizes.max(initial=1.0))
         first = next(self._parts(), None)  # often the only one; others are found in each run anew
         self.whole = first if first is None or first.end >= t1 else None
-        self.some = first is not None
 
     def _parts(self) -> Iterator[TimeInstants]:
         return time_instants(self.equations.description, self.equations.p, *self.span)

@@ -229,7 +229,7 @@ class Run:
         passage = self._passage(int(r["next_stop"]))
         if passage.outcome is not Outcome.OK:
             return passage.outcome
-        before = state.y.ravel().copy()
+        before = state.y.ravel().copy(), state.modes.copy()
         state.leave_kink()
         if passage.v is not None:
             state.y[1] = passage.v
@@ -242,14 +242,15 @@ class Run:
             r["events"] += 1
         return _GOING if code == Outcome.OK else code
 
-    def _sample_kink(self, before: Vector, passage: Passage) -> None:
+    def _sample_kink(self, before: tuple[Vector, Integers], passage: Passage) -> None:
         """Take the samples that are asked for between the two sides of a kink."""
         state, r, times = self.state, self.state.record, self.state.wiring.arrays["sample_times"]
         while r["next_sample"] < len(times) and times[r["next_sample"]] <= r["t"]:
             at = float(times[r["next_sample"]])
             after = passage.behind is None or passage.behind(at)
             if r["every_step"] != STEP_ENDS:
-                self.recording.add_sample(at, state.y.ravel() if after else before, state.modes)
+                y, modes = (state.y.ravel(), state.modes) if after else before
+                self.recording.add_sample(at, y, modes)
             r["next_sample"] += 1
         if r["every_step"] == STEP_ENDS and r["t"] >= r["t_end"]:
             self.recording.add_sample(float(r["t"]), state.y.ravel(), state.modes)

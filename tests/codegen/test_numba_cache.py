@@ -181,3 +181,12 @@ def test_an_interrupt_waits_until_a_function_is_compiled(
     finally:
         signal.signal(signal.SIGINT, usual)
     assert finished
+
+
+def test_an_index_of_types_that_are_gone_is_replaced(source: Path) -> None:
+    """Whole and sealed, but of a numba that knew another type."""
+    (index,) = (source.parent / "__pycache__").glob("*.nbi")
+    content = b"cno_such_module\nno_such_type\n."
+    index.write_bytes(content + numba_cache._seal(content, index.name))
+    assert _execute(source).scaled(1.0) == 2.0
+    assert b"no_such_module" not in index.read_bytes()

@@ -299,3 +299,9 @@ def test_objects_that_hide_their_class_are_refused_where_they_stand() -> None:
         assert any(
             name in problem and "fails with" not in problem for problem in caught.value.problems
         )
+
+
+@pytest.mark.parametrize("method", ["revolute", "body", "gravity"])
+def test_methods_called_on_the_class_say_what_they_take(method: str) -> None:
+    with pytest.raises(ModelError, match=rf"model\.{method}"):
+        getattr(Model, method)()

@@ -12,6 +12,7 @@ from multiprocessing import get_context
 from random import Random
 from typing import NamedTuple
 
+_SHARDS = 8  # that a process takes
 SHOWN = 40  # findings that a report lists
 
 
@@ -112,12 +113,16 @@ def run(
     size = max(1, min(500, len(numbers) // workers))
     parts = [numbers[k : k + size] for k in range(0, len(numbers), size)]
     whole = Campaign(generator, seed, len(numbers), 0.0, (0.0, 0))
-    with ProcessPoolExecutor(workers, get_context("spawn"), max_tasks_per_child=8) as pool:
-        futures = [pool.submit(shard, generator, seed, part, limit) for part in parts]
-        for future in futures:
-            found = future.result()
-            say(found.report())
-            whole.findings += found.findings
-            whole.slowest = max(whole.slowest, found.slowest)
+    # New processes after some shards: caches of expressions grow. (A pool that replaces its workers
+    # itself, by `max_tasks_per_child`, waits for ever when all have done their tasks.)
+    for k in range(0, len(parts), _SHARDS * workers):
+        with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+            some = parts[k : k + _SHARDS * workers]
+            futures = [pool.submit(shard, generator, seed, part, limit) for part in some]
+            for future in futures:
+                found = future.result()
+                say(found.report())
+                whole.findings += found.findings
+                whole.slowest = max(whole.slowest, found.slowest)
     whole.seconds = time.perf_counter() - started
     return whole

@@ -177,7 +177,8 @@ def _chosen(s: Scenery, random: Random) -> Misuse:
         use = lambda: codegen.build(s.model, **words)  # noqa: E731
         return Misuse(f"build with {list(words)} {_shown(odd)}", use, "", may_be_right=True)
     use = lambda: with_settings(s.model, {"k": odd})  # noqa: E731
-    return Misuse(f"settings of {_shown(odd)}", use, "'k'")
+    right = finite_float(odd) is not None
+    return Misuse(f"settings of {_shown(odd)}", use, "'k'", right)
 
 
 def _model(s: Scenery, random: Random) -> Misuse:

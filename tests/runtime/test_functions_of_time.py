@@ -297,3 +297,19 @@ def test_a_pulse_whose_square_is_multiplied_out_acts(crank: Callable[..., Machin
     result = crank("multiplied_out", torque=pulse).simulate(60.0, progress=False)
     assert result.outcome is Outcome.OK
     assert_allclose(result.series("crank.omega")[0][-1], 0.5 * sqrt(pi), atol=1e-7)
+
+
+def test_samples_just_before_a_kink_have_the_modes_before_it(workshop: Path) -> None:
+    """A driver turns back at 1 s, and what acts while it goes ahead ceases there."""
+    model = Model("turned_back")
+    ahead, pulled = (model.particle(name, mass=1.0) for name in ("ahead", "pulled"))
+    law = Piecewise((t, t < 1), (2 - t, True))
+    model.translation_driver("drive", model.ground, ahead, law)
+    model.force("gate", pulled, fx=2.0, when=ahead.vx > 0)
+    start = dict.fromkeys((ahead.y, ahead.vy, pulled.x, pulled.y, pulled.vx, pulled.vy), 0.0)
+    model.scene("s", ["gate"], drivers=["drive"], start=start)
+    last = np.nextafter(1.0, 0.0)
+    run = load(model, folder=workshop).simulate(2.0, [0.0, np.nextafter(last, 0.0), last, 2.0])
+    assert run.outcome is Outcome.OK, run.message
+    assert run.samples.modes[1:3].ravel().tolist() == [1, 1]
+    assert_allclose(run.v("pulled.x"), [0.0, 2.0, 2.0, 2.0], atol=1e-9)

@@ -33,3 +33,19 @@ def test_a_motion_into_a_jam_names_the_joint(tmp_path: Path) -> None:
     assert run.outcome is Outcome.NOT_FINITE
     assert 0.1 < run.t[-1] < 0.102
     assert "joint slide.normal. Friction rub in joint slide jams" in run.message
+
+
+def test_a_singular_start_is_no_jam_of_a_friction_in_it(tmp_path: Path) -> None:
+    """A crank and a rod of one length, folded: singular with a friction as without."""
+    model = Model("folded", gravity=(0, -9.81))
+    crank, rod = (model.body(name, mass=1.0, inertia=0.1) for name in ("crank", "rod"))
+    model.revolute("O", model.ground.at(0, 0), crank.at(-0.5, 0))
+    model.revolute("A", crank.at(0.5, 0), rod.at(0.5, 0))
+    slide = model.revolute_translational("slide", model.ground, rod.at(-0.5, 0), axis=(0, 1))
+    model.friction("rub", slide, 0.05, 1e-3)
+    guess = {crank.x: 0.5, crank.y: 0, rod.phi: 0, rod.x: 0.5, rod.y: 0}
+    model.scene("rubbing", ["gravity", "rub"], start={crank.phi: 0.0, crank.omega: 0.0},
+                guess=guess)  # fmt: skip
+    run = load(model, folder=tmp_path).simulate(2.0)
+    assert run.outcome is Outcome.SINGULAR
+    assert "jams" not in run.message
