@@ -112,7 +112,7 @@ def _sides_of_modes(
     largest = np.concatenate([np.abs(q).max(axis=0), np.abs(v).max(axis=0)])
     for k in np.flatnonzero(pairs.any(axis=0)):
         lower = np.where(pairs[:, k], np.minimum(np.abs(g[1:, k]), np.abs(g[:-1, k])), 0.0)
-        row = int(np.argmax(lower))  # its g is told, and the first that errs as far
+        row = int(np.argmax(lower))  # the worst; the message names it, and the first of its kind
         at = float(t[row]), q[row], v[row]
         permitted = tolerance_of_switch(equations, int(k), at, largest, sizes, options)
         missed = np.flatnonzero(lower > _SIDE_TOLERANCES * permitted)

@@ -25,7 +25,7 @@ _APART = 1e-9  # safety: of V; neighbours with a smaller difference may be equal
 
 @inner
 def evaluate_along(context: Context, t: float, way: float, i: int) -> float:
-    """V of the state number i in a row, J; its positions go to row SAMPLE, the way to PREDICTED."""
+    """V of the state number i in a row, J; its positions go to row SAMPLE, the way to DELTA."""
     q0, q1, q = context.q0, context.q1, ws.positions(context, ws.SAMPLE)
     size, step = ws.row_of(context, ws.SIZE), ws.positions(context, ws.DELTA)
     for j in range(context[ft.COORDINATES]):
