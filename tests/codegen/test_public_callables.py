@@ -305,3 +305,11 @@ def test_objects_that_hide_their_class_are_refused_where_they_stand() -> None:
 def test_methods_called_on_the_class_say_what_they_take(method: str) -> None:
     with pytest.raises(ModelError, match=rf"model\.{method}"):
         getattr(Model, method)()
+
+
+def test_a_table_of_declarations_is_made_by_its_model_alone() -> None:
+    model = Model("tables")
+    model.parameter("m", 1.0)
+    for make in (type(model.parameters).fromkeys, model.parameters.fromkeys):
+        with pytest.raises(LinkwrightError, match="view of what is declared"):
+            make(["m"])
