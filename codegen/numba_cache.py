@@ -37,7 +37,7 @@ from numba.core.bytecode import FunctionIdentity
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
 
 from codegen.damaged_byte_code import CacheWarning
-from codegen.termination_signals import Deferral
+from codegen.termination_signals import SignalDeferral
 
 _Function: Any = FunctionCache  # numba leaves these untyped
 _IndexData: Any = IndexDataCacheFile
@@ -96,7 +96,7 @@ class CheckedCache(_Function):  # type: ignore[misc]
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Machine code from the disk; None where there is none that can be trusted."""
-        with Deferral(in_commands=False):
+        with SignalDeferral(in_commands=False):
             try:
                 return super().load_overload(signature, target)
             except Exception as error:  # whatever a wrong pickle or object file leads to
@@ -105,7 +105,7 @@ class CheckedCache(_Function):  # type: ignore[misc]
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Keep machine code; a folder that is full or cannot be written keeps none."""
-        with Deferral(in_commands=False):
+        with SignalDeferral(in_commands=False):
             try:
                 super().save_overload(signature, result)
             except OSError as error:
@@ -217,7 +217,7 @@ class _DeferInterrupts(_events.Listener):  # type: ignore[misc]
         """Begin a deferral: a function may compile others that it calls."""
         self.open.deferrals = [
             *getattr(self.open, "deferrals", ()),
-            Deferral(in_commands=False).__enter__(),
+            SignalDeferral(in_commands=False).__enter__(),
         ]
 
     def on_end(self, event: Any) -> None:
