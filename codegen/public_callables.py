@@ -56,7 +56,7 @@ def checked_call(
     return call
 
 
-def declaration(method: Callable[..., Any], owner: str) -> Callable[..., Any]:
+def error_boundary(method: Callable[..., Any], owner: str) -> Callable[..., Any]:
     """A method or function of a declaration, whose failures are all `ModelError`s.
 
     It gets text for its `name`.
@@ -104,11 +104,11 @@ def declaration(method: Callable[..., Any], owner: str) -> Callable[..., Any]:
     return call
 
 
-def declarations(cls: Class, owner: str) -> Class:
+def error_boundary_class(cls: Class, owner: str) -> Class:
     """The class with its own public methods bounded so."""
     for word, method in list(vars(cls).items()):
         if isfunction(method) and (word == "__init__" or not word.startswith("_")):
-            setattr(cls, word, declaration(method, owner))
+            setattr(cls, word, error_boundary(method, owner))
     return cls
 
 
@@ -121,7 +121,7 @@ def checked_class(cls: Class) -> Class:
     return cls
 
 
-def unchanging(cls: Class) -> Class:
+def immutable(cls: Class) -> Class:
     """The class with attributes that are neither set nor deleted, nor asked for in vain.
 
     Those of a subclass's own stay its own.
@@ -179,7 +179,7 @@ def failure(error: BaseException) -> str:
     return f"{type(error).__name__}: {one_line(error)}".removesuffix(": ").rstrip(".")
 
 
-class Deferred:
+class UserCallback:
     """A user's function that is called until it raises; its exception waits for a block's end."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -194,7 +194,7 @@ class Deferred:
             except Exception as error:
                 self.error = error
 
-    def __enter__(self) -> "Deferred":
+    def __enter__(self) -> "UserCallback":
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
@@ -203,7 +203,7 @@ class Deferred:
 
 
 @contextmanager
-def users_own(what: str) -> Iterator[None]:
+def note_user_error(what: str) -> Iterator[None]:
     """A block that calls a user's function: its exception passes on, and says whose it is."""
     try:
         yield

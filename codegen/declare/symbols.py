@@ -8,7 +8,7 @@ import sympy
 
 from codegen.errors import ModelError
 from codegen.plain_values import shown
-from codegen.public_callables import declaration
+from codegen.public_callables import error_boundary
 
 Letter = Literal["x", "y", "phi"]
 LETTERS = ("x", "y", "phi")
@@ -203,5 +203,5 @@ def rate(s: sympy.Expr) -> sympy.Expr:
     return sympy.Add(*slopes, sympy.diff(s, t))
 
 
-_coordinate, coordinate = coordinate, declaration(coordinate, "coordinate")
-given = declaration(given, "given")
+_coordinate, coordinate = coordinate, error_boundary(coordinate, "coordinate")
+given = error_boundary(given, "given")

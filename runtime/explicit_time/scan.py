@@ -41,7 +41,7 @@ ROWS = 10  # layout: of the scratch of a scan
 
 
 @inner
-def shows_all(work: Matrix, watched: Integers) -> bool:
+def ends_are_representative(work: Matrix, watched: Integers) -> bool:
     """Whether values in an interval are about those at its ends, rows FIRST and LAST."""
     for k in watched:
         low, high = work[_LOW, k], work[_HIGH, k]
@@ -83,7 +83,7 @@ def examine(f: Function, a: float, b: float, start: int, work: Matrix) -> int:
         if undecided != 0:
             return undecided
         look(f, right, work, _LAST)
-        if not shows_all(work, watched):
+        if not ends_are_representative(work, watched):
             return _BENT
         copy_vector(work[_LAST], work[_FIRST])
         left = right

@@ -10,10 +10,10 @@ from codegen.declare.element import label
 from codegen.declare.expression_rules import expression_problem
 from codegen.declare.return_values.calls import (
     by_coordinate,
+    call_user_code,
     expression,
-    guarded,
     name,
-    read,
+    read_property,
     refusal,
     rows,
 )
@@ -25,7 +25,7 @@ from codegen.plain_values import shown
 def coordinates_of(body: Any) -> tuple[Coordinate, ...]:
     """The coordinates of a sound body."""
     try:
-        value = read(body, "coordinates")
+        value = read_property(body, "coordinates")
     except ModelError:  # reported where the body is checked
         return ()
     return value if _are_coordinates(body, value) else ()
@@ -42,27 +42,27 @@ def check_body(body: Body, known: Set[sympy.Symbol]) -> None:
 
     Its expressions consist of the `known` symbols.
     """
-    coordinates = read(body, "coordinates")
+    coordinates = read_property(body, "coordinates")
     if not _are_coordinates(body, coordinates):
         needed = f"a tuple of coordinates of '{body.name}', of letters that are declared"
         raise refusal(body, "coordinates", coordinates, needed)
     for word in ("position", "velocity", "mass_centre", "rotation"):
-        pair = read(body, word)
+        pair = read_property(body, word)
         if not isinstance(pair, tuple | list) or len(pair) != 2:
             raise refusal(body, word, pair, "two expressions")
         _ = [_sound(body, word, component, known) for component in pair]
     for word, may_lack in (
         ("angle", True), ("angular_velocity", False), ("mass", True), ("inertia", True)
     ):  # fmt: skip
-        value = read(body, word)
+        value = read_property(body, word)
         if not isinstance(value, sympy.Expr) and (value is not None or not may_lack):
             raise refusal(body, word, value, "an expression of SymPy")
         if value is not None:
             _sound(body, word, value, known)
     for word in ("fixed", "turns"):
-        if not isinstance(flag := read(body, word), bool):
+        if not isinstance(flag := read_property(body, word), bool):
             raise refusal(body, word, flag, "True or False")
-    block = read(body, "mass_matrix")
+    block = read_property(body, "mass_matrix")
     pairs = block if isinstance(block, Mapping) else [None]
     if not all(isinstance(p, tuple) and len(p) == 2 and {*p} <= {*coordinates} for p in pairs):
         raise refusal(body, "mass_matrix", block, "a dictionary, pair of coordinates: expression")
@@ -70,12 +70,12 @@ def check_body(body: Body, known: Set[sympy.Symbol]) -> None:
         if entry is not None:
             _sound(body, "mass_matrix", entry, known)
     for word, value in (
-        ("inertia_force", read(body, "inertia_force")),
-        ("torque()", guarded(body, "torque()", lambda: body.torque(sympy.S.One))),
+        ("inertia_force", read_property(body, "inertia_force")),
+        ("torque()", call_user_code(body, "torque()", lambda: body.torque(sympy.S.One))),
     ):
         for force in by_coordinate(body, word, value).values():
             _sound(body, word, force, known)
-    equations = read(body, "equations")
+    equations = read_property(body, "equations")
     for word, phi in rows(body, "equations", equations, 2, "pairs (word, expression)"):
         name(body, "equations", word)
         _sound(body, "equations", phi, known)
