@@ -1,6 +1,7 @@
 """What users call and set: wrong calls, read-only declarations, failures of their own functions."""
 
 import copy
+import pickle
 import stat
 from collections.abc import Callable
 from dataclasses import replace
@@ -345,3 +346,17 @@ def test_a_body_of_an_own_class_that_hides_an_answer_is_named(word: str) -> None
 def test_methods_called_on_the_class_say_what_they_take(method: str) -> None:
     with pytest.raises(ModelError, match=rf"model\.{method}"):
         getattr(Model, method)()
+
+
+@pytest.mark.parametrize("word", ["name", "is_Add", "unit", "args", "free_symbols"])
+def test_symbols_of_a_model_stay_as_they_are(word: str) -> None:
+    """SymPy has one object for all symbols of a name: a change would reach every other model."""
+    model = machine()
+    parameter, place = model.parameter("k", 1.0), model.bodies["a"].x
+    for symbol, name in ((parameter, "k"), (place, "a_x"), (place.rate, "a_vx"), (t, "t")):
+        with pytest.raises(ModelError, match=f"'{name}': '{word}' cannot be set"):
+            setattr(symbol, word, "z")
+        with pytest.raises(AttributeError, match=f"'{name}': '{word}' cannot be deleted"):
+            delattr(symbol, word)
+    assert copy.copy(parameter) == parameter
+    assert pickle.loads(pickle.dumps(2 * place)) == 2 * place

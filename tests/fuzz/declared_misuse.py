@@ -78,7 +78,7 @@ def _owners(s: Scenery) -> list[tuple[str, Any]]:
     return [
         ("m", s.model), ("a", s.a), ("p", s.p), ("ground", s.model.ground), ("s1", scene),
         ("Point", s.a.at(1, 0)), ("Curve", s.a.circle(1)), ("pin", s.pin), ("Frame", I),
-        ("Statement", statement),
+        ("Statement", statement), ("a_x", s.a.x), ("a_vx", s.a.vx), ("k", s.k), ("t", t),
     ]  # fmt: skip
 
 
