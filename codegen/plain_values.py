@@ -151,7 +151,7 @@ def genuine(value: Any, depth: int = 3) -> Any:
     So are members of plain lists and mappings, in a copy. ``isinstance`` asks an object for its
     class: it would raise, or be told a lie.
     """
-    kind = type(value)
+    kind: Any = type(value)
     try:
         honest = value.__class__ is kind
     except FAILURES:

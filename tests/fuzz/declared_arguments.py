@@ -59,7 +59,7 @@ def is_pair(value: Any) -> bool:
     try:
         pair = members(getattr(value, "magnitude", value), 2)
         return all(finite_float(member) is not None for member in pair)
-    except Exception:
+    except FAILURES:
         return False
 
 
