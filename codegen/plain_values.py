@@ -160,8 +160,9 @@ def genuine(value: Any, depth: int = 3) -> Any:
         return Impostor(value)
     if depth == 0 or kind not in (list, tuple, dict, set, frozenset) or len(value) > MOST:
         return value
-    entries: Any = value.items() if kind is dict else value
-    read = [e if type(e) is float else genuine(e, depth - (kind is not dict)) for e in entries]
+    entries = value.items() if kind is dict else value
+    deeper = depth - (kind is not dict)
+    read: list[Any] = [e if type(e) is float else genuine(e, deeper) for e in entries]
     if kind is dict:
         same = all(k is a and v is b for (k, v), (a, b) in zip(read, value.items(), strict=True))
     else:
