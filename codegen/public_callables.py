@@ -11,7 +11,7 @@ from inspect import Parameter, isfunction, signature
 from typing import Any, TypeVar
 
 from codegen.errors import InputError, LinkwrightError, ModelError, NoAttributeError
-from codegen.plain_values import one_line, plain_name, shown
+from codegen.plain_values import genuine, one_line, plain_name, shown
 
 Class = TypeVar("Class", bound=type[Any])
 _SHOWN = 40  # layout: characters of an argument in a message
@@ -77,6 +77,15 @@ def error_boundary(method: Callable[..., Any], owner: str) -> Callable[..., Any]
     own = int(next(iter(about.parameters), "") == "self")  # arguments before those of the caller
     named = own and "name" in about.parameters
 
+    def label(arguments: tuple[Any, ...], words: Mapping[str, Any]) -> str:
+        name = words.get("name", (*arguments[own:], None)[0]) if named else None
+        called_on = arguments[0] if own and arguments else None
+        of_whom = getattr(called_on, "__dict__", {}).get("name")
+        text = title if name is None else f"{title} '{plain_name(name)}'"
+        if owner in ("body", "scene") and of_whom is not None:
+            text += f" of '{plain_name(of_whom)}'"
+        return text
+
     @wraps(method)
     def call(*arguments: Any, **words: Any) -> Any:
         if named and "name" in words:
@@ -84,22 +93,18 @@ def error_boundary(method: Callable[..., Any], owner: str) -> Callable[..., Any]
         elif named and len(arguments) > own:
             arguments = (*arguments[:own], plain_name(arguments[own]), *arguments[own + 1 :])
         try:
-            return method(*arguments, **words)
+            given = map(genuine, arguments[own:])
+            return method(*arguments[:own], *given, **{w: genuine(v) for w, v in words.items()})
         except (LinkwrightError, KeyboardInterrupt):
             raise
         except BaseException as error:
-            name = words.get("name", (*arguments[own:], None)[0]) if named else None
-            label = title if name is None else f"{title} '{plain_name(name)}'"
-            called_on = arguments[0] if own and arguments else None
-            of_whom = getattr(called_on, "__dict__", {}).get("name")
-            if owner == "body" and of_whom is not None:
-                label += f" of '{plain_name(of_whom)}'"
+            where = label(arguments, words)
             try:
                 about.bind(*arguments, **words)
             except TypeError as mismatch:
-                what = wrong_call(label, method, mismatch, arguments[own:], words)
+                what = wrong_call(where, method, mismatch, arguments[own:], words)
                 raise ModelError(what) from error
-            raise ModelError(f"{label}: fails with {failure(error)}.") from error
+            raise ModelError(f"{where}: fails with {failure(error)}.") from error
 
     return call
 

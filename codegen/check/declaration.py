@@ -38,9 +38,9 @@ def check_model(model: Model) -> list[str]:
     problems = [*Model.problems.fget(model)]  # type: ignore[attr-defined]  # as noted, whatever a subclass says
     if not model.bodies:
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
-    masses = {name: list(body_problems(model, body)) for name, body in model.bodies.items()}
-    sound = tuple(body for name, body in model.bodies.items() if not masses[name])
     known = _known_symbols(model)
+    masses = {name: [*body_problems(model, b, known)] for name, b in model.bodies.items()}
+    sound = tuple(body for name, body in model.bodies.items() if not masses[name])
     for name, element in _all_elements(model):
         if name in model.noted:
             continue

@@ -15,7 +15,7 @@ from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate, Time, Velocity, kinds
 from codegen.declare.units import known_unit
 from codegen.errors import FAILURES, LinkwrightError, ModelError
-from codegen.plain_values import InvalidName, plain_name, shown
+from codegen.plain_values import InvalidName, genuine, plain_name, shown
 from codegen.public_callables import failure
 
 WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
@@ -92,7 +92,7 @@ def _once(
 def call_user_code(element: Any, what: str, function: Callable[[], Any]) -> Any:
     """What a function returns; ModelError, which names the element, where it raises."""
     try:
-        return function()
+        return genuine(function())
     except LinkwrightError as error:
         where = label(element)
         raise ModelError(p if where in p else f"{where}: {p}" for p in error.problems) from error
