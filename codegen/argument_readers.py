@@ -16,7 +16,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from codegen.errors import FAILURES, InputError
 from codegen.plain_values import KindError, finite_float, is_flag, shown
-from codegen.public_callables import checked_call, failure, users_own
+from codegen.public_callables import checked_call, failure, note_user_error
 
 Reader = Callable[[Any], Any]
 Arguments = ParamSpec("Arguments")
@@ -219,7 +219,7 @@ def reporter(value: Any) -> Callable[[str], None]:
         pass
 
     def report(line: str) -> None:
-        with users_own("the function given as progress="):
+        with note_user_error("the function given as progress="):
             value(line)
 
     return report

@@ -12,6 +12,7 @@ from decimal import Decimal
 from fractions import Fraction
 from itertools import islice
 from numbers import Real
+from operator import is_
 from typing import Any, TypeGuard, TypeVar
 
 from codegen.errors import FAILURES
@@ -45,6 +46,16 @@ _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = WIDEST
 
 class KindError(Exception):
     """A value is not of the kind that is needed; its text says why or what is, if there is more."""
+
+
+class Impostor:
+    """It stands for an object that hides its class or claims another one."""
+
+    def __init__(self, value: object) -> None:
+        self.text = f"an object of {type(value).__name__} that hides its class or claims another"
+
+    def __repr__(self) -> str:
+        return self.text
 
 
 class InvalidName(str):
@@ -132,6 +143,31 @@ def finite_float(value: Any) -> float | None:
 def is_a(value: object, kind: type[Kind]) -> TypeGuard[Kind]:
     """Whether its class is, or derives from, `kind`; what it says of itself is not asked."""
     return kind in type(value).__mro__
+
+
+def genuine(value: Any, depth: int = 3) -> Any:
+    """The value; whatever hides its class or claims another one as an `Impostor`.
+
+    So are members of plain lists and mappings, in a copy. ``isinstance`` asks an object for its
+    class: it would raise, or be told a lie.
+    """
+    kind: Any = type(value)
+    try:
+        honest = value.__class__ is kind
+    except FAILURES:
+        honest = False
+    if not honest:
+        return Impostor(value)
+    if depth == 0 or kind not in (list, tuple, dict, set, frozenset) or len(value) > MOST:
+        return value
+    entries = value.items() if kind is dict else value
+    deeper = depth - (kind is not dict)
+    read: list[Any] = [e if type(e) is float else genuine(e, deeper) for e in entries]
+    if kind is dict:
+        same = all(k is a and v is b for (k, v), (a, b) in zip(read, value.items(), strict=True))
+    else:
+        same = all(map(is_, read, value))
+    return value if same else kind(read)
 
 
 def is_flag(value: Any) -> bool:

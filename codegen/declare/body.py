@@ -16,7 +16,7 @@ from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate,
 from codegen.declare.units import plain_length
 from codegen.errors import FAILURES, ModelError
 from codegen.plain_values import members, plain_name, shown
-from codegen.public_callables import declaration, declarations, unchanging
+from codegen.public_callables import error_boundary, error_boundary_class, immutable
 
 
 class Pose:
@@ -295,8 +295,8 @@ def _lengths(word: str, body: object, x: Any, y: Any) -> tuple[sympy.Expr, sympy
 
 
 for _word in ("__init__", "at", "curve", "circle", "polar", "torque"):
-    setattr(Body, _word, declaration(getattr(Body, _word), "body"))
+    setattr(Body, _word, error_boundary(getattr(Body, _word), "body"))
 for _class in (Body, Point, Curve):
-    unchanging(_class)
+    immutable(_class)
 for _class in (Point, Curve):
-    declarations(_class, _class.__name__)
+    error_boundary_class(_class, _class.__name__)

@@ -12,7 +12,7 @@ from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate, given
 from codegen.errors import FAILURES, ModelError
 from codegen.plain_values import KindError, one_line, plain_name, shown
-from codegen.public_callables import declarations, unchanging
+from codegen.public_callables import error_boundary_class, immutable
 
 
 @dataclass(frozen=True)
@@ -279,4 +279,4 @@ def label(element: object) -> str:
 
 
 for _class in (Frame, Statement, JointReaction, ConjugateReaction, FrictionLaw, Sticking, Rigid):
-    unchanging(declarations(_class, _class.__name__))
+    immutable(error_boundary_class(_class, _class.__name__))

@@ -192,7 +192,7 @@ def balance_step(context: Context) -> int:
 
 
 @inner
-def stands(context: Context, t: float) -> bool:
+def is_scleronomic(context: Context, t: float) -> bool:
     """Whether nothing moves by itself at Y1: no driver, no constraint and no gap of a contact."""
     q, p, rest = context.q1, context.parameters, ws.positions(context, ws.SAMPLE)
     rates, rest_rates = ws.row_of(context, ws.PREDICTED), ws.switch_row(context, ws.TRIAL)
@@ -221,7 +221,7 @@ def balance_event(context: Context) -> int:
     kinetic, r.explained = abi.kinetic_energy_of(context)(q, v, p), 0.0
     if context[ft.RIGID_COUNT] != 0:
         gain = kinetic - r.before_event
-        if gain > _MEET * r.before_event and stands(context, r.end):
+        if gain > _MEET * r.before_event and is_scleronomic(context, r.end):
             r.unexplained = gain
             if gain > _MEET * r.before_event + permit_error(context, r.end, ws.Y1):
                 return 1

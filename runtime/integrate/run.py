@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from codegen.errors import AnalysisError
-from codegen.termination_signals import Deferral
+from codegen.termination_signals import SignalDeferral
 from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Integers, Vector
 from runtime.core.modes_and_event_kinds import SLIDING, Direction
@@ -143,7 +143,7 @@ class Run:
         """
         began = time.thread_time()  # others on the machine take no part in it
         run, fixed_chunk, stopped = self, self.state.options.chunk, False
-        with Deferral(computing=True, at_once=False) as signals:
+        with SignalDeferral(computing=True, at_once=False) as signals:
             code = self.start()
             if code == Outcome.OK:
                 code = _GOING

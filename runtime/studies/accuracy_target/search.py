@@ -27,7 +27,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.termination_signals import Deferral
+from codegen.termination_signals import SignalDeferral
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
@@ -124,7 +124,7 @@ class _Search:
     quantities: Quantities
     options: Options
     progress: Progress
-    signals: Deferral = field(default_factory=lambda: Deferral(computing=True))
+    signals: SignalDeferral = field(default_factory=lambda: SignalDeferral(computing=True))
     runs: list[Run] = field(default_factory=list)
     pair: Pair | None = None  # the last runs that were compared
 
