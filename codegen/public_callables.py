@@ -51,7 +51,7 @@ def checked_call(
         except TypeError as mismatch:
             given = arguments[1:] if next(iter(about.parameters), "") == "self" else arguments
             raise error(wrong_call(title, function, mismatch, given, words)) from None
-        return function(*arguments, **words)
+        return function(*map(genuine, arguments), **{w: genuine(v) for w, v in words.items()})
 
     return call
 
