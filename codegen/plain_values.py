@@ -146,10 +146,10 @@ def is_a(value: object, kind: type[Kind]) -> TypeGuard[Kind]:
 
 
 def genuine(value: Any, depth: int = 3) -> Any:
-    """The value; whatever hides its class or claims another one as an `Impostor`.
+    """The value; text as plain text, what hides its class or claims another as an `Impostor`.
 
     So are members of plain lists and mappings, in a copy. ``isinstance`` asks an object for its
-    class: it would raise, or be told a lie.
+    class: it would raise, or answer a lie; and a class of text of its own compares as it likes.
     """
     kind: Any = type(value)
     try:
@@ -158,6 +158,8 @@ def genuine(value: Any, depth: int = 3) -> Any:
         honest = False
     if not honest:
         return Impostor(value)
+    if kind is not str and kind is not InvalidName and issubclass(kind, str):
+        return str.__str__(value)
     if depth == 0 or kind not in (list, tuple, dict, set, frozenset) or len(value) > MOST:
         return value
     entries = value.items() if kind is dict else value

@@ -39,9 +39,12 @@ def _written(parameter: Parameter) -> str:
 
 
 def checked_call(
-    function: Callable[..., Any], title: str, error: type[InputError] = InputError
+    function: Callable[..., Any], title: str | None, error: type[InputError] = InputError
 ) -> Callable[..., Any]:
-    """The callable, which refuses arguments that do not fit its signature."""
+    """The callable, which refuses arguments that do not fit its signature.
+
+    A method without a title is named after the class of its object.
+    """
     about = signature(function)
 
     @wraps(function)
@@ -50,7 +53,9 @@ def checked_call(
             about.bind(*arguments, **words)
         except TypeError as mismatch:
             given = arguments[1:] if next(iter(about.parameters), "") == "self" else arguments
-            raise error(wrong_call(title, function, mismatch, given, words)) from None
+            owner = [type(of).__name__ for of in arguments[:1]]
+            name = title or ".".join([*owner, function.__name__])
+            raise error(wrong_call(name, function, mismatch, given, words)) from None
         return function(*map(genuine, arguments), **{w: genuine(v) for w, v in words.items()})
 
     return call
@@ -116,8 +121,7 @@ def checked_class(cls: Class) -> Class:
     """The class with its own public methods called rightly, and with attributes that stay."""
     for word, method in list(vars(cls).items()):
         if isfunction(method) and (word == "__init__" or not word.startswith("_")):
-            title = cls.__name__ if word == "__init__" else f"{cls.__name__}.{word}"
-            setattr(cls, word, checked_call(method, title))
+            setattr(cls, word, checked_call(method, cls.__name__ if word == "__init__" else None))
     return cls
 
 

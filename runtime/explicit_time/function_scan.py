@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from runtime.core.array_types import Integers, Matrix, Vector
-from runtime.explicit_time.interval_evaluation import BREAK, CHOICE, OPERATIONS, enclose
+from runtime.explicit_time.interval_arithmetic import BREAK, CHOICE, OPERATIONS
+from runtime.explicit_time.interval_evaluation import enclose
 from runtime.explicit_time.scan import ROWS, SMOOTH, scan
 from runtime.mechanism.table_rows import TimeFunction
 

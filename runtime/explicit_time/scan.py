@@ -21,7 +21,8 @@ from runtime.core.array_types import (
     vector,
 )
 from runtime.core.jit import compiled, inner
-from runtime.explicit_time.interval_evaluation import BREAK, enclose
+from runtime.explicit_time.interval_arithmetic import BREAK
+from runtime.explicit_time.interval_evaluation import enclose
 from runtime.linalg.vectors import copy_vector
 
 Function = Any  # the first five arguments of `enclose`, and the rows that may bend sharply
