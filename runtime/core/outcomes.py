@@ -12,9 +12,9 @@ class _Outcomes(EnumType):
     """The class of `Outcome`, whose call finds a member and makes no other enumeration."""
 
     def __call__(cls, *values: Any, **words: Any) -> Any:
-        kind = type(values[0]) if len(values) == 1 and not words else bool
-        if issubclass(kind, Integral) and kind is not bool:
-            return super().__call__(values[0])
+        number: Any = values[0] if len(values) == 1 and not words else None
+        if type(number) is not bool and issubclass(type(number), Integral):
+            return super().__call__(number)
         given = [*map(shown, values), *(f"{k}={shown(v)}" for k, v in words.items())]
         raise InputError(f"Outcome({', '.join(given)}): give the number of an outcome.")
 
