@@ -93,7 +93,7 @@ _TEXT = {
         condition.
         """,
     Outcome.MAX_STEPS: """
-        The permitted number of steps was used up.
+        The permitted number of steps, or the room for what they record, was used up.
 
         Raise max_steps, or loosen the tolerances. Where that hardly changes the number of steps,
         the model is stiff: lower its largest stiffness or damping, or make an effect that changes
@@ -154,7 +154,8 @@ _TEXT = {
     Outcome.CONTRADICTED: """
         A check of the results contradicts the run.
 
-        Do not rely on what comes after the instant that is named. Take smaller tolerances or
+        Do not rely on what comes after the instant that is named. Where an event was missed, give
+        max_step, shorter than a condition holds; where joints are open, take smaller tolerances or
         correction="step"; where energy is not balanced, look for a potential or a law of motion
         that jumps there.
         """,

@@ -383,3 +383,11 @@ def test_symbols_of_a_model_stay_as_they_are(word: str) -> None:
             delattr(symbol, word)
     assert copy.copy(parameter) == parameter
     assert pickle.loads(pickle.dumps(2 * place)) == 2 * place
+
+
+def test_a_table_of_declarations_is_made_by_its_model_alone() -> None:
+    model = Model("tables")
+    model.parameter("m", 1.0)
+    for make in (type(model.parameters).fromkeys, model.parameters.fromkeys):
+        with pytest.raises(LinkwrightError, match="view of what is declared"):
+            make(["m"])
