@@ -83,6 +83,7 @@ check: $(READY) ## is what is written from the source what the source says today
 	$(PY) -m codegen elements --out docs/elements --check || failed="$$failed docs/elements"; \
 	$(PY) -m codegen methods --check || failed="$$failed methods"; \
 	$(PY) docs/make_constants.py --check || failed="$$failed docs/constants.md"; \
+	$(PY) docs/make_modules.py --check || failed="$$failed docs/modules.md"; \
 	if [ -n "$$failed" ]; then echo "stale or failing:$$failed; run make build and look at the difference" >&2; exit 1; fi
 
 build: $(READY) ## bring all that is written from the source up to date
@@ -90,6 +91,7 @@ build: $(READY) ## bring all that is written from the source up to date
 	$(PY) -m codegen elements --out docs/elements
 	$(PY) -m codegen methods
 	$(PY) docs/make_constants.py
+	$(PY) docs/make_modules.py
 
 gallery: $(READY) ## run every machine of the chapter: one table, all figures into figures/
 	$(PY) -m models.studies --gallery docs/gallery.md

@@ -9,6 +9,7 @@ is a misfit.
 import inspect
 import math
 import os
+import warnings
 from collections.abc import Callable, KeysView, Mapping
 from functools import wraps
 from pathlib import Path
@@ -16,7 +17,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from codegen.errors import FAILURES, InputError
 from codegen.plain_values import KindError, finite_float, is_flag, shown
-from codegen.public_callables import checked_call, failure, users_own
+from codegen.public_callables import checked_call, failure, note_user_error
 
 Reader = Callable[[Any], Any]
 Arguments = ParamSpec("Arguments")
@@ -219,10 +220,28 @@ def reporter(value: Any) -> Callable[[str], None]:
         pass
 
     def report(line: str) -> None:
-        with users_own("the function given as progress="):
+        with note_user_error("the function given as progress="):
             value(line)
 
     return report
+
+
+def study_reporter(value: Any) -> Callable[[str], None]:
+    """As `reporter`; the first exception of its own ends the reports and not the study."""
+    report, failed = reporter(value), False
+
+    def report_until_failure(line: str) -> None:
+        nonlocal failed
+        if failed:
+            return
+        try:
+            report(line)
+        except Exception as error:
+            failed = True
+            what = f"{failure(error)}. The study goes on, and reports no more."
+            warnings.warn(f"The function given as progress= raised {what}", stacklevel=2)
+
+    return report_until_failure
 
 
 def optional(reader: Reader) -> Reader:

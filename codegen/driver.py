@@ -23,7 +23,7 @@ from codegen.check.declaration import check_model, check_scene
 from codegen.check.redundancy import Findings, examine
 from codegen.declare.expression_rules import unreadable
 from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.return_values.calls import calling_each_method_once
+from codegen.declare.return_values.calls import memoize_methods
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.emit.module import module_text, operation_table
@@ -37,12 +37,12 @@ from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.model import Model
 from codegen.model_file import ModelFile, read_model
 from codegen.plain_values import finite_float, one_line, shown
-from codegen.public_callables import Deferred
+from codegen.public_callables import UserCallback
 
 GENERATOR = f"linkwright {codegen.__version__}"
 
 
-@calling_each_method_once
+@memoize_methods
 @readers.reads(
     model=readers.model, scene=readers.optional(readers.scenes),
     out=readers.optional(readers.path), settings=readers.optional(readers.values('{"J1": 900.0}')),
@@ -92,7 +92,7 @@ def build(
         If the file, the model or a scene is wrong, with all problems at once; or if a scene can
         have no derivatives or reduced equations although they are requested.
     """
-    with Deferred(progress) as announce:
+    with UserCallback(progress) as announce:
         return _build(
             model,
             scene,

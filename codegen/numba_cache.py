@@ -5,11 +5,14 @@ an index and of its data, old machine code is taken for new; both are pickles, w
 they hold. Here each file ends with a hash of its content, its name and, for machine code, its
 source, which is checked before anything is unpickled. A source is known by its date and by its
 module, whose name has the hash of a generated text. What does not agree is thrown away and compiled
-anew, with a note; a folder that cannot be written costs a note, too, and no more.
+anew, with a note; a folder that cannot be written costs a note, too, and no more. Files of another
+format, numba's own above all, are no damage, and are replaced without a note.
 
 Processes may write and read one cache at once. The name of a file of machine code follows from its
 content, and it is written before the index that names it, so that no index names machine code of
-another source; a reader whose file has been replaced meanwhile reads the index again.
+another source; a reader whose file has been replaced meanwhile reads the index again. Writers of an
+index, which add to what it has, take turns; one that waits for long writes nonetheless, which costs
+another process a compilation at most.
 
 Numba tells functions of one name apart, closures above all, by a number that counts what a process
 has compiled. Two functions of two processes can have one number, and where both come from the
@@ -22,18 +25,19 @@ import pickle
 import secrets
 import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
 from typing import Any
 
+from filelock import FileLock
 from numba.core import dispatcher, event
 from numba.core.bytecode import FunctionIdentity
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
 
 from codegen.damaged_byte_code import CacheWarning
-from codegen.termination_signals import Deferral
+from codegen.termination_signals import SignalDeferral
 
 _Function: Any = FunctionCache  # numba leaves these untyped
 _IndexData: Any = IndexDataCacheFile
@@ -41,8 +45,9 @@ _events: Any = event
 _numba: Any = dispatcher
 _Identity: Any = FunctionIdentity
 
+_FORMAT = b"sealed machine code, with random numbers of functions\n"  # every file begins with it
 _SEAL = hashlib.sha256().digest_size
-_FORMAT = "numbers of functions are random"  # machine code of another format is compiled anew
+_WAIT = 0.5  # safety: s, for other writers of a folder, who need some milliseconds each
 _one_at_a_time = threading.RLock()
 _noted: set[str] = set()  # folders with a note
 
@@ -87,11 +92,11 @@ class CheckedCache(_Function):  # type: ignore[misc]
         super().__init__(function)
         files = self._cache_file
         files.__class__ = _CheckedFiles
-        files._source_stamp = (files._source_stamp, function.__module__, _FORMAT)
+        files._source_stamp = (files._source_stamp, function.__module__)
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Machine code from the disk; None where there is none that can be trusted."""
-        with Deferral(in_commands=False):
+        with SignalDeferral(in_commands=False):
             try:
                 return super().load_overload(signature, target)
             except Exception as error:  # whatever a wrong pickle or object file leads to
@@ -100,7 +105,7 @@ class CheckedCache(_Function):  # type: ignore[misc]
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Keep machine code; a folder that is full or cannot be written keeps none."""
-        with Deferral(in_commands=False):
+        with SignalDeferral(in_commands=False):
             try:
                 super().save_overload(signature, result)
             except OSError as error:
@@ -112,16 +117,39 @@ class _CheckedFiles(_IndexData):  # type: ignore[misc]
     """Index and data of one function's cache."""
 
     def save(self, key: Any, data: Any) -> None:
-        """Write machine code, then the index that names it; remove what only the old one names."""
+        """Write machine code, then the index that names it; remove what it does not name."""
         content = self._dump(data)
         name = f"{Path(self._index_name).stem}.{hashlib.sha256(content).hexdigest()[:16]}.nbc"
-        self._write(name, content, self._source_stamp)
-        source, before = self._read_index()
-        overloads = {**before, key: name} if source == self._source else {key: name}
-        self._write(self._index_name, self._dump((*self._source, overloads)))
-        for old in set(before.values()).difference(overloads.values()):
-            with suppress(OSError):
-                Path(self._data_path(old)).unlink()
+        with self._turn() as alone:
+            self._write(name, content, self._source_stamp)
+            source, before = self._read_index()
+            overloads = {**before, key: name} if source == self._source else {key: name}
+            self._write(self._index_name, self._dump((*self._source, overloads)))
+            if alone:  # nobody else has written machine code that no index names yet
+                self._remove_all_but(overloads.values())
+
+    @contextmanager
+    def _turn(self) -> Iterator[bool]:
+        """Whether no other process writes in the folder during the block."""
+        lock = FileLock(self._data_path(".lock"), timeout=_WAIT, poll_interval=_WAIT / 100)
+        try:
+            lock.acquire()
+        except (OSError, NotImplementedError):  # a writer that is stopped; a disk without locks
+            yield False
+            return
+        try:
+            yield True
+        finally:
+            lock.release()
+
+    def _remove_all_but(self, named: Collection[str]) -> None:
+        """Remove this function's machine code of older formats, sources and broken writers."""
+        stem = f"{Path(self._index_name).stem}."
+        with suppress(OSError), os.scandir(self._cache_path) as files:
+            for file in files:
+                mine = file.name.startswith(stem) and file.name not in named
+                if mine and (file.name.endswith(".nbc") or ".tmp." in file.name):
+                    Path(file.path).unlink()
 
     def load(self, key: Any) -> Any:
         """Machine code; None where there is none, or none that can be trusted."""
@@ -142,11 +170,13 @@ class _CheckedFiles(_IndexData):  # type: ignore[misc]
             content = Path(self._index_path).read_bytes()
         except FileNotFoundError:
             return None, {}
+        if not _FORMAT.startswith(content[: len(_FORMAT)]):
+            return None, {}
         if not _is_sealed(content, self._index_name):
             _note_damage(self._index_path, "its content is not what was written")
             return None, {}
         try:
-            *source, overloads = pickle.loads(content[:-_SEAL])
+            *source, overloads = pickle.loads(content[len(_FORMAT) : -_SEAL])
         except Exception:  # a type that this numba no longer has
             return None, {}
         return tuple(source), overloads
@@ -159,21 +189,22 @@ class _CheckedFiles(_IndexData):  # type: ignore[misc]
         path = Path(self._data_path(name))
         content = path.read_bytes()
         if _is_sealed(content, name, self._source_stamp):
-            return pickle.loads(content[:-_SEAL])
+            return pickle.loads(content[len(_FORMAT) : -_SEAL])
         _note_damage(path, "its content is not what was written for this source")
         return None
 
     def _write(self, name: str, content: bytes, *about: object) -> None:
         with self._open_for_write(self._data_path(name)) as file:
-            file.write(content + _seal(content, name, *about))
+            file.write(_sealed(content, name, *about))
 
 
-def _seal(data: bytes, *about: object) -> bytes:
-    return hashlib.sha256(data + repr(about).encode()).digest()
+def _sealed(data: bytes, *about: object) -> bytes:
+    content = _FORMAT + data
+    return content + hashlib.sha256(content + repr(about).encode()).digest()
 
 
 def _is_sealed(content: bytes, *about: object) -> bool:
-    return content[-_SEAL:] == _seal(content[:-_SEAL], *about)
+    return content == _sealed(content[len(_FORMAT) : -_SEAL], *about)
 
 
 class _DeferInterrupts(_events.Listener):  # type: ignore[misc]
@@ -186,7 +217,7 @@ class _DeferInterrupts(_events.Listener):  # type: ignore[misc]
         """Begin a deferral: a function may compile others that it calls."""
         self.open.deferrals = [
             *getattr(self.open, "deferrals", ()),
-            Deferral(in_commands=False).__enter__(),
+            SignalDeferral(in_commands=False).__enter__(),
         ]
 
     def on_end(self, event: Any) -> None:

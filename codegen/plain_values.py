@@ -12,6 +12,7 @@ from decimal import Decimal
 from fractions import Fraction
 from itertools import islice
 from numbers import Real
+from operator import is_
 from typing import Any, TypeGuard, TypeVar
 
 from codegen.errors import FAILURES
@@ -19,6 +20,10 @@ from codegen.errors import FAILURES
 Kind = TypeVar("Kind")
 MOST = 1_000_000  # safety: members of a list that are read; an iterator may have no end
 WIDEST = 160  # layout: characters of a value in a message
+
+
+# what a class says of itself, and no metaclass of a user's can change
+_class_name, _bases = (type.__dict__[word].__get__ for word in ("__name__", "__mro__"))
 
 
 class _Short(reprlib.Repr):
@@ -47,6 +52,18 @@ class KindError(Exception):
     """A value is not of the kind that is needed; its text says why or what is, if there is more."""
 
 
+class Impostor:
+    """It stands for an object that hides its class or claims another one."""
+
+    def __init__(self, value: object) -> None:
+        self.text = (
+            f"an object of {_class_name(type(value))} that hides its class or claims another"
+        )
+
+    def __repr__(self) -> str:
+        return self.text
+
+
 class InvalidName(str):
     """A printable stand-in for what was given as a name and is no name."""
 
@@ -61,7 +78,7 @@ def shown(value: object, widest: int = WIDEST) -> str:
     try:
         text = _SHORT.repr(value)
     except FAILURES:  # a user's __repr__, a number of too many digits
-        text = f"a {type(value).__name__}"
+        text = f"a {_class_name(type(value))}"
     return one_line(text, widest)
 
 
@@ -70,7 +87,7 @@ def one_line(text: object, widest: int = WIDEST) -> str:
     try:
         words = " ".join(str(text).split())
     except FAILURES:
-        words = f"a {type(text).__name__}"
+        words = f"a {_class_name(type(text))}"
     line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in words)
     return line if len(line) <= widest else f"{line[: widest - 3]}..."
 
@@ -131,12 +148,42 @@ def finite_float(value: Any) -> float | None:
 
 def is_a(value: object, kind: type[Kind]) -> TypeGuard[Kind]:
     """Whether its class is, or derives from, `kind`; what it says of itself is not asked."""
-    return kind in type(value).__mro__
+    return any(base is kind for base in _bases(type(value)))
+
+
+def genuine(value: Any, depth: int = 3) -> Any:
+    """The value; text as plain text, what hides its class or claims another as an `Impostor`.
+
+    So are members of plain lists and mappings, in a copy. ``isinstance`` asks an object for its
+    class: it would raise, or answer a lie; and a class of text of its own compares as it likes.
+    """
+    kind: Any = type(value)
+    try:
+        honest = value.__class__ is kind and kind.__name__ == _class_name(kind)
+        honest = honest and kind.__mro__ is _bases(kind)
+    except KeyboardInterrupt:
+        raise
+    except BaseException:
+        honest = False
+    if not honest:
+        return Impostor(value)
+    if kind is not str and kind is not InvalidName and issubclass(kind, str):
+        return str.__str__(value)
+    if depth == 0 or kind not in (list, tuple, dict, set, frozenset) or len(value) > MOST:
+        return value
+    entries = value.items() if kind is dict else value
+    deeper = depth - (kind is not dict)
+    read: list[Any] = [e if type(e) is float else genuine(e, deeper) for e in entries]
+    if kind is dict:
+        same = all(k is a and v is b for (k, v), (a, b) in zip(read, value.items(), strict=True))
+    else:
+        same = all(map(is_, read, value))
+    return value if same else kind(read)
 
 
 def is_flag(value: Any) -> bool:
     """Whether it is True or False, of Python or numpy."""
-    return isinstance(value, bool) or type(value).__name__ in {"bool_", "bool"}
+    return isinstance(value, bool) or _class_name(type(value)) in {"bool_", "bool"}
 
 
 def members(value: Any, count: int | None = None) -> list[Any]:

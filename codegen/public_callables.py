@@ -11,7 +11,7 @@ from inspect import Parameter, isfunction, signature
 from typing import Any, TypeVar
 
 from codegen.errors import InputError, LinkwrightError, ModelError, NoAttributeError
-from codegen.plain_values import one_line, plain_name, shown
+from codegen.plain_values import genuine, one_line, plain_name, shown
 
 Class = TypeVar("Class", bound=type[Any])
 _SHOWN = 40  # layout: characters of an argument in a message
@@ -39,9 +39,12 @@ def _written(parameter: Parameter) -> str:
 
 
 def checked_call(
-    function: Callable[..., Any], title: str, error: type[InputError] = InputError
+    function: Callable[..., Any], title: str | None, error: type[InputError] = InputError
 ) -> Callable[..., Any]:
-    """The callable, which refuses arguments that do not fit its signature."""
+    """The callable, which refuses arguments that do not fit its signature.
+
+    A method without a title is named after the class of its object.
+    """
     about = signature(function)
 
     @wraps(function)
@@ -50,13 +53,15 @@ def checked_call(
             about.bind(*arguments, **words)
         except TypeError as mismatch:
             given = arguments[1:] if next(iter(about.parameters), "") == "self" else arguments
-            raise error(wrong_call(title, function, mismatch, given, words)) from None
-        return function(*arguments, **words)
+            owner = [type(of).__name__ for of in arguments[:1]]
+            name = title or ".".join([*owner, function.__name__])
+            raise error(wrong_call(name, function, mismatch, given, words)) from None
+        return function(*map(genuine, arguments), **{w: genuine(v) for w, v in words.items()})
 
     return call
 
 
-def declaration(method: Callable[..., Any], owner: str) -> Callable[..., Any]:
+def error_boundary(method: Callable[..., Any], owner: str) -> Callable[..., Any]:
     """A method or function of a declaration, whose failures are all `ModelError`s.
 
     It gets text for its `name`.
@@ -72,6 +77,15 @@ def declaration(method: Callable[..., Any], owner: str) -> Callable[..., Any]:
     own = int(next(iter(about.parameters), "") == "self")  # arguments before those of the caller
     named = own and "name" in about.parameters
 
+    def label(arguments: tuple[Any, ...], words: Mapping[str, Any]) -> str:
+        name = words.get("name", (*arguments[own:], None)[0]) if named else None
+        called_on = arguments[0] if own and arguments else None
+        of_whom = getattr(called_on, "__dict__", {}).get("name")
+        text = title if name is None else f"{title} '{plain_name(name)}'"
+        if owner in ("body", "scene") and of_whom is not None:
+            text += f" of '{plain_name(of_whom)}'"
+        return text
+
     @wraps(method)
     def call(*arguments: Any, **words: Any) -> Any:
         if named and "name" in words:
@@ -79,31 +93,27 @@ def declaration(method: Callable[..., Any], owner: str) -> Callable[..., Any]:
         elif named and len(arguments) > own:
             arguments = (*arguments[:own], plain_name(arguments[own]), *arguments[own + 1 :])
         try:
-            return method(*arguments, **words)
+            given = map(genuine, arguments[own:])
+            return method(*arguments[:own], *given, **{w: genuine(v) for w, v in words.items()})
         except (LinkwrightError, KeyboardInterrupt):
             raise
         except BaseException as error:
-            name = words.get("name", (*arguments[own:], None)[0]) if named else None
-            label = title if name is None else f"{title} '{plain_name(name)}'"
-            called_on = arguments[0] if own and arguments else None
-            of_whom = getattr(called_on, "__dict__", {}).get("name")
-            if owner == "body" and of_whom is not None:
-                label += f" of '{plain_name(of_whom)}'"
+            where = label(arguments, words)
             try:
                 about.bind(*arguments, **words)
             except TypeError as mismatch:
-                what = wrong_call(label, method, mismatch, arguments[own:], words)
+                what = wrong_call(where, method, mismatch, arguments[own:], words)
                 raise ModelError(what) from error
-            raise ModelError(f"{label}: fails with {failure(error)}.") from error
+            raise ModelError(f"{where}: fails with {failure(error)}.") from error
 
     return call
 
 
-def declarations(cls: Class, owner: str) -> Class:
+def error_boundary_class(cls: Class, owner: str) -> Class:
     """The class with its own public methods bounded so."""
     for word, method in list(vars(cls).items()):
         if isfunction(method) and (word == "__init__" or not word.startswith("_")):
-            setattr(cls, word, declaration(method, owner))
+            setattr(cls, word, error_boundary(method, owner))
     return cls
 
 
@@ -111,15 +121,14 @@ def checked_class(cls: Class) -> Class:
     """The class with its own public methods called rightly, and with attributes that stay."""
     for word, method in list(vars(cls).items()):
         if isfunction(method) and (word == "__init__" or not word.startswith("_")):
-            title = cls.__name__ if word == "__init__" else f"{cls.__name__}.{word}"
-            setattr(cls, word, checked_call(method, title))
+            setattr(cls, word, checked_call(method, cls.__name__ if word == "__init__" else None))
     return cls
 
 
-def unchanging(cls: Class) -> Class:
-    """The class with attributes that are neither set nor deleted, nor asked for in vain.
+def immutable(cls: Class) -> Class:
+    """The class with attributes that are neither set nor deleted.
 
-    Those of a subclass's own stay its own.
+    Those that a subclass adds stay its own.
     """
 
     def is_ours(of: Any, word: str) -> bool:
@@ -146,6 +155,8 @@ def unchanging(cls: Class) -> Class:
 class DeclaredTable(dict[str, Any]):
     """What is declared, by name: read by everybody, written by the declaration alone."""
 
+    owner = "a table of a model"
+
     def __init__(self, owner: str, entries: Mapping[str, Any] | None = None) -> None:
         super().__init__(entries or {})
         self.owner = owner
@@ -165,6 +176,7 @@ class DeclaredTable(dict[str, Any]):
 
     __setitem__ = __delitem__ = __ior__ = update = setdefault = _refuse
     pop = popitem = clear = _refuse
+    fromkeys: Any = classmethod(_refuse)  # type: ignore[arg-type]
 
 
 def failure(error: BaseException) -> str:
@@ -174,7 +186,7 @@ def failure(error: BaseException) -> str:
     return f"{type(error).__name__}: {one_line(error)}".removesuffix(": ").rstrip(".")
 
 
-class Deferred:
+class UserCallback:
     """A user's function that is called until it raises; its exception waits for a block's end."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
@@ -189,7 +201,7 @@ class Deferred:
             except Exception as error:
                 self.error = error
 
-    def __enter__(self) -> "Deferred":
+    def __enter__(self) -> "UserCallback":
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
@@ -198,7 +210,7 @@ class Deferred:
 
 
 @contextmanager
-def users_own(what: str) -> Iterator[None]:
+def note_user_error(what: str) -> Iterator[None]:
     """A block that calls a user's function: its exception passes on, and says whose it is."""
     try:
         yield

@@ -1,10 +1,10 @@
 """SIGINT, SIGTERM and SIGHUP: requests to stop, which are obeyed where nothing is lost by it.
 
 Python raises KeyboardInterrupt wherever the program is at that instant: within LLVM, whose memory
-is then freed twice, or in a callback that swallows it. A `Deferral` notes the interrupt instead,
-and raises it at the end of a block. A command line takes the signals over for the rest of its
-process: it ends at once, with the status 128 + number, until there is something to keep; from then
-on signals are noted, and what has been computed is saved first.
+is then freed twice, or in a callback that swallows it. A `SignalDeferral` notes the interrupt
+instead, and raises it at the end of a block. A command line takes the signals over for the rest of
+its process: it ends at once, with the status 128 + number, until there is something to keep; from
+then on signals are noted, and what has been computed is saved first.
 """
 
 import contextlib
@@ -31,7 +31,7 @@ class _State:
     ending = threading.Lock()
 
 
-class Deferral:
+class SignalDeferral:
     """A block in which a signal is noted: `arrived`. Unless `answered`, its end obeys it.
 
     Outside of a command line that is the keyboard's interrupt alone, in the main thread alone.
@@ -53,7 +53,7 @@ class Deferral:
         self.computing, self.at_once, self.in_commands = computing, at_once, in_commands
         self.begun = self.answered = False
 
-    def __enter__(self) -> "Deferral":
+    def __enter__(self) -> "SignalDeferral":
         if self.at_once or _State.command_line:
             self.begin()
         return self

@@ -13,7 +13,7 @@ from pathlib import Path
 from filelock import FileLock
 
 from codegen.errors import InputError
-from codegen.termination_signals import Deferral
+from codegen.termination_signals import SignalDeferral
 
 _PREFIX = ".linkwright-"  # of the folder in which a file is written
 _NEW = 60.0  # safety: s; a folder of this age is locked by the process that made it, if that lives
@@ -34,7 +34,7 @@ def whole_file(path: Path, kind: type[InputError] = InputError) -> Iterator[Path
         path = path.resolve()
         mode = stat.S_IMODE(path.stat().st_mode) if path.exists() else 0o644
         with (
-            Deferral(at_once=False),
+            SignalDeferral(at_once=False),
             tempfile.TemporaryDirectory(
                 prefix=_PREFIX, dir=path.parent, ignore_cleanup_errors=True
             ) as folder,

@@ -11,13 +11,15 @@ from codegen.errors import ModelError
 from codegen.model import Model
 
 
-def body_problems(model: Model, body: Body) -> Iterator[str]:
+def body_problems(
+    model: Model, body: Body, known: frozenset[sympy.Symbol]
+) -> Iterator[str]:  # fmt: skip
     """Problems of a body: of what an own class returns, of its mass and inertia."""
     numbers: tuple[object, ...] = (vars(body).get("mass"), vars(body).get("inertia"))
     plain = all(number is None or isinstance(number, sympy.Expr) for number in numbers)
     if not type(body).__module__.startswith("codegen.") or not plain:
         try:
-            check_body(body)
+            check_body(body, known)
         except ModelError as error:
             yield from error.problems
             return

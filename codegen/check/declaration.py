@@ -18,7 +18,7 @@ from codegen.declare import element as el
 from codegen.declare.cam_profile_checks import profile_problems
 from codegen.declare.expression_rules import unreadable
 from codegen.declare.return_values.bodies import coordinates_of
-from codegen.declare.return_values.calls import errors_named
+from codegen.declare.return_values.calls import name_errors
 from codegen.declare.return_values.constraints import closed_curves, own_coordinates
 from codegen.declare.return_values.effects import friction_law
 from codegen.declare.return_values.elements import bodies_of
@@ -38,14 +38,14 @@ def check_model(model: Model) -> list[str]:
     problems = [*Model.problems.fget(model)]  # type: ignore[attr-defined]  # as noted, whatever a subclass says
     if not model.bodies:
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
-    masses = {name: list(body_problems(model, body)) for name, body in model.bodies.items()}
-    sound = tuple(body for name, body in model.bodies.items() if not masses[name])
     known = _known_symbols(model)
+    masses = {name: [*body_problems(model, b, known)] for name, b in model.bodies.items()}
+    sound = tuple(body for name, body in model.bodies.items() if not masses[name])
     for name, element in _all_elements(model):
         if name in model.noted:
             continue
         try:
-            with errors_named(element):
+            with name_errors(element):
                 if element.name != name:
                     problems.append(f"{el.label(element)} was declared as '{name}'; keep its name.")
                 problems += element_problems(model, element, sound, known)
@@ -131,7 +131,7 @@ def _problems_in_scene(
         known = _known_symbols(model)
         bodies = tuple(model.bodies[name] for name in scene.bodies)
         for effect in model.acting(scene).values():
-            with errors_named(effect):
+            with name_errors(effect):
                 yield from effect_problems(model, effect, bodies, known)
 
 
@@ -141,7 +141,7 @@ def _violated_conditions(model: Model, scene: Scene) -> Iterator[str]:
     bodies = tuple(model.bodies[name] for name in scene.bodies)
     for element in acting_elements(model, scene):
         where = f"scene '{scene.name}': "
-        with errors_named(element):
+        with name_errors(element):
             conditions = element_conditions(element, bodies)
         for one in conditions:
             yield from one.condition.problems(where + one.element, numbers)

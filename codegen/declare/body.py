@@ -16,7 +16,7 @@ from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate,
 from codegen.declare.units import plain_length
 from codegen.errors import FAILURES, ModelError
 from codegen.plain_values import members, plain_name, shown
-from codegen.public_callables import declaration, declarations, unchanging
+from codegen.public_callables import error_boundary, error_boundary_class, immutable
 
 
 class Pose:
@@ -145,9 +145,17 @@ class Body(Pose):
 
     def torque(self, value: sympy.Expr) -> dict[Coordinate, sympy.Expr]:
         """Generalized forces of a torque: value ∂ω/∂q̇."""
+        try:
+            exerted = plain_expression(value)
+        except FAILURES:
+            name = plain_name(self.name)
+            raise ModelError(
+                f"body.torque of '{name}': {shown(value)} is no torque; give a number or an "
+                "expression in N m."
+            ) from None
         turning = plain_expression(self.angular_velocity)
         slopes = {q: sympy.diff(turning, q.rate) for q in self.coordinates}
-        return {q: value * slope for q, slope in slopes.items() if slope != 0}
+        return {q: exerted * slope for q, slope in slopes.items() if slope != 0}
 
     def at(self, x: Any, y: Any) -> "Point":
         """The point (x', y') of this body's frame, m."""
@@ -295,8 +303,8 @@ def _lengths(word: str, body: object, x: Any, y: Any) -> tuple[sympy.Expr, sympy
 
 
 for _word in ("__init__", "at", "curve", "circle", "polar", "torque"):
-    setattr(Body, _word, declaration(getattr(Body, _word), "body"))
+    setattr(Body, _word, error_boundary(getattr(Body, _word), "body"))
 for _class in (Body, Point, Curve):
-    unchanging(_class)
+    immutable(_class)
 for _class in (Point, Curve):
-    declarations(_class, _class.__name__)
+    error_boundary_class(_class, _class.__name__)

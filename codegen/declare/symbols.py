@@ -6,9 +6,9 @@ from typing import Any, Literal, NamedTuple
 
 import sympy
 
-from codegen.errors import ModelError
-from codegen.plain_values import shown
-from codegen.public_callables import declaration
+from codegen.errors import ModelError, NoAttributeError
+from codegen.plain_values import one_line, shown
+from codegen.public_callables import error_boundary
 
 Letter = Literal["x", "y", "phi"]
 LETTERS = ("x", "y", "phi")
@@ -54,7 +54,27 @@ def declare_letter(letter: str, kind: CoordinateKind) -> None:
     KINDS[letter] = kind
 
 
-class Coordinate(sympy.Symbol):  # type: ignore[misc]
+class ModelSymbol(sympy.Symbol):  # type: ignore[misc]
+    """A symbol that stays as it is: SymPy has one object for all symbols of a name and class."""
+
+    def __setattr__(self, word: str, value: object) -> None:
+        """Let SymPy make the symbol, and refuse all else."""
+        if not word.startswith("_") and (word != "name" or hasattr(self, "name")):
+            raise self._refusal(word, "set")
+        super().__setattr__(word, value)
+
+    def __delattr__(self, word: str) -> None:
+        """Refuse it."""
+        raise self._refusal(word, "deleted")
+
+    def _refusal(self, word: str, verb: str) -> NoAttributeError:
+        return NoAttributeError(
+            f"{type(self).__name__} '{self.name}': {one_line(word)!r} cannot be {verb}; what is "
+            "declared stays as it is."
+        )
+
+
+class Coordinate(ModelSymbol):
     """A generalized coordinate, ``owner_letter``; `rate` is its velocity."""
 
     def __new__(cls, *name: Any, **assumptions: Any) -> "Coordinate":
@@ -94,7 +114,7 @@ class Coordinate(sympy.Symbol):  # type: ignore[misc]
         return Velocity(f"{self.owner}_{self.measure.rate}", real=True)
 
 
-class Velocity(sympy.Symbol):  # type: ignore[misc]
+class Velocity(ModelSymbol):
     """The time derivative of a generalized coordinate; `coordinate` is that coordinate."""
 
     @property
@@ -105,31 +125,31 @@ class Velocity(sympy.Symbol):  # type: ignore[misc]
         return Coordinate(f"{owner}_{place}", real=True)
 
 
-class Acceleration(sympy.Symbol):  # type: ignore[misc]
+class Acceleration(ModelSymbol):
     """The second time derivative of a coordinate; occurs in rates of switching functions."""
 
 
-class Multiplier(sympy.Symbol):  # type: ignore[misc]
+class Multiplier(ModelSymbol):
     """A Lagrange multiplier."""
 
 
-class Time(sympy.Symbol):  # type: ignore[misc]
+class Time(ModelSymbol):
     """The time, in seconds."""
 
 
-class Side(sympy.Symbol):  # type: ignore[misc]
+class Side(ModelSymbol):
     """A number that says on which side of its surface an effect acts; its mode decides."""
 
 
-class Speed(sympy.Symbol):  # type: ignore[misc]
+class Speed(ModelSymbol):
     """The rate ṡ of the scalar along which a force acts."""
 
 
-class Given(sympy.Symbol):  # type: ignore[misc]
+class Given(ModelSymbol):
     """A placeholder in the equations of an element, bound to a number or parameter in a model."""
 
 
-class Parameter(sympy.Symbol):  # type: ignore[misc]
+class Parameter(ModelSymbol):
     """A number that may change between runs without a new build."""
 
 
@@ -203,5 +223,5 @@ def rate(s: sympy.Expr) -> sympy.Expr:
     return sympy.Add(*slopes, sympy.diff(s, t))
 
 
-_coordinate, coordinate = coordinate, declaration(coordinate, "coordinate")
-given = declaration(given, "given")
+_coordinate, coordinate = coordinate, error_boundary(coordinate, "coordinate")
+given = error_boundary(given, "given")

@@ -13,7 +13,7 @@ from codegen.declare.symbols import Coordinate, Time, Velocity
 from codegen.declare.units import in_unit, is_quantity, same_dimension
 from codegen.errors import FAILURES, ModelError
 from codegen.plain_values import KindError, plain_float, shown
-from codegen.public_callables import declaration
+from codegen.public_callables import error_boundary
 
 DEGREE = 3
 FEWEST = 4
@@ -98,9 +98,8 @@ class TableFunction:
             at = in_unit(at, unit, f"{self!r}, its abscissa", problems)
             if problems:
                 raise ModelError(problems)
-        elif is_quantity(at):
-            at = at.to_base_units().magnitude
         try:
+            at = at.to_base_units().magnitude if not unit and is_quantity(at) else at
             place = plain_expression(at)
             if place.is_number and math.isnan(self.table(plain_float(place), 0)):
                 raise KindError
@@ -122,7 +121,7 @@ class TableFunction:
 
 
 for _word in ("__init__", "__call__"):
-    setattr(TableFunction, _word, declaration(getattr(TableFunction, _word), "table"))
+    setattr(TableFunction, _word, error_boundary(getattr(TableFunction, _word), "table"))
 
 
 def _other_dimension(expression: sympy.Expr, unit: str) -> str | None:

@@ -6,7 +6,7 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect, Element, Statement, label
-from codegen.declare.return_values.calls import errors_named
+from codegen.declare.return_values.calls import name_errors
 from codegen.declare.return_values.elements import bodies_of, replaced_body
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration
@@ -133,13 +133,13 @@ def body_equations(body: Body) -> ConstraintEquations:
 
 
 def _constraint_equations(element: Constraint, driver: bool) -> ConstraintEquations:
-    with errors_named(element):
+    with name_errors(element):
         terms = cs.constraint_terms(element)
         return ConstraintEquations(element.name, element.kind, driver, *terms)
 
 
 def _effect_equations(name: str, effect: Effect, bodies: tuple[Body, ...]) -> EffectEquations:
-    with errors_named(effect):
+    with name_errors(effect):
         return EffectEquations(name, effect.kind, effect_terms(effect, bodies))
 
 

@@ -16,7 +16,7 @@ from typing import Any, Literal, TypeVar, dataclass_transform, overload
 from codegen.declare.element import Constraint, Effect
 from codegen.errors import ModelError
 from codegen.plain_values import shown
-from codegen.public_callables import declaration, unchanging
+from codegen.public_callables import error_boundary, immutable
 
 Role = Literal["joint", "driver", "force"]
 Class = TypeVar("Class", bound=type[Any])
@@ -96,7 +96,7 @@ def element(
         if problems:
             raise ModelError(problems)
         if not any("__init__" in vars(c) for c in _own_classes(cls)):
-            cls = unchanging(dataclass(frozen=True, eq=False)(cls))
+            cls = immutable(dataclass(frozen=True, eq=False)(cls))
         role: Role = "driver" if driver else "joint" if hasattr(cls, "statement") else "force"
         _KINDS[cls.kind] = Kind(cls.kind, role, cls)
         return cls
@@ -104,7 +104,7 @@ def element(
     return register if cls is None else register(cls)
 
 
-element = declaration(element, "element")
+element = error_boundary(element, "element")
 
 
 def kinds_of_elements() -> dict[str, Kind]:

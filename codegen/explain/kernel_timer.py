@@ -15,6 +15,8 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit, types
 
+from codegen.numba_cache import checked_caches
+
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
@@ -69,7 +71,8 @@ def _nothing(t: float, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> 
 def _compiled() -> tuple[Any, Any]:
     function = types.FunctionType(SIGNATURE)
     loop = F8(function, VECTOR, ROWS, ROWS, MODE_ROWS, VECTOR, VECTOR, VECTOR, types.int64)
-    return njit(loop, **OPTIONS)(_loop), njit(SIGNATURE, **OPTIONS)(_nothing)
+    with checked_caches():
+        return njit(loop, **OPTIONS)(_loop), njit(SIGNATURE, **OPTIONS)(_nothing)
 
 
 def times(kernels: Sequence[Timed], states: States, rounds: int = ROUNDS) -> list[float]:

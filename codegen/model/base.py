@@ -22,7 +22,7 @@ from codegen.declare.value_reader import Reader
 from codegen.elements.registry import role
 from codegen.errors import ModelError, NoAttributeError
 from codegen.plain_values import is_a, one_line, plain_name, shown
-from codegen.public_callables import DeclaredTable, declaration
+from codegen.public_callables import DeclaredTable, error_boundary
 
 Declared = TypeVar("Declared", bound=Constraint | Effect | Body)
 Place = Point | Body  # a body means its centre of mass
@@ -75,7 +75,7 @@ class Declarations:
         super().__init_subclass__()
         for word, method in list(vars(cls).items()):
             if isfunction(method) and not word.startswith("_"):
-                setattr(cls, word, declaration(_marked(method), "model"))
+                setattr(cls, word, error_boundary(_marked(method), "model"))
 
     def __init__(self, name: str) -> None:
         token = object()
@@ -117,7 +117,7 @@ class Declarations:
     def _put(self, table: str, name: str, entry: object) -> None:
         vars(self)[table].declare(name, entry)
 
-    @partial(declaration, owner="model")
+    @partial(error_boundary, owner="model")
     def altered(self, **tables: Mapping[str, Any]) -> Self:
         """A copy with other entries in some tables."""
         copied = copy(self)

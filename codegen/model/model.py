@@ -18,7 +18,7 @@ from codegen.model.forces import Forces
 from codegen.model.parameters_and_tables import Values
 from codegen.model.scene_variations import Variations
 from codegen.plain_values import shown
-from codegen.public_callables import declaration, declarations, failure, unchanging
+from codegen.public_callables import error_boundary, error_boundary_class, failure, immutable
 
 
 class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
@@ -66,5 +66,5 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
         return element
 
 
-unchanging(declarations(Scene, "scene"))
-Model.__init__ = declaration(Model.__init__, "Model")  # type: ignore[method-assign]
+immutable(error_boundary_class(Scene, "scene"))
+Model.__init__ = error_boundary(Model.__init__, "Model")  # type: ignore[method-assign]

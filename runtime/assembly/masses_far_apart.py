@@ -32,11 +32,11 @@ def suited_to_masses(mechanism: Mechanism, t: float, q: FloatArray, p: FloatArra
     equations = Equations(mechanism, p)
     inertia, most = np.diag(equations.mass(q)), _MOST / description.weak_pivot
     slopes = np.abs(equations.jacobian(t, q))
-    if mobility_spread(equations, inertia, slopes) < _DOUBTFUL * most:
+    if mobility_ratio(equations, inertia, slopes) < _DOUBTFUL * most:
         return mechanism
     for pose in turned(description, q):
         slopes = np.maximum(slopes, np.abs(equations.jacobian(t, pose)))
-    spread = mobility_spread(equations, inertia, slopes)
+    spread = mobility_ratio(equations, inertia, slopes)
     if not spread > most:
         return mechanism
     rubbing = [row.name for row in description.effects if row.kind == "friction"]
@@ -56,7 +56,7 @@ def suited_to_masses(mechanism: Mechanism, t: float, q: FloatArray, p: FloatArra
     return _VARIANTS[mechanism]
 
 
-def mobility_spread(equations: Equations, inertia: FloatArray, slopes: FloatArray) -> float:
+def mobility_ratio(equations: Equations, inertia: FloatArray, slopes: FloatArray) -> float:
     """Largest ratio of two mobilities Φ_ik² / M_kk in a row, from M_kk, (n,), and |Φ_ik|, (m, n).
 
     Slopes of lengths and arms that rounding explains feel nothing.

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from codegen.termination_signals import Deferral
+from codegen.termination_signals import SignalDeferral
 from runtime.continuation import motion_across_branch_point as across
 from runtime.continuation import singular_position_messages as classification
 from runtime.continuation.arclength import Curve, Point
@@ -73,10 +73,10 @@ class Continuation:
 
     def run(self, progress: Progress) -> tuple[Outcome, str]:
         """Continue to the last instant, to the end of the motion, or to an interrupt."""
-        with Deferral(computing=True) as signals:
+        with SignalDeferral(computing=True) as signals:
             return self._run(progress, signals)
 
-    def _run(self, progress: Progress, signals: Deferral) -> tuple[Outcome, str]:
+    def _run(self, progress: Progress, signals: SignalDeferral) -> tuple[Outcome, str]:
         state, farthest, idle = self.state, (-1, 0.0), 0
         while not state.finished:
             if signals.arrived:

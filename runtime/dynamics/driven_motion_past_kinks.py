@@ -28,8 +28,8 @@ def follow_past_kinks(
     if passages is None:
         return follow(equations, times, start, preferred, progress), []
     ascending = bool((np.diff(path) >= 0.0).all())
-    passed, ends = _judged(passages, start, ascending)
-    reached, end = _reached(path, ends)
+    passed, ends = _kink_events_and_ends(passages, start, ascending)
+    reached, end = _instants_before_end(path, ends)
     done = times[:reached]
     instants = done
     if ascending and reached:
@@ -47,7 +47,7 @@ def follow_past_kinks(
     return _of_instants(motion, times, done, instants, end), found
 
 
-def _judged(
+def _kink_events_and_ends(
     passages: Passages, start: Assembly, ascending: bool
 ) -> tuple[list[tuple[Kink, Passage]], list[tuple[float, Passage]]]:
     """The kinks that are events, and where laws end and how, each with its passage."""
@@ -56,11 +56,13 @@ def _judged(
         for kink in part.kinks:
             g = passages.equations.switching(kink.before, start.q, start.v)
             state = start.q, start.v, (g > 0.0).astype(np.int64)
-            passage = passages.passage(kink, *state)
-            if passage.outcome is Outcome.OK and kink.steep is not None:
-                passage = max(passage, passages.steep(kink, *state), key=lambda p: p.outcome)
+            passage, end = passages.passage(kink, *state), kink.before
+            if kink.steep is not None:
+                steep = passages.steep(kink, *state)
+                if steep.outcome is not Outcome.OK:  # a run ends there first
+                    passage, end = steep, kink.steep
             if passage.outcome is not Outcome.OK:
-                ends.append((kink.before, passage))
+                ends.append((end, passage))
             elif passage.event is not None:
                 passed.append((kink, passage))
         if part.crowd is not None:
@@ -70,7 +72,7 @@ def _judged(
     return passed, ends
 
 
-def _reached(
+def _instants_before_end(
     path: FloatArray, ends: list[tuple[float, Passage]]
 ) -> tuple[int, tuple[float, Passage] | None]:
     """How many instants are reached before a law ends, and where and how that is; None: all."""

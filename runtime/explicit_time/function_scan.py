@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from runtime.core.array_types import Integers, Matrix, Vector
-from runtime.explicit_time.interval_evaluation import BREAK, CHOICE, OPERATIONS, enclose
+from runtime.explicit_time.interval_arithmetic import BREAK, CHOICE, OPERATIONS
+from runtime.explicit_time.interval_evaluation import enclose
 from runtime.explicit_time.scan import ROWS, SMOOTH, scan
 from runtime.mechanism.table_rows import TimeFunction
 
@@ -70,12 +71,12 @@ class FunctionScan:
         self._parts, self._next = 0, 1
         self._doublings = [t0, t0, t0]  # where a quarter, half and all of the marks end
 
-    def go_on(self, finest: float) -> None:
+    def scan_next_part(self, finest: float) -> None:
         """Look at the next part, as finely as `finest`, s."""
         begin = self.reach
         self.reach, count = self._scan(begin, finest)
         marks, kinds = self._marks[:count].copy(), self._kinds[:count]
-        bounds, kinks = self._sorted(marks, kinds)
+        bounds, kinks = self._bounds_and_kinks(marks, kinds)
         self._parts += 1
         if self.reach < self.t1 and self._parts >= self._next:
             if self._parts == 1 and count > 3:
@@ -87,8 +88,8 @@ class FunctionScan:
             self.crowd = self.crowd or self._accumulation(finest)
         self.bounds, self.kinks = np.append(self.bounds, bounds), [*self.kinks, *kinks]
 
-    def give(self, end: float) -> tuple[Vector, list[tuple[float, float]]]:
-        """Bounds and kinks until `end`, which are forgotten."""
+    def pop_until(self, end: float) -> tuple[Vector, list[tuple[float, float]]]:
+        """Remove the bounds and kinks until `end`, and return them."""
         bounds, kinks = self.bounds, self.kinks
         self.bounds = bounds[bounds >= end]
         self.kinks = [kink for kink in kinks if kink[0] > end]
@@ -129,11 +130,13 @@ class FunctionScan:
         )
         return float(self._marks[count, 0]), count
 
-    def _sorted(self, marks: Matrix, kinds: Integers) -> tuple[Vector, list[tuple[float, float]]]:
+    def _bounds_and_kinks(
+        self, marks: Matrix, kinds: Integers
+    ) -> tuple[Vector, list[tuple[float, float]]]:
         """Bounds and kinks among marks; a place where nothing is decided is a crowd."""
         span = self.t1 - self.t0
         wide = marks[:, 1] - marks[:, 0] > _WIDE * span
-        blurred = self._merged(marks[(kinds & BREAK != 0) & ~wide])
+        blurred = self._without_blur(marks[(kinds & BREAK != 0) & ~wide])
         exact = marks[(kinds == CHOICE) & ~wide] if self.is_law else marks[:0]
         if wide.any():
             begin = float(marks[wide, 0][0])
@@ -142,7 +145,7 @@ class FunctionScan:
         kinks = sorted((float(a), float(b)) for a, b in (*blurred, *exact))
         return marks[kinds == SMOOTH, 0], kinks
 
-    def _merged(self, places: Matrix) -> list[tuple[float, float]]:
+    def _without_blur(self, places: Matrix) -> list[tuple[float, float]]:
         """Places at which a function breaks; those that rounding alone separates as one."""
         near, merged = _BLUR * (self.t1 - self.t0), list[tuple[float, float]]()
         for low, high in places.tolist():

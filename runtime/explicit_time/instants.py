@@ -50,11 +50,11 @@ def time_instants(
     while begin < t1 < np.inf:
         for scan in scans:
             if scan.reach <= begin:
-                scan.go_on(0.25 * clock)
+                scan.scan_next_part(0.25 * clock)
         end = min((scan.reach for scan in scans), default=t1)
         bounds, places = [], []
         for number, scan in enumerate(scans):
-            ends, found = scan.give(end)
+            ends, found = scan.pop_until(end)
             bounds.append(ends)
             places += [(*place, number) for place in found]
         kinks: list[Kink] = []
@@ -69,17 +69,20 @@ def time_instants(
             steep = scans[number].steep_from(middle, way) if before > t0 else None
             if kinks and before <= kinks[-1].after:
                 last = kinks[-1]
-                kinks[-1] = last._replace(after=after, steep=last.steep or steep)
+                first = steep if last.steep is None else last.steep
+                kinks[-1] = last._replace(after=after, steep=first)
             else:
                 kinks.append(Kink(max(before, behind), after, number, steep))
             behind = after
         crowds = [(*scan.crowd, k) for k, scan in enumerate(scans) if scan.crowd is not None]
         crowds = [crowd for crowd in crowds if crowd[0] <= end]
-        yield TimeInstants(_walk(bounds, begin, end), tuple(kinks), end, min(crowds, default=None))
+        yield TimeInstants(
+            _merged_bounds(bounds, begin, end), tuple(kinks), end, min(crowds, default=None)
+        )
         begin = end
 
 
-def _walk(bounds: list[Vector], t0: float, t1: float) -> Vector:
+def _merged_bounds(bounds: list[Vector], t0: float, t1: float) -> Vector:
     """Instants in order, no two of them nearer than the intervals of all functions ask for."""
     edges = [np.concatenate([[t0], found, [t1]]) for found in bounds]
     places, t, stops = [1] * len(edges), t0, []

@@ -21,7 +21,8 @@ from runtime.core.array_types import (
     vector,
 )
 from runtime.core.jit import compiled, inner
-from runtime.explicit_time.interval_evaluation import BREAK, enclose
+from runtime.explicit_time.interval_arithmetic import BREAK
+from runtime.explicit_time.interval_evaluation import enclose
 from runtime.linalg.vectors import copy_vector
 
 Function = Any  # the first five arguments of `enclose`, and the rows that may bend sharply
@@ -41,7 +42,7 @@ ROWS = 10  # layout: of the scratch of a scan
 
 
 @inner
-def shows_all(work: Matrix, watched: Integers) -> bool:
+def ends_are_representative(work: Matrix, watched: Integers) -> bool:
     """Whether values in an interval are about those at its ends, rows FIRST and LAST."""
     for k in watched:
         low, high = work[_LOW, k], work[_HIGH, k]
@@ -83,7 +84,7 @@ def examine(f: Function, a: float, b: float, start: int, work: Matrix) -> int:
         if undecided != 0:
             return undecided
         look(f, right, work, _LAST)
-        if not shows_all(work, watched):
+        if not ends_are_representative(work, watched):
             return _BENT
         copy_vector(work[_LAST], work[_FIRST])
         left = right

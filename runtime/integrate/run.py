@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from codegen.errors import AnalysisError
-from codegen.termination_signals import Deferral
+from codegen.termination_signals import SignalDeferral
 from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.modes_and_event_kinds import SLIDING, Direction
@@ -53,6 +53,7 @@ _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress
 _GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
 _KINK = int(Signal.KINK)
 _STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
+_MOST_BYTES = 2**30  # safety: of what a run records; its result takes some times that
 _CLOSE = 1e-6  # safety: of the run; nearer to a pole or a lock-up, that is why it ends
 
 
@@ -122,6 +123,7 @@ class Run:
         is forgotten.
         """
         self.state.take_over(other.state, self.fresh, q, v)
+        self.recording.bytes = other.recording.bytes
         self.recording.begin()
         self.crossings.begin()
         return self.start()
@@ -161,7 +163,7 @@ class Run:
         """
         began = time.thread_time()  # others on the machine take no part in it
         run, fixed_chunk, stopped = self, self.state.options.chunk, False
-        with Deferral(computing=True, at_once=False) as signals:
+        with SignalDeferral(computing=True, at_once=False) as signals:
             code = self.start()
             if code == Outcome.OK:
                 code = _GOING
@@ -197,6 +199,8 @@ class Run:
                     run.state.record["energy"] = np.nan
                 if change is not None:
                     run, code = change(run, code)
+                if code == _GOING and run.recording.bytes > _MOST_BYTES:
+                    code, run.note = int(Outcome.MAX_STEPS), run._memory_note()
                 if code == _GOING and (signals.arrived or stopped):
                     code, signals.answered = int(Outcome.INTERRUPTED), not stopped
             if code in (*_STUCK, Outcome.CONTRADICTED):
@@ -217,8 +221,16 @@ class Run:
         if not len(ahead) or (stops is not None and stops.further is not None and len(ahead) == 1):
             return code
         way = float(arrays["stop_times"][ahead[0]] - r["t"])
-        passage = self._passage(ahead[0]) if way <= _CLOSE * float(r["duration"]) else Passage()
-        return code if passage.outcome is Outcome.OK else passage.outcome
+        if way > _CLOSE * float(r["duration"]):
+            return code
+        passage = self._passage(ahead[0])
+        if passage.outcome is not Outcome.OK:
+            return passage.outcome
+        self.note = (
+            f"At t = {r['t'] + way:.9g} s, {way:.3g} s later, a function of time in "
+            f"'{passage.function}' bends or ends: its derivatives may grow without bound there."
+        )
+        return code
 
     def _end_at_lock_up(self, code: int) -> int:
         """SINGULAR where drivers ask for ever more speed up to a position that is close by."""
@@ -306,6 +318,15 @@ class Run:
             decay=state.mean_decay,
             crossings=tuple(self.crossings.passed),
             note=note,
+        )
+
+    def _memory_note(self) -> str:
+        """What a run has recorded that takes more memory than it may."""
+        r = self.state.record
+        return (
+            f"The states that were recorded in {r['steps']} steps and {r['events']} events take "
+            f"{self.recording.bytes / 2**30:.2g} GiB, the most that a run may: end it earlier, or "
+            "ask for samples at fewer instants, with t_eval."
         )
 
     def _energy_note(self) -> str:

@@ -4,8 +4,10 @@ import os
 import pickle
 import resource
 import signal
+import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
 from types import ModuleType
 
@@ -85,14 +87,34 @@ class _Trap:
         return Path.touch, (self.mark,)
 
 
+@pytest.mark.parametrize("begin", [b"", numba_cache._FORMAT])
 @pytest.mark.parametrize("ending", ["nbi", "nbc"])
-def test_nothing_is_unpickled_that_was_not_written_here(source: Path, ending: str) -> None:
+def test_nothing_is_unpickled_that_was_not_written_here(
+    source: Path, ending: str, begin: bytes
+) -> None:
     (path,) = source.parent.glob(f"__pycache__/*.{ending}")
     mark = source.parent / "ran"
-    path.write_bytes(pickle.dumps(_Trap(mark)))
-    with pytest.warns(CacheWarning, match="damaged"):
+    path.write_bytes(begin + pickle.dumps(_Trap(mark)))
+    foreign = ending == "nbi" and not begin
+    with nullcontext() if foreign else pytest.warns(CacheWarning, match="damaged"):
         assert _execute(source).scaled(1.0) == 2.0
     assert not mark.exists()
+
+
+def test_a_cache_of_numba_itself_is_replaced_without_a_note(tmp_path: Path) -> None:
+    """As a version of the project that had no seals left it, with machine code and broken files."""
+    path, cache = tmp_path / "scaled.py", tmp_path / "__pycache__"
+    path.write_text(TEXT.format(factor=2.0))
+    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import scaled"
+    subprocess.run([sys.executable, "-c", code], check=True, env={})
+    (old,) = cache.glob("*.nbc")
+    (cache / f"{old.name}.tmp.0123").touch()
+    for hits in (0, 1):
+        module = _execute(path)  # without a warning, which would be an error
+        assert (module.scaled(1.0), _hits(module)) == (2.0, hits)
+    (new,) = cache.glob("*.nbc*")
+    assert new != old
+    sys.modules.pop("scaled", None)
 
 
 def test_machine_code_of_another_function_of_the_file_is_not_run(tmp_path: Path) -> None:
@@ -186,7 +208,6 @@ def test_an_interrupt_waits_until_a_function_is_compiled(
 def test_an_index_of_types_that_are_gone_is_replaced(source: Path) -> None:
     """Whole and sealed, but of a numba that knew another type."""
     (index,) = (source.parent / "__pycache__").glob("*.nbi")
-    content = b"cno_such_module\nno_such_type\n."
-    index.write_bytes(content + numba_cache._seal(content, index.name))
+    index.write_bytes(numba_cache._sealed(b"cno_such_module\nno_such_type\n.", index.name))
     assert _execute(source).scaled(1.0) == 2.0
     assert b"no_such_module" not in index.read_bytes()

@@ -1,16 +1,20 @@
 """What users call and set: wrong calls, read-only declarations, failures of their own functions."""
 
 import copy
+import pickle
 import stat
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 import sympy
+from pint import Quantity
 
 from codegen import (
+    Body,
     ConjugateReaction,
     Coordinate,
     Curve,
@@ -71,6 +75,14 @@ def test_a_wrong_call_says_what_is_taken_and_what_was_given(title: str) -> None:
 
 
 NONSENSE: dict[str, Callable[[Model], Any]] = {
+    "LinkwrightError": lambda m: LinkwrightError(7),  # type: ignore[arg-type]
+    "ModelError: problems of type list": lambda m: ModelError([7]),  # type: ignore[list-item]
+    "frame.bind(": I.bind,  # type: ignore[dict-item]
+    "table 'l' of 5 points is called": lambda m: m.table("l", range(5), range(5))(
+        Quantity(m.bodies["a"], "m")
+    ),
+    "body.torque of 'a'": lambda m: m.bodies["a"].torque("x"),  # type: ignore[arg-type]
+    "model.place_of": lambda m: m.place_of(m.bodies["a"], 7),  # type: ignore[arg-type]
     "point of body 'a'": lambda m: m.bodies["a"].at("q", 0).x,
     "point of body 'p'": lambda m: m.bodies["p"].at([1], None).vx,
     "curve of body 'a'": lambda m: m.bodies["a"].curve("x", "y").at(sympy.pi),
@@ -301,7 +313,81 @@ def test_objects_that_hide_their_class_are_refused_where_they_stand() -> None:
         )
 
 
+class Meta(type):
+    """A class of classes that say nothing of themselves."""
+
+    def __getattribute__(cls, word: str) -> Any:
+        if word in ("__name__", "__mro__"):
+            raise GeneratorExit
+        return type.__getattribute__(cls, word)
+
+
+class Nameless(metaclass=Meta):
+    """An object of such a class."""
+
+
+IMPOSTORS: dict[str, Callable[[Model], Any]] = {
+    "joint": lambda m: m.friction("e", Hidden(), 0.1, radius=0.1),  # type: ignore[arg-type]
+    "point of a mock": lambda m: m.force("e", on=Mock(spec=Point), fx=1.0),
+    "mock of a body": lambda m: m.revolute("e", m.ground.at(0, 0), Mock(spec=Body)),
+    "mock of a joint": lambda m: m.add(Mock(spec=m.revolute("r", m.ground, m.bodies["a"]))),
+    "class without a name": lambda m: m.torque("e", on=Nameless(), value=1.0),  # type: ignore[arg-type]
+    "in a list": lambda m: m.table("e", [0, 1, Hidden(), 3], [0, 1, 2, 3]),
+    "in a mapping": lambda m: m.scene("e", start={Hidden(): 1.0, "a.x": Hidden()}),
+    "body of a point": lambda m: m.force("e", on=Point(Hidden(), 0, 0), fx=1.0),  # type: ignore[arg-type]
+    "mass": lambda m: m.add(Body("e", Hidden(), None, m.token)),  # type: ignore[arg-type]
+    "scene": lambda m: valid_scenes(m, m.scene("e").with_(start=Hidden())),
+    "hand-made scene": lambda m: valid_scenes(m, replace(m.scene("e"), owner=Hidden())),  # type: ignore[arg-type]
+}
+
+
+@pytest.mark.parametrize("where", IMPOSTORS)
+def test_what_hides_its_class_or_claims_another_is_refused_by_name(where: str) -> None:
+    def built() -> None:
+        model = machine()
+        IMPOSTORS[where](model)
+        valid_scenes(model, None)
+
+    with pytest.raises(
+        LinkwrightError, match=r"hides its class or claims another|of no model;"
+    ) as caught:
+        built()
+    assert "fails with" not in str(caught.value)
+    assert "'e'" in str(caught.value) or where == "mock of a joint"
+
+
+@pytest.mark.parametrize("word", ["angular_velocity", "position", "inertia_force", "mass_matrix"])
+def test_a_body_of_an_own_class_that_hides_an_answer_is_named(word: str) -> None:
+    made = type("Mine", (Body,), {word: property(lambda self: Hidden())})
+    model = machine()
+    model.add(made("mine", sympy.S.One, sympy.S.One, model.token))
+    with pytest.raises(ModelError, match=r"body 'mine': its .* hides its class"):
+        valid_scenes(model, None)
+
+
 @pytest.mark.parametrize("method", ["revolute", "body", "gravity"])
 def test_methods_called_on_the_class_say_what_they_take(method: str) -> None:
     with pytest.raises(ModelError, match=rf"model\.{method}"):
         getattr(Model, method)()
+
+
+@pytest.mark.parametrize("word", ["name", "is_Add", "unit", "args", "free_symbols"])
+def test_symbols_of_a_model_stay_as_they_are(word: str) -> None:
+    """SymPy has one object for all symbols of a name: a change would reach every other model."""
+    model = machine()
+    parameter, place = model.parameter("k", 1.0), model.bodies["a"].x
+    for symbol, name in ((parameter, "k"), (place, "a_x"), (place.rate, "a_vx"), (t, "t")):
+        with pytest.raises(ModelError, match=f"'{name}': '{word}' cannot be set"):
+            setattr(symbol, word, "z")
+        with pytest.raises(AttributeError, match=f"'{name}': '{word}' cannot be deleted"):
+            delattr(symbol, word)
+    assert copy.copy(parameter) == parameter
+    assert pickle.loads(pickle.dumps(2 * place)) == 2 * place
+
+
+def test_a_table_of_declarations_is_made_by_its_model_alone() -> None:
+    model = Model("tables")
+    model.parameter("m", 1.0)
+    for make in (type(model.parameters).fromkeys, model.parameters.fromkeys):
+        with pytest.raises(LinkwrightError, match="view of what is declared"):
+            make(["m"])

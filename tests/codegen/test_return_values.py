@@ -185,3 +185,14 @@ def test_text_among_the_answers_of_a_body_is_never_evaluated(
     told = refusal(lambda m: m.model.add(Loaded("mine", one, one, m.model.token)))
     assert "'mine'" in told
     assert not (tmp_path / MARK).exists()
+
+
+@pytest.mark.parametrize("word", ["angular_velocity", "position", "equations", "inertia_force"])
+def test_a_body_answers_symbols_of_its_model_alone(word: str) -> None:
+    unknown = sympy.Symbol("unknown")
+    answers = {"position": (unknown, 1), "equations": (("x", unknown),)}
+    answers["inertia_force"] = {Machine().a.x: unknown}
+    made = type("Mine", (Body,), {word: property(lambda self: answers.get(word, unknown))})
+    one = sympy.S.One
+    told = refusal(lambda m: m.model.add(made("mine", one, one, m.model.token)))
+    assert f"body 'mine': its {word} has the symbol 'unknown', which is none of the model" in told

@@ -1,10 +1,12 @@
 """The command of all campaigns: ``python -m tests.fuzz declarations --count 100000 --seed 1``."""
 
-import runpy
 import sys
 
+from tests.fuzz import campaign
+
+GENERATORS = ("declarations", "calls", "model_files")
+
 if __name__ == "__main__":
-    if len(sys.argv) < 2 or sys.argv[1] not in ("declarations", "calls", "model_files"):
-        sys.exit("python -m tests.fuzz {declarations,calls,model_files} [options]")
-    name = sys.argv.pop(1)
-    runpy.run_module(f"tests.fuzz.{name}", run_name="__main__", alter_sys=True)
+    if len(sys.argv) < 2 or sys.argv[1] not in GENERATORS:
+        sys.exit(f"python -m tests.fuzz {{{','.join(GENERATORS)}}} [options]")
+    sys.exit(campaign.main(sys.argv.pop(1)))

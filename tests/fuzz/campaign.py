@@ -1,6 +1,8 @@
 """Many cases of one generator over several processes, each case with a limit of time."""
 
+import argparse
 import signal
+import sys
 import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
@@ -83,6 +85,7 @@ def case(generator: str, seed: int, number: int, limit: float) -> str | None:
 def shard(generator: str, seed: int, numbers: Sequence[int], limit: float) -> Campaign:
     """The cases of some numbers, one after the other."""
     found = Campaign(generator, seed, len(numbers), 0.0, (0.0, 0))
+    getattr(import_module(f"tests.fuzz.{generator}"), "prepare", bool)()
     started = time.perf_counter()
     for number in numbers:
         before = time.perf_counter()
@@ -108,21 +111,45 @@ def run(
 ) -> Campaign:
     """The cases of some numbers, shared among processes; `say` gets the report of each shard."""
     started = time.perf_counter()
-    if workers == 1:
-        return shard(generator, seed, numbers, limit)
     size = max(1, min(500, len(numbers) // workers))
     parts = [numbers[k : k + size] for k in range(0, len(numbers), size)]
     whole = Campaign(generator, seed, len(numbers), 0.0, (0.0, 0))
+
+    def add(found: Campaign) -> None:
+        say(found.report())
+        whole.findings += found.findings
+        whole.slowest = max(whole.slowest, found.slowest)
+
+    for part in parts if workers == 1 else ():
+        add(shard(generator, seed, part, limit))
     # New processes after some shards: caches of expressions grow. (A pool that replaces its workers
     # itself, by `max_tasks_per_child`, waits for ever when all have done their tasks.)
-    for k in range(0, len(parts), _SHARDS * workers):
+    for k in range(0, len(parts) if workers > 1 else 0, _SHARDS * workers):
         with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
             some = parts[k : k + _SHARDS * workers]
             futures = [pool.submit(shard, generator, seed, part, limit) for part in some]
             for future in futures:
-                found = future.result()
-                say(found.report())
-                whole.findings += found.findings
-                whole.slowest = max(whole.slowest, found.slowest)
+                add(future.result())
     whole.seconds = time.perf_counter() - started
     return whole
+
+
+def main(generator: str) -> int:
+    """The command of a generator; exit status 1 where there are findings."""
+    parser = argparse.ArgumentParser(prog=f"python -m tests.fuzz {generator}")
+    parser.add_argument("--count", type=int, default=1000, help="cases")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0, help="number of the first case")
+    parser.add_argument("--workers", type=int, default=2, help="processes")
+    parser.add_argument("--limit", type=float, default=20.0, help="seconds that a case may take")
+    words = parser.parse_args()
+    numbers = range(words.first, words.first + words.count)
+    found = run(generator, words.seed, numbers, words.limit, words.workers, _print)
+    _print(found.report())
+    return 1 if found.findings else 0
+
+
+def _print(report: str) -> None:
+    """Show a report at once, so that an interruption loses nothing."""
+    sys.stdout.write(report)
+    sys.stdout.flush()

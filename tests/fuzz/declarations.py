@@ -8,13 +8,12 @@ compiled. Nonsense must be refused by an error of Linkwright's own that names th
 nothing of what was given may be evaluated; what is accepted must come out as text that is sound.
 """
 
-import argparse
 import ast
 import re
-import sys
 import traceback
 import warnings
 from collections.abc import Callable
+from inspect import signature
 from random import Random
 from typing import Any
 
@@ -24,7 +23,6 @@ from codegen.emit.module import Origin, module_text
 from codegen.errors import FAILURES
 from codegen.generated_files.generated_file import Clock
 from codegen.plain_values import shown
-from tests.fuzz import campaign
 from tests.fuzz.declared_arguments import Scenery
 from tests.fuzz.declared_methods import BAD_NAMES, METHODS, NO_NAME
 from tests.fuzz.declared_misuse import misuse
@@ -35,7 +33,6 @@ LATE = re.compile(r"(model\.\w+|Model)( '\w*')?: fails with")  # the last guard 
 # what cannot be read for another reason than its depth or the number of its digits
 UNREAD = re.compile(r" cannot be read, (?!RecursionError|ValueError: Exceeds the limit)")
 MISUSED = 0.3  # part of the cases that misuse something public in another way
-LIMIT = 20.0  # seconds after which a case counts as hanging
 
 
 def judge(random: Random) -> str | None:
@@ -95,10 +92,12 @@ def _call(
         for word, kind in METHODS[method].items()
         if not word.endswith("?") or random.random() < 0.4
     }
+    defaults = signature(getattr(Model, method)).parameters
     values = {word: kind.good(scenery, random) for word, kind in kinds.items()}
     odd = random.sample(list(values), min(len(values), random.choice([0, 1, 1, 1, 1, 2])))
     for word in odd:
         values[word] = kinds[word].bad(scenery, random)
+    odd = [w for w in odd if values[w] is not None or defaults[w].default is not None]
     name: Any = f"e{k}"
     spoilt = len(odd)
     if method not in NO_NAME:
@@ -116,9 +115,10 @@ def _call(
 def _user_element(scenery: Scenery, random: Random, told: list[str], names: list[str]) -> int:
     """Add an element or a body of a modeller's own whose answers are nonsense."""
     make = hostile_body if random.random() < 0.2 else hostile_element
+    names.append("mine")
     element, about = make(scenery.model, scenery.a, random)
     told.append(about)
-    names.append("" if " name" in about[:11] else "mine")
+    names[-1] *= " name" not in about[:11]
     scenery.model.add(element)
     return 1
 
@@ -181,28 +181,3 @@ def _place(error: BaseException) -> str:
 
 def _short(value: Any) -> str:
     return ascii(shown(value))[1:121]
-
-
-def _say(report: str) -> None:
-    """Show a shard's report at once, so that an interruption loses nothing."""
-    sys.stdout.write(report)
-    sys.stdout.flush()
-
-
-def main() -> int:
-    """The command."""
-    parser = argparse.ArgumentParser(prog="python -m tests.fuzz declarations")
-    parser.add_argument("--count", type=int, default=1000, help="cases")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--first", type=int, default=0, help="number of the first case")
-    parser.add_argument("--workers", type=int, default=2, help="processes")
-    parser.add_argument("--limit", type=float, default=LIMIT, help="seconds that a case may take")
-    words = parser.parse_args()
-    numbers = range(words.first, words.first + words.count)
-    found = campaign.run("declarations", words.seed, numbers, words.limit, words.workers, _say)
-    sys.stdout.write(found.report())
-    return 1 if found.findings else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -9,6 +9,8 @@ import sympy
 
 from codegen import Constraint, Model, alpha, t
 from codegen.declare.body import Body
+from codegen.errors import FAILURES
+from codegen.plain_values import finite_float, members
 from tests.fuzz.declared_nonsense import of_number, of_object, of_scalar, u
 
 
@@ -50,6 +52,15 @@ class Kind:
 
 def nothing(scenery: Scenery, random: Random) -> Any:
     return None
+
+
+def is_pair(value: Any) -> bool:
+    """Whether it lists two numbers, as a quantity or a series does too."""
+    try:
+        pair = members(getattr(value, "magnitude", value), 2)
+        return all(finite_float(member) is not None for member in pair)
+    except FAILURES:
+        return False
 
 
 def _object(scenery: Scenery, random: Random) -> Any:
@@ -131,7 +142,7 @@ def _bad_condition(s: Scenery, random: Random) -> Any:
     if issubclass(type(odd), sympy.Expr) and random.random() < 0.5:
         try:
             return s.a.x > odd
-        except (TypeError, RecursionError):
+        except FAILURES:  # of SymPy, or of the odd object
             return True
     return random.choice(
         [
@@ -184,7 +195,7 @@ def _curve(s: Scenery, random: Random) -> Any:
 
 def _bad_curve(s: Scenery, random: Random) -> Any:
     odd = of_scalar(random, lambda: None, lambda: s.a.x * alpha)
-    while issubclass(type(odd), sympy.Expr) and odd.free_symbols == {alpha}:
+    while is_pair(odd) or (issubclass(type(odd), sympy.Expr) and odd.free_symbols == {alpha}):
         odd = of_scalar(random)
     return random.choice(
         [
@@ -217,6 +228,11 @@ def bad_mapping(good: list[Any], make: Callable[[Random], Any]) -> Make:
 def bad_names(s: Scenery, random: Random) -> Any:
     odd = random.choice([7, None, "nothing", object(), 1.5, "a\nb", s.other, s.a.at(0, 0), s.k, {}])
     return random.choice([[odd], ["pin", odd], 7 if odd == {} else odd, (k for k in [odd]), 5])
+
+
+def _bad_pair(random: Random) -> Any:
+    pair = random.choice([of_number(random), (1, of_number(random)), {1.0, 2.0}])
+    return 7 if is_pair(pair) else pair
 
 
 NUMBER, SCALAR = _scalar("number"), _scalar("expression")
@@ -268,7 +284,7 @@ PLAIN = Kind(lambda s, r: r.choice([1.5, 2, sympy.pi / 3]), _of(of_number))
 POINTS = Kind(
     lambda s, r: [(0, 0), (1, 0), (1.5, 1), (0.5, 2), (-0.5, 1)],
     lambda s, r: (
-        [(0, 0), (1, 0), r.choice([of_number(r), (1, of_number(r)), {1.0, 2.0}]), (1, 1), (0, 1)]
+        [(0, 0), (1, 0), _bad_pair(r), (1, 1), (0, 1)]
         if r.random() < 0.7
         else r.choice([7, None, "abcd", {(0, 0), (1, 0), (1, 1), (0, 1)}, [1, 2, 3, 4], object()])
     ),

@@ -11,10 +11,10 @@ from random import Random
 from typing import Any, NamedTuple
 
 import codegen
-from codegen import Curve, I, Model, Point, Scene, Statement, coordinate, element, given
+from codegen import Curve, I, Model, Point, Scene, Statement, coordinate, element, given, t
 from codegen.driver import valid_scenes, with_settings
-from codegen.plain_values import finite_float, shown
-from tests.fuzz.declared_arguments import Scenery
+from codegen.plain_values import finite_float, is_a, is_flag, shown
+from tests.fuzz.declared_arguments import Scenery, is_pair
 from tests.fuzz.declared_methods import METHODS
 from tests.fuzz.declared_nonsense import of_object, of_scalar
 
@@ -68,6 +68,7 @@ def _anything(s: Scenery, random: Random) -> Misuse:
     name, call, most = random.choice(_callables(s))
     arguments = [of_object(random) for _ in range(random.randint(0, min(most, 5)))]
     about, title = f"{name} with {len(arguments)} of anything", name.rpartition(".")[2]
+    title = "" if name == "build" else title  # of a file that is not there it says the path
     return Misuse(about, lambda: call(*arguments), title, may_be_right=True)
 
 
@@ -77,7 +78,7 @@ def _owners(s: Scenery) -> list[tuple[str, Any]]:
     return [
         ("m", s.model), ("a", s.a), ("p", s.p), ("ground", s.model.ground), ("s1", scene),
         ("Point", s.a.at(1, 0)), ("Curve", s.a.circle(1)), ("pin", s.pin), ("Frame", I),
-        ("Statement", statement),
+        ("Statement", statement), ("a_x", s.a.x), ("a_vx", s.a.vx), ("k", s.k), ("t", t),
     ]  # fmt: skip
 
 
@@ -158,7 +159,7 @@ def _changed(s: Scenery, random: Random) -> Misuse:
     scene, odd = _scene(s), of_object(random)
     word = random.choice([f.name for f in fields(Scene)])
     use = lambda: valid_scenes(s.model, replace(scene, **{word: odd}))  # noqa: E731
-    empty = odd is None or odd is True or odd is False or _is_empty(odd)
+    empty = odd is None or _is_empty(odd) or (word == "frozen" and is_flag(odd))
     right = empty or word in ("expression", "problems", "owner")
     return Misuse(f"scene with {word}={_shown(odd)}", use, "scene", may_be_right=right)
 
@@ -192,9 +193,10 @@ def _model(s: Scenery, random: Random) -> Misuse:
         model.particle("p", mass=1.0)
         valid_scenes(model, None)
 
-    right = finite_float(odd) is not None or (
-        words.get("gravity") is None and _is_name(words["name"])
-    )
+    right = is_pair(odd) if words.get("gravity") is odd else finite_float(odd) is not None
+    right |= odd is t  # a frame that moves
+    if words.get("gravity") is None:
+        right = _is_name(words["name"])
     return Misuse(
         f"Model of {_shown(odd)}", use, "model" if "gravity" not in words else "gravity", right
     )
@@ -232,7 +234,7 @@ def _shown(value: Any) -> str:
 
 
 def _is_name(value: Any) -> bool:
-    return isinstance(value, str) and str.isidentifier(value)
+    return is_a(value, str) and str.isidentifier(value)
 
 
 def _is_empty(value: Any) -> bool:

@@ -1,22 +1,22 @@
 """Model files with faults, from a seed: the texts of sound files changed at random.
 
-    python -m tests.fuzz.model_files --count 10000 --seed 1
+    python -m tests.fuzz model_files --count 10000 --seed 1
 
 A file is read and its scenes are checked. It must be accepted, or refused by an error of
 Linkwright's own, soon. `ODD_FILES` are whole files that fail in ways of their own, and names that
 files have.
 """
 
-import argparse
 import ast
-import random
+import atexit
+import shutil
 import string
-import sys
 import tempfile
 import traceback
 import warnings
-from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
+from random import Random
 from time import monotonic
 
 import codegen
@@ -90,7 +90,7 @@ ODD_FILES: dict[str, bytes | str] = {
 }
 
 
-def changed(draw: random.Random) -> str:
+def changed(draw: Random) -> str:
     """The sound file with expressions replaced, and perhaps a statement left out or repeated."""
     tree = ast.parse(SOUND)
     if draw.random() < 0.2:
@@ -144,33 +144,26 @@ def _line(error: BaseException) -> str:
     return f"{type(error).__name__}: {error} at {Path(frame.filename).name}:{frame.lineno}"
 
 
-def faults(folder: Path, count: int, seed: int) -> Iterator[tuple[str, str]]:
-    """The odd files and `count` changed ones whose answers are wrong, each with its text."""
-    draw = random.Random(seed)
-    texts = [*ODD_FILES.items(), *((f"changed{k}.py", changed(draw)) for k in range(count))]
-    for name, text in texts:
-        file = folder / name
-        file.write_bytes(text if isinstance(text, bytes) else text.encode())
-        found = fault(file)
+def written(folder: Path, name: str, text: bytes | str) -> str:
+    """What is wrong with the answer to a file of that name and text."""
+    file = folder / name
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
+    try:
+        return fault(file)
+    finally:
         file.unlink()
-        if found:
-            yield f"{name}\n{text if name.startswith('changed') else ''}", found
 
 
-def main() -> None:
-    """Run a campaign and list its faults; exit status 1 if there are any."""
-    options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument("--count", type=int, default=10_000)
-    options.add_argument("--seed", type=int, default=1)
-    chosen = options.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        found = list(faults(Path(folder), chosen.count, chosen.seed))
-    for text, what in found[:20]:
-        sys.stdout.write(f"{text}\n{what}\n\n")
-    sys.stdout.write(f"{chosen.count} files, seed {chosen.seed}: {len(found)} faults\n")
-    sys.stdout.write("\n".join(sorted({what for _, what in found})[:60]) + "\n")
-    sys.exit(bool(found))
+@cache
+def _folder() -> Path:
+    """A folder for the files of a campaign."""
+    folder = tempfile.mkdtemp()
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return Path(folder)
 
 
-if __name__ == "__main__":
-    main()
+def judge(random: Random) -> str | None:
+    """What is wrong about the answer to one file; None: nothing."""
+    text = changed(random)
+    found = written(_folder(), "changed.py", text)
+    return f"{found}\n{text}" if found else None

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from codegen.termination_signals import Deferral
+from codegen.termination_signals import SignalDeferral
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.kinematics_and_inverse_dynamics import kinematics
 from runtime.dynamics.prepared_simulation import PreparedSimulation
@@ -24,8 +24,8 @@ def keyboard() -> Iterator[None]:
 
 def test_a_deferral_raises_at_its_end() -> None:
     reached = False
-    with pytest.raises(KeyboardInterrupt), Deferral() as outer:  # noqa: PT012
-        with Deferral() as inner:
+    with pytest.raises(KeyboardInterrupt), SignalDeferral() as outer:  # noqa: PT012
+        with SignalDeferral() as inner:
             signal.raise_signal(signal.SIGINT)
             assert inner.arrived
         assert outer.arrived
@@ -35,17 +35,17 @@ def test_a_deferral_raises_at_its_end() -> None:
 
 
 def test_an_answered_interrupt_is_not_raised() -> None:
-    with Deferral() as outer:
-        with Deferral() as inner:
+    with SignalDeferral() as outer:
+        with SignalDeferral() as inner:
             signal.raise_signal(signal.SIGINT)
             inner.answered = True
         assert outer.arrived
-    with Deferral() as later:
+    with SignalDeferral() as later:
         assert not later.arrived
 
 
 def test_an_interrupt_is_not_lost_where_an_error_ends_the_block() -> None:
-    with pytest.raises(KeyboardInterrupt) as caught, Deferral():  # noqa: PT012
+    with pytest.raises(KeyboardInterrupt) as caught, SignalDeferral():  # noqa: PT012
         signal.raise_signal(signal.SIGINT)
         raise ZeroDivisionError
     assert isinstance(caught.value.__context__, ZeroDivisionError)

@@ -15,7 +15,7 @@ from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate, Time, Velocity, kinds
 from codegen.declare.units import known_unit
 from codegen.errors import FAILURES, LinkwrightError, ModelError
-from codegen.plain_values import InvalidName, plain_name, shown
+from codegen.plain_values import InvalidName, genuine, plain_name, shown
 from codegen.public_callables import failure
 
 WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
@@ -26,7 +26,7 @@ _Known = dict[tuple[int, str, tuple[int, ...]], tuple[Any, Any, Any]]
 _known: ContextVar[_Known | None] = ContextVar("known", default=None)
 
 
-def calling_each_method_once(function: Function) -> Function:
+def memoize_methods(function: Function) -> Function:
     """Within the function, each method is called once: what is checked is what is compiled."""
 
     @wraps(function)
@@ -41,7 +41,7 @@ def calling_each_method_once(function: Function) -> Function:
 
 
 @contextmanager
-def errors_named(element: Any) -> Iterator[None]:
+def name_errors(element: Any) -> Iterator[None]:
     """Errors in the block that are not ours name the element."""
     try:
         yield
@@ -51,25 +51,25 @@ def errors_named(element: Any) -> Iterator[None]:
         raise ModelError(f"{label(element)}: {unreadable(error)}") from error
 
 
-def called(element: Any, word: str, bodies: tuple[Any, ...] | None = None) -> Any:
+def call_method(element: Any, word: str, bodies: tuple[Any, ...] | None = None) -> Any:
     """What the method `word` returns, for the bodies of a scene where it takes them."""
     arguments = () if bodies is None else (bodies,)
     return _once(element, word, bodies, lambda: getattr(element, word)(*arguments))
 
 
-def read(element: Any, word: str) -> Any:
+def read_property(element: Any, word: str) -> Any:
     """The value of the property `word`."""
     return _once(element, word, None, lambda: getattr(element, word), call="")
 
 
-def called_if_any(
+def call_optional_method(
     element: Any, word: str, otherwise: Any, bodies: tuple[Any, ...] | None = None
 ) -> Any:
     """The same of a method that not every element has, or that a class sets to None."""
-    return called(element, word, bodies) if has(element, word) else otherwise
+    return call_method(element, word, bodies) if has_attribute(element, word) else otherwise
 
 
-def has(element: Any, word: str) -> bool:
+def has_attribute(element: Any, word: str) -> bool:
     """Whether the element has something under a word; a property that fails counts."""
     try:
         return getattr(element, word, None) is not None
@@ -83,16 +83,16 @@ def _once(
     known, key = _known.get(), (id(element), word + call, tuple(map(id, bodies or ())))
     if known is not None and key in known:
         return known[key][-1]
-    value = guarded(element, f"{word}{call}", function)
+    value = call_user_code(element, f"{word}{call}", function)
     if known is not None:
         known[key] = element, bodies, value  # which keeps the ids theirs
     return value
 
 
-def guarded(element: Any, what: str, function: Callable[[], Any]) -> Any:
+def call_user_code(element: Any, what: str, function: Callable[[], Any]) -> Any:
     """What a function returns; ModelError, which names the element, where it raises."""
     try:
-        return function()
+        return genuine(function())
     except LinkwrightError as error:
         where = label(element)
         raise ModelError(p if where in p else f"{where}: {p}" for p in error.problems) from error
@@ -139,13 +139,13 @@ def unit(element: Any, word: str, text: Any) -> str:
     return plain
 
 
-def different(element: Any, word: str, names: list[str]) -> None:
+def refuse_duplicates(element: Any, word: str, names: list[str]) -> None:
     """Refuse a name that stands twice."""
     if twice := next((n for k, n in enumerate(names) if n in names[:k]), None):
         raise ModelError(f"{label(element)}: its {word} has '{twice}' twice; give each a name.")
 
 
-def moved(element: Any, word: str, scalar: sympy.Expr) -> sympy.Expr:
+def position_scalar(element: Any, word: str, scalar: sympy.Expr) -> sympy.Expr:
     """A scalar that depends on positions, and on no velocity."""
     if speeds := kinds(scalar, Velocity):
         raise ModelError(
@@ -160,7 +160,9 @@ def moved(element: Any, word: str, scalar: sympy.Expr) -> sympy.Expr:
 def by_coordinate(element: Any, word: str, value: Any) -> dict[Coordinate, sympy.Expr]:
     """Coordinate → expression."""
     listed = isinstance(value, Mapping)
-    pairs: Any = guarded(element, word, lambda: [*value.items()]) if listed else [(None, None)]
+    pairs: Any = (
+        call_user_code(element, word, lambda: [*value.items()]) if listed else [(None, None)]
+    )
     if not all(isinstance(q, Coordinate) and q.letter in KINDS for q, _ in pairs):
         raise refusal(element, word, value, "a dictionary, coordinate: expression")
     return {q: expression(element, word, force) for q, force in pairs}

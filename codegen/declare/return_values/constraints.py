@@ -13,14 +13,14 @@ from codegen.declare import element as el
 from codegen.declare.body import Body, Curve
 from codegen.declare.return_values.calls import (
     WORDS,
-    called,
-    called_if_any,
-    different,
+    call_method,
+    call_optional_method,
+    call_user_code,
     expression,
-    guarded,
-    has,
+    has_attribute,
     name,
     refusal,
+    refuse_duplicates,
     rows,
     unit,
 )
@@ -34,7 +34,7 @@ COMPONENTS = ("fx", "fy", "torque")
 
 def statement_of(constraint: Any) -> el.Statement:
     """The equations of a joint or driver, their form checked."""
-    value = called(constraint, "statement")
+    value = call_method(constraint, "statement")
     if not isinstance(value, el.Statement):
         raise refusal(constraint, "statement()", value, "a Statement")
     where = el.label(constraint)
@@ -52,7 +52,7 @@ def statement_of(constraint: Any) -> el.Statement:
         raise ModelError(
             f"{where}: its rows {shown(words)} must be {len(phi)} ASCII words, one an equation."
         )
-    different(constraint, "rows", list(listed))
+    refuse_duplicates(constraint, "rows", list(listed))
     if not all(isinstance(place, sympy.Expr) for place in bindings):
         raise refusal(constraint, "bindings", bindings, "a placeholder")
     reaction = _reaction(constraint, vars(value)["reaction"], len(phi))
@@ -97,7 +97,7 @@ def _check_own_coordinates(constraint: Any, statement: el.Statement) -> None:
                 "is to determine it; name the row that does."
             )
     for k, word in enumerate(("rows", "coordinates")):
-        different(constraint, f"own, among {word},", [str(pair[k]) for pair in owned])
+        refuse_duplicates(constraint, f"own, among {word},", [str(pair[k]) for pair in owned])
 
 
 def _reaction(constraint: Any, reaction: Any, count: int) -> Any:
@@ -115,7 +115,7 @@ def _reaction(constraint: Any, reaction: Any, count: int) -> Any:
                 f"{el.label(constraint)}: its reactions {shown(parts)} must be {count} pairs of a "
                 "word and a unit."
             )
-        different(constraint, "reactions", [component for component, _ in pairs])
+        refuse_duplicates(constraint, "reactions", [component for component, _ in pairs])
     elif isinstance(reaction, el.JointReaction):
         on, sign = vars(reaction)["on"], vars(reaction)["sign"]
         if not isinstance(on, el.Frame) or sign not in (1, -1):
@@ -159,9 +159,9 @@ def place_near(
     constraint: Any, coordinates: list[Coordinate], numbers: Mapping[sympy.Symbol, float]
 ) -> dict[Coordinate, float]:
     """Where a joint expects its own `coordinates`; empty for joints that say nothing of it."""
-    if not coordinates or not has(constraint, "near"):
+    if not coordinates or not has_attribute(constraint, "near"):
         return {}
-    value = guarded(constraint, "near()", lambda: constraint.near(dict(numbers)))
+    value = call_user_code(constraint, "near()", lambda: constraint.near(dict(numbers)))
     try:
         places = {q: plain_float(value[q]) for q in coordinates}
         if all(map(math.isfinite, places.values())):
@@ -175,14 +175,14 @@ def place_near(
 def closed_curves(constraint: Any) -> tuple[tuple[str, Curve, bool], ...]:
     """The closed curves of a joint: how messages name each, and whether it has to be convex."""
     needed = "a tuple of pairs (curve, whether it has to be convex)"
-    value = called_if_any(constraint, "profiles", ())
+    value = call_optional_method(constraint, "profiles", ())
     pairs = rows(constraint, "profiles()", value, 2, needed)
     for curve, convex in pairs:
         if not isinstance(curve, Curve) or not isinstance(convex, bool):
             raise refusal(constraint, "profiles()", value, needed)
         if not isinstance(curve.body, Body):
             raise refusal(constraint, "profiles() among bodies", curve.body, "a body")
-        shape = guarded(constraint, "curve in profiles()", partial(curve.at, alpha))
+        shape = call_user_code(constraint, "curve in profiles()", partial(curve.at, alpha))
         for place in shape:
             expression(constraint, "profiles()", place)
     return tuple(

@@ -9,13 +9,13 @@ from codegen.declare import element as el
 from codegen.declare.body import Body
 from codegen.declare.return_values.calls import (
     by_coordinate,
-    called,
-    called_if_any,
-    different,
+    call_method,
+    call_optional_method,
     expression,
-    moved,
     name,
+    position_scalar,
     refusal,
+    refuse_duplicates,
     rows,
     unit,
 )
@@ -29,18 +29,18 @@ Weights = tuple[tuple[str, sympy.Expr, sympy.Expr], ...]
 
 def forces_of(effect: Any, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
     """The generalized forces of an effect."""
-    return by_coordinate(effect, "forces()", called(effect, "forces", bodies))
+    return by_coordinate(effect, "forces()", call_method(effect, "forces", bodies))
 
 
 def potential_of(effect: Any, bodies: tuple[Body, ...]) -> sympy.Expr | None:
     """The potential energy of an effect."""
-    value = called(effect, "potential", bodies)
+    value = call_method(effect, "potential", bodies)
     return None if value is None else expression(effect, "potential()", value)
 
 
 def weights_of(effect: Any, bodies: tuple[Body, ...]) -> Weights:
     """The weights in the potential of an effect."""
-    value = called_if_any(effect, "weights", (), bodies)
+    value = call_optional_method(effect, "weights", (), bodies)
     return tuple(
         (
             name(effect, "weights()", body),
@@ -66,7 +66,7 @@ def optional_terms(effect: Any, bodies: tuple[Body, ...]) -> el.OptionalTerms:
 
 def friction_law(effect: Any) -> el.FrictionLaw | None:
     """The law of an effect that follows from a joint's reaction; None for others."""
-    law = called_if_any(effect, "friction", None)
+    law = call_optional_method(effect, "friction", None)
     if law is None:
         return None
     if not isinstance(law, el.FrictionLaw):
@@ -85,7 +85,9 @@ def friction_law(effect: Any) -> el.FrictionLaw | None:
     return replace(
         law,
         strength=expression(effect, "friction()", law.strength),
-        along=moved(effect, "along of friction()", expression(effect, "friction()", law.along)),
+        along=position_scalar(
+            effect, "along of friction()", expression(effect, "friction()", law.along)
+        ),
         creep=creep,
         contacts=tuple(
             tuple(_sum(effect, "contacts of friction()", entry, needed) for entry in load)
@@ -101,7 +103,7 @@ def _sum(effect: Any, word: str, value: Any, needed: str) -> tuple[tuple[str, sy
 
 
 def _hold(effect: Any, bodies: tuple[Body, ...]) -> el.Sticking | el.Rigid | None:
-    hold: el.Sticking | el.Rigid | None = called_if_any(effect, "hold", None, bodies)
+    hold: el.Sticking | el.Rigid | None = call_optional_method(effect, "hold", None, bodies)
     if hold is None:
         return None
     if not isinstance(hold, el.Sticking | el.Rigid):
@@ -111,7 +113,7 @@ def _hold(effect: Any, bodies: tuple[Body, ...]) -> el.Sticking | el.Rigid | Non
         for word, value in vars(hold).items()
     }
     if isinstance(hold, el.Rigid):
-        moved(effect, "gap of hold()", values["gap"])
+        position_scalar(effect, "gap of hold()", values["gap"])
     elif not kinds(values["slip"], Velocity):
         raise ModelError(
             f"{el.label(effect)}: the slip of its hold() is {shown(values['slip'])}, without a "
@@ -126,14 +128,14 @@ def _hold(effect: Any, bodies: tuple[Body, ...]) -> el.Sticking | el.Rigid | Non
 
 
 def _pulls(effect: Any, bodies: tuple[Body, ...]) -> el.Pulls:
-    value = called_if_any(effect, "pulls", (), bodies)
+    value = call_optional_method(effect, "pulls", (), bodies)
     pairs = rows(effect, "pulls()", value, 2, "a tuple of pairs (scalar, force)")
     pulls = ((expression(effect, "pulls()", s), expression(effect, "pulls()", f)) for s, f in pairs)
-    return tuple((moved(effect, "scalar of pulls()", s), f) for s, f in pulls)
+    return tuple((position_scalar(effect, "scalar of pulls()", s), f) for s, f in pulls)
 
 
 def _reported(effect: Any, bodies: tuple[Body, ...]) -> el.Reported:
-    value = called_if_any(effect, "reported", (), bodies)
+    value = call_optional_method(effect, "reported", (), bodies)
     reported = tuple(
         (
             name(effect, "reported()", component),
@@ -144,5 +146,5 @@ def _reported(effect: Any, bodies: tuple[Body, ...]) -> el.Reported:
             effect, "reported()", value, 3, "a tuple of rows (component, unit, value)"
         )
     )
-    different(effect, "reported()", [component for component, *_ in reported])
+    refuse_duplicates(effect, "reported()", [component for component, *_ in reported])
     return reported

@@ -9,11 +9,11 @@ from codegen.declare.body import Body
 from codegen.declare.element import label
 from codegen.declare.element_conditions import Condition
 from codegen.declare.return_values.calls import (
-    called,
-    called_if_any,
+    call_method,
+    call_optional_method,
     expression,
-    has,
-    read,
+    has_attribute,
+    read_property,
     refusal,
 )
 from codegen.errors import ModelError
@@ -24,7 +24,7 @@ _FORMAT = re.compile(r"(\.\d{1,2})?[efg]?")
 
 def bodies_of(element: Any) -> tuple[Body, ...]:
     """The bodies that an element takes hold of."""
-    value = read(element, "bodies")
+    value = read_property(element, "bodies")
     if not isinstance(value, tuple | list) or not all(isinstance(b, Body) for b in value):
         raise refusal(element, "bodies", value, "a tuple of bodies")
     return tuple(value)
@@ -32,7 +32,7 @@ def bodies_of(element: Any) -> tuple[Body, ...]:
 
 def replaced_body(element: Any) -> Body | None:
     """The body instead of which a link stands, for elements that have one."""
-    body = read(element, "instead_of") if has(element, "instead_of") else None
+    body = read_property(element, "instead_of") if has_attribute(element, "instead_of") else None
     if body is not None and not isinstance(body, Body):
         raise refusal(element, "instead_of", body, "a body or None")
     return body
@@ -40,7 +40,7 @@ def replaced_body(element: Any) -> Body | None:
 
 def problems_of(element: Any) -> list[str]:
     """The problems that an element finds itself."""
-    value = called(element, "problems")
+    value = call_method(element, "problems")
     if not isinstance(value, tuple | list) or not all(isinstance(p, str) for p in value):
         raise refusal(element, "problems()", value, "a list of sentences")
     where = label(element)
@@ -50,7 +50,7 @@ def problems_of(element: Any) -> list[str]:
 
 def conditions_of(element: Any) -> tuple[Condition, ...]:
     """What an element asks of its numbers; a modeller's own need not ask anything."""
-    value = called_if_any(element, "conditions", ())
+    value = call_optional_method(element, "conditions", ())
     if not isinstance(value, tuple | list) or not all(isinstance(c, Condition) for c in value):
         raise refusal(element, "conditions()", value, "a tuple of Condition")
     return tuple(_condition(element, condition) for condition in value)

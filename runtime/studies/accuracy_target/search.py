@@ -26,7 +26,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.termination_signals import Deferral
+from codegen.termination_signals import SignalDeferral
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
@@ -121,7 +121,7 @@ class _Search:
     quantities: Quantities
     options: Options
     progress: Progress
-    signals: Deferral = field(default_factory=lambda: Deferral(computing=True))
+    signals: SignalDeferral = field(default_factory=lambda: SignalDeferral(computing=True))
     runs: list[Run] = field(default_factory=list)
     compared: list[Run] = field(default_factory=list)  # those that went to the end
     pair: Pair | None = None  # the evidence: the last run and that from which it was compared best
@@ -143,7 +143,7 @@ class _Search:
             if choice.formulation == previous.formulation:
                 break
         self.compared = [first]
-        last = self._compare(choice, second_tolerance(choice.method, rtol, first.path))
+        last = self._compare(choice, second_tolerance(choice.method, self.target, rtol, first.path))
         if self._is_unseen(last):
             longest = min(self.options.h_max or np.inf, self._sampled)
             self.options = replace(self.options, h_max=longest)
@@ -200,7 +200,7 @@ class _Search:
             end = f"t = {run.final_t:.6g} s ({run.outcome.name})"
             return self._choice("cartesian", f"in reduced coordinates the run ends at {end}")
         if choice.method == "auto" and self.method is None and len(run.methods) == 1:
-            if run.decay < _DECAY or implicit_tolerance(first.options.rtol) < _COARSE:
+            if run.decay < _DECAY or implicit_tolerance(self.target) < _COARSE:
                 return choice._replace(method=LEADING)
             # In too few steps for the run to change by itself.
             return choice._replace(method="radau5" if run.statistics.steps < _SHORT else "bdf")

@@ -18,7 +18,9 @@ _FIRST, _SLOPE = 1e-3, 0.9  # measured: rtol of the first run for a target of 1e
 _LOOSEST = 5e-4  # measured: and at most; looser runs lose whole motions
 _WIDE = 5e-4  # measured: rtol of the second run over that of the first
 _STIFF = 0.015  # measured: the same with an implicit method
-_CHANGED = 7.5e-4  # measured: the same with an implicit method after an explicit one
+# measured: rtol of an implicit run after an explicit one for a target of 1e-3, and at most; its
+# power law is that of the first run
+_CHANGED = 7.5e-7
 _NEAR, _FAR = 0.1, 1e-6  # safety: rtol of later runs over that of the last
 _EXPECTED_POWER = 0.95  # measured: power of rtol with which errors are expected to fall
 _NEXT = 0.03  # measured: rtol of the next run over that of the last, if that shows nothing
@@ -29,19 +31,19 @@ def first_tolerance(target: float) -> float:
     return min(max(_FIRST * (target / 1e-3) ** _SLOPE, LAST / _WIDE), _LOOSEST)
 
 
-def implicit_tolerance(first: float) -> float:
+def implicit_tolerance(target: float) -> float:
     """rtol of an implicit run after an explicit one."""
-    return max(LAST, _CHANGED * first)
+    return max(LAST, _CHANGED * min(1.0, target / 1e-3) ** _SLOPE)
 
 
-def second_tolerance(method: str, first: float, path: Trajectory) -> float:
+def second_tolerance(method: str, target: float, first: float, path: Trajectory) -> float:
     """rtol of the second run, with this method, after a first one.
 
     A first run whose steps stability limits errs by much more than its tolerance suggests.
     """
     if any(name in IMPLICIT for _, name in path.methods):
         return max(LAST, _STIFF * first)
-    return implicit_tolerance(first) if method in IMPLICIT else max(LAST, _WIDE * first)
+    return implicit_tolerance(target) if method in IMPLICIT else max(LAST, _WIDE * first)
 
 
 def next_tolerance(pair: Pair, target: float) -> float:

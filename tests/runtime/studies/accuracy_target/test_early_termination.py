@@ -114,8 +114,8 @@ def test_second_runs_are_not_so_tight_that_rounding_makes_them_err_more() -> Non
     path: Any = SimpleNamespace(methods=((0.0, "dop853"),))
     for target in np.geomspace(1e-12, 0.1, 40):
         first = first_tolerance(float(target))
-        assert first > second_tolerance("dop853", first, path) >= LAST
-        assert second_tolerance("bdf", first, path) >= LAST
+        assert first > second_tolerance("dop853", float(target), first, path) >= LAST
+        assert first > second_tolerance("bdf", float(target), first, path) >= LAST
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

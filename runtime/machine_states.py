@@ -1,0 +1,130 @@
+"""Parameter values, modes and assembled states of a machine, as methods."""
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.public_callables import checked_class
+from runtime.mechanism.inspection_tables import MechanismTables
+from runtime.mechanism.mechanism_tables_and_kernels import Values
+from runtime.validation.arguments import check
+from runtime.validation.parameters import parameter_values
+
+if TYPE_CHECKING:
+    from runtime.results.assembled_state import Assembly
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@checked_class
+class MachineStates(MechanismTables):
+    """What a machine is at one instant, before any analysis."""
+
+    @cached_property
+    def degrees_of_freedom(self) -> int:
+        """Coordinates less independent constraints, those of drivers included, at the start.
+
+        Raises
+        ------
+        AssemblyError
+            If the scene's start cannot be assembled.
+        """
+        return self.assemble().degrees_of_freedom
+
+    def parameter_values(self, overrides: Values | None = None) -> FloatArray:
+        """Parameters followed by the constants derived from them, as the kernels take them.
+
+        Parameters
+        ----------
+        overrides
+            New values by name, in the declared units; the others keep their defaults.
+
+        Returns
+        -------
+        (np,) float64
+
+        Raises
+        ------
+        InputError, ParameterError
+            If `overrides` is no mapping from names to numbers; one sentence for each value that is
+            unknown, not finite or of the wrong sign, and for coefficients that make no sense.
+        """
+        return parameter_values(self.mechanism, overrides)
+
+    def initial_modes(
+        self, t: float = 0.0, q: FloatArray | None = None, v: FloatArray | None = None,
+        parameters: Values | None = None,
+    ) -> npt.NDArray[np.int64]:  # fmt: skip
+        """Modes of the switching functions at a state, as the kernels take them.
+
+        Parameters
+        ----------
+        t
+            Instant in s.
+        q, v : (n,)
+            A state on the constraints; the assembled start unless both are given.
+        parameters
+            Values by name, in the declared units; the others keep their defaults.
+
+        Returns
+        -------
+        (s,) int64
+            1 where the condition holds, or is about to, at its boundary; 0 where it does not; 2
+            where the switching function stays at zero: the motion slides on the switching surface,
+            friction sticks, or a rigid contact is closed.
+
+        Raises
+        ------
+        InputError
+            If t, q or v are not finite numbers of the right shape.
+        AnalysisError
+            If no run starts from the state, as in a joint that jams.
+        """
+        from runtime.integrate.run import initial_modes
+
+        state = {} if q is None and v is None else {"q": q, "v": v}
+        given = check(self.mechanism, t=t, parameters=parameters, **state)
+        t, parameters = given["t"], given["parameters"]
+        p = self.parameter_values(parameters)
+        if not self.description.switches:
+            return np.zeros(0, dtype=np.int64)
+        if q is None or v is None:
+            start = self.assemble(parameters=parameters, t=t)
+            q, v = start.q, start.v
+        return initial_modes(self.mechanism.system, t, q, v, p)
+
+    def assemble(
+        self, guess: Values | None = None, parameters: Values | None = None, t: float = 0.0
+    ) -> "Assembly":
+        """Positions and velocities that satisfy the joints and the drivers at time t.
+
+        Start values with the role "fixed" are kept. The others are guesses: positions move as
+        little as closing the joints allows, velocities as little as Φ_q v = ν allows.
+
+        Parameters
+        ----------
+        guess
+            Start values by name of coordinate (m, rad) or velocity (m/s, rad/s), over those of the
+            scene; a name that the scene fixes stays fixed, at the new value.
+        parameters, t
+            Values by name, in the declared units, the others keep their defaults; instant in s.
+
+        Returns
+        -------
+        Assembly
+            The state, its residuals, the coordinates that had to move, the degrees of freedom, and
+            redundant or singular constraints.
+
+        Raises
+        ------
+        AssemblyError
+            If the joints do not close; it names the joints, with the gaps that are left.
+        RedundancyError
+            If constraints contradict each other, or a driver drives what the joints determine.
+        """
+        from runtime.assembly.assemble import assemble
+
+        given = check(self.mechanism, guess=guess, parameters=parameters, t=t)
+        return assemble(self.mechanism, **given)
