@@ -77,7 +77,9 @@ def shown(value: object, widest: int = WIDEST) -> str:
     """`value` in a message: on one line, printable, cut where it is long; never an error."""
     try:
         text = _SHORT.repr(value)
-    except FAILURES:  # a user's __repr__, a number of too many digits
+    except KeyboardInterrupt:
+        raise
+    except BaseException:  # of a user's __repr__, of a number of too many digits
         text = f"a {_class_name(type(value))}"
     return one_line(text, widest)
 
@@ -86,7 +88,9 @@ def one_line(text: object, widest: int = WIDEST) -> str:
     """Text without line ends and other characters that do not print, cut where it is long."""
     try:
         words = " ".join(str(text).split())
-    except FAILURES:
+    except KeyboardInterrupt:
+        raise
+    except BaseException:
         words = f"a {_class_name(type(text))}"
     line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in words)
     return line if len(line) <= widest else f"{line[: widest - 3]}..."

@@ -204,7 +204,7 @@ class Ground(Body):
     """The body that does not move; its frame is the global one."""
 
     fixed = True
-    coordinates = ()
+    coordinates = masses = ()
     position = velocity = (sympy.S.Zero, sympy.S.Zero)
     angle = angular_velocity = sympy.S.Zero
 

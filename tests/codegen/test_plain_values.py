@@ -10,7 +10,7 @@ import sympy
 
 from codegen import Model
 from codegen.declare.units import known_unit, pint_form
-from codegen.plain_values import InvalidName, genuine
+from codegen.plain_values import InvalidName, genuine, one_line, shown
 from codegen.real_range import unreal_part
 
 
@@ -111,3 +111,14 @@ def test_what_is_honest_is_the_same_object() -> None:
     loop.append(loop)
     for value in (loop, {"a": [1, 2]}, (1, "a", None), {1}, np.ones(3), object(), 2.0):
         assert genuine(value) is value
+
+
+def test_a_value_whose_text_ends_all_is_shown_by_its_class() -> None:
+    class End(BaseException):
+        """An exception of the user's own."""
+
+    class Silent:
+        def __repr__(self) -> str:
+            raise End
+
+    assert shown(Silent()) == one_line(Silent()) == "a Silent"

@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
 
+import numpy as np
 import pytest
 import sympy
+from pandas import Series
 from pint import Quantity
 
 from codegen import (
@@ -391,3 +393,23 @@ def test_a_table_of_declarations_is_made_by_its_model_alone() -> None:
     for make in (type(model.parameters).fromkeys, model.parameters.fromkeys):
         with pytest.raises(LinkwrightError, match="view of what is declared"):
             make(["m"])
+
+
+def test_every_property_of_what_is_declared_can_be_read() -> None:
+    model = machine()
+    body, scene = model.bodies["a"], model.scene("s")
+    joint = model.revolute("pin", model.ground, body)
+    moving = Point(body, sympy.sin(t), 0)
+    parts = [model, body, model.bodies["p"], model.ground, moving, body.circle(1), scene, joint]
+    for part in [*parts, joint.statement(), I, scene.request]:
+        for word in dir(type(part)):
+            if not word.startswith("_"):
+                getattr(part, word)
+
+
+@pytest.mark.parametrize("when", [Series(["a"]), np.array([1, 2]), np.bool_(True), Mock()])
+def test_what_is_no_condition_is_named(when: Any) -> None:
+    model = machine()
+    model.force("push", on=model.bodies["a"], fx=1.0, when=when)
+    with pytest.raises(ModelError, match=r"force 'push': when=.* (never changes|is no condition)"):
+        valid_scenes(model, None)
