@@ -28,12 +28,13 @@ _NEXT = 0.03  # measured: rtol of the next run over that of the last, if that sh
 
 def first_tolerance(target: float) -> float:
     """rtol of the first run."""
-    return min(max(_FIRST * (target / 1e-3) ** _SLOPE, LAST / _WIDE), _LOOSEST)
+    planned = float(_FIRST * (target / 1e-3) ** _SLOPE)
+    return min(max(planned, LAST / _WIDE), _LOOSEST)
 
 
 def implicit_tolerance(target: float) -> float:
     """rtol of an implicit run after an explicit one."""
-    return max(LAST, _CHANGED * min(1.0, target / 1e-3) ** _SLOPE)
+    return float(max(LAST, _CHANGED * min(1.0, target / 1e-3) ** _SLOPE))
 
 
 def second_tolerance(method: str, target: float, first: float, path: Trajectory) -> float:
