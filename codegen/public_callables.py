@@ -56,7 +56,7 @@ def checked_call(
             owner = [type(of).__name__ for of in arguments[:1]]
             name = title or ".".join([*owner, function.__name__])
             raise error(wrong_call(name, function, mismatch, given, words)) from None
-        return function(*arguments, **words)
+        return function(*map(genuine, arguments), **{w: genuine(v) for w, v in words.items()})
 
     return call
 

@@ -1,11 +1,31 @@
 """Every way in which a run can end, and what to try next."""
 
-from enum import IntEnum, unique
+from enum import EnumType, IntEnum, unique
+from numbers import Integral
+from typing import Any
+
+from codegen.errors import InputError
+from codegen.plain_values import shown
+
+
+class _Outcomes(EnumType):
+    """The class of `Outcome`, whose call finds a member and makes no other enumeration."""
+
+    def __call__(cls, *values: Any, **words: Any) -> Any:
+        number: Any = values[0] if len(values) == 1 and not words else None
+        if type(number) is not bool and issubclass(type(number), Integral):
+            return super().__call__(number)
+        given = [*map(shown, values), *(f"{k}={shown(v)}" for k, v in words.items())]
+        raise InputError(f"Outcome({', '.join(given)}): give the number of an outcome.")
 
 
 @unique
-class Outcome(IntEnum):
+class Outcome(IntEnum, metaclass=_Outcomes):
     """How a run ended. Everything but `OK` keeps the results up to that time."""
+
+    @classmethod
+    def _missing_(cls, value: object) -> None:
+        raise InputError(f"Outcome({value}): the outcomes have the numbers 0 to {len(cls) - 1}.")
 
     def __str__(self) -> str:
         """The name, not the number."""

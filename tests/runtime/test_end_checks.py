@@ -9,6 +9,7 @@ import pytest
 from codegen.errors import AssemblyError
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
+from runtime.dynamics import end_checks
 from runtime.integrate import run as integration
 from runtime.integrate.recording_buffers import Recording, in_order
 from runtime.integrate.trajectory import Events
@@ -109,3 +110,17 @@ def test_a_run_records_no_more_than_it_may(
     assert sum(array.nbytes for array in (run.t, run.samples.q, run.samples.v)) < 200_000
     at = np.linspace(0.0, 1.0, 2000)
     assert machine.simulate(1.0, at, formulation=formulation).outcome is Outcome.OK
+
+
+def test_reduced_run_that_a_check_contradicts_is_repeated_in_all_coordinates(
+    library: Callable[[str, str], Machine], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machine, t = library("slider_crank", "compressor"), np.linspace(0.0, 0.2, 5)
+    whole = machine.simulate(0.2, t)
+    wrong = "The energy changes."
+    monkeypatch.setattr(end_checks, "describe_unexplained_energy", lambda *_: wrong)
+    less = machine.simulate(0.2, t, formulation="reduced")
+    assert less.outcome is Outcome.OK
+    np.testing.assert_array_equal(less.samples.q, whole.samples.q)
+    assert "Repeated in all coordinates" in less.message
+    assert wrong in less.message
