@@ -161,13 +161,13 @@ def test_the_first_part_of_a_law_is_looked_at_once(
     pendulum: Callable[..., Machine], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     machine, begun = pendulum("many_kinks", 0.01 * Max(0, sin(50 * t)) ** 3, second=False), []
-    look = FunctionScan.go_on
+    look = FunctionScan.scan_next_part
 
     def counted(scan: FunctionScan, finest: float) -> None:
         begun.append(scan.reach)
         look(scan, finest)
 
-    monkeypatch.setattr(FunctionScan, "go_on", counted)
+    monkeypatch.setattr(FunctionScan, "scan_next_part", counted)
     equations = Equations(machine.mechanism, parameter_values(machine.mechanism, None))
     passages = Passages(equations, 0.0, 400.0, np.ones(equations.n))
     first = [part.end for part in passages.parts()]
