@@ -26,7 +26,6 @@ from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import Event
 from runtime.results.result import Result
 from runtime.results.samples import Partition
-from runtime.validation.arguments import instants
 from runtime.validation.finite_equations import describe_infinite
 from runtime.validation.scene_support import driven_note
 
@@ -48,7 +47,7 @@ def simulate(
     # An unknown method is refused by the integrator, together with all else that is wrong.
     options = Options(
         method=method, rtol=rtol, atol_q=atol, atol_v=atol,
-        t_eval=None if t_eval is None else instants(t_eval), correction=coordinates.correction,
+        t_eval=ready.instants(t_eval), correction=coordinates.correction,
         time_scale=time_scale, first_step=first_step, h_max=max_step, max_steps=max_steps,
     )  # fmt: skip
     return finish_simulation(ready, coordinates, options, began, progress)
