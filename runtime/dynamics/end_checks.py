@@ -25,22 +25,24 @@ _SIDE_TOLERANCES = 10.0  # safety: of a switching function; by as much a mode ma
 
 def check_result(
     result: Result, equations: Equations, sizes: FloatArray, options: Options,
-    run: Trajectory | None = None, *, reduced: bool = False,
+    run: Trajectory | None = None, *, energy: bool = False,
 ) -> None:  # fmt: skip
     """Take the outcome OK from a result that a check contradicts, and say where and by how much.
 
-    A run in `reduced` coordinates has not looked at its energy yet.
+    The `energy` of samples is judged where the run has not looked at all of it.
     """
     if result.outcome is not Outcome.OK:
         return
     found = _residuals(equations, result.samples, sizes, options)
     if run is not None:
         modes = _sides_of_modes(equations, result.samples, sizes, options, run)
-        energy = ""
-        if reduced:
+        unexplained = ""
+        if energy:
             steps = run.statistics.steps
-            energy = describe_unexplained_energy(equations, result.samples, sizes, options, steps)
-        found = " ".join(filter(None, [_order_of_events(run), modes, found, energy]))
+            unexplained = describe_unexplained_energy(
+                equations, result.samples, sizes, options, steps
+            )
+        found = " ".join(filter(None, [_order_of_events(run), modes, found, unexplained]))
     if found:
         outcome = result.outcome = Outcome.CONTRADICTED
         result.message = f"{outcome.meaning} {found} {outcome.advice} {result.message}"

@@ -55,12 +55,13 @@ def simulate(
 
 def finish_simulation(
     ready: PreparedSimulation, coordinates: Coordinates, options: Options, began: float,
-    progress: Progress, run: Trajectory | None = None, *, works: bool = True,
+    progress: Progress, run: Trajectory | None = None, *, works: bool = True, energy: bool = False,
 ) -> Result:  # fmt: skip
     """The result of a simulation that `began` at an instant of `time.perf_counter`, s.
 
     `run` is its run, if that exists already; a scene with works needs another one,
-    unless they are left out.
+    unless they are left out. The `energy` of its samples is judged, as always in reduced
+    coordinates.
     """
     begin, mechanism = ready.begin, coordinates.mechanism
     works = works and bool(mechanism.description.work_rows)
@@ -72,10 +73,10 @@ def finish_simulation(
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
     reduced = isinstance(coordinates, ReducedCoordinates)
-    check_result(result, equations, ready.sizes, options, run, reduced=reduced)
+    check_result(result, equations, ready.sizes, options, run, energy=energy or reduced)
     if isinstance(coordinates, ReducedCoordinates) and result.outcome is Outcome.CONTRADICTED:
         whole = coordinates.cartesian(options.method)
-        again = finish_simulation(ready, whole, options, began, progress, works=works)
+        again = finish_simulation(ready, whole, options, began, progress, works=works, energy=True)
         again.message += f" Repeated in all coordinates, as in reduced ones: {result.message}"
         return again
     result.message += describe_superposed_friction(equations, result.samples, options)
