@@ -9,6 +9,7 @@ is a misfit.
 import inspect
 import math
 import os
+import warnings
 from collections.abc import Callable, KeysView, Mapping
 from functools import wraps
 from pathlib import Path
@@ -223,6 +224,24 @@ def reporter(value: Any) -> Callable[[str], None]:
             value(line)
 
     return report
+
+
+def study_reporter(value: Any) -> Callable[[str], None]:
+    """As `reporter`; the first exception of its own ends the reports and not the study."""
+    report, failed = reporter(value), False
+
+    def report_until_failure(line: str) -> None:
+        nonlocal failed
+        if failed:
+            return
+        try:
+            report(line)
+        except Exception as error:
+            failed = True
+            what = f"{failure(error)}. The study goes on, and reports no more."
+            warnings.warn(f"The function given as progress= raised {what}", stacklevel=2)
+
+    return report_until_failure
 
 
 def optional(reader: Reader) -> Reader:

@@ -22,6 +22,10 @@ MOST = 1_000_000  # safety: members of a list that are read; an iterator may hav
 WIDEST = 160  # layout: characters of a value in a message
 
 
+# what a class says of itself, and no metaclass of a user's can change
+_class_name, _bases = (type.__dict__[word].__get__ for word in ("__name__", "__mro__"))
+
+
 class _Short(reprlib.Repr):
     """Short texts of values; SymPy would compare powers of powers of numbers to sort a sum."""
 
@@ -52,7 +56,9 @@ class Impostor:
     """It stands for an object that hides its class or claims another one."""
 
     def __init__(self, value: object) -> None:
-        self.text = f"an object of {type(value).__name__} that hides its class or claims another"
+        self.text = (
+            f"an object of {_class_name(type(value))} that hides its class or claims another"
+        )
 
     def __repr__(self) -> str:
         return self.text
@@ -71,8 +77,10 @@ def shown(value: object, widest: int = WIDEST) -> str:
     """`value` in a message: on one line, printable, cut where it is long; never an error."""
     try:
         text = _SHORT.repr(value)
-    except FAILURES:  # a user's __repr__, a number of too many digits
-        text = f"a {type(value).__name__}"
+    except KeyboardInterrupt:
+        raise
+    except BaseException:  # of a user's __repr__, of a number of too many digits
+        text = f"a {_class_name(type(value))}"
     return one_line(text, widest)
 
 
@@ -80,8 +88,10 @@ def one_line(text: object, widest: int = WIDEST) -> str:
     """Text without line ends and other characters that do not print, cut where it is long."""
     try:
         words = " ".join(str(text).split())
-    except FAILURES:
-        words = f"a {type(text).__name__}"
+    except KeyboardInterrupt:
+        raise
+    except BaseException:
+        words = f"a {_class_name(type(text))}"
     line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in words)
     return line if len(line) <= widest else f"{line[: widest - 3]}..."
 
@@ -142,22 +152,27 @@ def finite_float(value: Any) -> float | None:
 
 def is_a(value: object, kind: type[Kind]) -> TypeGuard[Kind]:
     """Whether its class is, or derives from, `kind`; what it says of itself is not asked."""
-    return kind in type(value).__mro__
+    return any(base is kind for base in _bases(type(value)))
 
 
 def genuine(value: Any, depth: int = 3) -> Any:
-    """The value; whatever hides its class or claims another one as an `Impostor`.
+    """The value; text as plain text, what hides its class or claims another as an `Impostor`.
 
     So are members of plain lists and mappings, in a copy. ``isinstance`` asks an object for its
-    class: it would raise, or be told a lie.
+    class: it would raise, or answer a lie; and a class of text of its own compares as it likes.
     """
     kind: Any = type(value)
     try:
-        honest = value.__class__ is kind
-    except FAILURES:
+        honest = value.__class__ is kind and kind.__name__ == _class_name(kind)
+        honest = honest and kind.__mro__ is _bases(kind)
+    except KeyboardInterrupt:
+        raise
+    except BaseException:
         honest = False
     if not honest:
         return Impostor(value)
+    if kind is not str and kind is not InvalidName and issubclass(kind, str):
+        return str.__str__(value)
     if depth == 0 or kind not in (list, tuple, dict, set, frozenset) or len(value) > MOST:
         return value
     entries = value.items() if kind is dict else value
@@ -172,7 +187,7 @@ def genuine(value: Any, depth: int = 3) -> Any:
 
 def is_flag(value: Any) -> bool:
     """Whether it is True or False, of Python or numpy."""
-    return isinstance(value, bool) or type(value).__name__ in {"bool_", "bool"}
+    return isinstance(value, bool) or _class_name(type(value)) in {"bool_", "bool"}
 
 
 def members(value: Any, count: int | None = None) -> list[Any]:

@@ -56,7 +56,7 @@ def checked_call(
             owner = [type(of).__name__ for of in arguments[:1]]
             name = title or ".".join([*owner, function.__name__])
             raise error(wrong_call(name, function, mismatch, given, words)) from None
-        return function(*arguments, **words)
+        return function(*map(genuine, arguments), **{w: genuine(v) for w, v in words.items()})
 
     return call
 
@@ -126,9 +126,9 @@ def checked_class(cls: Class) -> Class:
 
 
 def immutable(cls: Class) -> Class:
-    """The class with attributes that are neither set nor deleted, nor asked for in vain.
+    """The class with attributes that are neither set nor deleted.
 
-    Those of a subclass's own stay its own.
+    Those that a subclass adds stay its own.
     """
 
     def is_ours(of: Any, word: str) -> bool:
@@ -155,6 +155,8 @@ def immutable(cls: Class) -> Class:
 class DeclaredTable(dict[str, Any]):
     """What is declared, by name: read by everybody, written by the declaration alone."""
 
+    owner = "a table of a model"
+
     def __init__(self, owner: str, entries: Mapping[str, Any] | None = None) -> None:
         super().__init__(entries or {})
         self.owner = owner
@@ -174,6 +176,7 @@ class DeclaredTable(dict[str, Any]):
 
     __setitem__ = __delitem__ = __ior__ = update = setdefault = _refuse
     pop = popitem = clear = _refuse
+    fromkeys: Any = classmethod(_refuse)  # type: ignore[arg-type]
 
 
 def failure(error: BaseException) -> str:

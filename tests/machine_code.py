@@ -54,6 +54,7 @@ def _in_fork(work: Callable[[], object]) -> None:
         child = os.fork()
     if child == 0:
         gc.freeze()  # what the collector leaves alone stays shared with the parent
+        gc.disable()  # the process is short
         try:
             work()
         finally:

@@ -145,9 +145,17 @@ class Body(Pose):
 
     def torque(self, value: sympy.Expr) -> dict[Coordinate, sympy.Expr]:
         """Generalized forces of a torque: value ∂ω/∂q̇."""
+        try:
+            exerted = plain_expression(value)
+        except FAILURES:
+            name = plain_name(self.name)
+            raise ModelError(
+                f"body.torque of '{name}': {shown(value)} is no torque; give a number or an "
+                "expression in N m."
+            ) from None
         turning = plain_expression(self.angular_velocity)
         slopes = {q: sympy.diff(turning, q.rate) for q in self.coordinates}
-        return {q: value * slope for q, slope in slopes.items() if slope != 0}
+        return {q: exerted * slope for q, slope in slopes.items() if slope != 0}
 
     def at(self, x: Any, y: Any) -> "Point":
         """The point (x', y') of this body's frame, m."""
@@ -196,7 +204,7 @@ class Ground(Body):
     """The body that does not move; its frame is the global one."""
 
     fixed = True
-    coordinates = ()
+    coordinates = masses = ()
     position = velocity = (sympy.S.Zero, sympy.S.Zero)
     angle = angular_velocity = sympy.S.Zero
 

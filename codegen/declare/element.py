@@ -11,7 +11,7 @@ from codegen.declare.body import Body, Curve, Point, Pose
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate, given
 from codegen.errors import FAILURES, ModelError
-from codegen.plain_values import KindError, one_line, plain_name, shown
+from codegen.plain_values import KindError, is_a, one_line, plain_name, shown
 from codegen.public_callables import error_boundary_class, immutable
 
 
@@ -44,6 +44,10 @@ class Frame(Pose):
 
     def bind(self, point: Point) -> dict[sympy.Symbol, sympy.Expr]:
         """Placeholders of this frame → their values for a point of a body in a model."""
+        if not is_a(point, Point) or not is_a(point.body, Body):
+            raise ModelError(
+                f"frame.bind({shown(point)}): give a point of a body, as body.at(0, 0)."
+            )
         body, (sx, sy) = point.body, self.s
         bindings = {self.x: body.position[0], self.y: body.position[1]}
         if body.angle is None:  # a statement that asks for the angle itself is refused

@@ -98,9 +98,8 @@ class TableFunction:
             at = in_unit(at, unit, f"{self!r}, its abscissa", problems)
             if problems:
                 raise ModelError(problems)
-        elif is_quantity(at):
-            at = at.to_base_units().magnitude
         try:
+            at = at.to_base_units().magnitude if not unit and is_quantity(at) else at
             place = plain_expression(at)
             if place.is_number and math.isnan(self.table(plain_float(place), 0)):
                 raise KindError

@@ -106,7 +106,7 @@ class Reader:
         if when is None:
             return force
         if not isinstance(when, CONDITIONS):
-            constant = when is True or when is False or when in (sympy.true, sympy.false)
+            constant = is_flag(when) or when is sympy.true or when is sympy.false
             reason = "never changes" if constant else "is no condition"
             self.note(
                 f"{where}: when={shown(when)} {reason}; compare coordinates, velocities, "

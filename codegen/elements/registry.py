@@ -14,9 +14,9 @@ from inspect import cleandoc
 from typing import Any, Literal, TypeVar, dataclass_transform, overload
 
 from codegen.declare.element import Constraint, Effect
-from codegen.errors import ModelError
-from codegen.plain_values import shown
-from codegen.public_callables import error_boundary, immutable
+from codegen.errors import FAILURES, ModelError
+from codegen.plain_values import is_flag, shown
+from codegen.public_callables import error_boundary, failure, immutable
 
 Role = Literal["joint", "driver", "force"]
 Class = TypeVar("Class", bound=type[Any])
@@ -88,6 +88,8 @@ def element(
     A user's class that is defined anew, as by a cell of a notebook that runs again, replaces the
     one before.
     """
+    if not is_flag(driver):
+        raise ModelError(f"element(driver={shown(driver)}): write True or False.")
 
     def register(cls: type[Any]) -> type[Any]:
         if not _of_library(cls):
@@ -96,12 +98,16 @@ def element(
         if problems:
             raise ModelError(problems)
         if not any("__init__" in vars(c) for c in _own_classes(cls)):
-            cls = immutable(dataclass(frozen=True, eq=False)(cls))
+            try:
+                cls = immutable(dataclass(frozen=True, eq=False)(cls))
+            except FAILURES as error:
+                where = f"element class {cls.__qualname__}"
+                raise ModelError(f"{where} becomes no dataclass: {failure(error)}.") from error
         role: Role = "driver" if driver else "joint" if hasattr(cls, "statement") else "force"
         _KINDS[cls.kind] = Kind(cls.kind, role, cls)
         return cls
 
-    return register if cls is None else register(cls)
+    return error_boundary(register, "element") if cls is None else register(cls)
 
 
 element = error_boundary(element, "element")

@@ -13,7 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import njit, types
+from numba import cfunc, njit, types
+
+from codegen.numba_cache import checked_caches
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -69,7 +71,18 @@ def _nothing(t: float, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> 
 def _compiled() -> tuple[Any, Any]:
     function = types.FunctionType(SIGNATURE)
     loop = F8(function, VECTOR, ROWS, ROWS, MODE_ROWS, VECTOR, VECTOR, VECTOR, types.int64)
-    return njit(loop, **OPTIONS)(_loop), njit(SIGNATURE, **OPTIONS)(_nothing)
+    with checked_caches():
+        return njit(loop, **OPTIONS)(_loop), _with_entry(njit(SIGNATURE, **OPTIONS)(_nothing))
+
+
+def _with_entry(kernel: Any) -> Any:
+    """A function with an entry from C, by which the loop calls it; kernels have none."""
+
+    @cfunc(SIGNATURE)
+    def call(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> Any:
+        return kernel(t, q, v, p, modes, a, lam)
+
+    return call
 
 
 def times(kernels: Sequence[Timed], states: States, rounds: int = ROUNDS) -> list[float]:
@@ -77,8 +90,11 @@ def times(kernels: Sequence[Timed], states: States, rounds: int = ROUNDS) -> lis
     loop, nothing = _compiled()
     n = states.q.shape[1]
     runs = [
-        partial(loop, kernel, *states, p, np.zeros(n), np.zeros(slots))
-        for kernel, p, slots in (Timed(nothing, np.zeros(1), 1), *kernels)
+        partial(loop, entry, *states, p, np.zeros(n), np.zeros(slots))
+        for entry, p, slots in (
+            (nothing, np.zeros(1), 1),
+            *((_with_entry(kernel), p, slots) for kernel, p, slots in kernels),
+        )
     ]
     count = _calls(runs)
     best = [np.inf] * len(runs)

@@ -11,7 +11,7 @@ from codegen.declare.scene import ANALYSES, Request, Scene, name_of
 from codegen.declare.value_reader import Reader
 from codegen.errors import FAILURES
 from codegen.model.scenes import Scenes
-from codegen.plain_values import plain_number, shown
+from codegen.plain_values import is_a, plain_number, shown
 
 WIDEST = 100  # letters of a name, which names a file; a longer one is cut and told apart by a hash
 
@@ -83,6 +83,8 @@ class Variations(Scenes):
 
     def misfits(self, scene: Scene) -> list[str]:
         """What a scene holds that no model put there: one made, or changed, by hand."""
+        if not is_a(scene, Scene):
+            return [f"{shown(scene)} is no scene; give one that model.scene(...) returned."]
         read, where = Reader(), f"scene {shown(vars(scene)['name'])}"
         given = vars(scene)
         if problem := name_problem("scene", given["name"]):

@@ -10,14 +10,14 @@ from codegen.declare.element import Constraint
 from codegen.declare.name_rules_and_hints import name_problem, nearest
 from codegen.declare.return_values.constraints import own_coordinates, place_near
 from codegen.declare.return_values.elements import bodies_of
-from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene
+from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene, name_of
 from codegen.declare.symbols import Coordinate
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
 from codegen.errors import ModelError
 from codegen.model.bodies import Form
 from codegen.model.fidelities import NONE, Fidelities
 from codegen.model.requested_outputs import Outputs
-from codegen.plain_values import plain_name
+from codegen.plain_values import plain_name, shown
 
 DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
 """Keywords of a scene that an extension inherits unless it names them."""
@@ -202,6 +202,12 @@ class Scenes(Fidelities, Outputs):
 
     def place_of(self, joint: Constraint, known: NamedValues) -> dict[Coordinate, float]:
         """Where a joint expects those of its own coordinates whose values are not `known`."""
+        listed = type(known) is tuple and all(type(k) is tuple and len(k) == 2 for k in known)
+        if self.joints.get(name_of(joint)) is not joint or not listed:
+            raise ModelError(
+                f"model.place_of({shown(joint)}, {shown(known)}): give a joint of the model, and "
+                "pairs of a coordinate's name and its value."
+            )
         values = dict(known)
         missing = [q for q in own_coordinates(joint) if dotted(q) not in values]
         coordinates = self._coordinates() if missing else ()

@@ -57,6 +57,7 @@ class Loop(NamedTuple):
 def find_loops(
     graph: Graph, q: Sequence[int], phi: Mapping[int, int], angles: Sequence[int],
     first_branch: int, own: Mapping[int, int],
+    suits: Callable[[int, int], bool] = lambda square, size: True,
 ) -> list[Loop]:  # fmt: skip
     """The loops with a solution in closed form, in an order in which each needs only those before.
 
@@ -64,9 +65,10 @@ def find_loops(
     are left; `angles`: columns that may be solved for; `first_branch`: slot of ``p``; `own`: row of
     each own coordinate of a joint. It alone determines the coordinate: another row of the joint may
     contain the place of a contact, but its derivative by it vanishes wherever the curves touch. Nor
-    is it solved for anything else, which would leave the coordinate to such a row.
+    is it solved for anything else, which would leave the coordinate to such a row. `suits` says of
+    ρ² and the largest that it may be whether a loop is to be solved so.
     """
-    search, loops = _LoopSearch(graph, q, first_branch, own), []
+    search, loops = _LoopSearch(graph, q, first_branch, own, suits), []
     phi, angles = dict(phi), list(angles)
     while loop := search.next_loop(phi, angles):
         loops.append(loop)
@@ -81,9 +83,10 @@ class _LoopSearch:
     """The forms of a loop, and the branches that they have taken."""
 
     def __init__(
-        self, graph: Graph, q: Sequence[int], first_branch: int, own: Mapping[int, int]
-    ) -> None:
-        self.graph, self.q, self.branch, self.own = graph, q, first_branch, own
+        self, graph: Graph, q: Sequence[int], first_branch: int, own: Mapping[int, int],
+        suits: Callable[[int, int], bool],
+    ) -> None:  # fmt: skip
+        self.graph, self.q, self.branch, self.own, self.suits = graph, q, first_branch, own, suits
 
     def next_loop(self, phi: dict[int, int], angles: list[int]) -> Loop | None:
         """A loop of one row, else of two."""
@@ -96,7 +99,8 @@ class _LoopSearch:
             determined = self._is_determined(columns, (i,))
             if len(columns) == 1 and determined and (form := self._form(phi[i], columns)):
                 start, ((a, b),) = form
-                return Loop((i,), (self._angle(i, *columns, a, b, start),))
+                if angle := self._angle(i, *columns, a, b, start):
+                    return Loop((i,), (angle,))
         for i, j in combinations(support, 2):
             columns = tuple(sorted({*support[i], *support[j]}))
             determined = self._is_determined(columns, (i, j))
@@ -133,6 +137,8 @@ class _LoopSearch:
         rest = graph.add(self._squares(u, w), graph.sub(arm, reach))
         size = graph.mul(graph.constant(4.0), graph.mul(arm, reach))
         angle = self._angle(max(rows), column, sine, cosine, rest, size)
+        if angle is None:
+            return None
         x = graph.total([u, graph.mul(a, angle.s), graph.mul(b, angle.c)])
         y = graph.total([w, graph.mul(f, angle.s), graph.mul(g, angle.c)])
         # [d e; h k] (s, c) = -(x, y), by the transposed.
@@ -143,13 +149,16 @@ class _LoopSearch:
 
     def _angle(
         self, row: int, column: int, a: int, b: int, start: int, size: int | None = None
-    ) -> Angle:
+    ) -> Angle | None:
         graph = self.graph
+        square = self._squares(a, b)
+        size = square if size is None else size
+        discriminant = graph.sub(square, graph.mul(start, start))
+        if not self.suits(discriminant, size):
+            return None
         name = graph.values[self.q[column]].literal.name  # type: ignore[union-attr]
         branch = graph.input("p", self.branch, f"branch_{name}")
         self.branch += 1
-        square = self._squares(a, b)
-        discriminant = graph.sub(square, graph.mul(start, start))
         root = graph.mul(branch, graph.power(discriminant, 0.5))
         inverse = graph.div(graph.one, square)
         s = graph.neg(graph.add(graph.mul(a, start), graph.mul(b, root)))
@@ -157,7 +166,6 @@ class _LoopSearch:
         sine, cosine = self._sine_cosine(column)
         slope = graph.sub(graph.mul(a, cosine), graph.mul(b, sine))
         ends = graph.mul(inverse, s), graph.mul(inverse, c)
-        size = square if size is None else size
         return Angle(column, row, *ends, discriminant, size, slope, branch)
 
     def _squares(self, a: int, b: int) -> int:

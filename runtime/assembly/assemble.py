@@ -221,7 +221,7 @@ def _largest(keys: Iterable[Key], values: FloatArray) -> dict[Key, float]:
 
 
 def _misses(task: Task, values: FloatArray, least: float, per: str = "") -> str:
-    """`joint C misses by 0.31 m, ...`, the worst first."""
+    """`joint C misses by 0.31 m, ...`, the worst first; that one in any case."""
     description = task.equations.description
     elements = (row.element for row in description.constraints)
     found = _largest(zip(elements, task.row_units, strict=True), values)
@@ -229,8 +229,8 @@ def _misses(task: Task, values: FloatArray, least: float, per: str = "") -> str:
     return ", ".join(
         f"{'driver' if element in description.drivers else 'joint'} {element} misses by "
         f"{miss:.4g} {unit}{per}"
-        for (element, unit), miss in worst
-        if miss > least
+        for place, ((element, unit), miss) in enumerate(worst)
+        if miss > least or place == 0
     )
 
 

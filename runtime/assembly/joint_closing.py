@@ -9,12 +9,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from runtime.core.unit_roundoff import EPS
 from runtime.linalg.least_norm_newton import solve_by_newton
 from runtime.mechanism.dense_equations import Equations, FloatArray
 
 CLOSED = 1e-10  # accuracy: largest scaled gap of joints that are closed
 # measured: growing penalties r of (q - q0)ᵀ W (q - q0) + r Φᵀ Φ
 _PENALTIES = 10.0 ** np.arange(0, 9, 2)
+_DIGITS = 4.0  # safety: last digits of the coordinates in a constraint, by which it may be open
 _RESTARTS = 6  # safety: random starts after the given one has failed
 
 
@@ -22,7 +24,7 @@ Selection = npt.NDArray[np.bool_ | np.int64]  # a mask, or indices where joints 
 
 
 class Closing(NamedTuple):
-    """Result of closing the joints: q, Φ there, and the largest scaled gap."""
+    """Result of closing the joints: q, Φ there, and the largest scaled gap beyond rounding."""
 
     q: FloatArray
     phi: FloatArray
@@ -80,9 +82,11 @@ def _attempt(task: Task, start: FloatArray) -> Closing:
             for penalty in _PENALTIES:
                 q = _minimise(task, start, q, float(penalty))
         q = refine(task, q)
-    gaps = task.gaps(q)
-    gap = float(np.abs(gaps).max(initial=0.0))
-    return Closing(q, task.equations.constraints(task.t, q), gap if np.isfinite(gap) else np.inf)
+    # A machine far from the origin closes to the last digits of its coordinates.
+    slopes = np.abs(task.equations.jacobian(task.t, q)) / task.row_scale[:, None]
+    rounding = _DIGITS * EPS * (slopes @ np.abs(q))[task.rows]
+    gap = float((np.abs(task.gaps(q)) - rounding).max(initial=0.0))
+    return Closing(q, task.equations.constraints(task.t, q), gap if gap < np.inf else np.inf)
 
 
 def refine(task: Task, q: FloatArray) -> FloatArray:

@@ -1,11 +1,31 @@
 """Every way in which a run can end, and what to try next."""
 
-from enum import IntEnum, unique
+from enum import EnumType, IntEnum, unique
+from numbers import Integral
+from typing import Any
+
+from codegen.errors import InputError
+from codegen.plain_values import shown
+
+
+class _Outcomes(EnumType):
+    """The class of `Outcome`, whose call finds a member and makes no other enumeration."""
+
+    def __call__(cls, *values: Any, **words: Any) -> Any:
+        number: Any = values[0] if len(values) == 1 and not words else None
+        if type(number) is not bool and issubclass(type(number), Integral):
+            return super().__call__(number)
+        given = [*map(shown, values), *(f"{k}={shown(v)}" for k, v in words.items())]
+        raise InputError(f"Outcome({', '.join(given)}): give the number of an outcome.")
 
 
 @unique
-class Outcome(IntEnum):
+class Outcome(IntEnum, metaclass=_Outcomes):
     """How a run ended. Everything but `OK` keeps the results up to that time."""
+
+    @classmethod
+    def _missing_(cls, value: object) -> None:
+        raise InputError(f"Outcome({value}): the outcomes have the numbers 0 to {len(cls) - 1}.")
 
     def __str__(self) -> str:
         """The name, not the number."""
@@ -73,7 +93,7 @@ _TEXT = {
         condition.
         """,
     Outcome.MAX_STEPS: """
-        The permitted number of steps was used up.
+        The permitted number of steps, or the room for what they record, was used up.
 
         Raise max_steps, or loosen the tolerances. Where that hardly changes the number of steps,
         the model is stiff: lower its largest stiffness or damping, or make an effect that changes
@@ -134,7 +154,8 @@ _TEXT = {
     Outcome.CONTRADICTED: """
         A check of the results contradicts the run.
 
-        Do not rely on what comes after the instant that is named. Take smaller tolerances or
+        Do not rely on what comes after the instant that is named. Where an event was missed, give
+        max_step, shorter than a condition holds; where joints are open, take smaller tolerances or
         correction="step"; where energy is not balanced, look for a potential or a law of motion
         that jumps there.
         """,

@@ -21,7 +21,7 @@ from runtime.core.workspace_rows import PARTITION
 from runtime.hybrid.loop_branch_guard import LEAST
 from runtime.integrate.problem import Options, Passage, Stops
 from runtime.integrate.recording_buffers import in_order
-from runtime.integrate.run import Progress, Run
+from runtime.integrate.run import Progress, Run, States, Watch
 from runtime.integrate.run_state import COUNTS
 from runtime.integrate.step import Signal
 from runtime.integrate.trajectory import Events, Partitions, Trajectory
@@ -55,8 +55,11 @@ class _Leg:
 class Changes:
     """One run in reduced coordinates, and in all coordinates where these are poor."""
 
-    def __init__(self, taken: "ReducedCoordinates", options: Options) -> None:
+    def __init__(
+        self, taken: "ReducedCoordinates", options: Options, watch: Watch | None = None
+    ) -> None:
         self.taken, self.reduced, self.options = taken, taken.reduced, options
+        self.watch = watch
         self.less: Run | None = None  # in reduced coordinates
         self.whole: Run | None = None  # in all of them, where needed
         self.legs: list[_Leg] = []
@@ -76,6 +79,22 @@ class Changes:
 
     def __call__(self, run: Run, code: int) -> tuple[Run, int]:
         """Change coordinates where that is due; see `runtime.integrate.run.Change`."""
+        run, code = self._change(run, code)
+        if code == _GOING and self.watch is not None:
+            t = float(run.state.record["t"])
+            if self.watch(t, lambda: self._states(run)):
+                code = int(Outcome.INACCURATE)
+        return run, code
+
+    def _states(self, run: Run) -> States:
+        """The samples of the present leg, in all coordinates."""
+        if run is self.whole:
+            return run.states()
+        path = run.result(Outcome.OK, 0.0)
+        path = self.taken.all_coordinates(path, self.start, run.state.p)
+        return path.t, path.q, path.v
+
+    def _change(self, run: Run, code: int) -> tuple[Run, int]:
         if run is self.whole:
             r = run.state.record
             free = r["plan"] == Plan.FREE and not r["lent"] and r["steps"] >= self.until
@@ -195,6 +214,9 @@ class Changes:
         records = [made.state.record for made in (self.less, self.whole) if made is not None]
         counts = {name: sum(r[name].item() for r in records) for name in COUNTS}
         counts["largest_dq"] = max(r["largest_dq"].item() for r in records)
+        # Near a dead centre the fastest motions are those of the singular position: what decays in
+        # both kinds of coordinates is a motion of the machine.
+        decay = min(made.state.mean_decay for made in (self.less, self.whole) if made is not None)
         partitions = self._partitions()
         counts["repartitions"] = len(partitions.t) - 1
         samples = zip(*((path.t, path.q, path.v, path.modes) for path in paths), strict=True)
@@ -204,6 +226,7 @@ class Changes:
         return replace(
             last, first_t=paths[0].first_t, t=t, q=q, v=v, modes=modes, events=events,
             statistics=replace(last.statistics, **counts), partitions=partitions,
+            decay=decay,
             crossings=tuple(crossing for path in paths for crossing in path.crossings),
         )  # fmt: skip
 

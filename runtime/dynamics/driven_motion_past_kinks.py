@@ -56,11 +56,13 @@ def _kink_events_and_ends(
         for kink in part.kinks:
             g = passages.equations.switching(kink.before, start.q, start.v)
             state = start.q, start.v, (g > 0.0).astype(np.int64)
-            passage = passages.passage(kink, *state)
-            if passage.outcome is Outcome.OK and kink.steep is not None:
-                passage = max(passage, passages.steep(kink, *state), key=lambda p: p.outcome)
+            passage, end = passages.passage(kink, *state), kink.before
+            if kink.steep is not None:
+                steep = passages.steep(kink, *state)
+                if steep.outcome is not Outcome.OK:  # a run ends there first
+                    passage, end = steep, kink.steep
             if passage.outcome is not Outcome.OK:
-                ends.append((kink.before, passage))
+                ends.append((end, passage))
             elif passage.event is not None:
                 passed.append((kink, passage))
         if part.crowd is not None:

@@ -4,6 +4,7 @@ import numpy as np
 
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.energy_of_samples import describe_unexplained_energy
 from runtime.dynamics.switches_within_tolerance import tolerance_of_switch
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
@@ -20,15 +21,22 @@ _SIDE_TOLERANCES = 10.0  # safety: of a switching function; by as much a mode ma
 
 def check_result(
     result: Result, equations: Equations, sizes: FloatArray, options: Options,
-    run: Trajectory | None = None,
+    run: Trajectory | None = None, *, reduced: bool = False,
 ) -> None:  # fmt: skip
-    """Take the outcome OK from a result that a check contradicts, and say where and by how much."""
+    """Take the outcome OK from a result that a check contradicts, and say where and by how much.
+
+    A run in `reduced` coordinates has not looked at its energy yet.
+    """
     if result.outcome is not Outcome.OK:
         return
     found = _residuals(equations, result.samples, sizes, options)
     if run is not None:
         modes = _sides_of_modes(equations, result.samples, sizes, options)
-        found = " ".join(filter(None, [_order_of_events(run), modes, found]))
+        energy = ""
+        if reduced:
+            steps = run.statistics.steps
+            energy = describe_unexplained_energy(equations, result.samples, sizes, options, steps)
+        found = " ".join(filter(None, [_order_of_events(run), modes, found, energy]))
     if found:
         outcome = result.outcome = Outcome.CONTRADICTED
         result.message = f"{outcome.meaning} {found} {outcome.advice} {result.message}"

@@ -17,6 +17,7 @@ from runtime.validation.scene_support import refuse_massless, refuse_structure
 if TYPE_CHECKING:
     from runtime.dynamics.formulations import Coordinates
     from runtime.explicit_time.passage import Passages
+    from runtime.integrate.run import Watch
 
 
 def passages_of(
@@ -59,8 +60,11 @@ class PreparedSimulation:
         """Instants at which the steps of a run end, known before it gets there."""
         return None if self.passages is None else self.passages.stops()
 
-    def run(self, taken: "Coordinates", options: Options, progress: Progress) -> Trajectory:
+    def run(
+        self, taken: "Coordinates", options: Options, progress: Progress,
+        watch: "Watch | None" = None,
+    ) -> Trajectory:  # fmt: skip
         """One integration in the coordinates `taken`; its run in all coordinates."""
         first = self.begin.t
         span = max(self.t_end - first, 1e-300)
-        return taken.run(options, lambda t, steps: progress((t - first) / span))
+        return taken.run(options, lambda t, steps: progress((t - first) / span), watch)

@@ -10,10 +10,11 @@ from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.end_checks import check_result
-from runtime.dynamics.formulations import Coordinates, formulate
+from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formulate
 from runtime.dynamics.friction_jam import describe_jam, end_at_jam
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.dynamics.superposed_friction import describe_superposed_friction
 from runtime.dynamics.switches_within_tolerance import describe_unresolved_switches
 from runtime.dynamics.work import integrate_works
 from runtime.integrate.problem import Correction, Formulation, Options
@@ -71,7 +72,14 @@ def finish_simulation(
     if works:
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
-    check_result(result, equations, ready.sizes, options, run)
+    reduced = isinstance(coordinates, ReducedCoordinates)
+    check_result(result, equations, ready.sizes, options, run, reduced=reduced)
+    if isinstance(coordinates, ReducedCoordinates) and result.outcome is Outcome.CONTRADICTED:
+        whole = coordinates.cartesian(options.method)
+        again = finish_simulation(ready, whole, options, began, progress, works=works)
+        again.message += f" Repeated in all coordinates, as in reduced ones: {result.message}"
+        return again
+    result.message += describe_superposed_friction(equations, result.samples, options)
     count, note = describe_unresolved_switches(equations, run.events, ready.sizes, options)
     result.stats["events_within_tolerance"] = count
     result.message += note

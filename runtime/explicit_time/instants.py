@@ -69,7 +69,8 @@ def time_instants(
             steep = scans[number].steep_from(middle, way) if before > t0 else None
             if kinks and before <= kinks[-1].after:
                 last = kinks[-1]
-                kinks[-1] = last._replace(after=after, steep=last.steep or steep)
+                first = steep if last.steep is None else last.steep
+                kinks[-1] = last._replace(after=after, steep=first)
             else:
                 kinks.append(Kink(max(before, behind), after, number, steep))
             behind = after

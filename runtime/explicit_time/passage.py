@@ -4,6 +4,7 @@ The kernels say it themselves: they are called on both sides of the instant, at 
 """
 
 from collections.abc import Iterator
+from itertools import chain, islice
 
 import numpy as np
 
@@ -30,15 +31,18 @@ class Passages:
     def __init__(self, equations: Equations, t0: float, t1: float, sizes: Vector) -> None:
         self.equations, self.span = equations, (t0, t1)
         self.size = float(sizes.max(initial=1.0))
-        first = next(self._parts(), None)  # often the only one; others are found in each run anew
-        self.whole = first if first is None or first.end >= t1 else None
+        self.begun = self._parts()  # for one run; others find all parts but the first anew
+        self.first = next(self.begun, None)  # often the only one
 
     def _parts(self) -> Iterator[TimeInstants]:
         return time_instants(self.equations.description, self.equations.p, *self.span)
 
     def parts(self) -> Iterator[TimeInstants]:
         """The instants, part by part."""
-        return self._parts() if self.whole is None else iter([self.whole])
+        if self.first is None or self.first.end >= self.span[1]:
+            return iter([self.first] if self.first else [])
+        begun, self.begun = self.begun, islice(self._parts(), 1, None)
+        return chain([self.first], begun)
 
     def stops(self, parts: Iterator[TimeInstants] | None = None) -> Stops | None:
         """The instants at which the steps of a run end, of the next of `parts`."""
@@ -74,6 +78,7 @@ class Passages:
 
     def passage(self, kink: Kink, q: Vector, v: Vector, modes: Integers) -> Passage:
         """How a motion passes a kink in the state (q, v), (n,) each, under `modes`."""
+        here = Passage(source=kink.function, function=self._name(kink.function))
         slides = bool(np.any(modes == SLIDING))
         modes = np.where(modes == SLIDING, 0, modes)
         sides = [self._values(t, q, v, modes) for t in kink[:2]]
@@ -103,10 +108,10 @@ class Passages:
                 rate = float(self.equations.velocity_rhs(t, q)[row])
                 return bool(abs(rate - nu_after[row]) < abs(rate - nu[row]))
 
-            return Passage(v=v_after, behind=behind, event=Direction.IMPACT, source=kink.function)
+            return here._replace(v=v_after, behind=behind, event=Direction.IMPACT)
         pairs = zip((gamma, *forces), (gamma_after, *forces_after), strict=True)
         bends = any(not np.allclose(a, b, rtol=_JUMP, atol=_JUMP) for a, b in pairs)
-        return Passage(event=Direction.BEGAN if bends else None, source=kink.function)
+        return here._replace(event=Direction.BEGAN if bends else None)
 
     def steep(self, kink: Kink, q: Vector, v: Vector, modes: Integers) -> Passage:
         """The end of a run where a function begins to grow without bound, if that acts at all.

@@ -37,7 +37,7 @@ _PART = 1e-3  # safety: of the energy that a step exchanges, which need not be e
 _MEET = 1e-9  # accuracy: of the energy, to which the pieces of a potential meet
 _ROUGH = 0.01  # measured: of the exchanged energy, which a parabola of powers leaves open
 _MORE = 4.0  # measured: growth of that part after which it is looked at
-_FORGET = 0.98  # measured: part of it that the next step remembers: one look in 70 steps
+_FORGET = 0.98  # measured: part of both that the next step remembers: one look in 70 steps
 _SELDOM = 60  # measured: steps up to the first look in any case; the k-th comes after k² times that
 _OFTEN = 1024  # measured: steps between two looks at the most; each costs some evaluations
 _ROUNDING = 1e-13  # accuracy: of an energy; rounding of the sums that it is made of
@@ -172,6 +172,7 @@ def balance_step(context: Context) -> int:
     noise = r.scatter * (1 + r.steps - r.energy_step) + r.rounding
     exchanged = 0.5 * h * (abs(r.power) + abs(power)) + noise
     r.usual_part *= _FORGET
+    r.rounding *= _FORGET
     due = r.balances * min(r.balances * _SELDOM, _OFTEN) <= r.steps or t1 >= r.t_end
     due = due or t < r.doubtful
     if left > max(_ROUGH, _MORE * r.usual_part) * exchanged or due:
@@ -218,9 +219,9 @@ def balance_event(context: Context) -> int:
     q, v, p = context.q1, context.v1, context.parameters
     former, potential = context.former_modes, abi.potential_of(context)
     r.energy = np.nan  # velocities and forces are others from here on
-    kinetic, r.explained = abi.kinetic_energy_of(context)(q, v, p), 0.0
+    r.explained = 0.0
     if context[ft.RIGID_COUNT] != 0:
-        gain = kinetic - r.before_event
+        gain = abi.kinetic_energy_of(context)(q, v, p) - r.before_event
         if gain > _MEET * r.before_event and is_scleronomic(context, r.end):
             r.unexplained = gain
             if gain > _MEET * r.before_event + permit_error(context, r.end, ws.Y1):
@@ -231,7 +232,9 @@ def balance_event(context: Context) -> int:
     if apart:
         return 0
     now, before = potential(r.end, q, p, context.modes), potential(r.end, q, p, former)
-    bound = _MEET * (kinetic + abs(now) + abs(before))
+    if now == before:
+        return 0
+    bound = _MEET * (abi.kinetic_energy_of(context)(q, v, p) + abs(now) + abs(before))
     if not abs(now - before) > bound:
         return 0
     r.unexplained = now - before

@@ -9,12 +9,13 @@ from runtime.core.array_types import Context, i8
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import switching_rates_of
 from runtime.core.loop_record import Plan, run_record
-from runtime.core.modes_and_event_kinds import OPEN, SLIDING
+from runtime.core.modes_and_event_kinds import OPEN, SLIDING, Direction
 from runtime.core.outcomes import Outcome
 from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.workspace_rows import Y0, K, row_of, switch_row
+from runtime.hybrid.impact import ON_SURFACE
 from runtime.hybrid.mode_consistency import CONSISTENT
-from runtime.hybrid.mode_transition import LOOK_AHEAD
+from runtime.hybrid.mode_transition import LOOK_AHEAD, log_event
 from runtime.hybrid.rhs_with_sliding_or_stabilization import STEP
 from runtime.hybrid.stiction_force import find_jamming_friction, suspend_friction
 from runtime.hybrid.switching_values_and_margins import evaluate_switching_and_rates
@@ -23,6 +24,7 @@ from runtime.integrate.step_acceptance_and_zeno_check import LEAST_ERROR
 from runtime.integrate.step_to_event import copy_end
 from runtime.linalg.vectors import copy_vector, is_finite
 
+_BEGAN, _CEASED = int(Direction.BEGAN), int(Direction.CEASED)
 _ROUGH = 0.1  # accuracy: of a function's spread; |g| that is rounded in its last few units
 
 
@@ -177,6 +179,27 @@ def start(context: Context) -> int:
     return outcome
 
 
+@inner
+def follow_jumps(context: Context, t: float) -> bool:
+    """Give conditions whose functions have jumped over zero the modes of their sides; if any has.
+
+    Rates, by which a function that is at zero is judged, do not matter there: a sawtooth jumps up
+    and goes down.
+    """
+    any_jumped, g, modes = False, context.g0, context.modes
+    evaluate_switching_and_rates(context, t, Y0, K, ws.G0)
+    copy_end(context, 0, 1)
+    for k in range(context[ft.SWITCHES]):
+        if context.rigid[k] >= 0 or context.sticks[k] != 0 or modes[k] == SLIDING:
+            continue
+        mode = 1 if g[k] > 0.0 else 0
+        least = max(context.band[k], ON_SURFACE * context.largest[k])
+        if mode != modes[k] and abs(g[k]) > least:
+            modes[k], context.band[k], any_jumped = mode, 0.0, True
+            log_event(context, t, k, _BEGAN if mode == 1 else _CEASED)
+    return any_jumped
+
+
 @compiled(i8(ADDRESSES))
 def start_anew(context: Context) -> int:
     """Go on from the state in row Y0 under other laws of time: accelerations, modes, first step.
@@ -191,6 +214,8 @@ def start_anew(context: Context) -> int:
             return Outcome.NEWTON_FAILED
         r.corrections += result
     write_derivative(context, t, Y0, K)
+    if follow_jumps(context, t):
+        write_derivative(context, t, Y0, K)
     for k in range(context[ft.SWITCHES]):
         evaluate_switching_and_rates(context, t, Y0, K, ws.G0)
         side = 1.0 if context.modes[k] != 0 else -1.0

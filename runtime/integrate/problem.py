@@ -24,6 +24,7 @@ class Passage(NamedTuple):
     behind: Callable[[float], bool] | None = None  # whether an instant, s, is one of these
     event: Direction | None = None  # None: nothing to be seen
     source: int = 0  # number of the function of time to which an event belongs
+    function: str = ""  # its element
 
     @property
     def text(self) -> str:

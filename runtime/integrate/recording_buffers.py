@@ -19,10 +19,12 @@ _SAMPLES = ("out_times", "out_states", "out_modes")
 class _Rows(list[tuple[np.ndarray, ...]]):
     """Rows of some arrays, chunk by chunk."""
 
-    def take(self, count: int, *arrays: np.ndarray) -> None:
-        """Copy the first `count` rows of each array."""
-        if count:
-            self.append(tuple(array[:count].copy() for array in arrays))
+    def take(self, count: int, *arrays: np.ndarray) -> int:
+        """Copy the first `count` rows of each array; the bytes that they take."""
+        if count == 0:
+            return 0
+        self.append(tuple(array[:count].copy() for array in arrays))
+        return sum(array.nbytes for array in self[-1])
 
     def joined(self, *like: np.ndarray) -> tuple[np.ndarray, ...]:
         """All rows of each array, which are of the shape of those of `like`."""
@@ -50,7 +52,7 @@ class Recording:
         self._place(EVENT_ROWS, rows, _EVENTS, self.events_out)
         instants = np.zeros(0) if t_eval is None else t_eval
         self._place(SAMPLE_TIMES, instants.size, ("sample_times",), (instants,))
-        self.instants = instants.size
+        self.instants, self.bytes = instants.size, 0  # bytes: of all parts of the run so far
         self._allot(self.instants if self.fixed_size else 1)
         self.begin()
 
@@ -80,10 +82,10 @@ class Recording:
         """Take over what the last chunk wrote; samples at given instants stay where they are."""
         r = self.record
         if not self.fixed_size:
-            self.sample_rows.take(r["samples"], *self.out)
+            self.bytes += self.sample_rows.take(r["samples"], *self.out)
             r["samples"] = 0
-        self.event_rows.take(r["logged_events"], *self.events_out)
-        self.partition_rows.take(r["logged_repartitions"], *self.log)
+        self.bytes += self.event_rows.take(r["logged_events"], *self.events_out)
+        self.bytes += self.partition_rows.take(r["logged_repartitions"], *self.log)
         r["logged_events"] = r["logged_repartitions"] = 0
 
     def add_sample(self, t: float, y: Vector, modes: Integers) -> None:

@@ -3,13 +3,14 @@
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from codegen.errors import AnalysisError
 from codegen.termination_signals import SignalDeferral
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Integers, Vector
+from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
 from runtime.core.system import System
@@ -36,6 +37,15 @@ Change = Callable[["Run", int], tuple["Run", int]]
 It answers with those with which the run goes on, perhaps in other coordinates.
 """
 
+States = tuple[Vector, Matrix, Matrix]
+"""Times (k,) of samples, and their coordinates and velocities, (k, n) each."""
+
+Watch = Callable[[float, Callable[[], States]], bool]
+"""Called between chunks with the time reached and the samples so far; True ends the run.
+
+Where a run goes on in other coordinates, the samples are those since then, in all coordinates.
+"""
+
 _FIRST_CHUNK = 128  # measured: steps before an interrupt is heard, as before the run
 _LONGEST_CHUNK = 16384  # safety: steps before an interrupt is heard, at most
 _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
@@ -43,22 +53,31 @@ _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress
 _GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
 _KINK = int(Signal.KINK)
 _STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
+_MOST_BYTES = 2**30  # safety: of what a run records; its result takes some times that
 _CLOSE = 1e-6  # safety: of the run; nearer to a pole or a lock-up, that is why it ends
 
 
 def integrate(
-    system: System, problem: Problem, options: Options, progress: Progress | None = None
-) -> Trajectory:
+    system: System, problem: Problem, options: Options, progress: Progress | None = None,
+    watch: Watch | None = None,
+) -> Trajectory:  # fmt: skip
     """Integrate an initial-value problem.
 
     `progress` is called now and then with the time reached and the number of steps taken. A
     `KeyboardInterrupt`, here or, after 128 steps, from the keyboard, ends the run with what was
     computed; one from the keyboard before that, or in the last steps, is raised. Raises InputError
-    with everything that is wrong with the problem and its options.
+    with everything that is wrong with the problem and its options. A run that `watch` ends has the
+    outcome `INACCURATE`.
     """
     check(system, problem, options)
-    path = Run(system, problem, options).execute(progress)
+    change = None if watch is None else partial(_end_where_watched, watch)
+    path = Run(system, problem, options).execute(progress, change)
     return replace(path, events=in_order(path.events, path.final_t, system.rigid))
+
+
+def _end_where_watched(watch: Watch, run: "Run", code: int) -> tuple["Run", int]:
+    ends = code == _GOING and watch(float(run.state.record["t"]), run.states)
+    return run, int(Outcome.INACCURATE) if ends else code
 
 
 def initial_modes(
@@ -104,6 +123,7 @@ class Run:
         is forgotten.
         """
         self.state.take_over(other.state, self.fresh, q, v)
+        self.recording.bytes = other.recording.bytes
         self.recording.begin()
         self.crossings.begin()
         return self.start()
@@ -179,11 +199,19 @@ class Run:
                     run.state.record["energy"] = np.nan
                 if change is not None:
                     run, code = change(run, code)
+                if code == _GOING and run.recording.bytes > _MOST_BYTES:
+                    code, run.note = int(Outcome.MAX_STEPS), run._memory_note()
                 if code == _GOING and (signals.arrived or stopped):
                     code, signals.answered = int(Outcome.INTERRUPTED), not stopped
             if code in (*_STUCK, Outcome.CONTRADICTED):
                 code = run._end_at_lock_up(run._end_at_pole(code))
         return run.result(Outcome(code), time.thread_time() - began)
+
+    def states(self) -> States:
+        """The samples since the start, or since the run took over from another."""
+        t, y, _ = self.recording.samples()
+        n = self.state.system.coordinates
+        return t, y[:, :n], y[:, n:]
 
     def _end_at_pole(self, code: int) -> int:
         """The outcome of a run whose steps get ever shorter up to an instant known beforehand."""
@@ -193,8 +221,16 @@ class Run:
         if not len(ahead) or (stops is not None and stops.further is not None and len(ahead) == 1):
             return code
         way = float(arrays["stop_times"][ahead[0]] - r["t"])
-        passage = self._passage(ahead[0]) if way <= _CLOSE * float(r["duration"]) else Passage()
-        return code if passage.outcome is Outcome.OK else passage.outcome
+        if way > _CLOSE * float(r["duration"]):
+            return code
+        passage = self._passage(ahead[0])
+        if passage.outcome is not Outcome.OK:
+            return passage.outcome
+        self.note = (
+            f"At t = {r['t'] + way:.9g} s, {way:.3g} s later, a function of time in "
+            f"'{passage.function}' bends or ends: its derivatives may grow without bound there."
+        )
+        return code
 
     def _end_at_lock_up(self, code: int) -> int:
         """SINGULAR where drivers ask for ever more speed up to a position that is close by."""
@@ -282,6 +318,15 @@ class Run:
             decay=state.mean_decay,
             crossings=tuple(self.crossings.passed),
             note=note,
+        )
+
+    def _memory_note(self) -> str:
+        """What a run has recorded that takes more memory than it may."""
+        r = self.state.record
+        return (
+            f"The states that were recorded in {r['steps']} steps and {r['events']} events take "
+            f"{self.recording.bytes / 2**30:.2g} GiB, the most that a run may: end it earlier, or "
+            "ask for samples at fewer instants, with t_eval."
         )
 
     def _energy_note(self) -> str:

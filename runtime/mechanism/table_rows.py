@@ -6,8 +6,8 @@ from typing import Any, NamedTuple, Protocol, SupportsIndex, TypeVar, overload
 
 import numpy as np
 
-from codegen.errors import UnknownNameError
-from codegen.plain_values import shown
+from codegen.errors import FAILURES, UnknownNameError
+from codegen.plain_values import is_a, shown
 
 
 class Row(Protocol):
@@ -32,7 +32,10 @@ class Table(tuple[RowT, ...]):
 
     def __contains__(self, item: object) -> bool:
         """Whether a row, or a row of that name, is here."""
-        return item in self.names if isinstance(item, str) else super().__contains__(item)
+        try:
+            return item in self.names if is_a(item, str) else super().__contains__(item)
+        except FAILURES:  # of the comparison with a user's own object
+            return False
 
     @overload
     def __getitem__(self, item: SupportsIndex | str) -> RowT: ...
@@ -40,20 +43,22 @@ class Table(tuple[RowT, ...]):
     def __getitem__(self, item: slice) -> tuple[RowT, ...]: ...
     def __getitem__(self, item: SupportsIndex | str | slice) -> RowT | tuple[RowT, ...]:
         """Row by position or name."""
-        if isinstance(item, int | np.integer | slice):
-            return super().__getitem__(item)
-        return super().__getitem__(self.index(item))
+        plain = issubclass(type(item), int | np.integer | slice)
+        try:
+            return super().__getitem__(item if plain else self.index(item))  # type: ignore[index]
+        except IndexError:
+            raise UnknownNameError(unknown("row", item, self.names)) from None
 
     def index(self, item: object, *bounds: SupportsIndex) -> int:
         """Position of a row, or of the row of that name."""
-        if isinstance(item, str):
+        if is_a(item, str):
             try:
                 return self.names.index(item, *bounds)
             except ValueError:
                 raise UnknownNameError(unknown("name", item, self.names)) from None
         try:
             return super().index(item, *bounds)
-        except Exception as error:
+        except FAILURES as error:
             raise UnknownNameError(unknown("name", item, self.names)) from error
 
 
@@ -178,7 +183,7 @@ class StartValue(NamedTuple):
 def unknown(what: str, name: object, names: Iterable[str]) -> str:
     """Sentence saying that a name does not exist, with the nearest that do."""
     names = tuple(names)
-    near = get_close_matches(name, names, n=3, cutoff=0.5) if isinstance(name, str) else []
+    near = get_close_matches(name, names, n=3, cutoff=0.5) if is_a(name, str) else []
     if near:
         return f"There is no {what} {shown(name)}; nearest: {', '.join(near)}."
     listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")

@@ -21,7 +21,7 @@ _INSTANT = readers.number("a finite number of seconds")
 READERS = {
     "model": readers.model, "scene": readers.optional(readers.scene),
     "folder": readers.optional(readers.path), "parameters": _VALUES, "guess": _VALUES,
-    "t_end": readers.optional(_INSTANT), "t_start": _INSTANT, "progress": readers.reporter,
+    "t_end": readers.optional(_INSTANT), "t_start": _INSTANT, "progress": readers.study_reporter,
 }  # fmt: skip
 """Arguments that all studies take."""
 

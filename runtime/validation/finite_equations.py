@@ -9,7 +9,10 @@ from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray
 
 _AHEAD = tuple(10.0**k for k in range(-12, 0))  # safety: of a second; where a run was to go next
-_PLACES = "a power, a root or a logarithm at or below zero, a division by zero, a table's end"
+_PLACES = (
+    "a power, a root or a logarithm at or below zero, a division by zero, a table's end, an "
+    "exponential that overflows (1/(1 + exp(x)) is (1 - tanh(x/2))/2)"
+)
 
 
 def require_finite(equations: Equations, t: float, q: FloatArray, v: FloatArray) -> None:

@@ -10,6 +10,7 @@ import sympy
 
 from codegen import Model
 from codegen.declare.units import known_unit, pint_form
+from codegen.plain_values import InvalidName, genuine, one_line, shown
 from codegen.real_range import unreal_part
 
 
@@ -85,3 +86,39 @@ def test_a_number_of_any_kind_is_a_number(value: Any) -> None:
     assert model.problems == ()
     assert model.parameters["k"].value == 2.0
     assert float(body.mass or math.nan) == 2.0
+
+
+class OwnText(str):
+    """A text whose methods fail."""
+
+    __slots__ = ()
+
+    def _fail(self, *_: object) -> Any:
+        raise RuntimeError("of the user's own")
+
+    __eq__ = __hash__ = __str__ = __repr__ = __format__ = __len__ = _fail  # type: ignore[assignment]
+
+
+def test_text_of_a_class_of_its_own_is_read_as_plain_text() -> None:
+    invalid = InvalidName("<nothing>")
+    assert genuine([OwnText("a"), {"b": (OwnText("c"),)}]) == ["a", {"b": ("c",)}]
+    assert type(genuine(OwnText("a"))) is str
+    assert genuine(invalid) is invalid
+
+
+def test_what_is_honest_is_the_same_object() -> None:
+    loop: list[Any] = [1.0]
+    loop.append(loop)
+    for value in (loop, {"a": [1, 2]}, (1, "a", None), {1}, np.ones(3), object(), 2.0):
+        assert genuine(value) is value
+
+
+def test_a_value_whose_text_ends_all_is_shown_by_its_class() -> None:
+    class End(BaseException):
+        """An exception of the user's own."""
+
+    class Silent:
+        def __repr__(self) -> str:
+            raise End
+
+    assert shown(Silent()) == one_line(Silent()) == "a Silent"

@@ -9,8 +9,11 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
 
+import numpy as np
 import pytest
 import sympy
+from pandas import Series
+from pint import Quantity
 
 from codegen import (
     Body,
@@ -74,6 +77,14 @@ def test_a_wrong_call_says_what_is_taken_and_what_was_given(title: str) -> None:
 
 
 NONSENSE: dict[str, Callable[[Model], Any]] = {
+    "LinkwrightError": lambda m: LinkwrightError(7),  # type: ignore[arg-type]
+    "ModelError: problems of type list": lambda m: ModelError([7]),  # type: ignore[list-item]
+    "frame.bind(": I.bind,  # type: ignore[dict-item]
+    "table 'l' of 5 points is called": lambda m: m.table("l", range(5), range(5))(
+        Quantity(m.bodies["a"], "m")
+    ),
+    "body.torque of 'a'": lambda m: m.bodies["a"].torque("x"),  # type: ignore[arg-type]
+    "model.place_of": lambda m: m.place_of(m.bodies["a"], 7),  # type: ignore[arg-type]
     "point of body 'a'": lambda m: m.bodies["a"].at("q", 0).x,
     "point of body 'p'": lambda m: m.bodies["p"].at([1], None).vx,
     "curve of body 'a'": lambda m: m.bodies["a"].curve("x", "y").at(sympy.pi),
@@ -304,11 +315,25 @@ def test_objects_that_hide_their_class_are_refused_where_they_stand() -> None:
         )
 
 
+class Meta(type):
+    """A class of classes that say nothing of themselves."""
+
+    def __getattribute__(cls, word: str) -> Any:
+        if word in ("__name__", "__mro__"):
+            raise GeneratorExit
+        return type.__getattribute__(cls, word)
+
+
+class Nameless(metaclass=Meta):
+    """An object of such a class."""
+
+
 IMPOSTORS: dict[str, Callable[[Model], Any]] = {
     "joint": lambda m: m.friction("e", Hidden(), 0.1, radius=0.1),  # type: ignore[arg-type]
     "point of a mock": lambda m: m.force("e", on=Mock(spec=Point), fx=1.0),
     "mock of a body": lambda m: m.revolute("e", m.ground.at(0, 0), Mock(spec=Body)),
     "mock of a joint": lambda m: m.add(Mock(spec=m.revolute("r", m.ground, m.bodies["a"]))),
+    "class without a name": lambda m: m.torque("e", on=Nameless(), value=1.0),  # type: ignore[arg-type]
     "in a list": lambda m: m.table("e", [0, 1, Hidden(), 3], [0, 1, 2, 3]),
     "in a mapping": lambda m: m.scene("e", start={Hidden(): 1.0, "a.x": Hidden()}),
     "body of a point": lambda m: m.force("e", on=Point(Hidden(), 0, 0), fx=1.0),  # type: ignore[arg-type]
@@ -360,3 +385,31 @@ def test_symbols_of_a_model_stay_as_they_are(word: str) -> None:
             delattr(symbol, word)
     assert copy.copy(parameter) == parameter
     assert pickle.loads(pickle.dumps(2 * place)) == 2 * place
+
+
+def test_a_table_of_declarations_is_made_by_its_model_alone() -> None:
+    model = Model("tables")
+    model.parameter("m", 1.0)
+    for make in (type(model.parameters).fromkeys, model.parameters.fromkeys):
+        with pytest.raises(LinkwrightError, match="view of what is declared"):
+            make(["m"])
+
+
+def test_every_property_of_what_is_declared_can_be_read() -> None:
+    model = machine()
+    body, scene = model.bodies["a"], model.scene("s")
+    joint = model.revolute("pin", model.ground, body)
+    moving = Point(body, sympy.sin(t), 0)
+    parts = [model, body, model.bodies["p"], model.ground, moving, body.circle(1), scene, joint]
+    for part in [*parts, joint.statement(), I, scene.request]:
+        for word in dir(type(part)):
+            if not word.startswith("_"):
+                getattr(part, word)
+
+
+@pytest.mark.parametrize("when", [Series(["a"]), np.array([1, 2]), np.bool_(True), Mock()])
+def test_what_is_no_condition_is_named(when: Any) -> None:
+    model = machine()
+    model.force("push", on=model.bodies["a"], fx=1.0, when=when)
+    with pytest.raises(ModelError, match=r"force 'push': when=.* (never changes|is no condition)"):
+        valid_scenes(model, None)

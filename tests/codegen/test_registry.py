@@ -147,3 +147,18 @@ def test_a_class_that_derives_answers_its_name_and_its_equations() -> None:
     assert tape.problems() == []
     assert (tape.potential(()), tape.forces(())) == (None, {})
     assert kinds_of_elements()["tape"].role == "force"
+
+
+@pytest.mark.usefixtures("own_kinds")
+def test_a_class_that_becomes_no_dataclass_is_named() -> None:
+    words = {"kind": "tape", "__doc__": "A tape.", "__module__": __name__, "more": []}
+    cls = type("Tape", (Effect,), {**words, "__annotations__": {"name": str, "more": list}})
+    cls.forces = lambda self, bodies: {}
+    with pytest.raises(
+        ModelError, match=r"element class .*Tape.* becomes no dataclass: ValueError"
+    ):
+        element(cls)
+    with pytest.raises(ModelError, match=r"element\(driver=7\): write True or False"):
+        element(driver=7)  # type: ignore[call-overload]
+    with pytest.raises(ModelError, match=r"element\(7\): give a class"):
+        element(driver=True)(7)  # type: ignore[arg-type]

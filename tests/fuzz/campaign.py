@@ -85,6 +85,7 @@ def case(generator: str, seed: int, number: int, limit: float) -> str | None:
 def shard(generator: str, seed: int, numbers: Sequence[int], limit: float) -> Campaign:
     """The cases of some numbers, one after the other."""
     found = Campaign(generator, seed, len(numbers), 0.0, (0.0, 0))
+    getattr(import_module(f"tests.fuzz.{generator}"), "prepare", bool)()  # imports, compiles
     started = time.perf_counter()
     for number in numbers:
         before = time.perf_counter()

@@ -13,6 +13,7 @@ from enum import Enum, IntEnum
 from fractions import Fraction
 from functools import cache
 from typing import Any
+from unittest.mock import Mock
 
 import mpmath
 import numpy as np
@@ -32,6 +33,10 @@ DUNDERS = (
 )
 LIES: tuple[Any, ...] = (None, "5", -1, 10**9, 1.5, True, NotImplemented, [], "__import__('os')")
 ENDS = (RuntimeError, KeyError, RecursionError, MemoryError, SystemExit, GeneratorExit, OSError)
+
+
+class End(BaseException):
+    """An exception of the user's own that ends all."""
 
 
 @cache
@@ -69,6 +74,30 @@ class Meta(type):
 
     def __repr__(cls) -> str:
         raise RuntimeError("of the user's own")
+
+
+class Mute(type):
+    """A class of classes that say nothing of themselves."""
+
+    def __getattribute__(cls, word: str) -> Any:
+        if word in ("__name__", "__mro__"):
+            raise RuntimeError("of the user's own")
+        return type.__getattribute__(cls, word)
+
+
+class Nameless(metaclass=Mute):
+    """An object of such a class."""
+
+
+class Odd(str):
+    """A text that cannot be compared."""
+
+    __slots__ = ()
+
+    def __eq__(self, other: object) -> bool:
+        raise RuntimeError("of the user's own")
+
+    __hash__ = str.__hash__
 
 
 class Faceless(metaclass=Meta):
@@ -188,7 +217,8 @@ SELDOM: list[Callable[[], Any]] = [
     *(lying(w, k % len(LIES)) for k, w in enumerate(DUNDERS) if w != "__hash__"),
     *(raising("__float__", kind) for kind in ENDS),
     *(raising("__iter__", kind) for kind in ENDS),
-    *(raising("__repr__", kind) for kind in ENDS),
+    *(raising("__repr__", kind) for kind in (*ENDS, End)),
+    *(Nameless, lambda: Mock(spec=sympy.Expr), lambda: Mock(spec=str), lambda: Odd("a.x")),
     *(Disguised, Hidden, Faceless, lambda: Faceless, AlwaysEqual, ArrayEqual, EndlessMapping),
     *(lambda: Text("a.x"), lambda: Colour.RED, lambda: Colour, OwnExpression),
     *(lambda: _raises_at(0), lambda: _raises_at(2), lambda: itertools.repeat(1), _cycle),

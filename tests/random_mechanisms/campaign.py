@@ -58,6 +58,9 @@ def judge(machine: RandomMechanism, folder: Path) -> Verdict:
         loaded = load(machine.model(), machine.scene, folder=folder)
         result = run(loaded, machine, instants)
     except LinkwrightError as error:
+        rigid = any(isinstance(f, parts.RigidContact) for f in machine.parts.effects)
+        if rigid and machine.freedoms == 0 and "inverse dynamics does not decide" in str(error):
+            return Verdict("refused")
         return Verdict(type(error).__name__, complaint=str(error)[:300])
     order = [result.description.coordinates.names.index(name) for name in dense.names]
     q, v, a = (x[:, order] for x in (result.samples.q, result.samples.v, result.samples.a))
@@ -74,6 +77,8 @@ def judge(machine: RandomMechanism, folder: Path) -> Verdict:
         last, at = result.samples.q[-1, order], float(result.t[-1])
         least = dense.least_singular_value(last, at)
         explained = result.outcome in (Outcome.SINGULAR, Outcome.LOCKED) and least < LOST
+        if result.outcome is Outcome.INCONSISTENT:
+            explained = driven_onto_stop(dense, last, at)
         why = "" if explained else f"{result.outcome.name}, least singular value {least:.1e}"
         return Verdict(result.outcome.name, statics, 0.0, complaint or why)
     try:
@@ -83,6 +88,16 @@ def judge(machine: RandomMechanism, folder: Path) -> Verdict:
     if apart > permitted:
         complaint = f"the motion is {apart:.1e} off, {permitted:.1e} is permitted"
     return Verdict("OK", statics, apart, complaint)
+
+
+def driven_onto_stop(dense: Dense, q: Any, t: float) -> bool:
+    """Whether stops that touch close by what joints and drivers prescribe: nothing can give way."""
+    scalars = dense.equations(q, np.zeros(dense.n), t).scalars
+    stops = [
+        f.name for f in dense.mechanism.effects
+        if isinstance(f, parts.RigidContact) and abs(scalars[f.name].value) < MET * dense.length
+    ]  # fmt: skip
+    return bool(stops) and not dense.independent(q, t, stops)
 
 
 def judge_kernels(machine: RandomMechanism) -> Verdict:

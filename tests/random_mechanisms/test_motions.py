@@ -2,10 +2,12 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from runtime import load
 from tests.random_mechanisms import random_mechanism
-from tests.random_mechanisms.campaign import MET, MOTION, judge
+from tests.random_mechanisms.campaign import MET, MOTION, judge, run
 
 
 @pytest.mark.parametrize("seed", [3, 5, 11])
@@ -26,3 +28,15 @@ def test_sticking_and_impacts_agree_with_the_dense_motion(request: pytest.Fixtur
     verdict = judge(machine, folder)
     assert (verdict.outcome, verdict.complaint) == ("OK", "")
     assert verdict.motion < MOTION
+
+
+def test_friction_off_its_law_beside_one_that_sticks_is_reported(
+    request: pytest.FixtureRequest,
+) -> None:
+    """A pin rubs while the guide sticks: its force is no linear function of the guide's."""
+    folder: Path = request.config.cache.mkdir("random-mechanisms")
+    machine = random_mechanism(11, friction="sticking", contacts="rigid")
+    loaded = load(machine.model(), machine.scene, folder=folder)
+    result = run(loaded, machine, np.linspace(0.0, machine.horizon, 6))
+    assert "friction rub0 is 0.00737 N m off its law, 0.178, since" in result.message
+    assert "while rub1 slides, sticks or is closed" in result.message

@@ -1,5 +1,6 @@
 """No run is OK that a check at its end contradicts; angles without digits are refused."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,8 @@ import pytest
 from codegen.errors import AssemblyError
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
+from runtime.dynamics import end_checks
+from runtime.integrate import run as integration
 from runtime.integrate.recording_buffers import Recording, in_order
 from runtime.integrate.trajectory import Events
 from runtime.machine_facade import Machine
@@ -91,3 +94,33 @@ def test_run_whose_modes_contradict_their_functions_is_not_ok(
     assert run.outcome is Outcome.CONTRADICTED
     assert "contradicts its switching function" in run.message
     assert gas.description.switches[0].title.partition(":")[0] in run.message
+
+
+@pytest.mark.parametrize("formulation", ["cartesian", "reduced"])
+def test_a_run_records_no_more_than_it_may(
+    library: Callable[[str, str], Machine], monkeypatch: pytest.MonkeyPatch, formulation: str
+) -> None:
+    """Its end says what takes how much; samples at given instants take what was asked for."""
+    monkeypatch.setattr(integration, "_MOST_BYTES", 20_000)
+    machine = library("slider_crank", "compressor")
+    run = machine.simulate(1e3, formulation=formulation, progress=False)
+    assert run.outcome is Outcome.MAX_STEPS
+    assert "GiB, the most that a run may" in run.message
+    assert "t_eval" in run.message
+    assert sum(array.nbytes for array in (run.t, run.samples.q, run.samples.v)) < 200_000
+    at = np.linspace(0.0, 1.0, 2000)
+    assert machine.simulate(1.0, at, formulation=formulation).outcome is Outcome.OK
+
+
+def test_reduced_run_that_a_check_contradicts_is_repeated_in_all_coordinates(
+    library: Callable[[str, str], Machine], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machine, t = library("slider_crank", "compressor"), np.linspace(0.0, 0.2, 5)
+    whole = machine.simulate(0.2, t)
+    wrong = "The energy changes."
+    monkeypatch.setattr(end_checks, "describe_unexplained_energy", lambda *_: wrong)
+    less = machine.simulate(0.2, t, formulation="reduced")
+    assert less.outcome is Outcome.OK
+    np.testing.assert_array_equal(less.samples.q, whole.samples.q)
+    assert "Repeated in all coordinates" in less.message
+    assert wrong in less.message

@@ -313,3 +313,29 @@ def test_samples_just_before_a_kink_have_the_modes_before_it(workshop: Path) -> 
     assert run.outcome is Outcome.OK, run.message
     assert run.samples.modes[1:3].ravel().tolist() == [1, 1]
     assert_allclose(run.v("pulled.x"), [0.0, 2.0, 2.0, 2.0], atol=1e-9)
+
+
+@pytest.mark.parametrize("method", ["dop853", "bdf"])
+@pytest.mark.parametrize(
+    ("name", "condition", "share"),
+    [
+        ("down", Mod(t, 0.5) < 0.1, 0.2),
+        ("up", Mod(t, 0.5) > 0.4, 0.2),
+        ("backwards", Mod(-t, 0.5) > 0.4, 0.2),
+        ("written_out", t - floor(2 * t) / 2 < 0.1, 0.2),
+    ],
+)
+def test_conditions_that_jump_take_their_sides(
+    workshop: Path, name: str, condition: Expr, share: float, method: str
+) -> None:
+    """A sawtooth jumps over its threshold one way and goes back the other: 20 pushes in 10 s."""
+    model = Model(f"pushed_{name}")
+    p = model.particle("p", mass=1.0)
+    model.force("push", p, 1.0, 0, when=condition)
+    model.scene("s", ["push"], start={p.x: 0.0, p.y: 0.0, p.vx: 0.0, p.vy: 0.0})
+    result = load(model, folder=workshop).simulate(10.0, [5.0, 10.0], method=method, progress=False)
+    assert result.outcome is Outcome.OK
+    assert_allclose(result.v("p.vx"), [5.0 * share, 10.0 * share], atol=1e-10)
+    whats = [event.what for event in result.events if event.name.startswith("push: ")]
+    assert whats.count("began") in {19, 20}
+    assert whats.count("ceased") in {19, 20}

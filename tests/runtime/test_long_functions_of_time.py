@@ -8,12 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from sympy import Expr, Heaviside, Max, Piecewise, atan, exp, floor, sin
+from sympy import Abs, Expr, Heaviside, Max, Piecewise, atan, exp, floor, log, sin
 
 from codegen import Body, Model, t
 from runtime import load
 from runtime.core.outcomes import Outcome
+from runtime.explicit_time.function_scan import FunctionScan
+from runtime.explicit_time.passage import Passages
 from runtime.machine_facade import Machine
+from runtime.mechanism.dense_equations import Equations
+from runtime.validation.parameters import parameter_values
 
 FORMULATIONS = ("cartesian", "reduced")
 
@@ -143,3 +147,46 @@ def test_poles_that_do_nothing_are_passed(pendulum: Callable[..., Machine]) -> N
         result = machine.simulate(2.0, progress=False)
         assert result.outcome is Outcome.OK
         assert result.t[-1] == 2.0
+
+
+def test_a_run_that_is_stuck_beside_a_law_names_it(pendulum: Callable[..., Machine]) -> None:
+    """The rate of (t - 1) ln|t - 1| grows without bound, and slower than any power."""
+    result = pendulum("slow_pole", (t - 1) * log(Abs(t - 1))).simulate(2.0, progress=False)
+    assert result.outcome is Outcome.STEP_TOO_SMALL
+    assert result.t[-1] == pytest.approx(1.0, abs=1e-6)
+    assert "a function of time in 'd' bends or ends" in result.message
+
+
+def test_the_first_part_of_a_law_is_looked_at_once(
+    pendulum: Callable[..., Machine], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    machine, begun = pendulum("many_kinks", 0.01 * Max(0, sin(50 * t)) ** 3, second=False), []
+    look = FunctionScan.scan_next_part
+
+    def counted(scan: FunctionScan, finest: float) -> None:
+        begun.append(scan.reach)
+        look(scan, finest)
+
+    monkeypatch.setattr(FunctionScan, "scan_next_part", counted)
+    equations = Equations(machine.mechanism, parameter_values(machine.mechanism, None))
+    passages = Passages(equations, 0.0, 400.0, np.ones(equations.n))
+    first = [part.end for part in passages.parts()]
+    assert len(begun) == len(set(begun)) == len(first) > 1
+    assert [part.end for part in passages.parts()] == first
+    assert begun.count(0.0) == 2
+
+
+def test_a_steep_end_is_where_a_run_ends(pendulum: Callable[..., Machine]) -> None:
+    """Instants between the first steep one and the pole are not reached, as in a simulation."""
+    machine = pendulum("steep", 0.1 / (2 - t), second=False)
+    result = machine.kinematics(np.linspace(0.0, 3.0, 3001), progress=False)
+    assert result.outcome is Outcome.DISCONTINUOUS
+    passages = Passages(
+        Equations(machine.mechanism, parameter_values(machine.mechanism, None)),
+        0.0,
+        3.0,
+        np.ones(3),
+    )
+    (kink,) = next(passages.parts()).kinks
+    assert kink.steep is not None
+    assert result.t[-1] <= kink.steep < kink.before

@@ -128,3 +128,21 @@ def test_a_cam_closes_where_its_arm_is_the_cosine_of_a_right_angle(
     heights = [machine.assemble(turn).q[4] for turn in turns]
     np.testing.assert_allclose(heights, [0.09, 0.11, 0.09], rtol=0, atol=1e-12)
     assert machine.simulate(0.5, progress=False).outcome is Outcome.OK
+
+
+@pytest.mark.parametrize("way", [1e3, 1e6, -1e7])
+def test_a_machine_far_from_the_origin_moves_as_one_at_it(
+    loaded: Callable[[Model], Machine], way: float
+) -> None:
+    """Joints close to the last digits of their coordinates, which are 1e-10 m at 1e6 m."""
+    ends = []
+    for at in (0.0, way):
+        model = Model(f"far_{at:g}".replace("-", "m").replace("+", ""), gravity=(0, -9.81))
+        a, b = (model.body(name, mass=1.0, inertia=0.1) for name in "ab")
+        model.revolute("O", model.ground.at(at, -at), a.at(-0.5, 0))
+        model.revolute("A", a.at(0.5, 0), b.at(-0.5, 0))
+        model.scene("run", ["gravity"], start={a.phi: 0.3, b.phi: 0.2, a.omega: 0.0, b.omega: 0.0})
+        run = loaded(model).simulate(1.0, [1.0], progress=False)
+        assert run.outcome is Outcome.OK
+        ends.append([float(run.q(name)[-1]) for name in ("a.phi", "b.phi")])
+    assert ends[1] == pytest.approx(ends[0], abs=1e-7 + 1e-13 * abs(way))

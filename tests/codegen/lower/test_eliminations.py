@@ -3,14 +3,20 @@
 import math
 from random import Random
 
+import numpy as np
 import pytest
 
+from codegen.derive.equations import derive
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
+from codegen.lower.kernels.scene_kernels import lower
+from codegen.lower.poses_near_start import Poses
 from codegen.lower.program import Kernel, Op, Program, store
 from codegen.lower.substitution import expand_sine, substitute
 from codegen.reduce.closed_form_loops import find_loops
+from codegen.reduce.coordinate_map import CoordinateMap
 from codegen.reduce.explicit_coordinates import ExplicitCoordinates
+from tests.random_mechanisms import Scales, random_mechanism
 
 
 def value_of(graph: Graph, number: int, **arguments: object) -> float:
@@ -219,3 +225,31 @@ def test_what_is_not_of_the_form_is_left_alone(graph: Graph) -> None:
     sine = graph.function(Op.SIN, q[1])
     assert find_loops(graph, q, {0: graph.add(graph.mul(sine, sine), q[0])}, [1], 0, {}) == []
     assert find_loops(graph, q, {0: graph.add(graph.add(sine, q[1]), q[0])}, [1], 0, {}) == []
+
+
+def test_an_angle_near_its_dead_centre_all_along_is_kept() -> None:
+    """A cam lifts two flat followers: the height of one says little of the cam's angle."""
+    mechanism = random_mechanism(3, "cams", "free", scales=Scales())
+    model = mechanism.model()
+    lowered = lower(derive(model, model.scenes[mechanism.scene]))
+    poses = Poses(lowered)
+    nearby = poses.along_motion()
+    assert len(nearby) == 17
+    assert not np.allclose(nearby[8], nearby[16])
+    mapping = CoordinateMap(lowered)
+    assert "lever0_phi" in (mapping.names[k] for k in mapping.kept)
+    assert mapping.loops == []
+    flat = [i for i, name in enumerate(mapping.row_names) if name.endswith("normal")]
+    assert len(flat) == 2  # the rows that would give it, and leave it at its dead centre
+    column = mapping.names.index("lever0_phi")
+    for q in nearby:
+        rows = [mapping.explicit.rows[mapping.closures[i]] for i in flat]
+        entries = poses.values(mapping.graph, [row.entries[column] for row in rows], q)
+        assert np.all(np.abs(entries) < 0.2)  # m, of an arm of one
+
+
+def test_a_loop_that_is_away_from_its_dead_centre_now_and_then_is_solved() -> None:
+    mechanism = random_mechanism(2, "parallel", "free", scales=Scales())
+    model = mechanism.model()
+    lowered = lower(derive(model, model.scenes[mechanism.scene]))
+    assert [loop.columns for loop in CoordinateMap(lowered).loops] != []

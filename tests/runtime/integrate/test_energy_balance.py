@@ -8,14 +8,17 @@ from typing import Any
 import numba
 import numpy as np
 import pytest
+from sympy import cos, tanh
 
+from codegen import Model
 from runtime import load
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 
 SCENES = ("loaded", "swinging")
-ALL = (*SCENES, "gusty", "cancelling", "constant", "bouncing")
+WAVES = ("waves", "ripples")
+ALL = (*SCENES, *WAVES, "gusty", "cancelling", "constant", "bouncing")
 
 
 @pytest.fixture(scope="module")
@@ -136,6 +139,19 @@ def test_fault_above_the_rounding_is_found(machines: dict[str, Machine]) -> None
     assert changed(machines["gusty"], "potential", lifted).simulate(2.0).t[-1] == 0.0
 
 
+@pytest.mark.parametrize("scene", WAVES)
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10])
+def test_shape_of_a_potential_is_no_rounding(
+    machines: dict[str, Machine], scene: str, rtol: float
+) -> None:
+    """A step as steep as 1e9 a metre is passed between two evaluations of its force."""
+    run = machines[scene].simulate(3.0, rtol=rtol)
+    assert run.outcome is Outcome.CONTRADICTED
+    assert 0.19 < run.t[-1] < 1.0  # 92 steps in a row are not watched
+    end = machines[scene].simulate(0.19, rtol=rtol)
+    assert end.outcome is Outcome.OK
+
+
 def stepped_high(potential: Any) -> Any:
     """A step of 500 J, hundreds of times the rounding."""
     return lambda t, q, p, modes: potential(t, q, p, modes) + (500.0 if q[0] > 0.3 else 0.0)
@@ -206,3 +222,23 @@ def test_checks_change_no_number(machines: dict[str, Machine], scene: str) -> No
     runs = [machine.simulate(5.0) for machine in (machines[scene], plain)]
     np.testing.assert_array_equal(runs[0].samples.q, runs[1].samples.q)
     assert runs[1].stats["balance_rhs"] == 0
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-9])
+@pytest.mark.parametrize("instants", [None, [0.0, 1.0]])
+def test_energy_of_reduced_coordinates_is_judged(
+    workshop: Path, rtol: float, instants: list[float] | None
+) -> None:
+    """A bar turns over a step that no force shows, and over the same potential without it."""
+    ends = []
+    for name, height in (("stepped", 0.25), ("level", 0.0)):
+        model = Model(f"bar_{name}")
+        bar = model.body("bar", mass=1.0, inertia=0.1)
+        model.revolute("O", model.ground.at(0, 0), bar.at(0, 0))
+        step = height * tanh(1e9 * (bar.phi - 1.0013))
+        model.potential("shape", 0.02 * cos(200 * bar.phi) + step)
+        model.scene("s", ["shape"], start={bar.phi: 0.0, bar.omega: 5.0})
+        machine = load(model, folder=workshop)
+        ends.append(machine.simulate(1.0, instants, rtol=rtol, formulation="reduced"))
+    assert [run.outcome for run in ends] == [Outcome.CONTRADICTED, Outcome.OK]
+    assert "the energy changes by" in ends[0].message

@@ -8,13 +8,15 @@ gusty
     One of the particles meets a gust behind a line.
 cancelling, constant
     One of the particles in potentials whose large terms cancel, or with large constants.
+waves, ripples
+    It meets a step that no force shows, in a potential with a shape of its own.
 bouncing
     One of the particles falls on a floor.
 swinging
     A pendulum on a driven crank, with friction in its pin that creeps.
 """
 
-from sympy import cos, sin
+from sympy import cos, sin, tanh
 
 from codegen import Model, t
 
@@ -49,3 +51,9 @@ for scene, effects in (("cancelling", ["far", "back"]), ("constant", ["high", "l
 model.contact("floor", gap=p.y, restitution=0.8)
 model.scene("bouncing", ["gravity", "floor"], without=["crank", "bob", "o"],
             start={p.x: 0.0, p.y: 1.0, p.vx: 0.0, p.vy: 0.0})  # fmt: skip
+step = 0.25 * tanh(1e9 * (p.x - 1.0013))
+model.potential("waves", 0.02 * cos(200 * p.x) + step)
+model.potential("ripples", 1e-4 * cos(3e4 * p.x) + step)
+for scene in ("waves", "ripples"):
+    model.scene(scene, [scene], without=["crank", "bob", "o"],
+                start={p.x: 0.0, p.y: 0.0, p.vx: 5.0, p.vy: 0.0})  # fmt: skip

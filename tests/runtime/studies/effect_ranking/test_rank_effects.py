@@ -350,3 +350,20 @@ def test_command_line(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPa
     done = CliRunner().invoke(app, [*command, "event:gas", "--out", str(tmp_path / "x.doc")])
     assert done.exit_code == 2
     assert "a picture ends in .png" in done.stderr
+
+
+def test_a_failing_report_does_not_end_the_study(tmp_path: Path) -> None:
+    lines: list[str] = []
+
+    def progress(line: str) -> None:
+        lines.append(line)
+        raise OSError("the terminal is gone")
+
+    settings = {"asked": "max:body.x", "t_end": 0.5, "rounds": 1, "folder": tmp_path}
+    with pytest.warns(
+        UserWarning, match="OSError: the terminal is gone. The study goes on"
+    ) as warned:
+        reported = matters(sledge(), **settings, progress=progress)
+    assert len(lines) == len(warned) == 1
+    assert reported.rows
+    assert len(reported.rows) == len(matters(sledge(), **settings).rows)

@@ -1,0 +1,114 @@
+"""Positions of a mechanism before it is compiled: where its joints close, at the start and near by.
+
+The interpreter evaluates the constraints with the default parameters at t = 0, and Gauss-Newton
+steps of least norm close them. Coordinates are counted in units of the machine's size.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.lower.graph import Graph
+from codegen.lower.interpreter import evaluate
+from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.program import Kernel, Program, store
+
+Array = npt.NDArray[np.float64]
+_STEPS = 25  # safety: of Gauss-Newton, each as long as the machine at most
+_LAST = 1e-12  # accuracy: a shorter step is the last one
+_CLOSED = 1e-9  # accuracy: of the machine's size; a larger residual leaves joints open
+_WALK = 8  # measured: poses along the motion on either side of the start
+_STRIDE = 0.4  # measured: from one of them to the next, in units of the machine's size
+
+
+class Poses:
+    """Positions of one scene."""
+
+    def __init__(self, lowered: Lowered) -> None:
+        self.program, self.description = lowered.program, lowered.description
+        known = {name: value for name, value, _ in self.description.start}  # what is fixed is last
+        names = [name for name, *_ in self.description.coordinates]
+        self.guess = np.array([known.get(name, 0.0) for name in names])
+        fixed = {name for name, _, role in self.description.start if role == "fixed"}
+        self.free = np.array([float(name not in fixed) for name in names])
+        is_length = np.array([unit == "m" for *_, unit in self.description.coordinates])
+        self.size = _longest_arm(self._jacobian(self.guess), is_length)
+        self.unit = np.where(is_length, self.size, 1.0)
+
+    def closed_near(self, q: Array, moved: Array | float = 1.0) -> tuple[Array, Array]:
+        """A position near q whose constraints hold if there is one, and Φ_q there in these units.
+
+        `moved`, (n,), is 1 for the coordinates that may change and 0 for others.
+        """
+        jacobian = self._jacobian(q)
+        for _ in range(_STEPS):
+            if not np.all(np.isfinite(jacobian)):
+                break
+            phi = self._flat("constraints", "phi", q)
+            step = np.linalg.lstsq(jacobian * self.unit * moved, -phi, rcond=1e-10)[0]
+            length = float(np.linalg.norm(step))
+            q = q + self.unit * step / max(1.0, length)
+            jacobian = self._jacobian(q)
+            if length < _LAST:
+                break
+        return q, jacobian * self.unit
+
+    def along_motion(self) -> list[Array]:
+        """Positions that hold, (n,) each: the start, and some to which the joints let it move."""
+        start, jacobian = self.closed_near(self.guess, self.free)
+        if not self._holds(start):
+            start, jacobian = self.closed_near(self.guess)
+        if not self._holds(start):
+            return []
+        found, direction = [start], np.random.default_rng(0).standard_normal(len(start))
+        for way in (1.0, -1.0):
+            q, rows, ahead = start, jacobian, way * direction
+            for _ in range(_WALK):
+                ahead = ahead - np.linalg.lstsq(rows, rows @ ahead, rcond=1e-6)[0]
+                length = float(np.linalg.norm(ahead))
+                if length < _CLOSED:
+                    break
+                ahead /= length
+                q, rows = self.closed_near(q + _STRIDE * self.unit * ahead)
+                if not self._holds(q):
+                    break
+                found.append(q)
+        return found
+
+    def values(self, graph: Graph, numbers: Sequence[int], q: Array) -> Array:
+        """Values of a graph at a position; nan throughout where they are undefined."""
+        kernel = Kernel("values", "", (), store("out", list(numbers), [""] * len(numbers)))
+        return self._flat("values", "out", q, Program(tuple(graph.values), (kernel,), (), 0.0))
+
+    def _holds(self, q: Array) -> bool:
+        residual = np.abs(self._flat("constraints", "phi", q)).max(initial=0.0)
+        return bool(residual <= _CLOSED * self.size)
+
+    def _jacobian(self, q: Array) -> Array:
+        pattern = self.description.jacobian
+        dense = np.zeros((len(self.description.constraints), len(q)))
+        dense[list(pattern.rows), list(pattern.columns)] = self._flat("jacobian", "values", q)
+        return dense
+
+    def _flat(self, name: str, array: str, q: Array, program: Program | None = None) -> Array:
+        """The array that a kernel writes, or nan throughout where it is undefined."""
+        program = program or self.program
+        parameters = [value for _, value, *_ in self.description.parameters]
+        try:
+            arguments = {"t": 0.0, "q": q.tolist(), "p": parameters}
+            slots = evaluate(program, name, arguments, math).get(array, {})
+        except (ZeroDivisionError, ValueError, OverflowError):
+            (undefined,) = (k for k in program.kernels if k.name == name)
+            return np.full(len(undefined.outputs), np.nan)
+        return np.array([slots[k] for k in range(len(slots))])
+
+
+def _longest_arm(jacobian: Array, is_length: npt.NDArray[np.bool_]) -> float:
+    """The longest arm of a constraint, m, which is the machine's size."""
+    moved = np.abs(jacobian[:, is_length]).max(axis=1, initial=0.0)
+    turned = np.abs(jacobian[:, ~is_length]).max(axis=1, initial=0.0)
+    arms = [float(a / b) for a, b in zip(turned, moved, strict=True) if a > 0 and b > 0]
+    longest = max(arms, default=1.0)
+    return longest if math.isfinite(longest) else 1.0

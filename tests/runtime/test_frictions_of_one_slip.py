@@ -1,0 +1,50 @@
+"""Frictions with the same slip share one switch: they hold, break loose and slide together."""
+
+from pathlib import Path
+
+import pytest
+
+from codegen import Model, t
+from runtime import load
+from runtime.core.outcomes import Outcome
+
+
+@pytest.mark.parametrize("static", [None, (0.15, 0.3)])
+@pytest.mark.parametrize("method", ["dop853", "bdf"])
+def test_frictions_of_one_guide_add_up(
+    workshop: Path, static: tuple[float, float] | None, method: str
+) -> None:
+    """20 N press on both, and 4 t pulls: 6 N of sliding, 6 or 9 N of static friction."""
+    model = Model(f"two_frictions_{'static' if static else 'plain'}", gravity=(0, -10.0))
+    body = model.body("body", mass=2.0, inertia=1.0)
+    guide = model.translational("guide", model.ground, body, axis=(1, 0))
+    one, two = static or (None, None)
+    model.friction("one", guide, 0.1, static=one)
+    model.friction("two", guide, 0.2, static=two)
+    model.force("pull", body, 4.0 * t, 0)
+    model.scene("s", ["gravity", "one", "two", "pull"], start={body.x: 0.0, body.vx: 0.0})
+    run = load(model, folder=workshop).simulate(
+        3.0, [1.49, 3.0], rtol=1e-9, method=method, progress=False
+    )
+    loose = 2.25 if static else 1.5  # s
+
+    def way(at: float) -> float:
+        return at**3 / 3.0 - 1.5 * at**2
+
+    moved = way(3.0) - way(loose) - (loose**2 - 3.0 * loose) * (3.0 - loose)
+    assert run.outcome is Outcome.OK
+    assert run.q("body.x") == pytest.approx([0.0, moved], abs=1e-8)
+
+
+def test_frictions_of_opposite_slips_stop_a_motion_together(workshop: Path) -> None:
+    """5 N of 50 at first: the middle moves by 0.1 m in every swing, and the fifth ends at rest."""
+    model = Model("opposite_slips")
+    p = model.particle("p", mass=1.0)
+    model.dry_friction("one", coefficient=0.3, normal=10.0, slip=p.vx)
+    model.dry_friction("two", coefficient=0.2, normal=10.0, slip=-p.vx)
+    model.spring("coil", model.ground.at(0, 0), p, stiffness=100.0, free_length=1.0)
+    model.scene("s", ["one", "two", "coil"], start={p.x: 1.47, p.y: 0.0, p.vx: 0.0, p.vy: 0.0})
+    run = load(model, folder=workshop).simulate(5.0, [5.0], rtol=1e-9, progress=False)
+    assert run.outcome is Outcome.OK
+    # 0.47, -0.37, 0.27, -0.17, 0.07, 0.03 less than 0.05: it stays
+    assert run.q("p.x")[-1] == pytest.approx(1.03, abs=1e-7)
