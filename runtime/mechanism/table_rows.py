@@ -33,7 +33,9 @@ class Table(tuple[RowT, ...]):
     def __contains__(self, item: object) -> bool:
         """Whether a row, or a row of that name, is here."""
         try:
-            return str.__str__(item) in self.names if is_a(item, str) else super().__contains__(item)
+            return (
+                str.__str__(item) in self.names if is_a(item, str) else super().__contains__(item)
+            )
         except FAILURES:  # of the comparison with a user's own object
             return False
 
