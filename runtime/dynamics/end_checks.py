@@ -114,8 +114,10 @@ def _sides_of_modes(
     switches = equations.description.switches
     if not switches or len(samples.t) < 2:
         return ""
-    t, q, v = samples.t, samples.q, samples.v
     wrong = _wrong_sides(equations, samples, run)
+    if wrong is None or not wrong.any():
+        return ""
+    t, q, v = samples.t, samples.q, samples.v
     largest = np.concatenate([np.abs(q).max(axis=0), np.abs(v).max(axis=0)])
     for k in np.flatnonzero(wrong.any(axis=0)):
         row = int(np.argmax(np.abs(wrong[:, k])))  # the worst; the message names the first too
@@ -132,8 +134,10 @@ def _sides_of_modes(
     return ""
 
 
-def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> FloatArray:
+def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> FloatArray | None:
     """Switching functions where they contradict the modes of their samples, else 0, (k, s).
+
+    None where they never do.
 
     In the instant of an event they may, unless the next sample does too, and at a kink or a jump of
     a function of time, unless they do on both sides. Behind it those modes count that the next
@@ -149,16 +153,17 @@ def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> Flo
         write_switching_values(equations.table, t, q + way * v, v, equations.p, g)
         return g
 
-    g, sides = (
-        values(slice(None), 0.0),
-        np.where(samples.modes == SLIDING, 0, 2 * samples.modes - 1),
-    )
+    g = values(slice(None), 0.0)
+    sides = np.where(samples.modes == SLIDING, 0, 2 * samples.modes - 1)
     least = _SIDE * np.abs(g).max(axis=0)
-    wrong = np.where(sides * g < -least, g, 0.0)
+    contradicts = sides * g < -least
+    suspects = np.flatnonzero(contradicts.any(axis=1))
+    if not len(suspects) and not equations.description.time_functions:
+        return None
+    wrong = np.where(contradicts, g, 0.0)
     again = np.where((wrong[1:] != 0.0) & (wrong[:-1] != 0.0), wrong[:-1], 0.0)
     apart = _APART * max(abs(run.first_t), abs(run.final_t))
     events = np.searchsorted(run.events.t, samples.t - apart)  # so many come before a sample
-    suspects = np.flatnonzero(wrong.any(axis=1))
     if len(suspects):
         near = np.searchsorted(run.events.t, samples.t[suspects] + apart, side="right")
         wrong[suspects[near > events[suspects]]] = 0.0
