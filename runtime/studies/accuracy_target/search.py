@@ -56,7 +56,7 @@ from runtime.studies.timing import processor_time
 POINTS = 501  # output instants if the user gives none
 
 _DECAY = 2.0  # measured: -h Re λ in explicit steps from which on an implicit method costs less,
-_COARSE = 5e-9  # measured: and its rtol down to which it does
+_COARSE = 1e-8  # measured: and its rtol down to which it does
 _SHORT = 25  # measured: such steps below which BDF, which begins at order one, is not worth it
 _MOST_RUNS = 8  # safety
 _SAMPLED = 1e-3  # safety: longest step, of the whole time, where runs agree to the last digit

@@ -18,8 +18,9 @@ _FIRST, _SLOPE = 1e-3, 0.9  # measured: rtol of the first run for a target of 1e
 _LOOSEST = 5e-4  # measured: and at most; looser runs lose whole motions
 _WIDE = 5e-4  # measured: rtol of the second run over that of the first
 _STIFF = 0.015  # measured: the same with an implicit method
-_CHANGED = 7.5e-4  # measured: rtol of an implicit run after an explicit one over the target
-_LOOSEST_CHANGED = 7.5e-7  # measured: and at most
+# measured: rtol of an implicit run after an explicit one for a target of 1e-3, and at most; its
+# power law is that of the first run
+_CHANGED = 7.5e-7
 _NEAR, _FAR = 0.1, 1e-6  # safety: rtol of later runs over that of the last
 _EXPECTED_POWER = 0.95  # measured: power of rtol with which errors are expected to fall
 _NEXT = 0.03  # measured: rtol of the next run over that of the last, if that shows nothing
@@ -33,7 +34,7 @@ def first_tolerance(target: float) -> float:
 
 def implicit_tolerance(target: float) -> float:
     """rtol of an implicit run after an explicit one."""
-    return min(max(LAST, _CHANGED * target), _LOOSEST_CHANGED)
+    return float(max(LAST, _CHANGED * min(1.0, target / 1e-3) ** _SLOPE))
 
 
 def second_tolerance(method: str, target: float, first: float, path: Trajectory) -> float:
