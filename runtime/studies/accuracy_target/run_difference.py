@@ -239,18 +239,6 @@ class Pair:
         return max(share, _LEAST_SHARE) if largest >= DIVERGED else share
 
     @property
-    def estimate(self) -> float:
-        """Estimated error of the tighter run."""
-        return self.share * self.difference.largest
-
-    @property
     def by_merit(self) -> tuple[Run, Run]:
         """The run that is the result, and the one with which it was compared."""
         return (self.loose, self.tight) if self.tight_fails else (self.tight, self.loose)
-
-
-def compare(loose: Run, tight: Run, quantities: Quantities, target: float) -> Pair:
-    """Two runs, at the instants that both reached."""
-    t = min(loose.path.t, tight.path.t, key=len)
-    found = difference(t, loose.values, tight.values, quantities, tight.wholes)
-    return Pair(loose, tight, found, is_resolved(found, tight.values[: len(t)], target))
