@@ -16,15 +16,9 @@ from codegen.lower.module_tables import Pattern
 from codegen.lower.operation_count import operations
 from codegen.lower.program import Lookup, Program
 
-OPTIONS = """{
-    "cache": True,
-    "error_model": "numpy",
-    "fastmath": {"contract"},
-    "_nrt": False,
-    "no_cfunc_wrapper": True,
-}"""
-"""Of numba. Kernels make no arrays: without counts of references they compile a sixth faster, and
-without an entry from C, which nothing takes, another eighth.
+OPTIONS = '{"cache": True, "error_model": "numpy", "fastmath": {"contract"}, "_nrt": False}'
+"""Of numba. Kernels make no arrays: without counts of references they compile a sixth faster. They
+keep the entry from C, by which numba passes them as values of a `FunctionType`.
 """
 
 
@@ -68,7 +62,7 @@ def assemble_module(
         "",
         *folded_numbers(program),
         *(weak if any(kernel.watched for kernel in program.kernels) else []),
-        *f"OPTIONS = {OPTIONS}".splitlines(),
+        f"OPTIONS = {OPTIONS}",
     ]
     lines += spline_lines(program)
     texts = [KernelText(program, kernel, arguments) for kernel in program.kernels]
