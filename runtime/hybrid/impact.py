@@ -9,7 +9,9 @@ from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.modes_and_event_kinds import FREE, SLIDING
 from runtime.hybrid import filippov_shares as shares
+from runtime.hybrid.friction_beside_sliding import put_friction_on_law
 from runtime.hybrid.redundant_sliding import is_resting, solve_least
+from runtime.hybrid.stiction_force import is_prescribed
 from runtime.linalg.lu import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
 from runtime.linalg.vectors import axpy, copy_vector, largest_magnitude
@@ -37,6 +39,7 @@ def evaluate_free_gap(context: Context, t: float, q: Vector, v: Vector, first: i
     shares.evaluate_units(context, t, q, v, context.modes)
     if context[ft.SLIDING_COUNT] > 0:
         shares.solve_shares(context, t, q, v)
+        put_friction_on_law(context, t, q, v)
         shares.combine_accelerations(context, a)
     abi.gap_accelerations_of(context)(t, q, v, a, context.parameters, gaps)
     return float(gaps[context.rigid[first]])
@@ -44,13 +47,18 @@ def evaluate_free_gap(context: Context, t: float, q: Vector, v: Vector, first: i
 
 @inner
 def close_contacts(context: Context, first: int, t: float, q: Vector, v: Vector) -> None:
-    """Close `first` and all contacts that touch, and open all else: friction gives no impulse."""
+    """Close `first` and all contacts that touch, and open all else: friction gives no impulse.
+
+    A friction that slides would follow from the reactions of the units of force.
+    """
     modes, gaps = context.modes, context.right_side
     abi.switching_of(context)(t, q, v, context.parameters, gaps)
     for k in range(context[ft.SWITCHES]):
         touches = abs(gaps[k]) <= ON_SURFACE * find_largest_gap(context, k)
-        if context.rigid[k] < 0 and modes[k] == SLIDING:
-            modes[k] = FREE if context.stiction_place[k] >= 0 else 0
+        if context.rigid[k] < 0 and is_prescribed(context, k):
+            modes[k] = FREE
+        elif context.rigid[k] < 0 and modes[k] == SLIDING:
+            modes[k] = 0
         elif context.rigid[k] >= 0 and touches:
             modes[k] = SLIDING
     modes[first] = SLIDING
@@ -112,7 +120,11 @@ def apply_impact(context: Context, first: int, t: float, state: int) -> float:
     before, sliding_count = modes[first], context[ft.SLIDING_COUNT]
     copy_vector(modes, former)
     close_contacts(context, first, t, q, v)
-    shares.evaluate_units(context, t, q, v, modes)
+    still = v
+    if context[ft.SUPERPOSES] == 0:
+        still = context.second_scratch  # where nothing moves, friction that creeps exerts nothing
+        still[:] = 0.0
+    shares.evaluate_units(context, t, q, still, modes)
     sweep_impulses(context, t, q, v)
     for k in range(context[ft.SWITCHES]):
         modes[k] = int(former[k])
