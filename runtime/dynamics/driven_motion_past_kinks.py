@@ -28,6 +28,11 @@ def follow_past_kinks(
     if passages is None:
         return follow(equations, times, start, preferred, progress), []
     ascending = bool((np.diff(path) >= 0.0).all())
+    behind = passages.first_instant(start.q, start.v) if ascending else start.t
+    if behind > start.t:
+        times = np.maximum(times, behind)
+        path = np.concatenate([[start.t], times])
+        passages = Passages(equations, behind, float(path.max()), sizes)
     passed, ends = _kink_events_and_ends(passages, start, ascending)
     reached, end = _instants_before_end(path, ends)
     done = times[:reached]

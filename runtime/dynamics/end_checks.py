@@ -1,6 +1,7 @@
 """Checks at the end of a run that reached its end: what they find contradicts the outcome OK."""
 
 import numpy as np
+import numpy.typing as npt
 
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
@@ -12,31 +13,36 @@ from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.result import Result
 from runtime.results.samples import Samples
 
+Rows = npt.NDArray[np.intp] | slice
+
 _CLOSED = 1e-9  # accuracy: of a coordinate's size; to this the joints close, however fine rtol is
 # measured: tolerances; Baumgarte's method with dopri5 leaves 0.4 of one, each other return 1e-5
 _RESIDUAL = 10.0
 _SIDE = 1e-6  # safety: of a switching function's largest value; nearer to zero none is judged
+_APART = 1e-12  # accuracy: of the time; events and sides of kinks are nearer to their instants
 _SIDE_TOLERANCES = 10.0  # safety: of a switching function; by as much a mode may miss its sign
 
 
 def check_result(
     result: Result, equations: Equations, sizes: FloatArray, options: Options,
-    run: Trajectory | None = None, *, reduced: bool = False,
+    run: Trajectory | None = None, *, energy: bool = False,
 ) -> None:  # fmt: skip
     """Take the outcome OK from a result that a check contradicts, and say where and by how much.
 
-    A run in `reduced` coordinates has not looked at its energy yet.
+    The `energy` of samples is judged where the run has not looked at all of it.
     """
     if result.outcome is not Outcome.OK:
         return
     found = _residuals(equations, result.samples, sizes, options)
     if run is not None:
-        modes = _sides_of_modes(equations, result.samples, sizes, options)
-        energy = ""
-        if reduced:
+        modes = _sides_of_modes(equations, result.samples, sizes, options, run)
+        unexplained = ""
+        if energy:
             steps = run.statistics.steps
-            energy = describe_unexplained_energy(equations, result.samples, sizes, options, steps)
-        found = " ".join(filter(None, [_order_of_events(run), modes, found, energy]))
+            unexplained = describe_unexplained_energy(
+                equations, result.samples, sizes, options, steps
+            )
+        found = " ".join(filter(None, [_order_of_events(run), modes, found, unexplained]))
     if found:
         outcome = result.outcome = Outcome.CONTRADICTED
         result.message = f"{outcome.meaning} {found} {outcome.advice} {result.message}"
@@ -99,36 +105,75 @@ def _order_of_events(run: Trajectory) -> str:
 
 
 def _sides_of_modes(
-    equations: Equations, samples: Samples, sizes: FloatArray, options: Options
+    equations: Equations, samples: Samples, sizes: FloatArray, options: Options, run: Trajectory
 ) -> str:
     """A sentence on a mode that contradicts the sign of its function; empty for none.
 
-    At one sample it may, as in the instant of a jump; at two in a row, by more than the tolerances
-    of coordinates and velocities explain, an event was missed.
+    By more than the tolerances of coordinates and velocities explain: an event was missed.
     """
     switches = equations.description.switches
     if not switches or len(samples.t) < 2:
         return ""
-    # compiled: most scenes have no switches
-    from runtime.dynamics.switching_values import write_switching_values
-
-    t, q, v, g = samples.t, samples.q, samples.v, np.zeros(samples.modes.shape)
-    write_switching_values(equations.table, t, q, v, equations.p, g)
-    sides = np.where(samples.modes == SLIDING, 0, 2 * samples.modes - 1)
-    wrong = sides * g < -_SIDE * np.abs(g).max(axis=0)
-    pairs = wrong[1:] & wrong[:-1]
+    wrong = _wrong_sides(equations, samples, run)
+    if wrong is None or not wrong.any():
+        return ""
+    t, q, v = samples.t, samples.q, samples.v
     largest = np.concatenate([np.abs(q).max(axis=0), np.abs(v).max(axis=0)])
-    for k in np.flatnonzero(pairs.any(axis=0)):
-        lower = np.where(pairs[:, k], np.minimum(np.abs(g[1:, k]), np.abs(g[:-1, k])), 0.0)
-        row = int(np.argmax(lower))  # the worst; the message names it, and the first of its kind
+    for k in np.flatnonzero(wrong.any(axis=0)):
+        row = int(np.argmax(np.abs(wrong[:, k])))  # the worst; the message names the first too
         at = float(t[row]), q[row], v[row]
         permitted = tolerance_of_switch(equations, int(k), at, largest, sizes, options)
-        missed = np.flatnonzero(lower > _SIDE_TOLERANCES * permitted)
+        missed = np.flatnonzero(np.abs(wrong[:, k]) > _SIDE_TOLERANCES * permitted)
         if len(missed):
             first = missed[0]
             return (
                 f"From t = {t[first]:.6g} s on the mode of {switches[k].title} contradicts its "
-                f"switching function, which is {g[row, k]:.3g} at t = {t[row]:.6g} s: an event was "
-                "missed."
+                f"switching function, which is {wrong[row, k]:.3g} at t = {t[row]:.6g} s: an event "
+                "was missed."
             )
     return ""
+
+
+def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> FloatArray | None:
+    """Switching functions where they contradict the modes of their samples, else 0, (k, s).
+
+    None where they never do.
+
+    In the instant of an event they may, unless the next sample does too, and at a kink or a jump of
+    a function of time, unless they do on both sides. Behind it those modes count that the next
+    sample has, if there is no event between the two.
+    """
+    # compiled: most scenes have no switches
+    from runtime.dynamics.switching_values import write_switching_values
+
+    def values(rows: Rows, way: float) -> FloatArray:
+        """The functions so long, s, behind these samples."""
+        g = np.zeros(samples.modes[rows].shape)
+        t, q, v = samples.t[rows] + way, samples.q[rows], samples.v[rows]
+        write_switching_values(equations.table, t, q + way * v, v, equations.p, g)
+        return g
+
+    g = values(slice(None), 0.0)
+    sides = np.where(samples.modes == SLIDING, 0, 2 * samples.modes - 1)
+    least = _SIDE * np.abs(g).max(axis=0)
+    contradicts = sides * g < -least
+    suspects = np.flatnonzero(contradicts.any(axis=1))
+    if not len(suspects) and not equations.description.time_functions:
+        return None
+    wrong = np.where(contradicts, g, 0.0)
+    again = np.where((wrong[1:] != 0.0) & (wrong[:-1] != 0.0), wrong[:-1], 0.0)
+    apart = _APART * max(abs(run.first_t), abs(run.final_t))
+    events = np.searchsorted(run.events.t, samples.t - apart)  # so many come before a sample
+    if len(suspects):
+        near = np.searchsorted(run.events.t, samples.t[suspects] + apart, side="right")
+        wrong[suspects[near > events[suspects]]] = 0.0
+        for way in (-apart, apart):
+            turned = sides[suspects] * values(suspects, way) > 0.0
+            wrong[suspects] = np.where(turned, 0.0, wrong[suspects])
+    if equations.description.time_functions:
+        behind = values(slice(None, -1), apart)
+        same = (events[1:] == events[:-1])[:, None]
+        behind = np.where(same & (sides[1:] * behind < -least), behind, 0.0)
+        wrong[:-1] = np.where(wrong[:-1] == 0.0, behind, wrong[:-1])
+    wrong[:-1] = np.where(wrong[:-1] == 0.0, again, wrong[:-1])
+    return wrong

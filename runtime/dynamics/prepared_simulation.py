@@ -1,7 +1,12 @@
 """The assembled start of a simulation, from which several runs may be made."""
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from codegen.errors import AssemblyError
 from runtime.assembly.assemble import assemble
 from runtime.integrate.problem import Options, Stops
 from runtime.integrate.trajectory import Trajectory
@@ -9,6 +14,7 @@ from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly
+from runtime.validation.arguments import instants
 from runtime.validation.masses import require_masses
 from runtime.validation.parameters import parameter_values
 from runtime.validation.requirements_of_contact_and_stiction import require_apart
@@ -34,6 +40,8 @@ def passages_of(
 class PreparedSimulation:
     """The start of a simulation: state, parameters and typical sizes, the same for all its runs.
 
+    Where a law bends in the very first instant, it is just behind: by that law it moves.
+
     Raises AnalysisError if nothing is left to integrate, or no mass moves.
     """
 
@@ -47,11 +55,19 @@ class PreparedSimulation:
         self.p = p = parameter_values(mechanism, parameters)  # with derived constants, (np,)
         require_masses(mechanism, p)
         begin = start if start is not None else assemble(mechanism, guess, parameters, t_start)
-        equations = Equations(mechanism, p)
-        self.begin, self.sizes = begin, magnitudes(equations, begin.t, begin.q)
+        equations, self.given_t = Equations(mechanism, p), begin.t
+        sizes = magnitudes(equations, begin.t, begin.q)
+        self.passages = passages_of(equations, begin.t, self.t_end, sizes)
+        if self.passages is not None and start is None:
+            behind = self.passages.first_instant(begin.q, begin.v)
+            if behind > begin.t:
+                # Start velocities that are given may fit the law before the kink alone.
+                with suppress(AssemblyError):
+                    begin = assemble(mechanism, guess, parameters, behind)
+                    self.passages = passages_of(equations, behind, self.t_end, sizes)
+        self.begin, self.sizes = begin, sizes
         least = float(self.sizes.min(initial=1.0))
         require_apart(mechanism, p, begin.t, begin.q, begin.v, least)
-        self.passages = passages_of(equations, begin.t, self.t_end, self.sizes)
         if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
             refuse_structure(mechanism)
 
@@ -59,6 +75,13 @@ class PreparedSimulation:
     def stops(self) -> Stops | None:
         """Instants at which the steps of a run end, known before it gets there."""
         return None if self.passages is None else self.passages.stops()
+
+    def instants(self, t_eval: ArrayLike | None) -> FloatArray | None:
+        """The instants of the samples, s: what is asked for at the start, where that begins."""
+        if t_eval is None:
+            return None
+        times = instants(t_eval)
+        return np.where(times == self.given_t, self.begin.t, times)
 
     def run(
         self, taken: "Coordinates", options: Options, progress: Progress,

@@ -25,7 +25,6 @@ from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import Event
 from runtime.results.result import Result
 from runtime.results.samples import Partition
-from runtime.validation.arguments import instants
 from runtime.validation.finite_equations import describe_infinite
 from runtime.validation.scene_support import driven_note
 
@@ -47,7 +46,7 @@ def simulate(
     # An unknown method is refused by the integrator, together with all else that is wrong.
     options = Options(
         method=method, rtol=rtol, atol_q=atol, atol_v=atol,
-        t_eval=None if t_eval is None else instants(t_eval), correction=coordinates.correction,
+        t_eval=ready.instants(t_eval), correction=coordinates.correction,
         time_scale=time_scale, first_step=first_step, h_max=max_step, max_steps=max_steps,
     )  # fmt: skip
     return finish_simulation(ready, coordinates, options, began, progress)
@@ -55,12 +54,13 @@ def simulate(
 
 def finish_simulation(
     ready: PreparedSimulation, coordinates: Coordinates, options: Options, began: float,
-    progress: Progress, run: Trajectory | None = None, *, works: bool = True,
+    progress: Progress, run: Trajectory | None = None, *, works: bool = True, energy: bool = False,
 ) -> Result:  # fmt: skip
     """The result of a simulation that `began` at an instant of `time.perf_counter`, s.
 
     `run` is its run, if that exists already; a scene with works needs another one,
-    unless they are left out.
+    unless they are left out. The `energy` of its samples is judged, as always in reduced
+    coordinates.
     """
     begin, mechanism = ready.begin, coordinates.mechanism
     works = works and bool(mechanism.description.work_rows)
@@ -72,10 +72,10 @@ def finish_simulation(
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
     reduced = isinstance(coordinates, ReducedCoordinates)
-    check_result(result, equations, ready.sizes, options, run, reduced=reduced)
+    check_result(result, equations, ready.sizes, options, run, energy=energy or reduced)
     if isinstance(coordinates, ReducedCoordinates) and result.outcome is Outcome.CONTRADICTED:
         whole = coordinates.cartesian(options.method)
-        again = finish_simulation(ready, whole, options, began, progress, works=works)
+        again = finish_simulation(ready, whole, options, began, progress, works=works, energy=True)
         again.message += f" Repeated in all coordinates, as in reduced ones: {result.message}"
         return again
     count, note = describe_unresolved_switches(equations, run.events, ready.sizes, options)

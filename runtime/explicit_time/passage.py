@@ -113,6 +113,15 @@ class Passages:
         bends = any(not np.allclose(a, b, rtol=_JUMP, atol=_JUMP) for a, b in pairs)
         return here._replace(event=Direction.BEGAN if bends else None)
 
+    def first_instant(self, q: Vector, v: Vector) -> float:
+        """The first instant, s; where an impact of a law would strike (q, v) there, behind it."""
+        kinks, t0 = self.first.kinks if self.first else (), self.span[0]
+        if not kinks or kinks[0].before > t0:
+            return t0
+        modes = np.zeros(len(self.equations.description.switches), np.int64)
+        struck = self.passage(kinks[0], q, v, modes).event is Direction.IMPACT
+        return kinks[0].after if struck else t0
+
     def steep(self, kink: Kink, q: Vector, v: Vector, modes: Integers) -> Passage:
         """The end of a run where a function begins to grow without bound, if that acts at all.
 

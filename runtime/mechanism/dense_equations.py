@@ -27,7 +27,7 @@ class Equations:
     """Kernels of a machine with its parameter values bound."""
 
     def __init__(self, mechanism: Mechanism, p: FloatArray) -> None:
-        self.description, self.p = mechanism.description, p
+        self.mechanism, self.description, self.p = mechanism, mechanism.description, p
         self.kernels, self.table = mechanism.kernels, mechanism.kernel_table
         self.independent = np.array(mechanism.independent, dtype=np.int64)
         self.n, self.m = len(self.description.coordinates), len(self.description.constraints)

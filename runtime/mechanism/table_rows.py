@@ -33,7 +33,9 @@ class Table(tuple[RowT, ...]):
     def __contains__(self, item: object) -> bool:
         """Whether a row, or a row of that name, is here."""
         try:
-            return item in self.names if is_a(item, str) else super().__contains__(item)
+            return (
+                str.__str__(item) in self.names if is_a(item, str) else super().__contains__(item)
+            )
         except FAILURES:  # of the comparison with a user's own object
             return False
 
@@ -53,7 +55,7 @@ class Table(tuple[RowT, ...]):
         """Position of a row, or of the row of that name."""
         if is_a(item, str):
             try:
-                return self.names.index(item, *bounds)
+                return self.names.index(str.__str__(item), *bounds)
             except ValueError:
                 raise UnknownNameError(unknown("name", item, self.names)) from None
         try:

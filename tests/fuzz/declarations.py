@@ -97,7 +97,7 @@ def _call(
     odd = random.sample(list(values), min(len(values), random.choice([0, 1, 1, 1, 1, 2])))
     for word in odd:
         values[word] = kinds[word].bad(scenery, random)
-    odd = [w for w in odd if values[w] is not None or defaults[w].default is not None]
+    odd = [w for w in odd if not _is_default(values[w], defaults[w].default)]
     name: Any = f"e{k}"
     spoilt = len(odd)
     if method not in NO_NAME:
@@ -110,6 +110,10 @@ def _call(
     if method in NO_NAME:
         written = method
     return (words, lambda: getattr(scenery.model, method)(**values)), spoilt, written
+
+
+def _is_default(value: Any, default: Any) -> bool:
+    return value is default is None or (type(value) is str and value == default)
 
 
 def _user_element(scenery: Scenery, random: Random, told: list[str], names: list[str]) -> int:

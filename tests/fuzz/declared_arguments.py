@@ -79,7 +79,7 @@ def _of(make: Callable[[Random], Any], unless: tuple[type, ...] = ()) -> Make:
     def bad(scenery: Scenery, random: Random) -> Any:
         for _ in range(99):
             value = random.choice(_things(scenery)) if random.random() < 0.2 else make(random)
-            if not {*type(value).__mro__} & {*unless}:
+            if not {*type.mro(type(value))} & {*unless}:
                 return value
         return 7
 

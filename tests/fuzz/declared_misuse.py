@@ -160,8 +160,10 @@ def _changed(s: Scenery, random: Random) -> Misuse:
     word = random.choice([f.name for f in fields(Scene)])
     use = lambda: valid_scenes(s.model, replace(scene, **{word: odd}))  # noqa: E731
     empty = odd is None or _is_empty(odd) or (word == "frozen" and is_flag(odd))
-    right = empty or word in ("expression", "problems", "owner")
-    return Misuse(f"scene with {word}={_shown(odd)}", use, "scene", may_be_right=right)
+    named = word == "name" and type(odd) is str and odd.isidentifier()
+    right = empty or named or word in ("expression", "problems", "owner")
+    of = "" if word == "problems" else "scene"  # what stands in problems is the answer
+    return Misuse(f"scene with {word}={_shown(odd)}", use, of, may_be_right=right)
 
 
 def _chosen(s: Scenery, random: Random) -> Misuse:

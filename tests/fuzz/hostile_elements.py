@@ -254,9 +254,9 @@ def hostile_body(model: Model, body: Body, random: Random) -> tuple[Any, str]:
     ):
         answer = 7.5j
     if word == "name":
-        return Body(
-            answer if answer is not _raise else 7, sympy.S.One, sympy.S.One, model.token
-        ), "body name"
+        good = type(answer) is str and answer.isidentifier()
+        answer = 7 if good or answer is _raise else answer
+        return Body(answer, sympy.S.One, sympy.S.One, model.token), "body name"
     if word in ("mass", "inertia"):
         values = {
             "mass": sympy.S.One,

@@ -135,12 +135,20 @@ class Workplace:
 
 
 def processor_seconds(pid: int) -> float:
-    """Processor time that a process has used; 0 if it is gone."""
+    """Processor time that a process and those that it has started have used; 0 if it is gone."""
     try:
         fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        started = descendants(pid)
     except OSError:
         return 0.0
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    own = sum(int(field) for field in fields[11:15])  # of itself, and of those that have ended
+    return own / os.sysconf("SC_CLK_TCK") + sum(processor_seconds(child) for child in started)
+
+
+def descendants(pid: int) -> list[int]:
+    """The processes that any thread of a process has started, and that have not ended."""
+    threads = Path(f"/proc/{pid}/task").glob("*/children")
+    return [int(child) for thread in threads for child in thread.read_text().split()]
 
 
 def _children() -> float:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.robustness import full_disks, kills, signals, truncated_caches
-from tests.robustness.command_line import Workplace
+from tests.robustness.command_line import Workplace, descendants
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes are read from /proc")
 
@@ -49,7 +49,7 @@ def test_precompilation_ends_with_all_its_processes(place: Workplace, tmp_path: 
     place.code, usual = tmp_path, place.code  # where nothing is compiled yet
     process = place.start("runtime.precompile", "dop853")
     place.code = usual
-    while len(parts := _children(process.pid)) < 3 and process.poll() is None:
+    while len(parts := descendants(process.pid)) < 3 and process.poll() is None:
         time.sleep(0.05)
     end = place.end(process, (signal.SIGTERM,))
     assert end.status == 128 + signal.SIGTERM
@@ -60,7 +60,3 @@ def test_precompilation_ends_with_all_its_processes(place: Workplace, tmp_path: 
         time.sleep(0.05)
     assert not left
     assert "Traceback" not in end.output
-
-
-def _children(pid: int) -> list[str]:
-    return Path(f"/proc/{pid}/task/{pid}/children").read_text().split()

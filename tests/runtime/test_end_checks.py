@@ -1,12 +1,16 @@
 """No run is OK that a check at its end contradicts; angles without digits are refused."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from sympy import Mod
 
+from codegen import Model, t
 from codegen.errors import AssemblyError
+from runtime import load
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics import end_checks
@@ -96,6 +100,55 @@ def test_run_whose_modes_contradict_their_functions_is_not_ok(
     assert gas.description.switches[0].title.partition(":")[0] in run.message
 
 
+def test_one_sample_that_contradicts_its_function_is_an_event_missed(
+    gas: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A condition that turns twice between two samples that are right leaves no two wrong ones."""
+    turning, at = {"crank.omega": 30.0}, np.linspace(0.0, 1.0, 50)
+    recorded = Recording.samples
+
+    def missed(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        t, y, modes = recorded(recording)
+        modes = modes.copy()
+        modes[20] = 1 - modes[20]
+        return t, y, modes
+
+    monkeypatch.setattr(Recording, "samples", missed)
+    run = gas.simulate(1.0, at, guess=turning)
+    assert run.outcome is Outcome.CONTRADICTED
+    assert f"From t = {at[20]:.6g} s on the mode of " in run.message
+
+
+@pytest.mark.parametrize("t_eval", [None, [0.501, 1.0], [0.5, 1.0]])
+@pytest.mark.parametrize("method", ["dop853", "bdf"])
+def test_modes_that_stay_past_a_jump_are_events_missed(
+    workshop: Path, monkeypatch: pytest.MonkeyPatch, t_eval: list[float] | None, method: str
+) -> None:
+    """A sawtooth jumps at ends of steps, beside which either mode may be right."""
+    model = Model("pushed_by_a_sawtooth")
+    p = model.particle("p", mass=1.0)
+    model.force("push", p, 1.0, 0, when=Mod(t, 0.02) < 0.005)
+    model.scene("s", ["push"], start={p.x: 0.0, p.y: 0.0, p.vx: 0.0, p.vy: 0.0})
+    machine = load(model, folder=workshop)
+    run = machine.simulate(1.0, t_eval, method=method, progress=False)
+    assert run.outcome is Outcome.OK
+    recorded, logged = Recording.samples, Recording.events
+
+    def never_on(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        times, y, modes = recorded(recording)
+        return times, y, 0 * modes
+
+    def none(recording: Recording) -> Events:
+        events = logged(recording)
+        return Events(*(getattr(events, field.name)[:0] for field in fields(events)))
+
+    monkeypatch.setattr(Recording, "samples", never_on)
+    monkeypatch.setattr(Recording, "events", none)
+    run = machine.simulate(1.0, t_eval, method=method, progress=False)
+    assert run.outcome is Outcome.CONTRADICTED
+    assert "on the mode of push: " in run.message
+
+
 @pytest.mark.parametrize("formulation", ["cartesian", "reduced"])
 def test_a_run_records_no_more_than_it_may(
     library: Callable[[str, str], Machine], monkeypatch: pytest.MonkeyPatch, formulation: str
@@ -118,7 +171,8 @@ def test_reduced_run_that_a_check_contradicts_is_repeated_in_all_coordinates(
     machine, t = library("slider_crank", "compressor"), np.linspace(0.0, 0.2, 5)
     whole = machine.simulate(0.2, t)
     wrong = "The energy changes."
-    monkeypatch.setattr(end_checks, "describe_unexplained_energy", lambda *_: wrong)
+    found = iter([wrong])  # of the first run alone
+    monkeypatch.setattr(end_checks, "describe_unexplained_energy", lambda *_: next(found, ""))
     less = machine.simulate(0.2, t, formulation="reduced")
     assert less.outcome is Outcome.OK
     np.testing.assert_array_equal(less.samples.q, whole.samples.q)

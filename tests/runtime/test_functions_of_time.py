@@ -315,6 +315,48 @@ def test_samples_just_before_a_kink_have_the_modes_before_it(workshop: Path) -> 
     assert_allclose(run.v("pulled.x"), [0.0, 2.0, 2.0, 2.0], atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("name", "law", "start", "rate"),
+    [
+        ("absolute", Abs(t), 0.0, 1.0),
+        ("later", Abs(0.3 * t - 0.09), 0.3, 0.3),
+        ("rounded", Abs(cos(t)), pi / 2, 1.0),
+        ("ramp", Piecewise((0, t <= 0), (t, True)), 0.0, 1.0),
+    ],
+)
+def test_a_run_begins_by_the_law_behind_its_first_instant(
+    workshop: Path, name: str, law: Expr, start: float, rate: float
+) -> None:
+    """A law that bends where the run starts strikes nothing: what went before never was."""
+    model = Model(f"begun_{name}")
+    b, c = model.body("b", 1.0, 0.1), model.body("c", 1.0, 0.1)
+    model.revolute("O", model.ground.at(0, 0), b.at(-0.5, 0))
+    model.revolute("A", b.at(0.5, 0), c.at(-0.5, 0))
+    model.driver("d", b.phi, law)
+    model.scene("free", [], ["d"], start={c.phi: 0.2, c.omega: 0.1})
+    model.scene("driven", [], ["d"], without=[c])
+    model.scene("backwards", [], ["d"], start={c.phi: 0.2, c.omega: 0.1, b.omega: -rate})
+    machine, at = load(model, "free", folder=workshop), [start, start + 0.5]
+    options = ({}, {"method": "bdf"}, {"formulation": "reduced"}, {"accuracy": 1e-6})
+    for chosen in options:
+        run = machine.simulate(at[1], at, t_start=start, progress=False, **chosen)
+        assert (run.outcome, run.events) == (Outcome.OK, ())
+        assert_allclose(run.t, at, atol=1e-13)
+        assert_allclose(run.v("b.omega")[0], rate)
+        assert_allclose(run.v("c.omega")[0], 0.1, rtol=1e-12)
+    for analysis in ("kinematics", "inverse_dynamics"):
+        motion = getattr(load(model, "driven", folder=workshop), analysis)(
+            at, t_start=start, progress=False
+        )
+        assert (motion.outcome, motion.events) == (Outcome.OK, ())
+        assert_allclose(motion.v("b.omega")[0], rate)
+    if name == "ramp":
+        return
+    run = load(model, "backwards", folder=workshop).simulate(at[1], t_start=start, progress=False)
+    assert [event.what for event in run.events] == ["impact"]
+    assert_allclose(run.v("b.omega")[[0, -1]], [-rate, rate], rtol=0.3)
+
+
 @pytest.mark.parametrize("method", ["dop853", "bdf"])
 @pytest.mark.parametrize(
     ("name", "condition", "share"),

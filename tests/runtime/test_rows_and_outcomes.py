@@ -31,6 +31,14 @@ class Incomparable:
     __hash__ = None  # type: ignore[assignment]
 
 
+class OddText(str):
+    """A text whose comparison fails."""
+
+    __slots__ = ()
+    __eq__ = Incomparable.__eq__
+    __hash__ = str.__hash__
+
+
 ODD = [None, Hidden(), Incomparable(), Mock(spec=str), 1.0, 99, [0], "z", b"a.x", float("nan")]
 
 
@@ -46,6 +54,8 @@ def test_a_row_that_is_none_is_refused(kind: int) -> None:
 
 def test_rows_are_found_by_name_position_and_as_themselves() -> None:
     assert ROWS["a.y"] is ROWS[1] is ROWS[np.int64(-1)] is ROWS[ROWS[1]]  # type: ignore[index]
+    assert ROWS[OddText("a.y")] is ROWS[1]
+    assert OddText("a.x") in ROWS
     assert ROWS[:1] == (ROWS[0],)
     assert "a.x" in ROWS
     assert ROWS[0] in ROWS

@@ -52,7 +52,6 @@ from runtime.studies.accuracy_target.tolerance_selection import (
 )
 from runtime.studies.series_by_name import require_numbers
 from runtime.studies.timing import processor_time
-from runtime.validation.arguments import instants
 
 POINTS = 501  # output instants if the user gives none
 
@@ -88,7 +87,7 @@ def simulate_to(
     first, last = ready.begin.t, float(t_end)
     times = np.linspace(first, last, POINTS if last > first else 1)
     options = Options(
-        t_eval=times if t_eval is None else instants(t_eval), time_scale=time_scale,
+        t_eval=times if t_eval is None else ready.instants(t_eval), time_scale=time_scale,
         first_step=first_step, h_max=max_step, max_steps=max_steps,
     )  # fmt: skip
     chosen = runs.quantities_of(mechanism.description, quantities, ready.sizes)
