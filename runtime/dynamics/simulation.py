@@ -14,7 +14,6 @@ from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formu
 from runtime.dynamics.friction_jam import describe_jam, end_at_jam
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
-from runtime.dynamics.superposed_friction import describe_superposed_friction
 from runtime.dynamics.switches_within_tolerance import describe_unresolved_switches
 from runtime.dynamics.work import integrate_works
 from runtime.integrate.problem import Correction, Formulation, Options
@@ -81,7 +80,6 @@ def finish_simulation(
         again = finish_simulation(ready, whole, options, began, progress, works=works, energy=True)
         again.message += f" Repeated in all coordinates, as in reduced ones: {result.message}"
         return again
-    result.message += describe_superposed_friction(equations, result.samples, options)
     count, note = describe_unresolved_switches(equations, run.events, ready.sizes, options)
     result.stats["events_within_tolerance"] = count
     result.message += note
