@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numba import cfunc, njit, types
+from numba import njit, types
 
 from codegen.numba_cache import checked_caches
 
@@ -72,17 +72,7 @@ def _compiled() -> tuple[Any, Any]:
     function = types.FunctionType(SIGNATURE)
     loop = F8(function, VECTOR, ROWS, ROWS, MODE_ROWS, VECTOR, VECTOR, VECTOR, types.int64)
     with checked_caches():
-        return njit(loop, **OPTIONS)(_loop), _with_entry(njit(SIGNATURE, **OPTIONS)(_nothing))
-
-
-def _with_entry(kernel: Any) -> Any:
-    """A function with an entry from C, by which the loop calls it; kernels have none."""
-
-    @cfunc(SIGNATURE)
-    def call(t: Any, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> Any:
-        return kernel(t, q, v, p, modes, a, lam)
-
-    return call
+        return njit(loop, **OPTIONS)(_loop), njit(SIGNATURE, **OPTIONS)(_nothing)
 
 
 def times(kernels: Sequence[Timed], states: States, rounds: int = ROUNDS) -> list[float]:
@@ -90,11 +80,8 @@ def times(kernels: Sequence[Timed], states: States, rounds: int = ROUNDS) -> lis
     loop, nothing = _compiled()
     n = states.q.shape[1]
     runs = [
-        partial(loop, entry, *states, p, np.zeros(n), np.zeros(slots))
-        for entry, p, slots in (
-            (nothing, np.zeros(1), 1),
-            *((_with_entry(kernel), p, slots) for kernel, p, slots in kernels),
-        )
+        partial(loop, kernel, *states, p, np.zeros(n), np.zeros(slots))
+        for kernel, p, slots in (Timed(nothing, np.zeros(1), 1), *kernels)
     ]
     count = _calls(runs)
     best = [np.inf] * len(runs)
