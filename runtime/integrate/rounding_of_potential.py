@@ -24,7 +24,7 @@ _POINTS = 66  # formula: intervals of all groups
 _CERTAIN = 16.0  # measured: times the scatter that a difference of two values may be in long runs
 _SHAPE = 4.0  # safety: differences of slopes, to which those of a shape come up
 _LEAST_WAY, _LONGER = 1e-9, 10.0  # measured: of coordinates' sizes; the first row, growth of others
-_LONG, _LONGEST = 0.3, 3e3  # measured: of coordinates' sizes; ends where V scatters, and does not
+_LONG, _LONGEST = 3.0, 3e3  # measured: of coordinates' sizes; ends where V scatters, and does not
 
 
 @inner
@@ -83,8 +83,9 @@ def measure_scatter(context: Context, t: float, way: float) -> float:
 @addressed(f8(integers, f8))
 def measure_rounding(context: Context, t: float) -> float:
     """By how much two values of the potential about the step may differ by rounding, J."""
-    rounding, way = 0.0, _LEAST_WAY
-    while way < _LONG or (way < _LONGEST and rounding == 0.0):
+    rounding, before, way = 0.0, 0.0, _LEAST_WAY
+    while way < _LONG or (way < _LONGEST and before == 0.0):
+        before = rounding  # one row more: in the first that scatters few neighbours are apart
         scatter = measure_scatter(context, t, way)
         if not np.isfinite(scatter):
             break
