@@ -72,6 +72,7 @@ class Equations:
     switches: tuple[sf.Switch, ...] = ()
     sides: tuple[sf.SideValue, ...] = ()  # values, by mode, of the symbols of frictions, contacts
     stiction: tuple[tuple[str, int], ...] = ()  # (effect, switch): a run determines the force
+    shares: tuple[tuple[str, int], ...] = ()  # the same of contacts and others, the share α
     contacts: tuple[sf.RigidContact, ...] = ()
     conditions: tuple[ElementCondition, ...] = ()  # on parameters, in terms of `parameters` alone
     profiles: tuple[Profile, ...] = ()
@@ -85,13 +86,14 @@ class Equations:
         """These equations with other effects, their switching functions and their conditions."""
         gone = {label(e) for e in self.effects} - {label(e) for e in effects}
         named = tuple((e.name, e.terms) for e in effects)
-        switches = sf.switches(named)
+        switches, moves = sf.switches(named), self.scene.analysis == "dynamics"
         return replace(
             self,
             effects=effects,
             switches=switches,
             sides=sf.side_values(named, switches),
-            stiction=sf.stiction(named, switches) if self.scene.analysis == "dynamics" else (),
+            stiction=sf.stiction(named, switches) if moves else (),
+            shares=sf.prescribed_shares(named, switches) if moves else (),
             contacts=sf.rigid_contacts(named, switches),
             conditions=tuple(c for c in self.conditions if c.element not in gone),
         )

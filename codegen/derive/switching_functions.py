@@ -154,6 +154,25 @@ def stiction(effects: Sequence[Named], among: tuple[Switch, ...]) -> tuple[tuple
     )
 
 
+def prescribed_shares(
+    effects: Sequence[Named], among: tuple[Switch, ...]
+) -> tuple[tuple[str, int], ...]:
+    """(effect, switch) of the contacts and given frictions whose share α kernels take in mode 2.
+
+    Beside a friction that follows from a reaction, and is no linear function of what keeps other
+    functions at zero, superposition does not do. What switches with a condition has no force of
+    both modes but their combination.
+    """
+    if not any(terms.friction for _, terms in effects):
+        return ()
+    functions = (switching_function(c) for _, e in effects for c in conditions(_expressions(e)))
+    own = {k for _, k in stiction(effects, among)}
+    own |= {same[0] for g in functions if (same := _same(g, among))}
+    return tuple(
+        (s.effect, k) for k, s in enumerate(among) if s.kind != "condition" and k not in own
+    )
+
+
 def rigid_contacts(effects: Sequence[Named], among: tuple[Switch, ...]) -> tuple[RigidContact, ...]:
     """The rigid contacts, in the order of the effects."""
     numbers = _of_contacts(among)

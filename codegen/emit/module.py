@@ -91,7 +91,10 @@ def operation_table(program: Program) -> tuple[tuple[str, int], ...]:
 
 
 # tables that a module leaves out where empty
-OPTIONAL = (*("folded", "unused", "rigid", "stiction", "time_functions", "conditions", "profiles"),)
+OPTIONAL = (
+    *("folded", "unused", "rigid", "stiction", "shares", "time_functions", "conditions"),
+    "profiles",
+)
 
 NAMES = (
     "Names: M_i_k, Phi_c_k, S_c_d are entries of the reduced matrix, Q_i and gamma_c right sides,",

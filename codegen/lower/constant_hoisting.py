@@ -18,7 +18,7 @@ def with_constants(
     """The program with all values of parameters alone in a separate kernel.
 
     These values stand in ``p`` behind the declared parameters and are computed once a run. Before
-    them stand the stiction forces, which a run sets as it goes.
+    them stand the stiction forces and shares of modes, which a run sets as it goes.
     """
     # What is asked of parameters once a run is no constant of its steps.
     stepping = tuple(kernel for kernel in kernels if kernel.name != "conditions")

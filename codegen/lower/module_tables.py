@@ -53,6 +53,8 @@ class Description:
     # (effect, number of its switch) of each friction whose stiction force a run determines; these
     # forces stand in `p` behind the parameters
     stiction: tuple[tuple[str, int], ...]
+    # the same of contacts and frictions whose share of both modes stands there, behind these
+    shares: tuple[tuple[str, int], ...]
     reactions: tuple[tuple[str, str, str], ...]  # (element, component, unit) of each entry
     powers: tuple[tuple[str, str], ...]  # (source, "effect" or "driver") of each entry
     # (coordinate or velocity, value, role): "fixed", "guess", or before these "neutral", where the
@@ -109,6 +111,7 @@ def describe(
         ),
         rigid=tuple((contact.effect, contact.switch) for contact in equations.contacts),
         stiction=equations.stiction,
+        shares=equations.shares,
         reactions=tuple(row[:3] for row in reported),
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=start,

@@ -94,9 +94,16 @@ class SceneGraph:
             environment[q], environment[q.rate] = self.q[k], self.v[k]
             rate = Acceleration(f"{q.rate.name}_rate", real=True)
             environment[rate] = graph.input("a", k, rate.name)
+        given = {k: place for place, (_, k) in enumerate(equations.shares, len(equations.stiction))}
         for side in equations.sides:
-            values = (graph.constant(float(x)) for x in (side.above, side.below))
-            environment[side.symbol] = graph.select(graph.mode(side.switch), *values)
+            above, below = (graph.constant(float(x)) for x in (side.above, side.below))
+            value = graph.select(graph.mode(side.switch), above, below)
+            if (k := side.switch) in given:
+                name = f"share_{equations.switches[k].effect}"
+                share = graph.input("stiction", given[k], name)
+                part = graph.mul(share, graph.constant(float(side.above - side.below)))
+                value = graph.select(graph.is_sliding(k), graph.add(below, part), value)
+            environment[side.symbol] = value
         return environment
 
     def credited(self, element: str, *expressions: sympy.Expr) -> list[int]:

@@ -31,7 +31,15 @@ from codegen.real_range import powers_with_number_outside
 
 FUNCTIONS = {getattr(sympy, name): Op(name) for name in ELEMENTARY if name not in ("sqrt", "pow")}
 
-RANKS = {"p": 1, "t": 2, "q": 3, "v": 4, "a": 5, "lam": 6}  # how often an argument changes
+RANKS = {
+    "p": 1,
+    "t": 2,
+    "stiction": 2,
+    "q": 3,
+    "v": 4,
+    "a": 5,
+    "lam": 6,
+}  # how often an argument changes
 
 
 class Translator:

@@ -19,6 +19,7 @@ RANK = TABLE.number("rank")  # of the Jacobian
 NONZEROS = TABLE.number("nonzeros")  # structural, of the Jacobian
 PARAMETER_COUNT = TABLE.number("parameter_count")  # derived constants included
 RIGID_COUNT = TABLE.number("rigid_count")  # rigid contacts
+SUPERPOSES = TABLE.number("superposes")  # 0: friction follows from what keeps functions at zero
 REACTION_ROWS = TABLE.number("reaction_rows")
 POWER_OF_MULTIPLIERS = TABLE.number("power_of_multipliers")  # 1: powers depend on them
 POWER_ROWS = TABLE.number("power_row_count")  # works that are outputs included
@@ -133,6 +134,7 @@ TABLE.integers("sticks", SWITCHES)  # 1: friction that sticks
 TABLE.integers("boundary", SWITCHES)  # a `Boundary`
 TABLE.integers("limits", (2, SWITCHES))  # rows of a force and of its bound, or -1
 TABLE.integers("stiction_place", SWITCHES)  # of its force in p, or -1
+TABLE.integers("share_place", SWITCHES)  # of its share in p, or -1
 TABLE.floats("stiction_units", (2, SWITCHES))  # unit of the force, its bound
 TABLE.floats("restitution_coefficients", RIGID_COUNT)
 
@@ -140,10 +142,10 @@ TABLE.floats("restitution_coefficients", RIGID_COUNT)
 # Responses are d(dg/dt) or d(g̈): those of the base, and of each change, by rows.
 TABLE.integers("kernel_modes sliding_functions", SWITCHES)
 TABLE.floats("base_accelerations", COORDINATES)
-TABLE.floats("base_multipliers mixed_multipliers", CONSTRAINT_COUNT)
+TABLE.floats("base_multipliers mixed_multipliers given_multipliers", CONSTRAINT_COUNT)
 TABLE.matrix("unit_accelerations", SWITCHES, COORDINATES)
 TABLE.matrix("unit_multipliers", SWITCHES, CONSTRAINT_COUNT)
-TABLE.floats("response response_copy", SWITCHES, SWITCHES)
+TABLE.floats("response response_copy response_secant", SWITCHES, SWITCHES)
 TABLE.floats("base_response response_column response_rates right_side", SWITCHES)
 TABLE.integers("response_pivots", SWITCHES)
 TABLE.floats("response_gaps", RIGID_COUNT)

@@ -30,6 +30,10 @@ class System(Kernels):
     # (switching function, place in p) of frictions whose stiction force is solved for: in mode 2
     # the kernels exert the force that stands there
     stiction: tuple[tuple[int, int], ...] = ()
+    # the same of contacts and frictions whose share of modes 0 and 1 the kernels take in mode 2
+    shares: tuple[tuple[int, int], ...] = ()
+    # whether forces that keep functions at zero add up: no friction follows from them
+    superposes: bool = True
     # constraints of which none follows from others everywhere; None: all
     independent: tuple[int, ...] | None = None
     loops: int = 0  # that the kernels close in closed form, on one branch: those of `dead_centres`

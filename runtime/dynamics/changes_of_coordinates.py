@@ -21,7 +21,7 @@ from runtime.core.workspace_rows import PARTITION
 from runtime.hybrid.loop_branch_guard import LEAST
 from runtime.integrate.problem import Options, Passage, Stops
 from runtime.integrate.recording_buffers import in_order
-from runtime.integrate.run import Progress, Run, States, Watch
+from runtime.integrate.run import Progress, Run
 from runtime.integrate.run_state import COUNTS
 from runtime.integrate.step import Signal
 from runtime.integrate.trajectory import Events, Partitions, Trajectory
@@ -55,11 +55,8 @@ class _Leg:
 class Changes:
     """One run in reduced coordinates, and in all coordinates where these are poor."""
 
-    def __init__(
-        self, taken: "ReducedCoordinates", options: Options, watch: Watch | None = None
-    ) -> None:
+    def __init__(self, taken: "ReducedCoordinates", options: Options) -> None:
         self.taken, self.reduced, self.options = taken, taken.reduced, options
-        self.watch = watch
         self.less: Run | None = None  # in reduced coordinates
         self.whole: Run | None = None  # in all of them, where needed
         self.legs: list[_Leg] = []
@@ -79,22 +76,6 @@ class Changes:
 
     def __call__(self, run: Run, code: int) -> tuple[Run, int]:
         """Change coordinates where that is due; see `runtime.integrate.run.Change`."""
-        run, code = self._change(run, code)
-        if code == _GOING and self.watch is not None:
-            t = float(run.state.record["t"])
-            if self.watch(t, lambda: self._states(run)):
-                code = int(Outcome.INACCURATE)
-        return run, code
-
-    def _states(self, run: Run) -> States:
-        """The samples of the present leg, in all coordinates."""
-        if run is self.whole:
-            return run.states()
-        path = run.result(Outcome.OK, 0.0)
-        path = self.taken.all_coordinates(path, self.start, run.state.p)
-        return path.t, path.q, path.v
-
-    def _change(self, run: Run, code: int) -> tuple[Run, int]:
         if run is self.whole:
             r = run.state.record
             free = r["plan"] == Plan.FREE and not r["lent"] and r["steps"] >= self.until

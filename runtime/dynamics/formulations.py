@@ -12,7 +12,7 @@ from runtime.dynamics.changes_of_coordinates import Changes
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.method import IMPLICIT
 from runtime.integrate.problem import Correction, Formulation, Options, Problem
-from runtime.integrate.run import Progress, Watch, integrate
+from runtime.integrate.run import Progress, integrate
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
@@ -41,10 +41,10 @@ class Coordinates:
         """The problem of a run from a state in all coordinates, (n,) each, to the end."""
         raise NotImplementedError
 
-    def run(self, options: Options, progress: Progress, watch: Watch | None = None) -> Trajectory:
+    def run(self, options: Options, progress: Progress) -> Trajectory:
         """One integration from the start; its run in all coordinates."""
-        problem = self.problem(self.begin.t, self.begin.q, self.begin.v)
-        return integrate(self.system, problem, options, progress, watch)
+        begin = self.begin
+        return integrate(self.system, self.problem(begin.t, begin.q, begin.v), options, progress)
 
 
 class CartesianCoordinates(Coordinates):
@@ -97,9 +97,9 @@ class ReducedCoordinates(Coordinates):
         scale = _mobility(reduced.inertia(t, q[kept], p), sizes)
         return Problem(t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops)
 
-    def run(self, options: Options, progress: Progress, watch: Watch | None = None) -> Trajectory:
+    def run(self, options: Options, progress: Progress) -> Trajectory:
         """One integration from the start, past dead centres in all coordinates."""
-        return Changes(self, options, watch).run(progress)
+        return Changes(self, options).run(progress)
 
     def cartesian(self, method: str) -> CartesianCoordinates:
         """The machine's own coordinates, in which a run passes dead centres."""

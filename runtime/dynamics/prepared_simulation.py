@@ -23,7 +23,6 @@ from runtime.validation.scene_support import refuse_massless, refuse_structure
 if TYPE_CHECKING:
     from runtime.dynamics.formulations import Coordinates
     from runtime.explicit_time.passage import Passages
-    from runtime.integrate.run import Watch
 
 
 def passages_of(
@@ -83,11 +82,8 @@ class PreparedSimulation:
         times = instants(t_eval)
         return np.where(times == self.given_t, self.begin.t, times)
 
-    def run(
-        self, taken: "Coordinates", options: Options, progress: Progress,
-        watch: "Watch | None" = None,
-    ) -> Trajectory:  # fmt: skip
+    def run(self, taken: "Coordinates", options: Options, progress: Progress) -> Trajectory:
         """One integration in the coordinates `taken`; its run in all coordinates."""
         first = self.begin.t
         span = max(self.t_end - first, 1e-300)
-        return taken.run(options, lambda t, steps: progress((t - first) / span), watch)
+        return taken.run(options, lambda t, steps: progress((t - first) / span))

@@ -14,7 +14,6 @@ from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formu
 from runtime.dynamics.friction_jam import describe_jam, end_at_jam
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
-from runtime.dynamics.superposed_friction import describe_superposed_friction
 from runtime.dynamics.switches_within_tolerance import describe_unresolved_switches
 from runtime.dynamics.work import integrate_works
 from runtime.integrate.problem import Correction, Formulation, Options
@@ -50,18 +49,19 @@ def simulate(
         t_eval=ready.instants(t_eval), correction=coordinates.correction,
         time_scale=time_scale, first_step=first_step, h_max=max_step, max_steps=max_steps,
     )  # fmt: skip
-    return finish_simulation(ready, coordinates, options, began, progress)
+    return finish_simulation(ready, coordinates, options, began, progress, repeats=True)
 
 
 def finish_simulation(
     ready: PreparedSimulation, coordinates: Coordinates, options: Options, began: float,
     progress: Progress, run: Trajectory | None = None, *, works: bool = True, energy: bool = False,
+    repeats: bool = False,
 ) -> Result:  # fmt: skip
     """The result of a simulation that `began` at an instant of `time.perf_counter`, s.
 
     `run` is its run, if that exists already; a scene with works needs another one,
     unless they are left out. The `energy` of its samples is judged, as always in reduced
-    coordinates.
+    coordinates; a run in these that a check contradicts is repeated in all of them, if `repeats`.
     """
     begin, mechanism = ready.begin, coordinates.mechanism
     works = works and bool(mechanism.description.work_rows)
@@ -74,12 +74,12 @@ def finish_simulation(
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
     reduced = isinstance(coordinates, ReducedCoordinates)
     check_result(result, equations, ready.sizes, options, run, energy=energy or reduced)
-    if isinstance(coordinates, ReducedCoordinates) and result.outcome is Outcome.CONTRADICTED:
+    contradicted = reduced and repeats and result.outcome is Outcome.CONTRADICTED
+    if isinstance(coordinates, ReducedCoordinates) and contradicted:
         whole = coordinates.cartesian(options.method)
         again = finish_simulation(ready, whole, options, began, progress, works=works, energy=True)
         again.message += f" Repeated in all coordinates, as in reduced ones: {result.message}"
         return again
-    result.message += describe_superposed_friction(equations, result.samples, options)
     count, note = describe_unresolved_switches(equations, run.events, ready.sizes, options)
     result.stats["events_within_tolerance"] = count
     result.message += note

@@ -13,7 +13,7 @@ from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.dynamics.output_quantities import SAMPLES
 from runtime.hybrid.filippov_shares import mix_reactions
 from runtime.hybrid.mode_consistency import count_sliding
-from runtime.hybrid.stiction_force import set_unit
+from runtime.hybrid.stiction_force import is_prescribed, set_unit
 from runtime.integrate.wiring import wire
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.samples import Samples
@@ -22,7 +22,11 @@ from runtime.results.samples import Samples
 @compiled(none(ADDRESSES, ADDRESSES, integers, SAMPLES, vector, matrix))
 def _mix_rows(context: Any, kernels: Any, rows: Any, s: Any, p: Any, powers: Any) -> None:
     base, other, reaction = powers[0], powers[1], context.reaction
-    modes, base_lam, lam = context.kernel_modes, context.base_multipliers, context.mixed_multipliers
+    modes, base_lam, lam = (
+        context.kernel_modes,
+        context.given_multipliers,
+        context.mixed_multipliers,
+    )
     evaluate_powers = powers_of(kernels)
     for row in rows:
         t, q, v = s.t[row], s.q[row], s.v[row]
@@ -31,8 +35,6 @@ def _mix_rows(context: Any, kernels: Any, rows: Any, s: Any, p: Any, powers: Any
         mix_reactions(context, t, q, v, s.lam[row])
         for i in range(len(reaction)):
             s.reaction[row, i] = reaction[i]
-        for c in range(context[ft.SLIDING_COUNT]):
-            set_unit(context, context.sliding_functions[c], 0)
         evaluate_powers(t, q, v, p, modes, base_lam, base)
         for i in range(len(base)):
             s.power[row, i] = base[i]
@@ -44,6 +46,8 @@ def _mix_rows(context: Any, kernels: Any, rows: Any, s: Any, p: Any, powers: Any
                 force, limit = reaction[context.limits[2 * k]], reaction[context.limits[2 * k + 1]]
                 part = 0.5 * context.share_high[k] * force / limit
                 s.share[row, k] = 0.5 - part if limit > 0.0 else np.nan
+            if is_prescribed(context, k):
+                continue
             for i in range(len(lam)):
                 lam[i] = base_lam[i] + context.unit_multipliers[c, i]
             set_unit(context, k, 1)

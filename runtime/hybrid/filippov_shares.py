@@ -25,7 +25,13 @@ from runtime.core.jit import addressed, inner
 from runtime.core.modes_and_event_kinds import FREE, SLIDING
 from runtime.core.unit_roundoff import EPS
 from runtime.hybrid.redundant_sliding import keep_resting, solve_least
-from runtime.hybrid.stiction_force import choose_units, enlarge_unit, set_unit, write_forces
+from runtime.hybrid.stiction_force import (
+    choose_units,
+    enlarge_unit,
+    is_prescribed,
+    set_unit,
+    write_forces,
+)
 from runtime.linalg.lu import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
 from runtime.linalg.vectors import axpy, copy_vector
@@ -49,6 +55,8 @@ def evaluate_units(context: Context, t: float, q: Vector, v: Vector, modes: Inte
         kernel_modes[k] = SLIDING if modes[k] == FREE else modes[k]
         if places[k] >= 0:
             p[places[k]] = 0.0
+        if context.share_place[k] >= 0:
+            p[context.share_place[k]] = 0.5  # of a friction that is free: none
         if modes[k] == SLIDING:
             kernel_modes[k] = SLIDING if places[k] >= 0 else 0
             context.sliding_functions[count] = k
@@ -97,6 +105,7 @@ def solve_shares(context: Context, t: float, q: Vector, v: Vector) -> None:
 
     The matrix of responses changes only in the columns of units that prove too small.
     """
+    grown = 0
     for _ in range(_UNITS):
         balance_shares(context)
         grown = 0
@@ -105,21 +114,34 @@ def solve_shares(context: Context, t: float, q: Vector, v: Vector) -> None:
                 evaluate_unit(context, t, q, v, c)
                 grown += 1
         if grown == 0:
-            return
-    balance_shares(context)
+            break
+    if grown > 0:
+        balance_shares(context)
 
 
 @inner
 def balance_shares(context: Context) -> None:
     """Solve for the shares with which dg/dt (of contacts g̈) of all sliding functions is zero."""
+    solve_responses(context, context.response, 0.5, 1.0)
+    for c in range(context[ft.SLIDING_COUNT]):
+        context.share[context.sliding_functions[c]] = context.right_side[c]
+
+
+@inner
+def solve_responses(context: Context, matrix: Vector, rest: float, level: float) -> None:
+    """Write the shares with which the responses of `matrix` cancel the base's into RIGHT_SIDE.
+
+    What rests has the share `rest`. Of many solutions it is that nearest to `level` times the
+    middle of the bounds; NaN where there are none.
+    """
     s, count = context[ft.SWITCHES], context[ft.SLIDING_COUNT]
-    matrix, right, copy = context.response, context.right_side, context.response_copy
+    right, copy = context.right_side, context.response_copy
     high, middle, reach = context.share_high, context.response_rates, context.response_column
     for i in range(count):
         right[i] = -context.base_response[i]
     for i in range(count * count):
         copy[i] = matrix[i]
-    keep_resting(context, 0.5)
+    keep_resting(context, rest)
     if solve_equilibrated(copy, right, count, context.response_pivots, SAME_HOLD) != 0:
         for c in range(count):
             k = context.sliding_functions[c]
@@ -128,6 +150,7 @@ def balance_shares(context: Context) -> None:
             reach[c] = 1.0 if context.rigid[k] >= 0 else 0.5 * (high[k] - context.share_low[k])
             if context.stiction_place[k] >= 0:
                 middle[c], reach[c] = 0.0, context.stiction_units[s + k] / context.stiction_units[k]
+            middle[c] *= level
         for i in range(count):
             right[i] = -context.base_response[i]
             for c in range(count):
@@ -137,8 +160,6 @@ def balance_shares(context: Context) -> None:
         failed = solve_least(context, SAME_HOLD)
         for i in range(count):
             right[i] = right[i] + middle[i] if failed == 0 else np.nan
-    for c in range(count):
-        context.share[context.sliding_functions[c]] = right[c]
 
 
 @inner
@@ -172,14 +193,15 @@ def mix_reactions(context: Context, t: float, q: Vector, v: Vector, lam: Vector)
     """Fill REACTION for the combined multipliers `lam`, which must just have been evaluated."""
     p, modes, sliding = context.parameters, context.kernel_modes, context.sliding_functions
     base, other = context.base_reaction, context.unit_reaction
-    base_lam, mixed = context.base_multipliers, context.mixed_multipliers
+    base_lam, mixed = context.given_multipliers, context.mixed_multipliers
     count = context[ft.SLIDING_COUNT]
-    for c in range(count):
-        set_unit(context, sliding[c], 0)
+    gather_prescribed(context)
     abi.reactions_of(context)(t, q, v, p, lam, base)
     abi.switched_reactions_of(context)(t, q, v, p, modes, base_lam, base)
     copy_vector(base, context.reaction)
     for c in range(count):
+        if is_prescribed(context, sliding[c]):
+            continue
         for i in range(base_lam.size):
             mixed[i] = base_lam[i] + context.unit_multipliers[c, i]
         set_unit(context, sliding[c], 1)
@@ -188,6 +210,18 @@ def mix_reactions(context: Context, t: float, q: Vector, v: Vector, lam: Vector)
         set_unit(context, sliding[c], 0)
         for i in range(base.size):
             context.reaction[i] += context.share[sliding[c]] * (other[i] - base[i])
+
+
+@inner
+def gather_prescribed(context: Context) -> None:
+    """Fill GIVEN_MULTIPLIERS, of all that kernels take from `p`, and put it there."""
+    copy_vector(context.base_multipliers, context.given_multipliers)
+    for c in range(context[ft.SLIDING_COUNT]):
+        k = context.sliding_functions[c]
+        if is_prescribed(context, k):
+            axpy(context.share[k], context.unit_multipliers[c], context.given_multipliers)
+        else:
+            set_unit(context, k, 0)
     write_forces(context)
 
 

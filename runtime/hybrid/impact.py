@@ -8,8 +8,11 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.modes_and_event_kinds import FREE, SLIDING
+from runtime.core.unowned_array_views import view
 from runtime.hybrid import filippov_shares as shares
+from runtime.hybrid.friction_beside_sliding import put_friction_on_law
 from runtime.hybrid.redundant_sliding import is_resting, solve_least
+from runtime.hybrid.stiction_force import is_prescribed
 from runtime.linalg.lu import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
 from runtime.linalg.vectors import axpy, copy_vector, largest_magnitude
@@ -37,6 +40,7 @@ def evaluate_free_gap(context: Context, t: float, q: Vector, v: Vector, first: i
     shares.evaluate_units(context, t, q, v, context.modes)
     if context[ft.SLIDING_COUNT] > 0:
         shares.solve_shares(context, t, q, v)
+        put_friction_on_law(context, t, q, v)
         shares.combine_accelerations(context, a)
     abi.gap_accelerations_of(context)(t, q, v, a, context.parameters, gaps)
     return float(gaps[context.rigid[first]])
@@ -50,10 +54,32 @@ def close_contacts(context: Context, first: int, t: float, q: Vector, v: Vector)
     for k in range(context[ft.SWITCHES]):
         touches = abs(gaps[k]) <= ON_SURFACE * find_largest_gap(context, k)
         if context.rigid[k] < 0 and modes[k] == SLIDING:
-            modes[k] = FREE if context.stiction_place[k] >= 0 else 0
+            modes[k] = FREE if is_prescribed(context, k) else 0
         elif context.rigid[k] >= 0 and touches:
             modes[k] = SLIDING
     modes[first] = SLIDING
+
+
+@inner
+def evaluate_directions(context: Context, t: float, q: Vector, v: Vector) -> None:
+    """Fill the units of the functions in sliding mode, without friction that they would cause.
+
+    Friction that sticks elsewhere is free meanwhile, and friction that creeps exerts nothing where
+    nothing moves; what acts beside a condition depends on the velocities.
+    """
+    free, still = context.candidate_modes, view(context.weights, v.size, v.size)
+    copy_vector(context.modes, free)
+    copy_vector(v, still)
+    if context[ft.SUPERPOSES] == 0:
+        moves = False
+        for k in range(context[ft.SWITCHES]):
+            prescribed = is_prescribed(context, k)
+            moves = moves or (free[k] == SLIDING and not prescribed)
+            if free[k] != SLIDING and context.rigid[k] < 0 and prescribed:
+                free[k] = FREE
+        if not moves:
+            still.fill(0.0)
+    shares.evaluate_units(context, t, q, still, free)
 
 
 @inner
@@ -112,7 +138,7 @@ def apply_impact(context: Context, first: int, t: float, state: int) -> float:
     before, sliding_count = modes[first], context[ft.SLIDING_COUNT]
     copy_vector(modes, former)
     close_contacts(context, first, t, q, v)
-    shares.evaluate_units(context, t, q, v, modes)
+    evaluate_directions(context, t, q, v)
     sweep_impulses(context, t, q, v)
     for k in range(context[ft.SWITCHES]):
         modes[k] = int(former[k])
@@ -167,7 +193,7 @@ def return_to_surfaces(context: Context, t: float, state: int) -> int:
     """
     p, right, copy = context.parameters, context.right_side, context.response_copy
     q, v = ws.positions(context, state), ws.velocities(context, state)
-    shares.evaluate_units(context, t, q, v, context.modes)
+    evaluate_directions(context, t, q, v)
     count = context[ft.SLIDING_COUNT]
     # First the gaps, then the velocities.
     for level in range(0 if context[ft.RIGID_COUNT] > 0 else 1, 2):

@@ -14,6 +14,7 @@ from runtime.core.jit import addressed, inner
 from runtime.core.state_derivative import write_derivative
 from runtime.core.unowned_array_views import view
 from runtime.hybrid import filippov_shares as shares
+from runtime.hybrid.friction_beside_sliding import put_friction_on_law
 from runtime.hybrid.stiction_force import write_forces
 from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
 
@@ -46,6 +47,7 @@ def evaluate_modified_accelerations(
     else:
         weak = shares.evaluate_units(context, t, q, v, modes)
         shares.solve_shares(context, t, q, v)
+        put_friction_on_law(context, t, q, v)
         write_forces(context)
         shares.combine_accelerations(context, a)
         copy_vector(context.base_multipliers, lam)

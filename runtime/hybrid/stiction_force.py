@@ -33,13 +33,22 @@ def set_unit(context: Context, k: int, mode: int) -> None:
 
 
 @inner
+def is_prescribed(context: Context, k: int) -> bool:
+    """Whether kernels take from `p` what keeps function `k` at zero."""
+    return bool(context.stiction_place[k] >= 0 or context.share_place[k] >= 0)
+
+
+@inner
 def write_forces(context: Context) -> None:
-    """Write the stiction forces into `p`, for kernels in mode 2."""
+    """Write the stiction forces, and shares that kernels take, into `p`, for kernels in mode 2."""
     for c in range(context[ft.SLIDING_COUNT]):
         k = context.sliding_functions[c]
-        place = context.stiction_place[k]
+        place, share_place = context.stiction_place[k], context.share_place[k]
         if place >= 0:
             context.parameters[place] = -context.share[k] * context.stiction_units[k]
+        if share_place >= 0:
+            context.parameters[share_place] = context.share[k]
+            context.kernel_modes[k] = PRESCRIBED
 
 
 @inner

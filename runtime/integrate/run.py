@@ -3,14 +3,13 @@
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from codegen.errors import AnalysisError
 from codegen.termination_signals import SignalDeferral
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Integers, Matrix, Vector
+from runtime.core.array_types import Integers, Vector
 from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
 from runtime.core.system import System
@@ -37,15 +36,6 @@ Change = Callable[["Run", int], tuple["Run", int]]
 It answers with those with which the run goes on, perhaps in other coordinates.
 """
 
-States = tuple[Vector, Matrix, Matrix]
-"""Times (k,) of samples, and their coordinates and velocities, (k, n) each."""
-
-Watch = Callable[[float, Callable[[], States]], bool]
-"""Called between chunks with the time reached and the samples so far; True ends the run.
-
-Where a run goes on in other coordinates, the samples are those since then, in all coordinates.
-"""
-
 _FIRST_CHUNK = 128  # measured: steps before an interrupt is heard, as before the run
 _LONGEST_CHUNK = 16384  # safety: steps before an interrupt is heard, at most
 _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
@@ -58,26 +48,18 @@ _CLOSE = 1e-6  # safety: of the run; nearer to a pole or a lock-up, that is why 
 
 
 def integrate(
-    system: System, problem: Problem, options: Options, progress: Progress | None = None,
-    watch: Watch | None = None,
-) -> Trajectory:  # fmt: skip
+    system: System, problem: Problem, options: Options, progress: Progress | None = None
+) -> Trajectory:
     """Integrate an initial-value problem.
 
     `progress` is called now and then with the time reached and the number of steps taken. A
     `KeyboardInterrupt`, here or, after 128 steps, from the keyboard, ends the run with what was
     computed; one from the keyboard before that, or in the last steps, is raised. Raises InputError
-    with everything that is wrong with the problem and its options. A run that `watch` ends has the
-    outcome `INACCURATE`.
+    with everything that is wrong with the problem and its options.
     """
     check(system, problem, options)
-    change = None if watch is None else partial(_end_where_watched, watch)
-    path = Run(system, problem, options).execute(progress, change)
+    path = Run(system, problem, options).execute(progress)
     return replace(path, events=in_order(path.events, path.final_t, system.rigid))
-
-
-def _end_where_watched(watch: Watch, run: "Run", code: int) -> tuple["Run", int]:
-    ends = code == _GOING and watch(float(run.state.record["t"]), run.states)
-    return run, int(Outcome.INACCURATE) if ends else code
 
 
 def initial_modes(
@@ -206,12 +188,6 @@ class Run:
             if code in (*_STUCK, Outcome.CONTRADICTED):
                 code = run._end_at_lock_up(run._end_at_pole(code))
         return run.result(Outcome(code), time.thread_time() - began)
-
-    def states(self) -> States:
-        """The samples since the start, or since the run took over from another."""
-        t, y, _ = self.recording.samples()
-        n = self.state.system.coordinates
-        return t, y[:, :n], y[:, n:]
 
     def _end_at_pole(self, code: int) -> int:
         """The outcome of a run whose steps get ever shorter up to an instant known beforehand."""

@@ -103,6 +103,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         ft.POWER_ROWS: system.power_rows,
         ft.POWER_OF_MULTIPLIERS: int(system.powers_of_multipliers),
         ft.LOOPS: system.loops,
+        ft.SUPERPOSES: int(system.superposes),
         ft.PLAN_SIZE: plan_capacity(m, nonzeros),
         ft.WORKSPACE_SIZE: 2 * n * ws.ROWS,
         ft.SWITCHING_SIZE: s * ws.SWITCH_ROWS,
@@ -135,6 +136,7 @@ def _describe_switches(system: System, p: Vector, arrays: dict[str, Any]) -> Non
     """Fill in what is known of the switching functions before a run."""
     low, high = arrays["share_low"], arrays["share_high"]
     arrays["rigid"][:], arrays["limits"][:], arrays["stiction_place"][:] = -1, -1, -1
+    arrays["share_place"][:] = -1
     arrays["rigid"][list(system.rigid)] = np.arange(len(system.rigid))
     arrays["sticks"][list(system.sticking)] = 1
     arrays["boundary"][: len(system.boundaries)] = system.boundaries
@@ -142,6 +144,8 @@ def _describe_switches(system: System, p: Vector, arrays: dict[str, Any]) -> Non
     for k, force, limit in system.limits:
         arrays["limits"][2 * k : 2 * k + 2] = force, limit
     system.holds(p, low, high)
+    for k, slot in system.shares:
+        arrays["share_place"][k] = slot
     for k, slot in system.stiction:
         arrays["stiction_place"][k] = slot
         # Shares are of a force in units, from no force.

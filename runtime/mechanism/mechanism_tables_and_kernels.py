@@ -58,6 +58,7 @@ class Mechanism:
         rows, columns = description.jacobian_rows, description.jacobian_columns
         n, m = len(description.coordinates), len(description.constraints)
         parameters = len(description.parameters)
+        shares = parameters + len(description.stiction)
         return replace(
             common_system(description, kernels, rows, columns, n, m),
             reaction_rows=len(description.reactions),
@@ -66,6 +67,8 @@ class Mechanism:
             powers_of_multipliers=_depend_on_multipliers(description, kernels),
             limits=description.friction_limits,
             stiction=tuple((k, parameters + i) for i, k in enumerate(description.stiction)),
+            shares=tuple((k, shares + i) for i, k in enumerate(description.shares)),
+            superposes=description.superposes,
             independent=self.independent,
         )
 

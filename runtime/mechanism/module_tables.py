@@ -59,6 +59,7 @@ class Description(NamedTuple):
     kernels: frozenset[str] = frozenset()  # what the module defines, its kernels among it
     rigid: Table[RigidContact] = Table()
     stiction: tuple[int, ...] = ()
+    shares: tuple[int, ...] = ()  # switches of which the share of both modes stands in `p`
     weak_pivot: float = 0.0  # part of its reference below which a pivot is weak; 0: none is watched
     time_functions: tuple[TimeFunction, ...] = ()
     conditions: tuple[ConditionRow, ...] = ()  # on parameters, judged before each run
@@ -125,6 +126,12 @@ class Description(NamedTuple):
         )
 
     @property
+    def superposes(self) -> bool:
+        """Whether forces that keep functions at zero add up: no friction beside them follows."""
+        rubbing = sum(row.kind == "friction" for row in self.effects)
+        return not self.shares and (not self.stiction or rubbing < 2)
+
+    @property
     def is_length(self) -> npt.NDArray[np.bool_]:
         """True for coordinates that are lengths, shape (n,); the typical size of others is 1."""
         return np.array([row.is_length for row in self.coordinates], dtype=np.bool_)
@@ -149,7 +156,8 @@ def describe(module: ModuleType) -> Description:
             literals[name] = np.array(literals.get(name, ()), dtype=np.int64)
     literals["conditions"] = tuple(map(ConditionRow._make, literals.get("conditions", ())))
     literals["profiles"] = tuple(map(ProfileRow._make, literals.get("profiles", ())))
-    literals["stiction"] = tuple(switch for _, switch in literals.get("stiction", ()))
+    for name in ("stiction", "shares"):
+        literals[name] = tuple(switch for _, switch in literals.get(name, ()))
     literals["time_functions"] = tuple(
         TimeFunction(name, role, watched, tuple(_row_with_table(module, row) for row in rows))
         for name, role, watched, rows in literals.get("time_functions", ())

@@ -39,10 +39,13 @@ class Reduced:
     def system(self) -> System:
         """The reduced equations, as the integrator takes them."""
         n, m = len(self.kept), len(self.closures)
+        behind = len(self.description.parameters) + len(self.branches)
         return replace(
             common_system(self.description, self.kernels, *self.jacobian, n, m),
             dead_centres=self.dead_centres,
             loops=len(self.branches),
+            shares=tuple((k, behind + i) for i, k in enumerate(self.description.shares)),
+            superposes=self.description.superposes,
             **self.tangents._asdict(),
         )
 

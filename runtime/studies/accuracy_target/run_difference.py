@@ -20,7 +20,7 @@ DIVERGED = 0.1  # accuracy: scaled difference of runs that have nothing in commo
 ROUNDING = 2e-13  # accuracy: rtol from which on rounding keeps errors from falling
 
 _SCATTER = 4.0  # measured: of the errors of two runs, about a fall in proportion to rtol
-_SLOWEST = 0.76  # measured: power of rtol with which errors fall over several powers of ten
+_SLOWEST = 0.8  # measured: power of rtol with which errors fall over several powers of ten
 _LEAST = 1e-13  # accuracy: difference below which there is nothing but rounding
 _MOST = 1e-2  # accuracy: difference from which on it no longer grows as a small one does
 _STRAY = 10.0  # measured: difference over the second run's motion from which on it is an error
@@ -239,18 +239,6 @@ class Pair:
         return max(share, _LEAST_SHARE) if largest >= DIVERGED else share
 
     @property
-    def estimate(self) -> float:
-        """Estimated error of the tighter run."""
-        return self.share * self.difference.largest
-
-    @property
     def by_merit(self) -> tuple[Run, Run]:
         """The run that is the result, and the one with which it was compared."""
         return (self.loose, self.tight) if self.tight_fails else (self.tight, self.loose)
-
-
-def compare(loose: Run, tight: Run, quantities: Quantities, target: float) -> Pair:
-    """Two runs, at the instants that both reached."""
-    t = min(loose.path.t, tight.path.t, key=len)
-    found = difference(t, loose.values, tight.values, quantities, tight.wholes)
-    return Pair(loose, tight, found, is_resolved(found, tight.values[: len(t)], target))

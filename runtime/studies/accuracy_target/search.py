@@ -6,11 +6,12 @@ compared with another of much tighter tolerance. Their difference is the error o
 of the second if that is larger by chance. From the first to the second, errors fall by the ratio of
 the tolerances as a rule; `run_difference` says what is counted on. If the estimate is below the
 target, the second run is the result; otherwise the difference shows how much tighter the next run
-must be. A run that is seen to differ by too much is ended early.
+must be.
 
-A method of order eight costs a third more for a tenth of the tolerance, so that a first run with
-two thousand times the tolerance of the second costs half as much, and scatter matters little over
-so wide a gap. With an implicit method, where it costs more, the gap is narrower.
+A method of order eight costs a third more for a tenth of the tolerance, and less where events cut
+its steps. A first run with a thousand times the tolerance of the second costs half as much, and
+scatter matters little over so wide a gap; from runs that are nearer, and may err alike, less is
+concluded. With an implicit method, where it costs more, the gap is narrower.
 
 Reduced coordinates are two to four times as fast, and contain the derivatives that implicit methods
 take; both are companion modules, whose first build takes seconds. They are taken only if they are
@@ -31,33 +32,35 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import finish_simulation
-from runtime.integrate.method import LEADING, REGISTER
+from runtime.integrate.method import IMPLICIT, LEADING, REGISTER
 from runtime.integrate.problem import Correction, Formulation, Options
+from runtime.integrate.trajectory import Trajectory
 from runtime.integrate.wiring import function_table
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
 from runtime.studies.accuracy_target import run_difference as runs
-from runtime.studies.accuracy_target.early_termination import EarlyTermination
 from runtime.studies.accuracy_target.result_with_estimated_error import with_accuracy
 from runtime.studies.accuracy_target.run_difference import Pair, Quantities, Run
-from runtime.studies.accuracy_target.tolerance_selection import (
-    MARGIN,
-    first_tolerance,
-    implicit_tolerance,
-    next_tolerance,
-    second_tolerance,
-    tightest_tolerance,
-)
 from runtime.studies.series_by_name import require_numbers
 from runtime.studies.timing import processor_time
 
 POINTS = 501  # output instants if the user gives none
 
-_DECAY = 2.0  # measured: -h Re λ in explicit steps from which on an implicit method costs less,
-_COARSE = 5e-9  # measured: and its rtol down to which it does
+_FIRST, _SLOPE = 5e-4, 0.9  # measured: rtol of the first run for a target of 1e-3; its power law
+_LOOSEST, _TIGHTEST = 1e-3, 1e-14  # safety: rtol of any run
+_LAST = 3e-14  # measured: the same where errors are small; a tighter run errs more, by rounding
+_WIDE = 1e-3  # measured: rtol of the second run over that of the first
+_STIFF = 0.03  # measured: the same with an implicit method
+_CHANGED = 1.5e-3  # measured: the same with an implicit method after an explicit one
+_DECAY = 2.7  # measured: -h Re λ in explicit steps from which on an implicit method costs less,
+_COARSE = 1e-8  # measured: and its rtol down to which it does
 _SHORT = 25  # measured: such steps below which BDF, which begins at order one, is not worth it
+_NEAR, _FAR = 0.1, 1e-6  # safety: rtol of later runs over that of the last
+_EXPECTED_POWER = 0.85  # measured: power of rtol with which errors are expected to fall
+_MARGIN = 0.5  # safety: share of the target that a run is planned for, and judged by
+_NEXT = 0.03  # measured: rtol of the next run over that of the last, if that shows nothing
 _MOST_RUNS = 8  # safety
 _SAMPLED = 1e-3  # safety: longest step, of the whole time, where runs agree to the last digit
 
@@ -122,8 +125,8 @@ class _Search:
     progress: Progress
     signals: SignalDeferral = field(default_factory=lambda: SignalDeferral(computing=True))
     runs: list[Run] = field(default_factory=list)
-    compared: list[Run] = field(default_factory=list)  # those that went to the end
-    pair: Pair | None = None  # the evidence: the last run and that from which it was compared best
+    pair: Pair | None = None  # the last runs that were compared
+    contradiction: str = ""  # what a check says of a run in reduced coordinates
 
     def result(self, began: float) -> Result:
         """Run until the target is met, cannot be met, or the user interrupts."""
@@ -135,25 +138,27 @@ class _Search:
                 return self._interrupted(began)
 
     def _search(self, began: float) -> Result:
-        choice, rtol = self._first_choice(), first_tolerance(self.target)
+        choice = self._first_choice()
+        rtol = min(max(_FIRST * (self.target / 1e-3) ** _SLOPE, _LAST / _WIDE), _LOOSEST)
         while True:  # until there is a run that can be compared with others
             first = self._run(choice, rtol)
             previous, choice = choice, self._revised(choice, first)
             if choice.formulation == previous.formulation:
                 break
-        self.compared = [first]
-        last = self._compare(choice, second_tolerance(choice.method, self.target, rtol, first.path))
-        if self._is_unseen(last):
+        second = max(_LAST, rtol * _second_ratio(choice, first.path))
+        pair = self._compare(choice, second, first)
+        if self._is_unseen(pair):
             longest = min(self.options.h_max or np.inf, self._sampled)
             self.options = replace(self.options, h_max=longest)
-            self.compared = [last.tight]
-            last = self._compare(choice, last.tight.options.rtol)
-        while not self._is_final(last):
-            last = self._compare(choice, next_tolerance(last, self.target))
-        pair = self.pair or last
+            pair = self._compare(choice, pair.tight.options.rtol, pair.tight)
+        while not self._is_final(pair):
+            pair = self._compare(choice, self._tighter(pair), pair.tight)
         run, _ = pair.by_merit
         ready, coordinates = self.ready, choice.coordinates
         result = finish_simulation(ready, coordinates, run.options, began, silent, run.path)
+        if result.outcome is Outcome.CONTRADICTED and choice.formulation == "reduced":
+            self.formulation, self.contradiction = "cartesian", result.message
+            return self._search(began)
         return with_accuracy(result, self.target, self.quantities, self.runs, pair, choice.reasons)
 
     def _interrupted(self, began: float) -> Result:
@@ -180,6 +185,8 @@ class _Search:
 
     def _first_choice(self) -> _Choice:
         """Method and coordinates of the first run."""
+        if self.contradiction:
+            return self._choice("cartesian", f"reduced coordinates fail ({self.contradiction})")
         if self.formulation is not None:
             return self._choice(self.formulation)
         reason = "reduced coordinates are not built (python -m codegen build --reduced)"
@@ -199,7 +206,7 @@ class _Search:
             end = f"t = {run.final_t:.6g} s ({run.outcome.name})"
             return self._choice("cartesian", f"in reduced coordinates the run ends at {end}")
         if choice.method == "auto" and self.method is None and len(run.methods) == 1:
-            if run.decay < _DECAY or implicit_tolerance(self.target) < _COARSE:
+            if run.decay < _DECAY or first.options.rtol * _CHANGED < _COARSE:
                 return choice._replace(method=LEADING)
             # In too few steps for the run to change by itself.
             return choice._replace(method="radau5" if run.statistics.steps < _SHORT else "bdf")
@@ -213,34 +220,15 @@ class _Search:
         coordinates = formulate(ready, formulation, method, self.correction)
         return _Choice(method, formulation, coordinates, reasons)
 
-    def _compare(self, choice: _Choice, rtol: float) -> Pair:
-        """Another run, compared with all before it; its pair with the last of them.
-
-        The pair that shows the smallest error is the evidence. A run that will not do is ended.
-        """
-        while (watch := self._early_termination(rtol)) is not None:
-            tight = self._run(choice, rtol, watch)
-            if watch.following is None:
-                break
-            tight.difference, rtol = watch.largest[-1], watch.following
-        else:
-            tight = self._run(choice, rtol)
-        pairs = [runs.compare(one, tight, self.quantities, self.target) for one in self.compared]
-        self.compared.append(tight)
-        tight.difference = pairs[-1].difference.largest
-        near = [one for one in pairs if one.conclusive and one.difference.largest < runs.DIVERGED]
-        self.pair = min(near, key=lambda one: one.estimate, default=pairs[-1])
-        return pairs[-1]
-
-    def _early_termination(self, rtol: float) -> EarlyTermination | None:
-        """What ends a run of this tolerance early; None where it has to be made in any case."""
-        whole = all(run.path.outcome is Outcome.OK for run in self.compared)
-        useful = rtol > runs.ROUNDING and len(self.runs) < _MOST_RUNS // 2
-        if not (self.quantities.are_states and whole and useful):
-            return None
-        begin, end = self.ready.begin.t, self.ready.t_end
-        permitted = MARGIN * self.target
-        return EarlyTermination(rtol, self.compared, permitted, self.quantities, begin, end)
+    def _compare(self, choice: _Choice, rtol: float, loose: Run) -> Pair:
+        """Another run, of a tighter tolerance, compared with an earlier one."""
+        tight = self._run(choice, rtol)
+        t = min(loose.path.t, tight.path.t, key=len)
+        found = runs.difference(t, loose.values, tight.values, self.quantities, tight.wholes)
+        tight.difference = found.largest
+        resolved = runs.is_resolved(found, tight.values[: len(t)], self.target)
+        self.pair = Pair(loose, tight, found, resolved)
+        return self.pair
 
     @property
     def _sampled(self) -> float:
@@ -250,21 +238,31 @@ class _Search:
     def _is_unseen(self, pair: Pair) -> bool:
         """Whether both runs may have stepped over the same pulse, as motions without error show.
 
-        Runs with many steps are believed where another quantity differs: no pulse was there.
+        Runs with many steps are believed where another quantity differs: they met no pulse there.
         """
         steps = pair.loose.path.statistics.steps
         return pair.agrees and (pair.difference.largest == 0.0 or steps * _SAMPLED < 1.0)
 
-    def _is_final(self, last: Pair) -> bool:
+    def _is_final(self, pair: Pair) -> bool:
         """Whether no further run is needed, or helps."""
-        pair, rtol = self.pair or last, last.tight.options.rtol
-        margin = MARGIN if rtol > runs.ROUNDING else 1.0  # a tighter run errs as much
-        small = pair.difference.largest < runs.DIVERGED and pair.estimate <= margin * self.target
+        largest, rtol = pair.difference.largest, pair.tight.options.rtol
+        margin = _MARGIN if rtol > runs.ROUNDING else 1.0  # a tighter run errs as much
+        small = largest < runs.DIVERGED and pair.share * largest <= margin * self.target
         if pair.conclusive and small:
             return True
-        return last.tight_fails or rtol <= tightest_tolerance(last) or len(self.runs) >= _MOST_RUNS
+        return pair.tight_fails or rtol <= _tightest(pair) or len(self.runs) >= _MOST_RUNS
 
-    def _run(self, choice: _Choice, rtol: float, watch: EarlyTermination | None = None) -> Run:
+    def _tighter(self, pair: Pair) -> float:
+        """rtol of the next run, so that its estimated error is the target less a margin."""
+        largest, rtol = pair.difference.largest, pair.tight.options.rtol
+        if largest >= runs.DIVERGED or not pair.conclusive:
+            return max(_TIGHTEST, _NEXT * rtol)
+        error = largest * (rtol / pair.loose.options.rtol) ** _EXPECTED_POWER
+        factor = runs.sufficient_ratio(_MARGIN * self.target / error)
+        following = rtol * min(_NEAR, max(_FAR, factor))
+        return max(following, runs.ROUNDING if rtol > runs.ROUNDING else _tightest(pair))
+
+    def _run(self, choice: _Choice, rtol: float) -> Run:
         """A run; the longest step, where it bounds the error, decreases as tolerances do.
 
         Otherwise all runs would have the same steps, and their difference not show their error.
@@ -278,11 +276,9 @@ class _Search:
         ready, coordinates, quantities = self.ready, choice.coordinates, self.quantities
         options = replace(
             self.options, method=choice.method, rtol=rtol, h_max=longest,
-            correction=coordinates.correction, chunk=None if watch is None else watch.chunk,
+            correction=coordinates.correction,
         )  # fmt: skip
-        path, seconds = processor_time(
-            lambda: ready.run(coordinates, options, self.progress, watch)
-        )
+        path, seconds = processor_time(lambda: ready.run(coordinates, options, self.progress))
         if quantities.are_states:
             values, wholes = quantities.of_run(path.q, path.v), np.zeros(1)
         else:
@@ -295,3 +291,19 @@ class _Search:
         if self.signals.arrived or path.outcome is Outcome.INTERRUPTED:
             raise _InterruptedError
         return self.runs[-1]
+
+
+def _second_ratio(choice: _Choice, first: Trajectory) -> float:
+    """rtol of the second run, with this choice, over that of the first.
+
+    A first run whose steps stability limits errs by much more than its tolerance suggests.
+    """
+    if any(method in IMPLICIT for _, method in first.methods):
+        return _STIFF
+    return _CHANGED if choice.method in IMPLICIT else _WIDE
+
+
+def _tightest(pair: Pair) -> float:
+    """Tightest rtol after these two runs."""
+    near = pair.conclusive and pair.difference.largest < runs.DIVERGED
+    return _LAST if near else _TIGHTEST

@@ -1,0 +1,134 @@
+"""Friction that follows from a reaction and slides, while something else sticks or is closed.
+
+A crank turns in a bearing that rubs and carries a weight on a guide. The force that keeps the
+weight in its place adds to the load of the bearing, whose friction, μ r |F|, is not linear in it.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from codegen import Model
+from runtime import load
+from runtime.core.outcomes import Outcome
+from runtime.machine_facade import Machine
+
+CRANK, INERTIA, WEIGHT, SMALL = 1.0, 0.8, 0.7, 0.05  # kg, kg m², kg, kg m²
+INNER, OUTER, G = 0.2, 0.4, 9.81  # m: from the bearing to the centres of mass
+MU, RADIUS, CREEP = 0.4, 0.15, 0.7
+PLACE = {
+    "guide": 0.3, "pad": 0.3, "guide and pad": 0.3, "stop": 1.2, "stop and guide": 1.2,
+}  # fmt: skip
+
+
+def machine(folder: Path, *, creep: bool, keep: str) -> Machine:
+    """The weight is kept by the friction of its guide, by a pad, by a stop, or by two of them."""
+    m = Model("kept_weight", gravity=(0, -G))
+    crank = m.body("crank", mass=CRANK, inertia=INERTIA)
+    weight = m.body("weight", mass=WEIGHT, inertia=SMALL)
+    bearing = m.revolute("bearing", m.ground.at(0, 0), crank.at(-INNER, 0))
+    guide = m.translational("slot", crank, weight, axis=(1, 0))
+    law = {"creep": CREEP} if creep else {}
+    m.friction("rub", bearing, MU, radius=RADIUS, **law)
+    m.friction("guide", guide, 0.9)
+    m.dry_friction("pad", crank, weight, axis=(1, 0), normal=9.0, coefficient=0.8)
+    seat = crank.at(OUTER - INNER, 0)
+    m.contact("stop", seat, weight, direction=(1, 0), restitution=0.0)
+    phi = PLACE[keep]
+    place = {"x": np.cos(phi), "y": np.sin(phi)}
+    start = {crank.phi: phi, crank.omega: 0.9, weight.x: OUTER * place["x"]}
+    start |= {weight.vx: -0.9 * OUTER * place["y"]}
+    guess = {weight.y: OUTER * place["y"], crank.x: INNER * place["x"], weight.phi: phi}
+    guess |= {crank.y: INNER * place["y"]}
+    m.scene("s", ["gravity", "rub", *keep.split(" and ")], start=start, guess=guess)
+    return load(m, "s", folder=folder)
+
+
+def exact(phi: float, omega: float, *, creep: bool) -> tuple[float, float]:
+    """Angular acceleration and friction of the crank with the weight as one body."""
+    outward, along = np.array([np.cos(phi), np.sin(phi)]), np.array([-np.sin(phi), np.cos(phi)])
+    grip = MU * RADIUS * (np.tanh(omega / CREEP) if creep else np.sign(omega))
+    parts = ((CRANK, INNER), (WEIGHT, OUTER))
+    inertia = INERTIA + SMALL + sum(mass * arm**2 for mass, arm in parts)
+    moment = -G * np.cos(phi) * sum(mass * arm for mass, arm in parts)
+    alpha = friction = 0.0
+    for _ in range(300):  # each round is closer by μ r times mass and arm over inertia
+        load = sum(
+            mass * (arm * (alpha * along - omega**2 * outward) + np.array([0.0, G]))
+            for mass, arm in parts
+        )
+        friction = float(-grip * np.hypot(*load))
+        alpha = (moment + friction) / inertia
+    return float(alpha), friction
+
+
+@pytest.mark.parametrize("creep", [False, True])
+@pytest.mark.parametrize("keep", PLACE)
+def test_friction_that_slides_is_on_its_law(tmp_path: Path, creep: bool, keep: str) -> None:
+    instants = [0.0, 0.02, 0.05]
+    run = machine(tmp_path, creep=creep, keep=keep).simulate(
+        0.05, instants, rtol=1e-11, progress=False
+    )
+    assert run.outcome is Outcome.OK
+    span = np.hypot(run.q("weight.x"), run.q("weight.y"))
+    np.testing.assert_allclose(span, OUTER, rtol=0, atol=1e-12)
+    for k in range(len(instants)):
+        phi, omega = run.q("crank.phi")[k], run.v("crank.omega")[k]
+        alpha, friction = exact(phi, omega, creep=creep)
+        assert run.reaction("rub", "torque")[k] == pytest.approx(friction, rel=1e-11)
+        assert run.a("crank.omega")[k] == pytest.approx(alpha, rel=1e-11)
+        law = MU * RADIUS * np.hypot(*(run.reaction("bearing", f)[k] for f in ("fx", "fy")))
+        law *= np.tanh(omega / CREEP) if creep else 1.0
+        assert run.reaction("rub", "torque")[k] == pytest.approx(-law, rel=1e-12)
+
+
+def test_breaks_loose_where_its_own_force_reaches_its_limit(tmp_path: Path) -> None:
+    """At the event the force of the guide is μ_s N of the same motion."""
+    run = machine(tmp_path, creep=False, keep="guide").simulate(
+        1.0, np.linspace(0.0, 1.0, 11), rtol=1e-11, progress=False
+    )
+    (loose,) = [e for e in run.events if e.name.startswith("guide")][:1]
+    crank = run.description.coordinates.names.index("crank.phi")
+    phi, omega = loose.q[crank], loose.v[crank]
+    alpha, _ = exact(phi, omega, creep=False)
+    force = WEIGHT * (G * np.sin(phi) - omega**2 * OUTER)
+    # The moment of the weight about its centre is borne by the slot, which presses by its force.
+    normal = WEIGHT * (G * np.cos(phi) + alpha * OUTER)
+    assert abs(force) == pytest.approx(0.9 * abs(normal), rel=1e-9)
+
+
+@pytest.mark.parametrize("law", [{}, {"creep": CREEP}])
+def test_impact_has_no_impulse_of_friction(tmp_path: Path, law: dict[str, float]) -> None:
+    """The tip of a double pendulum strikes a floor: velocities as without friction."""
+    after = []
+    for effects in (["gravity", "floor"], ["gravity", "floor", "rub"]):
+        m = Model("struck", gravity=(0, -G))
+        upper = m.body("upper", mass=1.0, inertia=0.1)
+        lower = m.body("lower", mass=1.0, inertia=0.1)
+        bearing = m.revolute("bearing", m.ground.at(0, 0), upper.at(-0.5, 0))
+        m.revolute("knee", upper.at(0.5, 0), lower.at(-0.5, 0))
+        m.friction("rub", bearing, 0.4, radius=0.3, **law)
+        below = np.sin(-0.4) + np.sin(-1.1)
+        tip = lower.at(0.5, 0)
+        m.contact("floor", m.ground.at(0, below), tip, direction=(0, 1), restitution=0.4)
+        start = {upper.phi: -0.4, lower.phi: -1.1, upper.omega: -1.0, lower.omega: -0.6}
+        m.scene("s", effects, start=start)
+        run = load(m, "s", folder=tmp_path / effects[-1]).simulate(
+            1e-9, [0.0, 1e-9], progress=False
+        )
+        assert run.outcome is Outcome.OK
+        after.append([run.v("upper.omega")[1], run.v("lower.omega")[1]])
+    assert np.abs(np.array(after[0]) - [-1.0, -0.6]).min() > 0.1
+    np.testing.assert_allclose(after[1], after[0], atol=1e-6)
+
+
+def test_reduced_equations_and_implicit_methods_agree(tmp_path: Path) -> None:
+    """Branches of loops precede the shares in `p` of reduced kernels."""
+    closed = machine(tmp_path, creep=True, keep="stop")
+    chosen = [{}, {"formulation": "reduced"}, {"method": "radau5"}]
+    runs = [closed.simulate(0.05, [0.0, 0.05], rtol=1e-10, progress=False, **c) for c in chosen]  # type: ignore[arg-type]
+    for run in runs[1:]:
+        assert run.outcome is Outcome.OK
+        np.testing.assert_allclose(run.samples.q, runs[0].samples.q, atol=1e-8)
+        np.testing.assert_allclose(run.samples.reaction, runs[0].samples.reaction, rtol=1e-7)
