@@ -1,9 +1,10 @@
 """Rounding of a potential whose terms cancel: what their sum does not show, its values scatter.
 
 In a row of equally spaced states a smooth function has small differences of a high order, a jump
-has large ones in its own neighbourhood, and rounding has them everywhere. Rows are made longer
-until their values follow the gradient: in a shorter one coarse rounding does not show, in a longer
-one the shape of the potential would count as rounding.
+has large ones in its own neighbourhood, and rounding has them everywhere. The shape of a potential
+that is too fine for a row has them too, but so have its slopes then: for a wave of any length the
+tenth difference of the values is no larger than the ninth one of slope times distance. In a short
+row coarse rounding does not show, as neighbours are equal; rows of many lengths are looked at.
 """
 
 import numpy as np
@@ -13,17 +14,17 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, f8, integers
 from runtime.core.jit import addressed, inner
-from runtime.core.unit_roundoff import EPS
 
-# formula: of the tenth difference
-_BINOMIAL = (1.0, -10.0, 45.0, -120.0, 210.0, -252.0, 210.0, -120.0, 45.0, -10.0, 1.0)
-_GAIN = 430.0  # formula: root of the sum of their squares
+Differences = tuple[float, float, float, float, float, float, float, float, float, float, float]
+
+_GAIN = 430.0  # formula: root of the sum of squares of the coefficients of a tenth difference
+_ORDER = 10  # measured: of the differences; lower ones see the shape of a potential more
 _BLOCKS, _EACH = 4, 8  # measured: groups of differences, of which a jump disturbs two
 _POINTS = 66  # formula: intervals of all groups
 _CERTAIN = 16.0  # measured: times the scatter that a difference of two values may be in long runs
+_SHAPE = 4.0  # safety: differences of slopes, to which those of a shape come up
 _LEAST_WAY, _LONGER = 1e-9, 10.0  # measured: of coordinates' sizes; the first row, growth of others
-_DIGITS = 4.0  # safety: roundings of V by which a sum of slopes may miss its change
-_APART = 1e-8  # safety: of a change of V; what a sum of slopes over a part of a row may miss
+_LONG, _LONGEST = 3.0, 3e3  # measured: of coordinates' sizes; ends where V scatters, and does not
 
 
 @inner
@@ -40,52 +41,54 @@ def evaluate_along(context: Context, t: float, way: float, i: int) -> float:
 
 
 @inner
-def measure_scatter(context: Context, t: float, way: float) -> float:
-    """Scatter of V along a row of states, by differences of the tenth order, J."""
-    least = np.inf
-    for block in range(_BLOCKS):
-        largest = 0.0
-        for first in range(2 * _EACH * block, 2 * _EACH * block + _EACH):
-            total = 0.0
-            for i in range(len(_BINOMIAL)):
-                total += _BINOMIAL[i] * evaluate_along(context, t, way, first + i)
-            largest = max(largest, abs(total))
-        least = min(least, largest)
-    return least / _GAIN
+def take_differences(value: float, before: Differences) -> Differences:
+    """Differences of the orders 0 to 10 that end at this value, from those one place before."""
+    d1 = value - before[0]
+    d2 = d1 - before[1]
+    d3 = d2 - before[2]
+    d4 = d3 - before[3]
+    d5 = d4 - before[4]
+    d6 = d5 - before[5]
+    d7 = d6 - before[6]
+    d8 = d7 - before[7]
+    d9 = d8 - before[8]
+    return value, d1, d2, d3, d4, d5, d6, d7, d8, d9, d9 - before[9]
 
 
 @inner
-def measure_drift(context: Context, t: float, way: float) -> float:
-    """By how much V misses the sum of its slopes in a part of a row, beyond its last digits, J."""
+def measure_scatter(context: Context, t: float, way: float) -> float:
+    """Scatter of V along a row of states, J; 0 where its shape may be the cause."""
     q, step = ws.positions(context, ws.SAMPLE), ws.positions(context, ws.DELTA)
     gradient, least = ws.second_half(context, ws.DELTA), np.inf
     for block in range(_BLOCKS):
-        first = evaluate_along(context, t, way, 2 * _EACH * block)
-        value, change, slopes = first, 0.0, 0.0
-        for i in range(2 * _EACH + 1):
+        values = slopes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        scatter, shape = 0.0, 0.0
+        for i in range(_ORDER + _EACH):
             value = evaluate_along(context, t, way, 2 * _EACH * block + i)
             abi.potential_gradient_of(context)(t, q, context.parameters, context.modes, gradient)
             slope = 0.0
             for j in range(context[ft.COORDINATES]):
                 slope += gradient[j] * step[j]
-            part = 0.5 if i % (2 * _EACH) == 0 else 1.0
-            change += part * slope
-            slopes += part * abs(slope)
-        digits = _DIGITS * EPS * max(abs(first), abs(value))
-        least = min(least, abs(value - first - change) - digits - _APART * slopes)
-    return least
+            values, slopes = take_differences(value, values), take_differences(slope, slopes)
+            if i >= _ORDER - 1:
+                shape = max(shape, abs(slopes[_ORDER - 1]))
+            if i >= _ORDER:
+                scatter = max(scatter, abs(values[_ORDER]))
+        if not np.isfinite(scatter + shape):
+            return np.nan
+        least = min(least, scatter if scatter > _SHAPE * shape else 0.0)
+    return least / _GAIN
 
 
 @addressed(f8(integers, f8))
 def measure_rounding(context: Context, t: float) -> float:
     """By how much two values of the potential about the step may differ by rounding, J."""
-    least, way = np.inf, _LEAST_WAY
-    while way <= 1.0:
-        scatter = _CERTAIN * measure_scatter(context, t, way)
+    rounding, before, way = 0.0, 0.0, _LEAST_WAY
+    while way < _LONG or (way < _LONGEST and before == 0.0):
+        before = rounding  # one row more: in the first that scatters few neighbours are apart
+        scatter = measure_scatter(context, t, way)
         if not np.isfinite(scatter):
             break
-        least = min(least, scatter)
-        if measure_drift(context, t, way) <= scatter:
-            return scatter
+        rounding = max(rounding, _CERTAIN * scatter)
         way *= _LONGER
-    return least if np.isfinite(least) else 0.0
+    return rounding

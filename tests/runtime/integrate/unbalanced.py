@@ -8,6 +8,8 @@ gusty
     One of the particles meets a gust behind a line.
 cancelling, constant
     One of the particles in potentials whose large terms cancel, or with large constants.
+arched, rooted, tilted, turning, huge
+    It starts where such a potential is flat to its last digit, or the terms are larger still.
 waves, ripples
     It meets a step that no force shows, in a potential with a shape of its own.
 bouncing
@@ -16,7 +18,7 @@ swinging
     A pendulum on a driven crank, with friction in its pin that creeps.
 """
 
-from sympy import cos, sin, tanh
+from sympy import cos, sin, sqrt, tanh
 
 from codegen import Model, t
 
@@ -48,6 +50,19 @@ model.potential("low", -1e15 + 5 * p.y**2)
 for scene, effects in (("cancelling", ["far", "back"]), ("constant", ["high", "low"])):
     model.scene(scene, effects, without=["crank", "bob", "o"],
                 start={p.x: 0.5, p.y: 0.2, p.vx: 1.0, p.vy: 0.0})  # fmt: skip
+flat = {
+    "arched": [3 + 1e8 * (1 - cos(1e-4 * p.x))],
+    "rooted": [1 + sqrt(1e16 + 2e8 * p.x**2) - 1e8],
+    "tilted": [1 + sqrt(1e16 + 2e8 * p.x**2) - 1e8 + 0.1 * p.y],
+    "turning": [1e13 * cos(p.x) + 5 * p.x**2, -1e13 * cos(p.x) + 5 * p.y**2],
+    "huge": [1e17 + 5 * p.x**2, -1e17 + 5 * p.y**2],
+}
+for scene, energies in flat.items():
+    effects = [f"{scene}_{k}" for k in range(len(energies))]
+    for name, energy in zip(effects, energies, strict=True):
+        model.potential(name, energy)
+    at = {p.x: 0.5, p.y: 0.2} if len(energies) > 1 else {p.x: 0.0, p.y: 0.0}
+    model.scene(scene, effects, without=["crank", "bob", "o"], start={**at, p.vx: 1.0, p.vy: 0.0})
 model.contact("floor", gap=p.y, restitution=0.8)
 model.scene("bouncing", ["gravity", "floor"], without=["crank", "bob", "o"],
             start={p.x: 0.0, p.y: 1.0, p.vx: 0.0, p.vy: 0.0})  # fmt: skip
