@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.energy_of_samples import describe_unexplained_energy
+from runtime.dynamics.energy_balance_at_samples import describe_unexplained_energy
 from runtime.dynamics.switches_within_tolerance import tolerance_of_switch
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory

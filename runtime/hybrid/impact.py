@@ -10,7 +10,7 @@ from runtime.core.jit import addressed, inner
 from runtime.core.modes_and_event_kinds import FREE, SLIDING
 from runtime.core.unowned_array_views import view
 from runtime.hybrid import filippov_shares as shares
-from runtime.hybrid.friction_beside_sliding import put_friction_on_law
+from runtime.hybrid.coupled_sliding_friction import put_friction_on_law
 from runtime.hybrid.redundant_sliding import is_resting, solve_least
 from runtime.hybrid.stiction_force import is_prescribed
 from runtime.linalg.lu import solve_equilibrated

@@ -14,7 +14,7 @@ from runtime.core.jit import addressed, inner
 from runtime.core.state_derivative import write_derivative
 from runtime.core.unowned_array_views import view
 from runtime.hybrid import filippov_shares as shares
-from runtime.hybrid.friction_beside_sliding import put_friction_on_law
+from runtime.hybrid.coupled_sliding_friction import put_friction_on_law
 from runtime.hybrid.stiction_force import write_forces
 from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
 
