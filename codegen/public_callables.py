@@ -10,7 +10,7 @@ from functools import wraps
 from inspect import Parameter, isfunction, signature
 from typing import Any, TypeVar
 
-from codegen.errors import InputError, LinkwrightError, ModelError, NoAttributeError
+from codegen.errors import FAILURES, InputError, LinkwrightError, ModelError, NoAttributeError
 from codegen.plain_values import genuine, one_line, plain_name, shown
 
 Class = TypeVar("Class", bound=type[Any])
@@ -217,3 +217,29 @@ def note_user_error(what: str) -> Iterator[None]:
     except BaseException as error:
         error.add_note(f"{what} raised this: it is the caller's own.")
         raise
+
+
+def unreadable(error: BaseException) -> str:
+    """What to do about an expression at which SymPy fails."""
+    if isinstance(error, RecursionError):
+        return (
+            "an expression is too deep for Python's stack: functions of functions, some hundred "
+            "one in another; write it in fewer, or as a table of its values (model.table)."
+        )
+    if isinstance(error, ValueError) and "integer string conversion" in str(error):
+        return "an expression contains a number of thousands of digits; give finite floats."
+    return (
+        f"an expression is beyond SymPy, which fails with {failure(error)}; write it in another "
+        "form, of powers, sines and the other functions that are compiled."
+    )
+
+
+@contextmanager
+def errors_at(where: str) -> Iterator[None]:
+    """Errors in the block that are not ours say where they come from."""
+    try:
+        yield
+    except LinkwrightError:
+        raise
+    except FAILURES as error:  # of an expression too deep, of SymPy
+        raise ModelError(f"{where}: {unreadable(error)}") from error
