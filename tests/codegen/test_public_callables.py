@@ -160,6 +160,26 @@ def test_what_is_declared_cannot_be_replaced() -> None:
         _ = model.revolut
 
 
+def test_what_nothing_reads_is_not_set() -> None:
+    model = machine()
+    for owner, title in (
+        (model, "model 'm'"),
+        (model.bodies["p"], "Particle 'p'"),
+        (model.ground, "Ground 'ground'"),
+        (model.bodies["a"].at(0, 0), "Point"),
+        (model.scene("s", ["gravity"]), "Scene 's'"),
+    ):
+        with pytest.raises(AttributeError, match=f"{title}: 'friction' cannot be set"):
+            owner.friction = 0.1  # type: ignore[attr-defined, union-attr]
+
+    class Crane(Model):
+        """A model with a number of its own."""
+
+    crane = Crane("crane")
+    crane.reach = 3.0  # type: ignore[attr-defined]
+    assert crane.reach == 3.0
+
+
 def test_a_scene_that_is_changed_by_hand_is_read_again() -> None:
     model = machine()
     scene = model.scene("s", effects=["gravity"])
