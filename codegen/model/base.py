@@ -107,8 +107,9 @@ class Declarations:
         raise NoAttributeError(f"a model has no {one_line(word)!r}; {hint}")
 
     def _keep(self, word: str, verb: str) -> None:
-        ours = [cls for cls in type(self).__mro__ if cls.__module__.startswith("codegen.")]
-        known = type(self) in ours or any(word in vars(of) for of in (self, *ours))
+        ours = (cls for cls in type(self).__mro__ if cls.__module__.startswith("codegen."))
+        bare = type(self).__module__.startswith("codegen.model.")  # and no subclass with its own
+        known = bare or any(word in vars(of) for of in (self, *ours))
         if known and not word.startswith("_"):
             raise NoAttributeError(
                 f"model {shown(self.name)}: {word!r} cannot be {verb}; declare with the methods of "

@@ -96,7 +96,7 @@ NONSENSE: dict[str, Callable[[Model], Any]] = {
     "model.altered: zz={}": lambda m: m.altered(zz={}),
     "model 'm': 'spring'": lambda m: setattr(m, "spring", 3),
     "model 'm': 'torque'": lambda m: delattr(m, "torque"),
-    "Body 'p': 'at'": lambda m: delattr(m.bodies["p"], "at"),
+    "Particle 'p': 'at'": lambda m: delattr(m.bodies["p"], "at"),
     "scene 's', varied: fidelity=": lambda m: valid_scenes(
         m, [_with(m).scenes["s"].with_(fidelity=[1])]
     ),
