@@ -4,7 +4,7 @@ A wrong call names the callable, what it takes and what was given. `KeyboardInte
 wish to stop and passes everywhere; all else that a user's own code raises is an answer to it.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import wraps
 from inspect import Parameter, isfunction, signature
@@ -125,31 +125,43 @@ def checked_class(cls: Class) -> Class:
     return cls
 
 
-def immutable(cls: Class) -> Class:
-    """The class with attributes that are neither set nor deleted.
+def immutable(
+    cls: Class, but: Iterable[str] = (), why: str = "what is declared stays as it is"
+) -> Class:
+    """The class with attributes that are neither set nor deleted, but for some.
 
-    Those that a subclass adds stay its own.
+    Those that a user's subclass adds stay its own.
     """
+    free = frozenset(but)
+
+    def is_library(kind: type[Any]) -> bool:
+        return kind.__module__.startswith(("codegen.", "runtime."))
 
     def is_ours(of: Any, word: str) -> bool:
         fields = getattr(cls, "__dataclass_fields__", {})
-        return type(of) is cls or word in fields or isinstance(getattr(cls, word, None), property)
+        known = word in fields or isinstance(getattr(cls, word, None), property)
+        return type(of) is cls or known or is_library(type(of))
 
     def refuse(of: Any, word: str, *_: Any) -> None:
-        if not is_ours(of, word):
+        if word in free or not is_ours(of, word):
             with suppress(AttributeError):
                 getattr(object, "__setattr__" if _ else "__delattr__")(of, word, *_)
                 return
         name = vars(of).get("name")
-        what = cls.__name__ if name is None else f"{cls.__name__} '{plain_name(name)}'"
+        kind = (type(of) if is_library(type(of)) else cls).__name__
+        what = kind if name is None else f"{kind} '{plain_name(name)}'"
         verb = "set" if _ else "deleted"
-        raise NoAttributeError(
-            f"{what}: {one_line(word)!r} cannot be {verb}; what is declared stays as it is."
-        )
+        raise NoAttributeError(f"{what}: {one_line(word)!r} cannot be {verb}; {why}.")
 
     for special in ("__setattr__", "__delattr__"):
         setattr(cls, special, refuse)
     return cls
+
+
+def declared_attributes(cls: Class) -> Class:
+    """The class of which only attributes are set that it, or a base of it, annotates."""
+    annotated = {word for of in cls.__mro__ for word in vars(of).get("__annotations__", ())}
+    return immutable(cls, annotated, "it has no such attribute, and nothing would read it")
 
 
 class DeclaredTable(dict[str, Any]):

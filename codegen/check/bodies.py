@@ -14,9 +14,7 @@ from codegen.plain_values import one_line
 from codegen.real_range import constant_value
 
 
-def body_problems(
-    model: Model, body: Body, known: frozenset[sympy.Symbol]
-) -> Iterator[str]:  # fmt: skip
+def body_problems(model: Model, body: Body, known: frozenset[sympy.Symbol]) -> Iterator[str]:
     """Problems of a body: of what an own class returns, of its mass and inertia."""
     numbers: tuple[object, ...] = (vars(body).get("mass"), vars(body).get("inertia"))
     plain = all(number is None or isinstance(number, sympy.Expr) for number in numbers)
