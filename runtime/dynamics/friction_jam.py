@@ -24,7 +24,7 @@ _WAYS_IN = {
 }  # fmt: skip
 _CLOSE = 1e-6  # safety: of the run; nearer to a jam, the jam is why it ends
 _AHEAD = np.array([0.0, 0.001, 0.01, 0.1, 1.0])  # safety: of `_CLOSE`; instants that are tried
-_LOST = 1e-4  # safety: least singular value, of unit rows, of what locks up
+_LOST = 1e-3  # safety: least singular value, of unit rows, of what locks up
 _OWN = 0.1  # safety: of that of the joints alone; more is their own singular position
 _JAM = (
     "{} jams{}: friction raises the force that presses{} by more than it needs, and no "
