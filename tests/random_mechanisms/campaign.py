@@ -68,6 +68,8 @@ def judge(machine: RandomMechanism, folder: Path) -> Verdict:
     order = [result.description.coordinates.names.index(name) for name in dense.names]
     q, v, a = (x[:, order] for x in (result.samples.q, result.samples.v, result.samples.a))
     known = np.isfinite(a).all(axis=1)
+    if result.outcome is Outcome.LOCKED:
+        known[-1] = False  # forces without bound, of which rounding of the state decides
     statics = max(
         (
             samples_apart(machine, dense, result, k, (q[k], v[k], a[k]))
