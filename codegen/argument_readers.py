@@ -15,7 +15,7 @@ from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
-from codegen.errors import FAILURES, InputError
+from codegen.errors import InputError
 from codegen.plain_values import KindError, finite_float, is_flag, shown
 from codegen.public_callables import checked_call, failure, note_user_error
 
@@ -43,9 +43,9 @@ def read_arguments(
             values[name] = readers[name](value)
         except KindError as misfit:
             problems.append(f"{where}: {name} is {shown(value, _SHOWN)}; {misfit}")
-        except InputError:
+        except (InputError, KeyboardInterrupt):
             raise
-        except FAILURES as problem:
+        except BaseException as problem:
             why = failure(problem)
             problems.append(
                 f"{where}: {name} is {shown(value, _SHOWN)}; reading it fails with {why}"

@@ -21,7 +21,6 @@ import codegen
 from codegen import argument_readers as readers
 from codegen.check.declaration import check_model, check_scene
 from codegen.check.redundancy import Findings, examine
-from codegen.declare.expression_rules import unreadable
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.return_values.calls import memoize_methods
 from codegen.declare.scene import Scene
@@ -37,7 +36,7 @@ from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.model import Model
 from codegen.model_file import ModelFile, read_model
 from codegen.plain_values import finite_float, one_line, shown
-from codegen.public_callables import UserCallback
+from codegen.public_callables import UserCallback, unreadable
 
 GENERATOR = f"linkwright {codegen.__version__}"
 

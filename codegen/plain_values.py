@@ -118,7 +118,10 @@ def plain_number(value: Any) -> int | float | Fraction:
     if isinstance(value, Fraction):
         return value
     if isinstance(value, Real | Decimal) or hasattr(value, "_mpf_"):
-        return float(value)
+        try:
+            return float(value)
+        except (ValueError, OverflowError) as error:  # of a signaling nan, of a user's own number
+            raise KindError(f"it is no float: {error}") from error
     if getattr(value, "dimensionless", False) is True and hasattr(value, "magnitude"):
         return plain_number(value.to("").magnitude)
     if getattr(value, "shape", None) == () and hasattr(value, "item"):

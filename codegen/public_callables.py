@@ -4,13 +4,13 @@ A wrong call names the callable, what it takes and what was given. `KeyboardInte
 wish to stop and passes everywhere; all else that a user's own code raises is an answer to it.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import wraps
 from inspect import Parameter, isfunction, signature
 from typing import Any, TypeVar
 
-from codegen.errors import InputError, LinkwrightError, ModelError, NoAttributeError
+from codegen.errors import FAILURES, InputError, LinkwrightError, ModelError, NoAttributeError
 from codegen.plain_values import genuine, one_line, plain_name, shown
 
 Class = TypeVar("Class", bound=type[Any])
@@ -125,31 +125,43 @@ def checked_class(cls: Class) -> Class:
     return cls
 
 
-def immutable(cls: Class) -> Class:
-    """The class with attributes that are neither set nor deleted.
+def immutable(
+    cls: Class, but: Iterable[str] = (), why: str = "what is declared stays as it is"
+) -> Class:
+    """The class with attributes that are neither set nor deleted, but for some.
 
-    Those that a subclass adds stay its own.
+    Those that a user's subclass adds stay its own.
     """
+    free = frozenset(but)
+
+    def is_library(kind: type[Any]) -> bool:
+        return kind.__module__.startswith(("codegen.", "runtime."))
 
     def is_ours(of: Any, word: str) -> bool:
         fields = getattr(cls, "__dataclass_fields__", {})
-        return type(of) is cls or word in fields or isinstance(getattr(cls, word, None), property)
+        known = word in fields or isinstance(getattr(cls, word, None), property)
+        return type(of) is cls or known or is_library(type(of))
 
     def refuse(of: Any, word: str, *_: Any) -> None:
-        if not is_ours(of, word):
+        if word in free or not is_ours(of, word):
             with suppress(AttributeError):
                 getattr(object, "__setattr__" if _ else "__delattr__")(of, word, *_)
                 return
         name = vars(of).get("name")
-        what = cls.__name__ if name is None else f"{cls.__name__} '{plain_name(name)}'"
+        kind = (type(of) if is_library(type(of)) else cls).__name__
+        what = kind if name is None else f"{kind} '{plain_name(name)}'"
         verb = "set" if _ else "deleted"
-        raise NoAttributeError(
-            f"{what}: {one_line(word)!r} cannot be {verb}; what is declared stays as it is."
-        )
+        raise NoAttributeError(f"{what}: {one_line(word)!r} cannot be {verb}; {why}.")
 
     for special in ("__setattr__", "__delattr__"):
         setattr(cls, special, refuse)
     return cls
+
+
+def declared_attributes(cls: Class) -> Class:
+    """The class of which only attributes are set that it, or a base of it, annotates."""
+    annotated = {word for of in cls.__mro__ for word in vars(of).get("__annotations__", ())}
+    return immutable(cls, annotated, "it has no such attribute, and nothing would read it")
 
 
 class DeclaredTable(dict[str, Any]):
@@ -217,3 +229,29 @@ def note_user_error(what: str) -> Iterator[None]:
     except BaseException as error:
         error.add_note(f"{what} raised this: it is the caller's own.")
         raise
+
+
+def unreadable(error: BaseException) -> str:
+    """What to do about an expression at which SymPy fails."""
+    if isinstance(error, RecursionError):
+        return (
+            "an expression is too deep for Python's stack: functions of functions, some hundred "
+            "one in another; write it in fewer, or as a table of its values (model.table)."
+        )
+    if isinstance(error, ValueError) and "integer string conversion" in str(error):
+        return "an expression contains a number of thousands of digits; give finite floats."
+    return (
+        f"an expression is beyond SymPy, which fails with {failure(error)}; write it in another "
+        "form, of powers, sines and the other functions that are compiled."
+    )
+
+
+@contextmanager
+def errors_at(where: str) -> Iterator[None]:
+    """Errors in the block that are not ours say where they come from."""
+    try:
+        yield
+    except LinkwrightError:
+        raise
+    except FAILURES as error:  # of an expression too deep, of SymPy
+        raise ModelError(f"{where}: {unreadable(error)}") from error

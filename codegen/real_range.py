@@ -6,12 +6,13 @@ rounded outwards: whatever is refused here has no value for any motion and any p
 
 import math
 import sys
-from functools import reduce
+from functools import lru_cache, reduce
 from typing import Any
 
 import sympy
 from sympy.concrete.expr_with_limits import ExprWithLimits
 
+from codegen.errors import FAILURES
 from codegen.plain_values import KindError
 
 Interval = tuple[float, float]
@@ -34,6 +35,25 @@ UNFINISHED = (sympy.Limit, sympy.Derivative, sympy.Subs, ExprWithLimits)
 """What stands for an expression that is still to be found."""
 NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
+BITS = 14_000  # safety: of a whole number; one of more digits Python does not write
+_EXPONENT = 100_000  # safety: of an exact power of numbers, which SymPy would multiply out
+_ARGUMENT = 1e3  # safety: of Γ, ζ, Bessel's and other functions, which may be summed term by term
+_NODES = 30  # safety: parts of a number that is kept as it is written
+_SMOOTH = (
+    sympy.sin,
+    sympy.cos,
+    sympy.tan,
+    sympy.asin,
+    sympy.acos,
+    sympy.atan,
+    sympy.atan2,
+    sympy.sinh,
+    sympy.cosh,
+    sympy.tanh,
+    sympy.exp,
+    sympy.log,
+)
+_SPECIAL = ("sympy.functions.special", "sympy.functions.combinatorial", "sympy.ntheory")
 _SMALLEST = 1e-300  # safety: of a number that multiplies a power; one that is smaller is inside
 
 
@@ -80,6 +100,8 @@ def unreal_part(expression: sympy.Basic) -> tuple[sympy.Basic, str] | None:
         if node.is_Symbol or (node.is_Atom and not node.is_number):
             known[node] = ALL
             continue
+        if why := _oversize(node, [known.get(a, ALL) for a in node.args]):
+            return node, f"{verb} {why}"
         interval = _range(node, [known.get(a, ALL) for a in node.args])
         if interval is None:
             return node, f"{verb} {node}, which is never a real number"
@@ -99,10 +121,69 @@ def sympy_float(value: sympy.Basic) -> float:
         return float(value)
     if found := unreal_part(value):  # also what is too large to be evaluated
         raise KindError(f"it {found[1]}")
-    both = complex(value.evalf(17, maxn=400))
+    try:
+        both = complex(value.evalf(17, maxn=400))
+    except FAILURES as error:  # of a number that is not to be told from another one
+        raise KindError(f"SymPy cannot evaluate it: {type(error).__name__}") from error
     if both.imag:
         raise KindError("it is not real")
     return both.real
+
+
+@lru_cache(maxsize=4096)
+def constant_value(number: sympy.Expr) -> float:
+    """The float that an expression without symbols is; an error of SymPy's where it is none."""
+    return float(number.evalf(25))
+
+
+def maximal_numbers(expression: sympy.Basic) -> list[sympy.Expr]:
+    """The largest parts of an expression that are numbers, but for plain ones."""
+    found: dict[sympy.Expr, None] = {}
+    waiting, seen = [expression], {expression}
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, sympy.Expr) and node.is_number:
+            if node.args and not node.is_Rational:
+                found[node] = None
+            continue
+        inner = [a for a in node.args if isinstance(a, sympy.Basic) and a not in seen]
+        seen.update(inner)
+        waiting += inner
+    return list(found)
+
+
+def with_short_numbers(expression: sympy.Expr) -> sympy.Expr:
+    """The expression with the values of numbers that are long, have kinks, or are not compiled.
+
+    SymPy would look for their signs, and expand and simplify them, again and again.
+    """
+    values = {}
+    for number in maximal_numbers(expression):
+        nodes = distinct_nodes(number)
+        if len(nodes) > _NODES or any(n.is_Function and n.func not in _SMOOTH for n in nodes):
+            if unreal_part(number):
+                return expression  # which is refused for it
+            try:
+                values[number] = number.evalf(25)
+            except FAILURES:
+                return expression
+    return expression.xreplace(values) if values else expression
+
+
+def _oversize(node: sympy.Expr, args: list[Interval]) -> str | None:
+    """Why a number would take SymPy too long to evaluate; None: it would not."""
+    if node.is_Rational:
+        p, q = abs(node.p).bit_length(), node.q.bit_length()
+        return "a number of thousands of digits" if max(p, q) > BITS and p - q < 1000 else None
+    if not (node.args and node.is_number):
+        return None
+    if node.is_Pow and not node.base.is_Float and node.exp.is_Rational:
+        steep = abs(node.exp.p) > _EXPONENT
+        return f"a power of a number with the exponent {float(args[1][0]):.6g}" if steep else None
+    if type(node).__module__.startswith(_SPECIAL):
+        largest = max((abs(end) for interval in args for end in interval), default=0.0)
+        return f"{type(node).__name__} of a number beyond 1000" if largest > _ARGUMENT else None
+    return None
 
 
 def _range(node: sympy.Expr, args: list[Interval]) -> Interval | None:
@@ -130,7 +211,7 @@ def _range(node: sympy.Expr, args: list[Interval]) -> Interval | None:
 
 def _number(node: sympy.Expr) -> Interval:
     try:
-        value = float(node)
+        value = node.p / node.q if node.is_Rational else float(node)
     except OverflowError:
         return (math.inf, math.inf) if node > 0 else (-math.inf, -math.inf)
     return value, value

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
-from codegen.public_callables import checked_class
+from codegen.public_callables import checked_class, immutable
 from runtime.machine_states import MachineStates
 from runtime.mechanism.mechanism_tables_and_kernels import Values
 from runtime.progress_bar import bar
@@ -30,7 +30,8 @@ class Machine(MachineStates):
         guess: Values | None = None, start: "Assembly | None" = None,
         correction: "Correction" = "step", formulation: "Formulation | None" = None,
         time_scale: float | None = None, first_step: float | None = None,
-        max_step: float | None = None, max_steps: int = 100_000_000, progress: bool = True,
+        max_step: float | None = None, max_steps: int = 100_000_000,
+        max_bytes: int = 2**30, progress: bool = True,
     ) -> "Result":  # fmt: skip
         """Integrate the equations of motion from the assembled start.
 
@@ -69,9 +70,11 @@ class Machine(MachineStates):
             ones), at every "stage", by "projection", "baumgarte" or "hybrid", for which see
             `runtime.integrate.problem.Options`; τ of Baumgarte's accelerations in s, by default a
             thousandth of the run.
-        first_step, max_step, max_steps, progress
+        first_step, max_step, max_steps, max_bytes, progress
             Lengths in s, chosen by default; trial steps, 1e8 by default, after which the run ends
-            with `Outcome.MAX_STEPS`; whether a terminal shows a bar, once it has taken a second.
+            with `Outcome.MAX_STEPS`; memory of the states that are recorded at the end of steps and
+            at events, 1 GiB by default, after which it ends with `Outcome.MEMORY`; whether a
+            terminal shows a bar, once it has taken a second.
 
         Returns
         -------
@@ -93,7 +96,8 @@ class Machine(MachineStates):
         given = check(
             self.mechanism, t_end=t_end, t_eval=t_eval, t_start=t_start, parameters=parameters,
             guess=guess, start=start, correction=correction, time_scale=time_scale,
-            first_step=first_step, max_step=max_step, max_steps=max_steps, progress=progress,
+            first_step=first_step, max_step=max_step, max_steps=max_steps,
+            max_bytes=max_bytes, progress=progress,
             accuracy=accuracy, rtol=rtol, atol=atol, quantities=quantities, method=method,
             formulation=formulation,
         )  # fmt: skip
@@ -224,3 +228,6 @@ class Machine(MachineStates):
         require_energy(self.mechanism)
         with bar(f"equilibrium of {self.mechanism.title}", given.pop("progress")) as report:
             return equilibrium(self.mechanism, **given, progress=report)
+
+
+immutable(Machine, why="settings are arguments of its methods")

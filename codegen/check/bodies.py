@@ -1,5 +1,6 @@
 """Checks of the bodies of a declaration."""
 
+import math
 from collections.abc import Iterator
 
 import sympy
@@ -7,13 +8,13 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.expression_rules import expression_problem
 from codegen.declare.return_values.bodies import check_body
-from codegen.errors import ModelError
+from codegen.errors import FAILURES, ModelError
 from codegen.model import Model
+from codegen.plain_values import one_line
+from codegen.real_range import constant_value
 
 
-def body_problems(
-    model: Model, body: Body, known: frozenset[sympy.Symbol]
-) -> Iterator[str]:  # fmt: skip
+def body_problems(model: Model, body: Body, known: frozenset[sympy.Symbol]) -> Iterator[str]:
     """Problems of a body: of what an own class returns, of its mass and inertia."""
     numbers: tuple[object, ...] = (vars(body).get("mass"), vars(body).get("inertia"))
     plain = all(number is None or isinstance(number, sympy.Expr) for number in numbers)
@@ -41,8 +42,12 @@ def _mass_problems(model: Model, body: Body) -> Iterator[str]:
             )
             continue
         number = value.subs(model.defaults)
-        if not (number.is_real and 0 < number < sympy.oo):
-            shown = f"{float(number):g}" if number.is_real else str(number)
+        try:
+            size = constant_value(number)
+        except FAILURES:  # it is complex, or zoo
+            size = math.nan
+        if not 0.0 < size < math.inf:
+            shown = one_line(number) if math.isnan(size) else f"{size:g}"
             yield (
                 f"{word} of body '{body.name}' is {shown} {unit}; it must be positive and "
                 "finite (leave it out where the scene is kinematic)."

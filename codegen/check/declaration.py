@@ -16,7 +16,6 @@ from codegen.check.potential_steps import step_problems
 from codegen.check.requested_outputs import output_problems
 from codegen.declare import element as el
 from codegen.declare.cam_profile_checks import profile_problems
-from codegen.declare.expression_rules import unreadable
 from codegen.declare.return_values.bodies import coordinates_of
 from codegen.declare.return_values.calls import name_errors
 from codegen.declare.return_values.constraints import closed_curves, own_coordinates
@@ -29,6 +28,7 @@ from codegen.derive.scene_conditions import element_conditions
 from codegen.errors import FAILURES, LinkwrightError, ModelError
 from codegen.model import Model
 from codegen.plain_values import one_line
+from codegen.public_callables import unreadable
 
 LONGEST = 2000  # layout: characters of a sentence
 
@@ -126,7 +126,8 @@ def _problems_in_scene(
 ) -> Iterator[str]:
     """What elements return for the bodies and values of a scene, where these are other ones."""
     for joint in joints.values():
-        model.place_of(joint, (*scene.guess, *scene.start))  # ModelError where it fails
+        with name_errors(joint):
+            model.place_of(joint, (*scene.guess, *scene.start))  # ModelError where it fails
     if scene.bodies != tuple(model.bodies):
         known = _known_symbols(model)
         bodies = tuple(model.bodies[name] for name in scene.bodies)
@@ -142,15 +143,14 @@ def _violated_conditions(model: Model, scene: Scene) -> Iterator[str]:
     for element in acting_elements(model, scene):
         where = f"scene '{scene.name}': "
         with name_errors(element):
-            conditions = element_conditions(element, bodies)
-        for one in conditions:
-            yield from one.condition.problems(where + one.element, numbers)
-        for where_it_is, curve, convex in closed_curves(element) if scene.parameters else ():
-            shape = curve.at(alpha).subs(numbers)
-            yield from (
-                f"{where}{where_it_is}: {problem}"
-                for problem in profile_problems(shape, closed=True, convex=convex)
-            )
+            for one in element_conditions(element, bodies):
+                yield from one.condition.problems(where + one.element, numbers)
+            for where_it_is, curve, convex in closed_curves(element) if scene.parameters else ():
+                shape = curve.at(alpha).subs(numbers)
+                yield from (
+                    f"{where}{where_it_is}: {problem}"
+                    for problem in profile_problems(shape, closed=True, convex=convex)
+                )
 
 
 def _all_elements(model: Model) -> Iterator[tuple[str, el.Constraint | el.Effect]]:

@@ -8,6 +8,7 @@ from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
 
 from codegen.declare.element import Constraint, label
+from codegen.declare.expression_rules import number_problem
 from codegen.declare.return_values.constraints import statement_of
 from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
 from codegen.declare.table_function import Interpolant
@@ -27,6 +28,8 @@ def constraint_problems(constraint: Constraint) -> Iterator[str]:
     fixed = {k: v for k, v in statement.bindings.items() if isinstance(k, Given)}
     expressions = (*statement.phi, *fixed.values())
     yield from all_problems(where, expressions, may_switch=False)
+    others = [v for k, v in statement.bindings.items() if k not in fixed]
+    yield from all_problems(where, others, may_switch=True)
     for expression in expressions:
         for symbol in kinds(expression, Velocity):
             yield (
@@ -55,6 +58,8 @@ def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -
     if found := unreal_part(expression):
         start = "the value" if found[0] == expression else expression
         yield f"{where}: {start} {found[1]}{FINITE}"
+    elif problem := number_problem(expression):
+        yield f"{where}: {problem}"
     stack: list[Any] = [expression]
     while stack:
         node = stack.pop()

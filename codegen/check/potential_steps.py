@@ -18,6 +18,7 @@ import sympy
 from codegen.check.boundary_points import differs, jumps, points, sizes, vanishes
 from codegen.declare.body import Body
 from codegen.declare.element import Effect, label
+from codegen.declare.return_values.calls import name_errors
 from codegen.declare.return_values.effects import optional_terms, potential_of
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, Time, kinds
@@ -62,24 +63,32 @@ def step_problems(model: Model, scene: Scene) -> Iterator[str]:
     overrides = {Parameter(name, real=True): value for name, value in scene.parameters}
     known = dict((*scene.guess, *scene.start))
     for effect in model.acting(scene).values():
-        for word, unit, expression in _continuous(effect, bodies):
-            numbers = {**model.defaults, **overrides}
-            for q in kinds(expression, Coordinate):
-                numbers[q] = float(known.get(f"{q.owner}.{q.letter}", q.measure.neutral))
-            if found := find_step(expression, numbers):
-                place, below, above, change = found
-                size = (
-                    f"{abs(above - below):.4g} {unit} where {place} changes, from {below:.4g} to "
-                )
-                size += f"{above:.4g} {unit} at one such place"
-                if change is not None:
-                    size = f"{shown(change)} where {place} changes"
-                yield (
-                    f"scene '{scene.name}': the {word} of {label(effect)} jumps by {size}; a step "
-                    "exerts no force, and energy would come from nowhere: make the pieces meet, or "
-                    "write a force."
-                )
-                break
+        with name_errors(effect):
+            for sentence in _steps_of(effect, bodies, {**model.defaults, **overrides}, known):
+                yield f"scene '{scene.name}': {sentence}"
+
+
+def _steps_of(
+    effect: Effect, bodies: tuple[Body, ...], defaults: dict[sympy.Symbol, float],
+    known: dict[str, float],
+) -> Iterator[str]:  # fmt: skip
+    """The first step of what has to be continuous in an effect."""
+    for word, unit, expression in _continuous(effect, bodies):
+        numbers = {**defaults}
+        for q in kinds(expression, Coordinate):
+            numbers[q] = float(known.get(f"{q.owner}.{q.letter}", q.measure.neutral))
+        if found := find_step(expression, numbers):
+            place, below, above, change = found
+            size = f"{abs(above - below):.4g} {unit} where {place} changes, from {below:.4g} to "
+            size += f"{above:.4g} {unit} at one such place"
+            if change is not None:
+                size = f"{shown(change)} where {place} changes"
+            yield (
+                f"the {word} of {label(effect)} jumps by {size}; a step "
+                "exerts no force, and energy would come from nowhere: make the pieces meet, or "
+                "write a force."
+            )
+            return
 
 
 def _continuous(effect: Effect, bodies: tuple[Body, ...]) -> Iterator[tuple[str, str, sympy.Expr]]:

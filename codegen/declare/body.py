@@ -304,7 +304,6 @@ def _lengths(word: str, body: object, x: Any, y: Any) -> tuple[sympy.Expr, sympy
 
 for _word in ("__init__", "at", "curve", "circle", "polar", "torque"):
     setattr(Body, _word, error_boundary(getattr(Body, _word), "body"))
-for _class in (Body, Point, Curve):
-    immutable(_class)
+immutable(Body)
 for _class in (Point, Curve):
-    error_boundary_class(_class, _class.__name__)
+    immutable(error_boundary_class(_class, _class.__name__))

@@ -1,5 +1,7 @@
 """What an expression may consist of, wherever it stands in a declaration."""
 
+import math
+
 import sympy
 from sympy.core.relational import Relational
 from sympy.logic.boolalg import Boolean
@@ -18,9 +20,15 @@ from codegen.declare.symbols import (
 )
 from codegen.declare.table_function import Interpolant, TableAtom
 from codegen.errors import FAILURES
-from codegen.plain_values import one_line
-from codegen.public_callables import failure
-from codegen.real_range import UNFINISHED, distinct_nodes, unreal_part
+from codegen.plain_values import one_line, shown
+from codegen.public_callables import unreadable
+from codegen.real_range import (
+    UNFINISHED,
+    constant_value,
+    distinct_nodes,
+    maximal_numbers,
+    unreal_part,
+)
 
 INTERNAL = (Given, Side, Speed, Multiplier, Acceleration)
 """Symbols of the equations of elements, which mean nothing in a declaration."""
@@ -50,24 +58,23 @@ def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | N
         return unreadable(error)
 
 
-def unreadable(error: BaseException) -> str:
-    """What to do about an expression at which SymPy fails."""
-    if isinstance(error, RecursionError):
-        return (
-            "an expression is too deep for Python's stack: functions of functions, some hundred "
-            "one in another; write it in fewer, or as a table of its values (model.table)."
-        )
-    if isinstance(error, ValueError) and "integer string conversion" in str(error):
-        return "an expression contains a number of thousands of digits; give finite floats."
-    return (
-        f"an expression is beyond SymPy, which fails with {failure(error)}; write it in another "
-        "form, of powers, sines and the other functions that are compiled."
-    )
+def number_problem(expression: sympy.Basic) -> str | None:
+    """Why a part without symbols is no finite real number that SymPy can tell."""
+    for number in maximal_numbers(expression):
+        try:
+            finite = math.isfinite(constant_value(number))
+        except FAILURES:  # it is complex, or not to be told from another number
+            finite = False
+        if not finite:
+            return f"{shown(number)} is no real number; give finite real numbers."
+    return None
 
 
 def _problem(expression: sympy.Expr, profile: bool) -> str | None:
     found = unreal_part(expression)
-    if found and found[0].is_number and found[0].is_Pow:  # to write it, SymPy would evaluate it
+    if (
+        found and found[0].is_number and (found[0].is_Pow or found[0].is_Rational)
+    ):  # to write it, SymPy would evaluate it
         return f"the value {one_line(found[1])}; give finite real numbers."
     for symbol in sorted(expression.free_symbols, key=str):
         if symbol == alpha and not profile:
@@ -81,6 +88,8 @@ def _problem(expression: sympy.Expr, profile: bool) -> str | None:
                 f"{one_line(expression)} contains '{one_line(symbol)}', a placeholder of an "
                 "element's equations; use coordinates, velocities, parameters and t."
             )
+    if found is None and (problem := number_problem(expression)):
+        return problem
     nodes = distinct_nodes(expression)
     unknown = [n for n in nodes if n.func not in FUNCTIONS and not isinstance(n, PLAIN)]
     for node in unknown:  # written, to be sorted, where there is a fault
@@ -88,8 +97,6 @@ def _problem(expression: sympy.Expr, profile: bool) -> str | None:
             known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
             what = one_line(min((n for n in unknown if n.is_number is not True), key=one_line))
             return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
-        if node.evalf(17, maxn=400).is_real is not True:
-            return f"{one_line(node)} is no real number; give finite real numbers."
     pieces = expression.atoms(sympy.Piecewise)
     incomplete = [piece for piece in pieces if piece.args[-1].cond != sympy.true]
     if incomplete:

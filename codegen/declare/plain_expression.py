@@ -7,6 +7,7 @@ from typing import Any
 import sympy
 
 from codegen.plain_values import KindError, plain_number
+from codegen.real_range import BITS
 
 
 @lru_cache(maxsize=4096)
@@ -29,5 +30,7 @@ def plain_expression(value: Any) -> sympy.Expr:
     if isinstance(number, int):
         return sympy.Integer(number)
     if isinstance(number, Fraction):
+        if max(abs(number.numerator), number.denominator).bit_length() > BITS:
+            raise KindError("it is a number of thousands of digits")
         return sympy.Rational(number.numerator, number.denominator)
     return sympy.Float(number)

@@ -1,14 +1,16 @@
 """The symbols of a declaration, distinguished by class and not by name."""
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import sympy
 
-from codegen.errors import ModelError, NoAttributeError
+from codegen.errors import FAILURES, ModelError, NoAttributeError
 from codegen.plain_values import one_line, shown
 from codegen.public_callables import error_boundary
+from codegen.real_range import unreal_part
 
 Letter = Literal["x", "y", "phi"]
 LETTERS = ("x", "y", "phi")
@@ -66,6 +68,34 @@ class ModelSymbol(sympy.Symbol):  # type: ignore[misc]
     def __delattr__(self, word: str) -> None:
         """Refuse it."""
         raise self._refusal(word, "deleted")
+
+    def __gt__(self, other: Any) -> Any:
+        """As of any symbol."""
+        return self._compared(other, super().__gt__, sympy.StrictGreaterThan)
+
+    def __ge__(self, other: Any) -> Any:
+        """As of any symbol."""
+        return self._compared(other, super().__ge__, sympy.GreaterThan)
+
+    def __lt__(self, other: Any) -> Any:
+        """As of any symbol."""
+        return self._compared(other, super().__lt__, sympy.StrictLessThan)
+
+    def __le__(self, other: Any) -> Any:
+        """As of any symbol."""
+        return self._compared(other, super().__le__, sympy.LessThan)
+
+    def _compared(self, other: Any, compare: Any, relation: Any) -> Any:
+        """A condition; on what no symbol can be compared with, one that elements refuse by name.
+
+        SymPy would evaluate a number that is too large, and fail on one that is not real.
+        """
+        if not isinstance(other, sympy.Expr):
+            return compare(other)
+        with suppress(*FAILURES):
+            if unreal_part(other) is None:
+                return compare(other)
+        return relation(self, other, evaluate=False)
 
     def _refusal(self, word: str, verb: str) -> NoAttributeError:
         return NoAttributeError(

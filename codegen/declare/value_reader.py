@@ -14,7 +14,7 @@ from sympy.core.relational import Relational
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.expression_rules import expression_problem, unreadable
+from codegen.declare.expression_rules import expression_problem
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.scene import name_of
@@ -32,7 +32,8 @@ from codegen.plain_values import (
     plain_float,
     shown,
 )
-from codegen.public_callables import failure
+from codegen.public_callables import failure, unreadable
+from codegen.real_range import with_short_numbers
 
 Names = Iterable["str | Body | Constraint | Effect"]
 Values = Mapping["str | sympy.Symbol", Any]
@@ -74,7 +75,7 @@ class Reader:
         if problem is None:
             if read.free_symbols and not profile:
                 self.symbols.append((where, frozenset(read.free_symbols)))
-            return read
+            return with_short_numbers(read)
         self.note(f"{where}: {problem}")
         return sympy.S.One
 

@@ -189,10 +189,14 @@ def derive(model: Model, scene: Scene) -> Equations:
     )
     if parameters and not scene.frozen:
         acting = acting_elements(model, scene)
-        conditions = [c for element in acting for c in element_conditions(element, bodies)]
-        profiles = tuple(profile for element in acting for profile in profiles_of(element))
-        conditions_carried = carried(conditions, parameters, model.defaults)
-        equations = replace(equations, conditions=conditions_carried, profiles=profiles)
+        conditions, profiles = list[ElementCondition](), list[Profile]()
+        for element in acting:
+            with name_errors(element):
+                own = element_conditions(element, bodies)
+                conditions += carried(own, parameters, model.defaults)
+                profiles += profiles_of(element)
+        once = tuple(dict.fromkeys(conditions))
+        equations = replace(equations, conditions=once, profiles=tuple(profiles))
     return equations.with_effects(effects)
 
 

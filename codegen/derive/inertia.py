@@ -17,6 +17,7 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.symbols import Coordinate, kinds
+from codegen.public_callables import errors_at
 
 Entries = tuple[tuple[int, int, sympy.Expr], ...]
 
@@ -29,10 +30,11 @@ def inertia(
     mass: dict[tuple[int, int], sympy.Expr] = {(k, k): sympy.S.Zero for k in columns.values()}
     force: dict[int, sympy.Expr] = {}
     for body in bodies:
-        block = {pair: entry for pair, entry in body.mass_matrix.items() if entry is not None}
-        pushes = dict(body.inertia_force)
-        for _, phi in body.equations:
-            _augment(body, phi, block, pushes)
+        with errors_at(f"body '{body.name}'"):
+            block = {pair: entry for pair, entry in body.mass_matrix.items() if entry is not None}
+            pushes = dict(body.inertia_force)
+            for _, phi in body.equations:
+                _augment(body, phi, block, pushes)
         for (a, b), entry in block.items():
             mass[columns[a], columns[b]] = mass[columns[b], columns[a]] = entry
         force |= {columns[q]: push for q, push in pushes.items()}

@@ -17,6 +17,7 @@ from codegen.derive.piecewise_conditions import (
     conditions,
     switching_function,
 )
+from codegen.public_callables import errors_at
 
 Named = tuple[str, EffectTerms]
 
@@ -80,28 +81,41 @@ def switches(effects: Sequence[Named]) -> tuple[Switch, ...]:
     One switch a condition: a condition and its opposite share it, and so does a friction whose
     slip changes sign with them. A contact has its own, since a reaction scales its force alone.
     """
-    contacts, others = [], list[Switch]()
+    contacts, others = list[Switch](), list[Switch]()
     for name, terms in effects:
-        hold = terms.hold
-        if isinstance(hold, Rigid):
-            g = hold.gap
-            contacts.append(Switch(name, f"{g} > 0", g, rate(g), "contact"))
-        elif isinstance(hold, Sticking) and _same(hold.slip, others) is None:
-            g = hold.slip
-            ratio = None if hold.static is None else hold.static / hold.kinetic
-            others.append(Switch(name, f"{g} > 0", g, rate(g), "friction", ratio))
+        with errors_at(f"'{name}'"):
+            _add_hold(name, terms.hold, contacts, others)
     for name, terms in effects:
-        for condition in conditions(_expressions(terms)):
-            g, at_zero = switching_function(condition), boundary(condition)
-            if at_zero is Boundary.BALANCED and kinds(g, Velocity):
-                at_zero = Boundary.OPEN  # the share of both sides in sliding decides
-            found = find_switch(g, at_zero, others)
-            if found is None:
-                others.append(Switch(name, str(condition), g, rate(g), boundary=at_zero))
-            elif others[found[0]].boundary is Boundary.INDIFFERENT:
-                agreed = at_zero.of_opposite() if found[1] else at_zero
-                others[found[0]] = replace(others[found[0]], boundary=agreed)
+        with errors_at(f"'{name}'"):
+            _add_conditions(name, terms, others)
     return (*contacts, *others)
+
+
+def _add_hold(
+    name: str, hold: Sticking | Rigid | None, contacts: list[Switch], others: list[Switch]
+) -> None:
+    """Add the switch of a contact or of a friction that sticks."""
+    if isinstance(hold, Rigid):
+        g = hold.gap
+        contacts.append(Switch(name, f"{g} > 0", g, rate(g), "contact"))
+    elif isinstance(hold, Sticking) and _same(hold.slip, others) is None:
+        g = hold.slip
+        ratio = None if hold.static is None else hold.static / hold.kinetic
+        others.append(Switch(name, f"{g} > 0", g, rate(g), "friction", ratio))
+
+
+def _add_conditions(name: str, terms: EffectTerms, others: list[Switch]) -> None:
+    """Add the switches of the conditions of an effect that have none yet."""
+    for condition in conditions(_expressions(terms)):
+        g, at_zero = switching_function(condition), boundary(condition)
+        if at_zero is Boundary.BALANCED and kinds(g, Velocity):
+            at_zero = Boundary.OPEN  # the share of both sides in sliding decides
+        found = find_switch(g, at_zero, others)
+        if found is None:
+            others.append(Switch(name, str(condition), g, rate(g), boundary=at_zero))
+        elif others[found[0]].boundary is Boundary.INDIFFERENT:
+            agreed = at_zero.of_opposite() if found[1] else at_zero
+            others[found[0]] = replace(others[found[0]], boundary=agreed)
 
 
 def find_switch(

@@ -7,6 +7,7 @@ import sympy
 from codegen.declare.symbols import SPEED, Acceleration, Parameter, t
 from codegen.derive.effect_terms import EffectTerms, FrictionTerms
 from codegen.derive.equations import Equations
+from codegen.errors import ModelError
 from codegen.lower.differentiation.derivative_along_motion import Direction
 from codegen.lower.differentiation.gradient import Slopes
 from codegen.lower.graph import Graph
@@ -184,9 +185,17 @@ class SceneGraph:
         with graph.serving("masses"):
             # (row, column) → entry of M, the whole diagonal and what else is not zero; empty in
             # kinematic scenes
-            self.mass = {(i, k): self.translate(m) for i, k, m in equations.mass}
+            self.mass = {(i, k): self._of_body(i, m) for i, k, m in equations.mass}
             for k, force in equations.inertia_force:
-                self.forces[k] = graph.add(self.forces[k], self.translate(force))
+                self.forces[k] = graph.add(self.forces[k], self._of_body(k, force))
+
+    def _of_body(self, k: int, expression: sympy.Expr) -> int:
+        """The value of an expression of the body with coordinate k, which errors name."""
+        try:
+            return self.translate(expression)
+        except ModelError as error:
+            where = f"body '{self.equations.coordinates[k].owner}'"
+            raise ModelError(f"{where}: {problem}" for problem in error.problems) from error
 
     def _apply_forces(self, terms: EffectTerms, energy: int) -> int:
         """Add all forces of an effect to `forces`; the power of those without a potential.

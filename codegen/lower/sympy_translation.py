@@ -24,10 +24,11 @@ from codegen.derive.piecewise_conditions import (
     without_marks,
 )
 from codegen.derive.switching_functions import Switch, find_switch
-from codegen.errors import ModelError
+from codegen.errors import FAILURES, LinkwrightError, ModelError
 from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op
-from codegen.real_range import powers_with_number_outside
+from codegen.public_callables import unreadable
+from codegen.real_range import constant_value, powers_with_number_outside
 
 FUNCTIONS = {getattr(sympy, name): Op(name) for name in ELEMENTARY if name not in ("sqrt", "pow")}
 
@@ -65,11 +66,18 @@ class Translator:
         return inner
 
     def __call__(self, expression: Any) -> int:
-        """The value of `expression`."""
-        node = sympy.sympify(expression)
-        if node not in self._known:
-            self._known[node] = self._translate(node)
-        return self._known[node]
+        """The value of `expression`; a failure of SymPy's names what the graph serves."""
+        try:
+            node = sympy.sympify(expression)
+            if node not in self._known:
+                self._known[node] = self._translate(node)
+            return self._known[node]
+        except LinkwrightError:
+            raise
+        except FAILURES as error:
+            if not self.graph.serves:
+                raise
+            raise ModelError(f"'{self.graph.serves}': {unreadable(error)}") from error
 
     def _translate(self, node: Any) -> int:
         graph = self.graph
@@ -77,7 +85,7 @@ class Translator:
             number: int = self.environment[node]
             return number
         if node.is_number:
-            return graph.constant(float(node.evalf(25)))
+            return graph.constant(constant_value(node))
         if node.is_Add:
             return self._sum([self(a) for a in node.args])
         if node.is_Mul:
@@ -100,7 +108,7 @@ class Translator:
         if isinstance(node, sympy.logic.boolalg.BooleanFunction | Relational):
             return self._condition(node)
         raise ModelError(
-            f"the function {node.func} in {node} cannot be compiled; "
+            f"'{graph.serves}': the function {node.func} in {node} cannot be compiled; "
             f"known are {', '.join(sorted(str(f) for f in FUNCTIONS))}, powers and Piecewise."
         )
 
@@ -153,7 +161,7 @@ class Translator:
         *pieces, last = node.args
         if last.cond != sympy.true:
             raise ModelError(
-                f"{node} says nothing where none of its conditions holds; "
+                f"'{self.graph.serves}': {node} says nothing where none of its conditions holds; "
                 "end it with (value, True)."
             )
         result = self(last.expr)
@@ -174,8 +182,8 @@ class Translator:
             return graph.negation(graph.mode(switch)) if opposite else graph.mode(switch)
         if kinds(node, Coordinate, Velocity):
             raise ModelError(
-                f"the condition {node} stands where nothing may switch (a constraint or a driver); "
-                "write the motion as one smooth expression."
+                f"'{graph.serves}': the condition {node} stands where nothing may switch (a "
+                "constraint or a driver); write the motion as one smooth expression."
             )
         # Of time and parameters: the steps of a run end where it changes.
         node = without_marks(node)

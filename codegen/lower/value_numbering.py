@@ -21,7 +21,7 @@ class Numbering:
         self.movers: list[int] = []
         self._places: dict[int, int] = {}
         self._numbers: dict[tuple[Op, tuple[int, ...], object], int] = {}
-        self._serves = ""
+        self.serves = ""
         self.zero = self.constant(0.0)
         self.one = self.constant(1.0)
         self.minus_one = self.constant(-1.0)
@@ -47,7 +47,7 @@ class Numbering:
 
     def serving(self, name: str) -> AbstractContextManager[None]:
         """Values first needed inside are credited to `name`."""
-        return self._during(_serves=name)
+        return self._during(serves=name)
 
     def _add(
         self, op: Op, args: tuple[int, ...], literal: Literal = None, origin: Folded | None = None
@@ -57,7 +57,7 @@ class Numbering:
         key = (op, args, literal)
         if key not in self._numbers:
             self._numbers[key] = len(self.values)
-            self.values.append(Value(op, args, literal, self._serves, origin))
+            self.values.append(Value(op, args, literal, self.serves, origin))
             self.settled.append(
                 literal.array == "p"
                 if isinstance(literal, Input)
@@ -81,10 +81,13 @@ class Numbering:
         Raises ModelError if it is not finite: the model multiplies or adds beyond all bounds.
         """
         if not math.isfinite(number):
-            where = f" of '{self._serves}'" if self._serves else ""
+            where = f" of '{self.serves}'" if self.serves else ""
+            constants = (v for v in self.values if v.op is Op.CONST)
+            one = max(constants, key=lambda v: abs(v.literal))  # type: ignore[arg-type]
             raise ModelError(
                 f"an expression{where} comes to {number} when its numbers are multiplied out; "
-                "give numbers that a float can hold."
+                f"give numbers that a float can hold (the largest, {one.literal:g}, is of "
+                f"'{one.serves}')."
             )
         known = abs(number) in (abs(other) for other in numbers)
         origin = Folded(sign, numbers) if sign and not known else None

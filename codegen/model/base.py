@@ -108,7 +108,9 @@ class Declarations:
 
     def _keep(self, word: str, verb: str) -> None:
         ours = (cls for cls in type(self).__mro__ if cls.__module__.startswith("codegen."))
-        if not word.startswith("_") and any(word in vars(of) for of in (self, *ours)):
+        bare = type(self).__module__.startswith("codegen.model.")  # and no subclass with its own
+        known = bare or any(word in vars(of) for of in (self, *ours))
+        if known and not word.startswith("_"):
             raise NoAttributeError(
                 f"model {shown(self.name)}: {word!r} cannot be {verb}; declare with the methods of "
                 "the model, and a machine of another name as another model."

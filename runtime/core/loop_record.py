@@ -59,6 +59,8 @@ _FLOATS += [
     "doubtful",  # end of a step whose energy was not explained; steps up to it are looked at again
     "lent_until",  # instant from which a method that was lent is not needed
     "stop",  # next instant, known beforehand, at which a step ends; infinite where there is none
+    "pace_start",  # instant at which the number of steps had doubled for the last time
+    "pace",  # time covered by the steps of the doubling before
 ]
 _INTEGERS = ["stage_calls", "dense_rows", "dense_calls", "max_steps", "max_events"]
 _INTEGERS += ["steps", "rejected", "retakes", "events", "repartitions", "rhs", "dense_outputs"]
@@ -104,6 +106,9 @@ _INTEGERS += [
     "doubts",  # steps up to `doubtful` whose energy was not explained
     "balance_rhs",  # calls of `accelerations` for it
     "next_stop",  # its number
+    "pace_steps",  # number of steps that is twice that at `pace_start`
+    "pace_events",  # number of events at `pace_start`
+    "slower",  # doublings in a row of which each covers less time than the one before
     "plan",  # about a singular position, a `Plan`
     "resumed",  # 1: it goes on from a run in other coordinates, whose modes it takes over
 ]

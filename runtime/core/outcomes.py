@@ -6,6 +6,7 @@ from typing import Any
 
 from codegen.errors import InputError
 from codegen.plain_values import shown
+from codegen.public_callables import immutable
 
 
 class _Outcomes(EnumType):
@@ -45,6 +46,7 @@ class Outcome(IntEnum, metaclass=_Outcomes):
     INACCURATE = 11
     CONTRADICTED = 12
     DISCONTINUOUS = 13
+    MEMORY = 14
 
     @property
     def of_switch(self) -> bool:
@@ -61,6 +63,8 @@ class Outcome(IntEnum, metaclass=_Outcomes):
         """What to try next, in a sentence."""
         return " ".join(_TEXT[self].split("\n\n")[1].split())
 
+
+immutable(Outcome, why="an outcome has no such attribute")
 
 _TEXT = {
     Outcome.OK: """
@@ -86,18 +90,26 @@ _TEXT = {
         of a rigid contact, look at what moves it, or give it stiffness=.
         """,
     Outcome.STEP_TOO_SMALL: """
-        The tolerances require a step that the resolution of the clock does not permit.
+        The tolerances require a step that the resolution of the clock does not permit, or ever
+        shorter steps, which do not come to the end of the run.
 
         Loosen rtol, give atol a size that matters for the machine, or look for an effect that grows
-        without bound, such as a negative or broken power at zero, or jumps without a switching
-        condition.
+        without bound, such as a negative or broken power at zero, turns ever faster, or jumps
+        without a switching condition, and for two points between which a distance becomes zero.
         """,
     Outcome.MAX_STEPS: """
-        The permitted number of steps, or the room for what they record, was used up.
+        The permitted number of steps was used up.
 
         Raise max_steps, or loosen the tolerances. Where that hardly changes the number of steps,
         the model is stiff: lower its largest stiffness or damping, or make an effect that changes
         abruptly smoother.
+        """,
+    Outcome.MEMORY: """
+        What the run records has used up the memory that it may take.
+
+        Ask for samples at the instants that are needed, with t_eval, in place of the end of every
+        step; end the run earlier; or, where the machine has the memory, raise max_bytes. A result
+        takes some times as much.
         """,
     Outcome.NEWTON_FAILED: """
         Newton's method did not converge, however short the step: in the return onto the constraints

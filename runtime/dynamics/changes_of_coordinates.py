@@ -42,6 +42,8 @@ _FAILED = {
     )
 }  # fmt: skip
 
+_ALIKE = {Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED}  # in all coordinates too
+
 
 @dataclass(frozen=True)
 class _Leg:
@@ -85,7 +87,7 @@ class Changes:
                     return self._return(run, q, v)
             return run, code
         unstarted = code > 0 and run.state.record["steps"] == 0 and not self.legs
-        if unstarted and code not in (Outcome.MAX_STEPS, Outcome.INTERRUPTED):
+        if unstarted and code not in _ALIKE:
             self._be_patient(0)
             run = self._make_whole()
             code = run.start()

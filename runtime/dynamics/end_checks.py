@@ -44,7 +44,8 @@ def check_result(
             )
         found = " ".join(filter(None, [_order_of_events(run), modes, found, unexplained]))
     if found:
-        outcome = result.outcome = Outcome.CONTRADICTED
+        outcome, result.contradiction = Outcome.CONTRADICTED, found
+        result.outcome = outcome
         result.message = f"{outcome.meaning} {found} {outcome.advice} {result.message}"
 
 

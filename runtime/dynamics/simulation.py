@@ -35,7 +35,8 @@ def simulate(
     parameters: Values | None = None, guess: Values | None = None, start: Assembly | None = None,
     correction: Correction = "step", formulation: Formulation = "cartesian",
     time_scale: float | None = None, first_step: float | None = None,
-    max_step: float | None = None, max_steps: int = 100_000_000, progress: Progress = silent,
+    max_step: float | None = None, max_steps: int = 100_000_000,
+    max_bytes: int = 2**30, progress: Progress = silent,
 ) -> Result:  # fmt: skip
     """Integrate the equations of motion from the assembled start; see `Machine.simulate`."""
     began = clock.perf_counter()
@@ -47,7 +48,8 @@ def simulate(
     options = Options(
         method=method, rtol=rtol, atol_q=atol, atol_v=atol,
         t_eval=ready.instants(t_eval), correction=coordinates.correction,
-        time_scale=time_scale, first_step=first_step, h_max=max_step, max_steps=max_steps,
+        time_scale=time_scale, first_step=first_step, h_max=max_step,
+        max_steps=max_steps, max_bytes=max_bytes,
     )  # fmt: skip
     return finish_simulation(ready, coordinates, options, began, progress, repeats=True)
 
@@ -78,7 +80,7 @@ def finish_simulation(
     if isinstance(coordinates, ReducedCoordinates) and contradicted:
         whole = coordinates.cartesian(options.method)
         again = finish_simulation(ready, whole, options, began, progress, works=works, energy=True)
-        again.message += f" Repeated in all coordinates, as in reduced ones: {result.message}"
+        note_repetition(again, result.contradiction)
         return again
     count, note = describe_unresolved_switches(equations, run.events, ready.sizes, options)
     result.stats["events_within_tolerance"] = count
@@ -86,6 +88,14 @@ def finish_simulation(
     result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
     result.message += driven_note(mechanism, begin.degrees_of_freedom)
     return result
+
+
+def note_repetition(result: Result, contradiction: str) -> None:
+    """Say why a run in all coordinates took the place of one in reduced coordinates."""
+    result.message += (
+        " This run is in all coordinates: a check contradicted one in reduced coordinates, which "
+        f"is thrown away. {contradiction}"
+    )
 
 
 def _result(
@@ -134,11 +144,14 @@ def _result(
         Partition(float(t), tuple(name for name, free in zip(names, chosen, strict=True) if free))
         for t, chosen in zip(run.partitions.t, run.partitions.independent, strict=True)
     ]
-    return Result(
+    result = Result(
         mechanism.description, samples, p, analysis="simulation", outcome=run.outcome,
         message=_message(mechanism, run, p) + redundancy_note(begin), stats=stats, events=events,
         partitions=partitions, not_unique=begin.not_unique,
     )  # fmt: skip
+    if run.outcome is Outcome.CONTRADICTED:
+        result.contradiction = f"At t = {run.final_t:.9g} s it stopped. {run.note}"
+    return result
 
 
 def _methods_note(run: Trajectory) -> str:

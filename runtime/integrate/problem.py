@@ -93,6 +93,7 @@ class Options:
     h_min: float | None = None
     fixed_step: float | None = None  # length of all steps, s; switches error control off
     max_steps: int = 100_000_000  # trial steps
+    max_bytes: int = 2**30  # of recorded states; those at `t_eval` take what was asked for
     max_events: int = 1_000_000  # changes of modes; more are taken for chattering without end
     # trial steps between two looks at the clock; None: chosen for about 50 ms
     chunk: int | None = None

@@ -14,10 +14,10 @@ from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
 from runtime.core.system import System
 from runtime.core.workspace_rows import BAND, STRUCK
-from runtime.hybrid.mode_search import MOST_COMBINED
 from runtime.integrate.initialization import start, start_anew
 from runtime.integrate.loop import advance
 from runtime.integrate.method import LEADING
+from runtime.integrate.notes_on_outcomes import energy_note, memory_note, mode_search_note
 from runtime.integrate.problem import Options, Passage, Problem
 from runtime.integrate.recording_buffers import Recording, in_order
 from runtime.integrate.run_state import COUNTS, RunState
@@ -43,7 +43,6 @@ _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress
 _GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
 _KINK = int(Signal.KINK)
 _STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
-_MOST_BYTES = 2**30  # safety: of what a run records; its result takes some times that
 _CLOSE = 1e-6  # safety: of the run; nearer to a pole or a lock-up, that is why it ends
 
 
@@ -181,8 +180,8 @@ class Run:
                     run.state.record["energy"] = np.nan
                 if change is not None:
                     run, code = change(run, code)
-                if code == _GOING and run.recording.bytes > _MOST_BYTES:
-                    code, run.note = int(Outcome.MAX_STEPS), run._memory_note()
+                if code == _GOING and run.recording.bytes > run.state.options.max_bytes:
+                    code, run.note = int(Outcome.MEMORY), memory_note(run.recording)
                 if code == _GOING and (signals.arrived or stopped):
                     code, signals.answered = int(Outcome.INTERRUPTED), not stopped
             if code in (*_STUCK, Outcome.CONTRADICTED):
@@ -271,9 +270,11 @@ class Run:
         """What was recorded since the start, or since the run took over from another."""
         state, r = self.state, self.state.record
         n, stopped = state.system.coordinates, float(r["t"])
-        note = self.note or self.crossings.note or self._search_note(outcome)
+        note = self.note or self.crossings.note
         if outcome is Outcome.CONTRADICTED:
-            note = self._energy_note()
+            note = energy_note(r)
+        elif outcome is Outcome.INCONSISTENT and not note:
+            note = mode_search_note(state.switch_rows[BAND])
         t, y, modes = self.recording.samples()
         return Trajectory(
             t=t,
@@ -294,37 +295,4 @@ class Run:
             decay=state.mean_decay,
             crossings=tuple(self.crossings.passed),
             note=note,
-        )
-
-    def _memory_note(self) -> str:
-        """What a run has recorded that takes more memory than it may."""
-        r = self.state.record
-        return (
-            f"The states that were recorded in {r['steps']} steps and {r['events']} events take "
-            f"{self.recording.bytes / 2**30:.2g} GiB, the most that a run may: end it earlier, or "
-            "ask for samples at fewer instants, with t_eval."
-        )
-
-    def _energy_note(self) -> str:
-        """How the energy changes, and what explains of it."""
-        r = self.state.record
-        change, work = float(r["unexplained"] + r["explained"]), float(r["explained"])
-        if r["index"] >= 0:
-            return (
-                f"The energy jumps there by {change:.6g} J, which no force and no impact explains."
-            )
-        return (
-            f"Up to t = {r['end']:.9g} s the energy changes by {change:.6g} J, and the work of "
-            f"effects and drivers is {work:.6g} J."
-        )
-
-    def _search_note(self, outcome: Outcome) -> str:
-        """Note on a run where more functions were on their surface than can all be tried."""
-        count = int(np.count_nonzero(self.state.switch_rows[BAND] > 0.0))
-        if outcome is not Outcome.INCONSISTENT or count <= MOST_COMBINED:
-            return ""
-        return (
-            f"{count} conditions are on their surface at once; of their combinations only those of "
-            f"{MOST_COMBINED} were all tried, and the search was given up: there may be a state "
-            "that agrees."
         )

@@ -84,7 +84,7 @@ def _check_numbers(options: Options) -> Iterator[str]:
         length = getattr(options, name)
         if length is not None and not (_is_number(length) and 0.0 < length < math.inf):
             yield f"{name} = {length} must be a positive, finite number of seconds."
-    for name in ("max_steps", "max_events", "chunk"):
+    for name in ("max_steps", "max_bytes", "max_events", "chunk"):
         count = getattr(options, name)
         if name == "chunk" and count is None:
             continue

@@ -18,10 +18,12 @@ _SHOWN = 8  # layout: parameters that the text names
 class MechanismTables:
     """Tables of a mechanism in one scene; `mechanism` is the data that the analyses take."""
 
+    mechanism: Mechanism
+
     def __init__(self, mechanism: Mechanism) -> None:
         if not isinstance(mechanism, Mechanism):
             raise InputError(f"{shown(mechanism)} is no mechanism; runtime.load makes machines.")
-        self.mechanism = mechanism
+        vars(self)["mechanism"] = mechanism
 
     @property
     def description(self) -> Description:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, Protocol, SupportsIndex, TypeVar, overload
 
 import numpy as np
 
-from codegen.errors import FAILURES, UnknownNameError
+from codegen.errors import UnknownNameError
 from codegen.plain_values import is_a, shown
 
 
@@ -36,7 +36,9 @@ class Table(tuple[RowT, ...]):
             return (
                 str.__str__(item) in self.names if is_a(item, str) else super().__contains__(item)
             )
-        except FAILURES:  # of the comparison with a user's own object
+        except KeyboardInterrupt:
+            raise
+        except BaseException:  # of the comparison with a user's own object
             return False
 
     @overload
@@ -60,7 +62,9 @@ class Table(tuple[RowT, ...]):
                 raise UnknownNameError(unknown("name", item, self.names)) from None
         try:
             return super().index(item, *bounds)
-        except FAILURES as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
             raise UnknownNameError(unknown("name", item, self.names)) from error
 
 

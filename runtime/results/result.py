@@ -14,7 +14,7 @@ from codegen import __version__
 from codegen import argument_readers as readers
 from codegen.errors import InputError
 from codegen.plain_values import shown
-from codegen.public_callables import checked_class
+from codegen.public_callables import checked_class, declared_attributes
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
 from runtime.results.accuracy_target_record import ReachedAccuracy
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 
+@declared_attributes
 @checked_class
 class Result(TimeSeries):
     """Motion of a machine at the instants `t`.
@@ -39,6 +40,8 @@ class Result(TimeSeries):
         The arrays, one row an instant.
     outcome
         How the analysis ended; `message` says it in full, with time and joint.
+    contradiction
+        What a check found against the results, with numbers; empty if none did.
     stats
         Counts of steps, evaluations and iterations (of a simulation: explained in
         `runtime.integrate.trajectory.Statistics`), and the wall time in s. `crossing_error`:
@@ -62,6 +65,17 @@ class Result(TimeSeries):
         Parameter values by name.
     """
 
+    outcome: Outcome
+    message: str
+    contradiction: str
+    stats: dict[str, float]
+    events: tuple[Event, ...]
+    partitions: tuple[Partition, ...]
+    not_unique: tuple[str, ...]
+    singular: tuple[SingularPosition, ...]
+    accuracy: ReachedAccuracy | None
+    parameters: dict[str, float]
+
     def __init__(
         self, description: Description, samples: Samples, p: FloatArray, *, analysis: str,
         outcome: Outcome, message: str, stats: Mapping[str, float], events: Sequence[Event] = (),
@@ -83,8 +97,7 @@ class Result(TimeSeries):
         self.stats = dict(stats)
         self.events, self.partitions = tuple(events), tuple(partitions)
         self.not_unique, self.singular = tuple(not_unique), tuple(singular)
-        self.works: dict[str, FloatArray] = {}
-        self.accuracy: ReachedAccuracy | None = None
+        self.works, self.accuracy, self.contradiction = {}, None, ""
         self.parameters = {
             row.name: float(value) for row, value in zip(description.parameters, p, strict=False)
         }

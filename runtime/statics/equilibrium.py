@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from codegen.errors import AnalysisError
-from codegen.public_callables import checked_class
+from codegen.public_callables import checked_class, declared_attributes
 from runtime.assembly.assemble import assemble
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
 from runtime.assembly.masses_far_apart import suited_to_masses
@@ -33,6 +33,7 @@ _TURNED = 25.0  # safety: rad after which nothing holds a machine whose forces d
 _FAR = 1e6  # safety: scaled length after which nothing does
 
 
+@declared_attributes
 @checked_class
 class Equilibrium(Result):
     """A result of one instant: the rest position, with everything that a result has.
@@ -50,6 +51,11 @@ class Equilibrium(Result):
     gradient
         Largest unbalanced generalized force, as a share of the forces that act.
     """
+
+    stability: Stability
+    frequencies: FloatArray
+    stiffness: FloatArray
+    gradient: float
 
     def __init__(self, *samples: Any, judged: Judgement, gradient: float, **outcome: Any) -> None:
         super().__init__(*samples, analysis="equilibrium", **outcome)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from codegen import argument_readers as readers
 from codegen.argument_readers import Reader, optional
-from codegen.errors import FAILURES, AnalysisError, InputError
+from codegen.errors import AnalysisError, InputError
 from codegen.plain_values import KindError, shown
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.assembled_state import Assembly
@@ -32,7 +32,9 @@ def instants(t_eval: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """The output instants as an array, checked."""
     try:
         given = np.asarray(None if np.ma.is_masked(t_eval) else t_eval)
-    except FAILURES:
+    except KeyboardInterrupt:
+        raise
+    except BaseException:
         given = np.asarray(None)
     if given.dtype.kind not in "iuf":
         raise AnalysisError(f"t_eval is {shown(t_eval)}; it must be instants in s.")
@@ -120,7 +122,7 @@ _KINDS: dict[str, Reader] = {
     "quantities": optional(readers.texts('("crank.phi",)')),
     "correction": readers.text("the name of a correction"),
     **dict.fromkeys(("method", "formulation"), optional(readers.text("a name"))),
-    "max_steps": readers.count(0),
+    **dict.fromkeys(("max_steps", "max_bytes"), readers.count(0)),
     "progress": readers.flag,
 }
 """Argument of an analysis → its reader."""

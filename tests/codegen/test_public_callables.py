@@ -96,7 +96,7 @@ NONSENSE: dict[str, Callable[[Model], Any]] = {
     "model.altered: zz={}": lambda m: m.altered(zz={}),
     "model 'm': 'spring'": lambda m: setattr(m, "spring", 3),
     "model 'm': 'torque'": lambda m: delattr(m, "torque"),
-    "Body 'p': 'at'": lambda m: delattr(m.bodies["p"], "at"),
+    "Particle 'p': 'at'": lambda m: delattr(m.bodies["p"], "at"),
     "scene 's', varied: fidelity=": lambda m: valid_scenes(
         m, [_with(m).scenes["s"].with_(fidelity=[1])]
     ),
@@ -158,6 +158,26 @@ def test_what_is_declared_cannot_be_replaced() -> None:
     assert [s.name for s in valid_scenes(copy.deepcopy(model), None)] == ["s"]
     with pytest.raises(AttributeError, match="did you mean 'revolute'"):
         _ = model.revolut
+
+
+def test_what_nothing_reads_is_not_set() -> None:
+    model = machine()
+    for owner, title in (
+        (model, "model 'm'"),
+        (model.bodies["p"], "Particle 'p'"),
+        (model.ground, "Ground 'ground'"),
+        (model.bodies["a"].at(0, 0), "Point"),
+        (model.scene("s", ["gravity"]), "Scene 's'"),
+    ):
+        with pytest.raises(AttributeError, match=f"{title}: 'friction' cannot be set"):
+            owner.friction = 0.1  # type: ignore[attr-defined, union-attr]
+
+    class Crane(Model):
+        """A model with a number of its own."""
+
+    crane = Crane("crane")
+    crane.reach = 3.0  # type: ignore[attr-defined]
+    assert crane.reach == 3.0
 
 
 def test_a_scene_that_is_changed_by_hand_is_read_again() -> None:

@@ -1,5 +1,6 @@
 """No run is OK that a check at its end contradicts; angles without digits are refused."""
 
+import re
 from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
@@ -14,7 +15,6 @@ from runtime import load
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics import end_checks
-from runtime.integrate import run as integration
 from runtime.integrate.recording_buffers import Recording, in_order
 from runtime.integrate.trajectory import Events
 from runtime.machine_facade import Machine
@@ -154,15 +154,17 @@ def test_a_run_records_no_more_than_it_may(
     library: Callable[[str, str], Machine], monkeypatch: pytest.MonkeyPatch, formulation: str
 ) -> None:
     """Its end says what takes how much; samples at given instants take what was asked for."""
-    monkeypatch.setattr(integration, "_MOST_BYTES", 20_000)
     machine = library("slider_crank", "compressor")
-    run = machine.simulate(1e3, formulation=formulation, progress=False)
-    assert run.outcome is Outcome.MAX_STEPS
-    assert "GiB, the most that a run may" in run.message
+    run = machine.simulate(1e3, formulation=formulation, max_bytes=20_000, progress=False)
+    assert run.outcome is Outcome.MEMORY
+    assert re.search(r"recorded in \d+ steps and \d+ events take \S+e\+04 bytes\.", run.message)
     assert "t_eval" in run.message
+    assert "max_bytes" in run.message
+    assert "max_steps" not in run.message
     assert sum(array.nbytes for array in (run.t, run.samples.q, run.samples.v)) < 200_000
     at = np.linspace(0.0, 1.0, 2000)
-    assert machine.simulate(1.0, at, formulation=formulation).outcome is Outcome.OK
+    run = machine.simulate(1.0, at, formulation=formulation, max_bytes=20_000, progress=False)
+    assert run.outcome is Outcome.OK
 
 
 def test_reduced_run_that_a_check_contradicts_is_repeated_in_all_coordinates(
@@ -170,11 +172,16 @@ def test_reduced_run_that_a_check_contradicts_is_repeated_in_all_coordinates(
 ) -> None:
     machine, t = library("slider_crank", "compressor"), np.linspace(0.0, 0.2, 5)
     whole = machine.simulate(0.2, t)
-    wrong = "The energy changes."
+    wrong = "The energy changes by 3 J."
     found = iter([wrong])  # of the first run alone
     monkeypatch.setattr(end_checks, "describe_unexplained_energy", lambda *_: next(found, ""))
     less = machine.simulate(0.2, t, formulation="reduced")
     assert less.outcome is Outcome.OK
     np.testing.assert_array_equal(less.samples.q, whole.samples.q)
-    assert "Repeated in all coordinates" in less.message
-    assert wrong in less.message
+    assert less.message.startswith(whole.message)
+    assert less.message.endswith(
+        "This run is in all coordinates: a check contradicted one in reduced coordinates, which is "
+        f"thrown away. {wrong}"
+    )
+    assert "rely" not in less.message
+    assert less.contradiction == ""

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from codegen.errors import InputError
+from codegen.errors import InputError, LinkwrightError
+from runtime import load
 from runtime.machine_facade import Machine
 
 NAN = float("nan")
@@ -31,6 +32,8 @@ NAN = float("nan")
         ({"max_steps": 2.5}, "max_steps is 2.5"),
         ({"max_steps": True}, "max_steps is True"),
         ({"max_steps": "5"}, "max_steps is '5'"),
+        ({"max_bytes": "5"}, "max_bytes is '5'"),
+        ({"max_bytes": 0}, "max_bytes = 0 must be a whole number from 1"),
         ({"guess": [1.0]}, r"guess is \[1.0\]; it must be a mapping from names to numbers"),
         ({"guess": {1: 2.0}}, "guess is .*; its name 1 is no text"),
         ({"guess": {"bar.phi": True}}, "bar.phi is True; it must be a finite number"),
@@ -49,6 +52,38 @@ NAN = float("nan")
 def test_simulate(pendulum: Machine, given: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         pendulum.simulate(**{"t_end": 1.0, **given})
+
+
+class Halt(BaseException):
+    """An exception of a user's that is no `Exception`."""
+
+
+class Halting(dict[str, float]):
+    """An object of a user's that cannot be read."""
+
+    def items(self) -> Any:
+        raise Halt
+
+    __array__ = __fspath__ = __eq__ = items
+    __hash__ = None  # type: ignore[assignment]
+
+
+def test_an_argument_that_raises_what_is_no_exception_is_named(
+    pendulum: Machine, driven: Machine
+) -> None:
+    odd: Any = Halting()
+    for name in ("parameters", "guess", "t_eval"):
+        with pytest.raises(InputError, match=name):
+            pendulum.simulate(**{"t_end": 1.0, name: odd})
+    with pytest.raises(LinkwrightError, match="t_eval"):
+        driven.kinematics(odd)
+    with pytest.raises(InputError, match="path"):
+        driven.kinematics([0.0], progress=False).save(odd)
+    with pytest.raises(InputError, match="folder"):
+        load("slider_crank", folder=odd)
+    with pytest.raises(LinkwrightError, match="There is no"):
+        driven.coordinates[odd]
+    assert odd not in driven.coordinates
 
 
 def test_all_problems_are_told_at_once(pendulum: Machine) -> None:

@@ -1,8 +1,8 @@
 """Calls of methods that a modeller may have written, and the kinds of values that they return."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from contextvars import ContextVar
 from functools import wraps
 from typing import Any, TypeVar
@@ -10,13 +10,13 @@ from typing import Any, TypeVar
 import sympy
 
 from codegen.declare.element import label
-from codegen.declare.expression_rules import unreadable
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate, Time, Velocity, kinds
 from codegen.declare.units import known_unit
 from codegen.errors import FAILURES, LinkwrightError, ModelError
 from codegen.plain_values import InvalidName, genuine, plain_name, shown
-from codegen.public_callables import failure
+from codegen.public_callables import errors_at, failure
+from codegen.real_range import with_short_numbers
 
 WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
 Rows = tuple[tuple[Any, ...], ...]
@@ -40,15 +40,9 @@ def memoize_methods(function: Function) -> Function:
     return call  # type: ignore[return-value]
 
 
-@contextmanager
-def name_errors(element: Any) -> Iterator[None]:
+def name_errors(element: Any) -> AbstractContextManager[None]:
     """Errors in the block that are not ours name the element."""
-    try:
-        yield
-    except LinkwrightError:
-        raise
-    except FAILURES as error:  # of an expression too deep, of SymPy
-        raise ModelError(f"{label(element)}: {unreadable(error)}") from error
+    return errors_at(label(element))
 
 
 def call_method(element: Any, word: str, bodies: tuple[Any, ...] | None = None) -> Any:
@@ -110,7 +104,7 @@ def refusal(element: Any, word: str, value: object, needed: str) -> ModelError:
 def expression(element: Any, word: str, value: Any) -> sympy.Expr:
     """A number or expression."""
     try:
-        return plain_expression(value)
+        return with_short_numbers(plain_expression(value))
     except FAILURES:
         raise refusal(element, word, value, "an expression") from None
 

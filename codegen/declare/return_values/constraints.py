@@ -26,8 +26,8 @@ from codegen.declare.return_values.calls import (
 )
 from codegen.declare.return_values.elements import problems_of
 from codegen.declare.symbols import KINDS, Coordinate, alpha, kinds
-from codegen.errors import ModelError
-from codegen.plain_values import KindError, plain_float, shown
+from codegen.errors import FAILURES, ModelError
+from codegen.plain_values import plain_float, shown
 
 COMPONENTS = ("fx", "fy", "torque")
 
@@ -166,7 +166,7 @@ def place_near(
         places = {q: plain_float(value[q]) for q in coordinates}
         if all(map(math.isfinite, places.values())):
             return places
-    except (KindError, LookupError, TypeError):
+    except FAILURES:  # of a mapping or a number of the modeller's own
         pass
     needed = "a dictionary with a finite number for each own coordinate"
     raise refusal(constraint, "near()", value, needed)

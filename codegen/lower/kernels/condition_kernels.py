@@ -4,6 +4,7 @@ import sympy
 
 from codegen.lower.program import Kernel, storing
 from codegen.lower.scene_graph import SceneGraph
+from codegen.public_callables import errors_at
 
 NAME = "conditions"
 
@@ -15,12 +16,16 @@ def condition_kernels(scene: SceneGraph) -> list[Kernel]:
         values, notes = list[int](), list[str]()
         for one in equations.conditions:
             numbers = one.condition.numbers
-            values += [_translated(scene, number) for number in numbers]
+            with errors_at(one.element):
+                values += [_translated(scene, number) for number in numbers]
             notes += [one.element] * len(numbers)
         summary = "Numbers that CONDITIONS bound and show, in their order."
         kernels.append(storing(NAME, summary, "p out", values, notes))
     if equations.profiles:
-        values = [_translated(scene, e) for curve in equations.profiles for e in curve.derivatives]
+        values = []
+        for curve in equations.profiles:
+            with errors_at(curve.element):
+                values += [_translated(scene, e) for e in curve.derivatives]
         notes = [curve.element for curve in equations.profiles for _ in curve.derivatives]
         summary = "x, y and their first and second derivatives by α, which t stands for: PROFILES."
         kernels.append(storing("profiles", summary, "t p out", values, notes))

@@ -12,35 +12,34 @@ A method of order eight costs a third more for a tenth of the tolerance, and les
 its steps. A first run with a thousand times the tolerance of the second costs half as much, and
 scatter matters little over so wide a gap; from runs that are nearer, and may err alike, less is
 concluded. With an implicit method, where it costs more, the gap is narrower.
-
-Reduced coordinates are two to four times as fast, and contain the derivatives that implicit methods
-take; both are companion modules, whose first build takes seconds. They are taken only if they are
-built already.
 """
 
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import InputError
 from codegen.termination_signals import SignalDeferral
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.formulations import Coordinates, formulate
+from runtime.dynamics.formulations import formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
-from runtime.dynamics.simulation import finish_simulation
-from runtime.integrate.method import IMPLICIT, LEADING, REGISTER
+from runtime.dynamics.simulation import finish_simulation, note_repetition
+from runtime.integrate.method import REGISTER
 from runtime.integrate.problem import Correction, Formulation, Options
-from runtime.integrate.trajectory import Trajectory
 from runtime.integrate.wiring import function_table
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
 from runtime.studies.accuracy_target import run_difference as runs
+from runtime.studies.accuracy_target.choice_of_coordinates import (
+    WIDE,
+    Choice,
+    Choices,
+    second_ratio,
+)
 from runtime.studies.accuracy_target.result_with_estimated_error import with_accuracy
 from runtime.studies.accuracy_target.run_difference import Pair, Quantities, Run
 from runtime.studies.series_by_name import require_numbers
@@ -51,12 +50,6 @@ POINTS = 501  # output instants if the user gives none
 _FIRST, _SLOPE = 5e-4, 0.9  # measured: rtol of the first run for a target of 1e-3; its power law
 _LOOSEST, _TIGHTEST = 1e-3, 1e-14  # safety: rtol of any run
 _LAST = 3e-14  # measured: the same where errors are small; a tighter run errs more, by rounding
-_WIDE = 1e-3  # measured: rtol of the second run over that of the first
-_STIFF = 0.03  # measured: the same with an implicit method
-_CHANGED = 1.5e-3  # measured: the same with an implicit method after an explicit one
-_DECAY = 2.0  # measured: -h Re λ in explicit steps from which on an implicit method costs less,
-_COARSE = 1e-8  # measured: and its rtol down to which it does
-_SHORT = 25  # measured: such steps below which BDF, which begins at order one, is not worth it
 _NEAR, _FAR = 0.1, 1e-6  # safety: rtol of later runs over that of the last
 _EXPECTED_POWER = 0.85  # measured: power of rtol with which errors are expected to fall
 _MARGIN = 0.5  # safety: share of the target that a run is planned for, and judged by
@@ -70,7 +63,8 @@ def simulate_to(
     quantities: Sequence[str] | None, t_start: float, method: str | None,
     parameters: Values | None, guess: Values | None, start: Assembly | None,
     correction: Correction, formulation: Formulation | None, time_scale: float | None,
-    first_step: float | None, max_step: float | None, max_steps: int, progress: Progress,
+    first_step: float | None, max_step: float | None, max_steps: int, max_bytes: int,
+    progress: Progress,
 ) -> Result:  # fmt: skip
     """Integrate with a global error below `accuracy` at the output instants.
 
@@ -91,24 +85,15 @@ def simulate_to(
     times = np.linspace(first, last, POINTS if last > first else 1)
     options = Options(
         t_eval=times if t_eval is None else ready.instants(t_eval), time_scale=time_scale,
-        first_step=first_step, h_max=max_step, max_steps=max_steps,
+        first_step=first_step, h_max=max_step, max_steps=max_steps, max_bytes=max_bytes,
     )  # fmt: skip
     chosen = runs.quantities_of(mechanism.description, quantities, ready.sizes)
-    settings = method, formulation, correction
-    return _Search(ready, *settings, accuracy, chosen, options, progress).result(began)
+    choices = Choices(ready, method, formulation, correction)
+    return _Search(ready, choices, accuracy, chosen, options, progress).result(began)
 
 
 class _InterruptedError(Exception):
     """The user wants no more runs."""
-
-
-class _Choice(NamedTuple):
-    """Method and coordinates of a run."""
-
-    method: str
-    formulation: Formulation
-    coordinates: Coordinates
-    reasons: tuple[str, ...] = ()  # for the choice, in clauses
 
 
 @dataclass
@@ -116,9 +101,7 @@ class _Search:
     """The runs, each planned from those before."""
 
     ready: PreparedSimulation
-    method: str | None  # this and the formulation are chosen where they are None
-    formulation: Formulation | None
-    correction: Correction  # that of the coordinates may differ
+    choices: Choices
     target: float
     quantities: Quantities
     options: Options
@@ -126,7 +109,6 @@ class _Search:
     signals: SignalDeferral = field(default_factory=lambda: SignalDeferral(computing=True))
     runs: list[Run] = field(default_factory=list)
     pair: Pair | None = None  # the last runs that were compared
-    contradiction: str = ""  # what a check says of a run in reduced coordinates
 
     def result(self, began: float) -> Result:
         """Run until the target is met, cannot be met, or the user interrupts."""
@@ -138,14 +120,14 @@ class _Search:
                 return self._interrupted(began)
 
     def _search(self, began: float) -> Result:
-        choice = self._first_choice()
-        rtol = min(max(_FIRST * (self.target / 1e-3) ** _SLOPE, _LAST / _WIDE), _LOOSEST)
+        choice = self.choices.first()
+        rtol = min(max(_FIRST * (self.target / 1e-3) ** _SLOPE, _LAST / WIDE), _LOOSEST)
         while True:  # until there is a run that can be compared with others
             first = self._run(choice, rtol)
-            previous, choice = choice, self._revised(choice, first)
+            previous, choice = choice, self.choices.revised(choice, first)
             if choice.formulation == previous.formulation:
                 break
-        second = max(_LAST, rtol * _second_ratio(choice, first.path))
+        second = max(_LAST, rtol * second_ratio(choice, first.path))
         pair = self._compare(choice, second, first)
         if self._is_unseen(pair):
             longest = min(self.options.h_max or np.inf, self._sampled)
@@ -157,9 +139,14 @@ class _Search:
         ready, coordinates = self.ready, choice.coordinates
         result = finish_simulation(ready, coordinates, run.options, began, silent, run.path)
         if result.outcome is Outcome.CONTRADICTED and choice.formulation == "reduced":
-            self.formulation, self.contradiction = "cartesian", result.message
+            self.choices.contradiction = result.contradiction
             return self._search(began)
-        return with_accuracy(result, self.target, self.quantities, self.runs, pair, choice.reasons)
+        result = with_accuracy(
+            result, self.target, self.quantities, self.runs, pair, choice.reasons
+        )
+        if self.choices.contradiction:
+            note_repetition(result, self.choices.contradiction)
+        return result
 
     def _interrupted(self, began: float) -> Result:
         """The run whose error is known best; before two were compared, the one that went farthest.
@@ -168,7 +155,7 @@ class _Search:
         """
         pair = self.pair
         run = pair.by_merit[0] if pair else max(self.runs, key=lambda run: len(run.path.t))
-        taken = formulate(self.ready, run.formulation, run.options.method, self.correction)
+        taken = formulate(self.ready, run.formulation, run.options.method, self.choices.correction)
         result = finish_simulation(
             self.ready, taken, run.options, began, silent, run.path, works=False
         )
@@ -183,44 +170,7 @@ class _Search:
         )
         return result
 
-    def _first_choice(self) -> _Choice:
-        """Method and coordinates of the first run."""
-        if self.contradiction:
-            return self._choice("cartesian", f"reduced coordinates fail ({self.contradiction})")
-        if self.formulation is not None:
-            return self._choice(self.formulation)
-        reason = "reduced coordinates are not built (python -m codegen build --reduced)"
-        if self.ready.mechanism.has_companion("reduced"):
-            try:
-                return self._choice("reduced")
-            except InputError as error:
-                reason = f"reduced coordinates are refused ({error.problems[0]})"
-        return self._choice("cartesian", reason)
-
-    def _revised(self, choice: _Choice, first: Run) -> _Choice:
-        """The choice for the next run, given the first."""
-        run = first.path
-        if choice.formulation == "reduced" and run.outcome is not Outcome.OK:
-            if self.formulation is not None:
-                return choice
-            end = f"t = {run.final_t:.6g} s ({run.outcome.name})"
-            return self._choice("cartesian", f"in reduced coordinates the run ends at {end}")
-        if choice.method == "auto" and self.method is None and len(run.methods) == 1:
-            if run.decay < _DECAY or first.options.rtol * _CHANGED < _COARSE:
-                return choice._replace(method=LEADING)
-            # In too few steps for the run to change by itself.
-            return choice._replace(method="radau5" if run.statistics.steps < _SHORT else "bdf")
-        return choice
-
-    def _choice(self, formulation: Formulation, *reasons: str) -> _Choice:
-        """With the method that detects stiffness, where its derivatives exist; else explicit."""
-        ready = self.ready
-        stiff = ready.mechanism.has_companion("tangents") and not ready.begin.redundant
-        method = self.method or ("auto" if formulation == "reduced" or stiff else LEADING)
-        coordinates = formulate(ready, formulation, method, self.correction)
-        return _Choice(method, formulation, coordinates, reasons)
-
-    def _compare(self, choice: _Choice, rtol: float, loose: Run) -> Pair:
+    def _compare(self, choice: Choice, rtol: float, loose: Run) -> Pair:
         """Another run, of a tighter tolerance, compared with an earlier one."""
         tight = self._run(choice, rtol)
         t = min(loose.path.t, tight.path.t, key=len)
@@ -262,7 +212,7 @@ class _Search:
         following = rtol * min(_NEAR, max(_FAR, factor))
         return max(following, runs.ROUNDING if rtol > runs.ROUNDING else _tightest(pair))
 
-    def _run(self, choice: _Choice, rtol: float) -> Run:
+    def _run(self, choice: Choice, rtol: float) -> Run:
         """A run; the longest step, where it bounds the error, decreases as tolerances do.
 
         Otherwise all runs would have the same steps, and their difference not show their error.
@@ -291,16 +241,6 @@ class _Search:
         if self.signals.arrived or path.outcome is Outcome.INTERRUPTED:
             raise _InterruptedError
         return self.runs[-1]
-
-
-def _second_ratio(choice: _Choice, first: Trajectory) -> float:
-    """rtol of the second run, with this choice, over that of the first.
-
-    A first run whose steps stability limits errs by much more than its tolerance suggests.
-    """
-    if any(method in IMPLICIT for _, method in first.methods):
-        return _STIFF
-    return _CHANGED if choice.method in IMPLICIT else _WIDE
 
 
 def _tightest(pair: Pair) -> float:

@@ -42,7 +42,9 @@ def test_a_search_goes_on_in_all_coordinates_where_a_check_contradicts_reduced_o
     assert run.accuracy is not None
     assert run.accuracy.formulation == "cartesian"
     assert [one.formulation for one in run.accuracy.runs][-2:] == ["cartesian"] * 2
-    assert "The energy changes." in run.accuracy.means
+    assert "The energy changes" in run.accuracy.means
+    assert run.message.endswith("which is thrown away. The energy changes.")
+    assert "rely" not in run.message + run.accuracy.means
     delivered = run.accuracy.runs[-1]
     again = machine.simulate(
         1.0, t, rtol=delivered.rtol, method=delivered.method, formulation="cartesian"

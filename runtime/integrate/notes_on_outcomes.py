@@ -1,0 +1,44 @@
+"""Sentences on how a run ended, with the numbers that show it."""
+
+from typing import Any
+
+import numpy as np
+
+from runtime.core.array_types import Vector
+from runtime.hybrid.mode_search import MOST_COMBINED
+from runtime.integrate.recording_buffers import Recording
+
+
+def memory_note(recording: Recording) -> str:
+    """What a run has recorded, and the memory that it takes."""
+    r = recording.record
+    return (
+        f"The states that were recorded in {r['steps']} steps and {r['events']} events take "
+        f"{recording.bytes:.3g} bytes."
+    )
+
+
+def energy_note(record: Any) -> str:
+    """How the energy changes, and what explains of it."""
+    change, work = float(record["unexplained"] + record["explained"]), float(record["explained"])
+    if record["index"] >= 0:
+        return f"The energy jumps there by {change:.6g} J, which no force and no impact explains."
+    return (
+        f"Up to t = {record['end']:.9g} s the energy changes by {change:.6g} J, and the work of "
+        f"effects and drivers is {work:.6g} J."
+    )
+
+
+def mode_search_note(bands: Vector) -> str:
+    """Note on a run where more functions were on their surface than can all be tried.
+
+    `bands`, (s,), are positive where a function is on its surface.
+    """
+    count = int(np.count_nonzero(bands > 0.0))
+    if count <= MOST_COMBINED:
+        return ""
+    return (
+        f"{count} conditions are on their surface at once; of their combinations only those of "
+        f"{MOST_COMBINED} were all tried, and the search was given up: there may be a state that "
+        "agrees."
+    )

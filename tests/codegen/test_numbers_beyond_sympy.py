@@ -1,0 +1,163 @@
+"""Numbers that SymPy evaluates for hours or not at all: refused by name, or read as values."""
+
+from collections.abc import Callable
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any
+
+import pytest
+import sympy
+from sympy import Pow, Rational, cos, exp, sin, sqrt
+
+from codegen import Constraint, LinkwrightError, Model, ModelError, Statement
+from codegen.declare.body import Body
+from codegen.declare.element import I
+from codegen.declare.symbols import coordinate
+from codegen.real_range import constant_value, with_short_numbers
+from tests.fuzz.campaign import OverTimeError, limited
+from tests.fuzz.declarations import _build as texts
+
+SECONDS = 20.0  # a hang is more
+
+
+def _of(function: Any, *arguments: Any) -> Any:
+    return function(*arguments, evaluate=False)
+
+
+REFUSED: dict[str, Callable[[], Any]] = {
+    "tower": lambda: _of(Pow, 9, _of(Pow, 9, _of(Pow, 9, 9))),
+    "power near one": lambda: _of(Pow, Rational(10**9 + 1, 10**9), sympy.Integer(10**9)),
+    "small power": lambda: _of(Pow, Rational(2, 3), sympy.Integer(10**9)),
+    "root's power": lambda: _of(Pow, 1 / sqrt(2), sympy.Integer(10**9)),
+    "exponentials": lambda: _of(exp, _of(exp, _of(exp, sympy.Integer(9)))),
+    "digits": lambda: Rational(10**50_000 + 1, 10**50_000),
+    "digits of a fraction": lambda: Fraction(10**50_000 + 1, 10**50_000),
+    "factorial": lambda: _of(sympy.factorial, sympy.Integer(10**7)),
+    "binomial": lambda: _of(sympy.binomial, sympy.Integer(10**9), sympy.Integer(5 * 10**8)),
+    "Catalan number": lambda: _of(sympy.catalan, sympy.Integer(10**8)),
+    "Bessel function": lambda: _of(sympy.besselj, sympy.Integer(10**6), sympy.Integer(10**6)),
+    "whole part": lambda: _of(sympy.floor, _of(exp, sympy.Integer(700))),
+    "remainder": lambda: _of(sympy.Mod, _of(exp, sympy.Integer(700)), sympy.pi),
+    "totient": lambda: _of(sympy.totient, sympy.Integer(10**40 + 7)),
+}
+"""No numbers that a machine can have."""
+READ: dict[str, tuple[Callable[[], Any], float]] = {
+    "nested roots": (lambda: _nested(100), 1.618033988749895),
+    "long sum": (lambda: sympy.Add(*(sqrt(k) for k in range(2, 800))), 15070.0),
+    "larger one": (lambda: _of(sympy.Max, sin(1) ** 2 + cos(1) ** 2, sympy.Integer(2)), 2.0),
+    "Γ": (lambda: sympy.gamma(Rational(1, 3)), 2.678938534707747),
+}
+"""Numbers in a form that SymPy would expand and simplify for long."""
+USES: dict[str, Callable[[Model, Body, Any], Any]] = {
+    "mass": lambda m, a, e: m.body("mine", e, 1),
+    "torque": lambda m, a, e: m.torque("mine", on=a, value=e),
+    "driver": lambda m, a, e: m.driver("mine", a.x, e),
+    "point": lambda m, a, e: m.revolute("mine", m.ground.at(0, 0), a.at(e, 0)),
+    "condition": lambda m, a, e: m.torque("mine", on=a, value=1, when=a.x > e),
+}
+
+
+def _nested(depth: int) -> Any:
+    root = sqrt(2)
+    for _ in range(depth):
+        root = sqrt(1 + root)
+    return root
+
+
+def _declared(use: str, make: Callable[[], Any]) -> str:
+    model = Model("m")
+    a = model.body("a", 1, 1)
+    try:
+        with limited(SECONDS):
+            USES[use](model, a, make())
+            return texts(model)
+    except OverTimeError:
+        pytest.fail(f"takes more than {SECONDS} s")
+
+
+@pytest.mark.parametrize("number", REFUSED)
+@pytest.mark.parametrize("use", ["mass", "torque", "point", "condition"])
+def test_numbers_that_are_not_to_be_evaluated_are_refused_by_name(use: str, number: str) -> None:
+    with pytest.raises(LinkwrightError) as caught:
+        _declared(use, REFUSED[number])
+    text = str(caught.value)
+    assert "mine" in text
+    assert "fails with" not in text
+    assert len(text) < 2000
+
+
+@pytest.mark.parametrize("number", READ)
+@pytest.mark.parametrize("use", ["mass", "torque", "driver", "condition"])
+def test_long_numbers_count_as_their_values(use: str, number: str) -> None:
+    make, value = READ[number]
+    assert constant_value(with_short_numbers(make())) == pytest.approx(value, rel=1e-2)
+    _declared(use, make)
+
+
+def test_short_numbers_stay_as_they_are_written() -> None:
+    for number in (sympy.pi / 3, sqrt(2) / 2, 2 * sin(1), Rational(1, 3), sympy.Float(0.1)):
+        assert with_short_numbers(number * sympy.Symbol("x")) == number * sympy.Symbol("x")
+
+
+class _Own(Constraint):
+    kind = "own joint"
+
+    def __init__(self, body: Body, near: Any, bindings: dict[Any, Any]) -> None:
+        self.name, self.body, self._near, self.bindings = "mine", body, near, bindings
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        return (self.body,)
+
+    def problems(self) -> list[str]:
+        return []
+
+    def near(self, known: Any) -> Any:
+        return {coordinate("mine", "alpha"): self._near}
+
+    def statement(self) -> Statement:
+        alpha = coordinate("mine", "alpha")
+        phi = (self.body.x - sympy.cos(alpha), self.body.y - alpha)
+        own = (("along", alpha),)
+        return Statement(phi, ("x", "along"), None, bindings=self.bindings, own=own)
+
+
+@pytest.mark.parametrize("near", [Decimal("sNaN"), 10**400, sympy.I, "5", Decimal("Infinity")])
+def test_places_that_are_no_numbers_are_refused_with_the_joints_name(near: Any) -> None:
+    model = Model("m")
+    model.add(_Own(model.body("a", 1, 1), near, {}))
+    with pytest.raises(ModelError, match=r"own joint 'mine': its near\(\) returns"):
+        texts(model)
+
+
+@pytest.mark.parametrize("value", [1 + sympy.I, sympy.asin(2), sympy.gamma(sympy.Symbol("z"))])
+def test_meanings_of_placeholders_are_looked_at(value: Any) -> None:
+    model = Model("m")
+    model.add(_Own(model.body("a", 1, 1), 0.5, {I.x: value}))
+    with pytest.raises(ModelError, match="own joint 'mine'"):
+        texts(model)
+
+
+class _Unknown(sympy.Expr):  # type: ignore[misc]
+    """A number that SymPy does not know, and whose text fails."""
+
+    def _sympystr(self, _: Any) -> str:
+        raise RuntimeError("of the user's own")
+
+
+def test_a_number_of_an_own_class_is_refused_by_name() -> None:
+    model = Model("m")
+    a = model.body("a", 1, 1)
+    model.torque("mine", on=a, value=2)
+    effect = model.effects["mine"]
+    object.__setattr__(effect, "forces", lambda bodies: {a.phi: _Unknown()})
+    with pytest.raises(ModelError, match="mine"):
+        texts(model)
+
+
+def test_a_sum_of_numbers_beyond_a_float_names_an_element() -> None:
+    model = Model("m")
+    a = model.body("a", 1e200, 1)
+    model.constraint("mine", 1e300 * a.x - 1e300 * a.y)
+    with pytest.raises(ModelError, match="of 'mine'"):
+        texts(model)
