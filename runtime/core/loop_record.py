@@ -100,7 +100,6 @@ _INTEGERS += [
     "changed",  # events that were logged at its end
     "due",  # 1: another method is due
     "power_rows",  # of the powers that change the energy; -1: its balance is not known
-    "potential_moves",  # 1: the potential depends on the time
     "energy_step",  # number of the step at whose start the energy was taken
     "balance_at",  # number of the next step whose balance of energy is watched
     "balances",  # looks at the balance of energy that were due

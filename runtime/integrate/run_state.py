@@ -27,7 +27,7 @@ _METHOD_NUMBERS = (
 )  # fmt: skip
 # What a run knows of its switching functions, samples and events whatever its coordinates.
 _OF_SWITCHES = ("modes", "switching_rows", "share", "recent_events")
-_OF_ENERGY = ("balances", "usual_part", "potential_moves", "rounding")
+_OF_ENERGY = ("balances", "usual_part", "rounding")
 _OF_EVENTS = (
     "t", "usual", "samples", "next_sample", "event_span", "flight", "shrinking", "standing",
     "patience", "stop", "next_stop",
