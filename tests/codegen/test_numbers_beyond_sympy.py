@@ -154,6 +154,16 @@ class _Unknown(sympy.Expr):  # type: ignore[misc]
 def test_a_number_of_an_own_class_is_refused_by_name() -> None:
     model = Model("m")
     a = model.body("a", 1, 1)
+    model.torque("mine", on=a, value=_Unknown())
+    with pytest.raises(ModelError, match="torque 'mine'"):
+        texts(model)
+    model = Model("m")
+    a = model.body("a", 1, 1)
+    model.cam_follower("mine", a.circle(1, (_Unknown(), 0)), model.body("b", 1, 1).circle(1))
+    with pytest.raises(ModelError, match="curve of 'mine'"):
+        texts(model)
+    model = Model("m")
+    a = model.body("a", 1, 1)
     model.torque("mine", on=a, value=2)
     effect = model.effects["mine"]
     object.__setattr__(effect, "forces", lambda bodies: {a.phi: _Unknown()})
