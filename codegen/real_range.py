@@ -143,7 +143,7 @@ def maximal_numbers(expression: sympy.Basic) -> list[sympy.Expr]:
     while waiting:
         node = waiting.pop()
         if isinstance(node, sympy.Expr) and node.is_number:
-            if node.args and not node.is_Rational:
+            if not (node.is_Number or node.is_NumberSymbol):
                 found[node] = None
             continue
         inner = [a for a in node.args if isinstance(a, sympy.Basic) and a not in seen]

@@ -8,7 +8,7 @@ from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
 
 from codegen.declare.element import Constraint, label
-from codegen.declare.expression_rules import number_problem
+from codegen.declare.expression_rules import is_costly, number_problem
 from codegen.declare.return_values.constraints import statement_of
 from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
 from codegen.declare.table_function import Interpolant
@@ -56,7 +56,7 @@ def all_problems(where: str, expressions: Iterable[sympy.Basic], may_switch: boo
 def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
     """Parts of an expression without smooth pieces, or unknown to the compiler."""
     if found := unreal_part(expression):
-        start = "the value" if found[0] == expression else expression
+        start = "the value" if is_costly(found[0]) or found[0] == expression else expression
         yield f"{where}: {start} {found[1]}{FINITE}"
     elif problem := number_problem(expression):
         yield f"{where}: {problem}"

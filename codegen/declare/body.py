@@ -17,6 +17,7 @@ from codegen.declare.units import plain_length
 from codegen.errors import FAILURES, ModelError
 from codegen.plain_values import members, plain_name, shown
 from codegen.public_callables import error_boundary, error_boundary_class, immutable
+from codegen.real_range import unreal_part
 
 
 class Pose:
@@ -174,6 +175,8 @@ class Body(Pose):
         r = plain_length(radius)
         try:
             size = plain_expression(r)
+            for part in filter(unreal_part, (size, x, y)):  # which SymPy would multiply out
+                return Curve(self, part, part)
             return Curve(self, x + size * sympy.cos(alpha), y + size * sympy.sin(alpha))
         except FAILURES:
             return Curve(self, r, y)

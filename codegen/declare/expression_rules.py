@@ -58,6 +58,12 @@ def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | N
         return unreadable(error)
 
 
+def is_costly(part: sympy.Basic) -> bool:
+    """Whether SymPy would evaluate a part that is refused to write what contains it."""
+    plain = part.is_Rational or part.is_Pow or (part.is_Function and part.func not in FUNCTIONS)
+    return bool(part.is_number and plain)
+
+
 def number_problem(expression: sympy.Basic) -> str | None:
     """Why a part without symbols is no finite real number that SymPy can tell."""
     for number in maximal_numbers(expression):
@@ -72,9 +78,7 @@ def number_problem(expression: sympy.Basic) -> str | None:
 
 def _problem(expression: sympy.Expr, profile: bool) -> str | None:
     found = unreal_part(expression)
-    if (
-        found and found[0].is_number and (found[0].is_Pow or found[0].is_Rational)
-    ):  # to write it, SymPy would evaluate it
+    if found and is_costly(found[0]):
         return f"the value {one_line(found[1])}; give finite real numbers."
     for symbol in sorted(expression.free_symbols, key=str):
         if symbol == alpha and not profile:

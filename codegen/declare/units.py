@@ -9,6 +9,7 @@ import sympy
 
 from codegen.errors import FAILURES, ModelError
 from codegen.plain_values import KindError, one_line, plain_float
+from codegen.real_range import unreal_part
 
 if TYPE_CHECKING:
     import pint
@@ -137,6 +138,8 @@ def in_unit(value: Any, unit: str, where: str, problems: list[str]) -> Any:
         if problem := _table_of_another_unit(value, unit):
             problems.append(f"{where}: {problem}")
         return value
+    if _is_refused(value):
+        return value.magnitude  # SymPy would multiply it out
     target = registry().parse_units(pint_form(unit)) if unit else registry().dimensionless
     try:
         fits = value.is_compatible_with(target)
@@ -213,9 +216,17 @@ def _exponent(quantity: Any, root: str) -> float:
 def plain_length(value: Any) -> Any:
     """A length in metres; any other value is returned unchanged and reported where it is used."""
     try:
-        return _magnitude(value, "m") if is_quantity(value) else value
+        if is_quantity(value):
+            return value.magnitude if _is_refused(value) else _magnitude(value, "m")
+        return value
     except FAILURES:
         return value
+
+
+def _is_refused(quantity: Any) -> bool:
+    """Whether the magnitude is an expression that is refused for a part of it."""
+    given = quantity.magnitude
+    return isinstance(given, sympy.Basic) and unreal_part(given) is not None
 
 
 def _magnitude(value: Any, target: Any) -> Any:

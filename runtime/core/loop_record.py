@@ -59,6 +59,8 @@ _FLOATS += [
     "doubtful",  # end of a step whose energy was not explained; steps up to it are looked at again
     "lent_until",  # instant from which a method that was lent is not needed
     "stop",  # next instant, known beforehand, at which a step ends; infinite where there is none
+    "pace_start",  # instant at which the number of steps had doubled for the last time
+    "pace",  # time covered by the steps of the doubling before
 ]
 _INTEGERS = ["stage_calls", "dense_rows", "dense_calls", "max_steps", "max_events"]
 _INTEGERS += ["steps", "rejected", "retakes", "events", "repartitions", "rhs", "dense_outputs"]
@@ -98,13 +100,15 @@ _INTEGERS += [
     "changed",  # events that were logged at its end
     "due",  # 1: another method is due
     "power_rows",  # of the powers that change the energy; -1: its balance is not known
-    "potential_moves",  # 1: the potential depends on the time
     "energy_step",  # number of the step at whose start the energy was taken
     "balance_at",  # number of the next step whose balance of energy is watched
     "balances",  # looks at the balance of energy that were due
     "doubts",  # steps up to `doubtful` whose energy was not explained
     "balance_rhs",  # calls of `accelerations` for it
     "next_stop",  # its number
+    "pace_steps",  # number of steps that is twice that at `pace_start`
+    "pace_events",  # number of events at `pace_start`
+    "slower",  # doublings in a row of which each covers less time than the one before
     "plan",  # about a singular position, a `Plan`
     "resumed",  # 1: it goes on from a run in other coordinates, whose modes it takes over
 ]

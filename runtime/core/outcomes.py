@@ -90,11 +90,12 @@ _TEXT = {
         of a rigid contact, look at what moves it, or give it stiffness=.
         """,
     Outcome.STEP_TOO_SMALL: """
-        The tolerances require a step that the resolution of the clock does not permit.
+        The tolerances require a step that the resolution of the clock does not permit, or ever
+        shorter steps, which do not come to the end of the run.
 
         Loosen rtol, give atol a size that matters for the machine, or look for an effect that grows
-        without bound, such as a negative or broken power at zero, or jumps without a switching
-        condition.
+        without bound, such as a negative or broken power at zero, turns ever faster, or jumps
+        without a switching condition, and for two points between which a distance becomes zero.
         """,
     Outcome.MAX_STEPS: """
         The permitted number of steps was used up.

@@ -6,7 +6,7 @@ import numpy.typing as npt
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.energy_balance_at_samples import describe_unexplained_energy
-from runtime.dynamics.switches_within_tolerance import tolerance_of_switch
+from runtime.dynamics.switches_within_tolerance import tolerances_of_switches
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -58,21 +58,20 @@ def _residuals(equations: Equations, samples: Samples, sizes: FloatArray, option
     """
     if not len(samples.t) or not equations.m:
         return ""
+    slopes = np.abs(equations.jacobian(float(samples.t[0]), samples.q[0]))
+    # What the whole run has reached permits no less, and takes longer than a short run to find.
+    worst = samples.residual.max()
+    if all(worst <= least for least in _permitted(slopes, sizes, (sizes, sizes), options)):
+        return ""
     reached = np.abs(samples.q).max(axis=0)
     lengths = np.where(equations.description.is_length, np.maximum(sizes, reached), sizes)
     speeds = np.maximum(sizes, np.abs(samples.v).max(axis=0))
-    poses = {0, len(samples.t) // 2, len(samples.t) - 1}  # an arm may vanish in one of them
-    slopes = np.max(
-        [np.abs(equations.jacobian(float(samples.t[k]), samples.q[k])) for k in poses], axis=0
-    )
-    for column, atol, size, name, unit in (
-        (0, options.atol_q, lengths, "Φ", "m or rad"),
-        (1, options.atol_v, speeds, "Φ_q v - ν", "m/s or rad/s"),
+    for k in (len(samples.t) // 2, len(samples.t) - 1):  # an arm may vanish in one of three poses
+        slopes = np.maximum(slopes, np.abs(equations.jacobian(float(samples.t[k]), samples.q[k])))
+    both = _permitted(slopes, sizes, (lengths, speeds), options)
+    for residual, permitted, name, unit in zip(
+        samples.residual.T, both, ("Φ", "Φ_q v - ν"), ("m or rad", "m/s or rad/s"), strict=True
     ):
-        rtol = max(options.rtol, _CLOSED)
-        absolute = rtol * np.minimum(1.0, sizes) if atol is None else np.asarray(atol)
-        permitted = _RESIDUAL * float((slopes @ (absolute + rtol * size)).max())
-        residual = samples.residual[:, column]
         broken = np.flatnonzero(~(residual <= permitted))  # what is no number is broken too
         if len(broken):
             first, worst = float(samples.t[broken[0]]), float(residual[broken].max())
@@ -82,6 +81,21 @@ def _residuals(equations: Equations, samples: Samples, sizes: FloatArray, option
                 + _unresolved_angles(equations, samples, permitted)
             )
     return ""
+
+
+def _permitted(
+    slopes: FloatArray, sizes: FloatArray, reached: tuple[FloatArray, FloatArray], options: Options
+) -> list[float]:
+    """Residuals of positions and velocities that the tolerances permit at slopes |Φ_q|, (m, n)."""
+    rtol = max(options.rtol, _CLOSED)
+    absolute = (
+        rtol * np.minimum(1.0, sizes) if atol is None else np.asarray(atol)
+        for atol in (options.atol_q, options.atol_v)
+    )  # fmt: skip
+    return [
+        _RESIDUAL * float((slopes @ (atol + rtol * size)).max())
+        for atol, size in zip(absolute, reached, strict=True)
+    ]
 
 
 def _unresolved_angles(equations: Equations, samples: Samples, permitted: float) -> str:
@@ -122,8 +136,10 @@ def _sides_of_modes(
     largest = np.concatenate([np.abs(q).max(axis=0), np.abs(v).max(axis=0)])
     for k in np.flatnonzero(wrong.any(axis=0)):
         row = int(np.argmax(np.abs(wrong[:, k])))  # the worst; the message names the first too
-        at = float(t[row]), q[row], v[row]
-        permitted = tolerance_of_switch(equations, int(k), at, largest, sizes, options)
+        one = slice(row, row + 1)
+        (permitted,) = tolerances_of_switches(
+            equations, np.array([k]), t[one], q[one], v[one], largest[None], sizes, options
+        )
         missed = np.flatnonzero(np.abs(wrong[:, k]) > _SIDE_TOLERANCES * permitted)
         if len(missed):
             first = missed[0]
@@ -145,7 +161,17 @@ def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> Flo
     sample has, if there is no event between the two.
     """
     # compiled: most scenes have no switches
-    from runtime.dynamics.switching_values import write_switching_values
+    from runtime.dynamics.switching_values import measure_sides, write_switching_values
+
+    modes, moves = samples.modes, bool(equations.description.time_functions)
+    count, states = modes.shape[1], (samples.t, samples.q, samples.v)
+    apart = _APART * max(abs(run.first_t), abs(run.final_t))
+    g, (largest, beyond, opposed) = np.zeros((2, count + equations.n)), np.zeros((3, count))
+    measure_sides(equations.table, *states, 0.0, modes, equations.p, g, largest, opposed)
+    if moves:
+        measure_sides(equations.table, *states, apart, modes[1:], equations.p, g, beyond, opposed)
+    if not (opposed > _SIDE * largest).any():
+        return None  # as almost always: nothing as long as the run was made
 
     def values(rows: Rows, way: float) -> FloatArray:
         """The functions so long, s, behind these samples."""
@@ -155,15 +181,12 @@ def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> Flo
         return g
 
     g = values(slice(None), 0.0)
-    sides = np.where(samples.modes == SLIDING, 0, 2 * samples.modes - 1)
+    sides = np.where(modes == SLIDING, 0, 2 * modes - 1)
     least = _SIDE * np.abs(g).max(axis=0)
     contradicts = sides * g < -least
     suspects = np.flatnonzero(contradicts.any(axis=1))
-    if not len(suspects) and not equations.description.time_functions:
-        return None
     wrong = np.where(contradicts, g, 0.0)
     again = np.where((wrong[1:] != 0.0) & (wrong[:-1] != 0.0), wrong[:-1], 0.0)
-    apart = _APART * max(abs(run.first_t), abs(run.final_t))
     events = np.searchsorted(run.events.t, samples.t - apart)  # so many come before a sample
     if len(suspects):
         near = np.searchsorted(run.events.t, samples.t[suspects] + apart, side="right")
@@ -171,7 +194,7 @@ def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> Flo
         for way in (-apart, apart):
             turned = sides[suspects] * values(suspects, way) > 0.0
             wrong[suspects] = np.where(turned, 0.0, wrong[suspects])
-    if equations.description.time_functions:
+    if moves:
         behind = values(slice(None, -1), apart)
         same = (events[1:] == events[:-1])[:, None]
         behind = np.where(same & (sides[1:] * behind < -least), behind, 0.0)

@@ -9,16 +9,13 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from runtime.dynamics.output_quantities import evaluate
+from runtime.integrate.energy_tolerances import CERTAIN, ERRORS, PART, ROUNDING
 from runtime.integrate.problem import Options
 from runtime.integrate.sampling import NODES, WEIGHTS
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.samples import Samples
 
-_ERRORS = 50.0  # measured: tolerances of a step by which its energy may err, as in the loop
-_ROUNDING = 1e-13  # accuracy: of an energy; rounding of the sums that it is made of
-_CERTAIN = 16.0  # measured: times the rounding at a few states that two values may be apart
 _WAYS = (1e-9, 1e-6)  # measured: of coordinates' sizes, at which rounding is looked for
-_PART = 1e-3  # safety: of the energy that a step exchanges, which need not be explained
 _WORST = 3  # safety: changes that are judged, the largest of a run
 
 
@@ -45,10 +42,10 @@ def describe_unexplained_energy(
         permitted = within * max(_permit(equations, samples, i, sizes, options) for i in ends)
         if abs(left[k]) <= permitted:
             continue
-        permitted += _CERTAIN * max(_rounding(equations, samples, i, sizes) for i in ends)
+        permitted += CERTAIN * max(_rounding(equations, samples, i, sizes) for i in ends)
         if rows:
             (work, size), (rougher, _) = (_work(equations, samples, k, m) for m in (3, 2))
-            permitted += abs(work - rougher) + _PART * (size + abs(change[k]))
+            permitted += abs(work - rougher) + PART * (size + abs(change[k]))
         if abs(change[k] - work) > permitted:  # what is no number is not judged
             what = f"powers do {work:.6g} J of work" if rows else "nothing does work"
             return (
@@ -92,7 +89,7 @@ def _permit(
     gradient = np.abs(equations.potential_gradient(t, q, modes))
     error = 2.0 * np.sqrt(least * kinetic) + least
     error += float(gradient @ (of_q + options.rtol * np.abs(q)))
-    return float(_ERRORS * error + _ROUNDING * np.abs(samples.energy[k]).sum())
+    return float(ERRORS * error + ROUNDING * np.abs(samples.energy[k]).sum())
 
 
 def _rounding(equations: Equations, samples: Samples, k: int, sizes: FloatArray) -> float:

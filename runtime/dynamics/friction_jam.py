@@ -1,4 +1,9 @@
-"""Friction that jams where a run ended: no acceleration agrees with sliding (P. Painlevé)."""
+"""Friction that jams where a run ended: no acceleration agrees with sliding (P. Painlevé).
+
+And machines that lock up because friction sticks or a rigid contact is closed: what these keep as
+it is and the joints are no longer independent, so that all forces grow without bound, and with them
+that which friction may exert.
+"""
 
 from dataclasses import replace
 
@@ -6,9 +11,11 @@ import numpy as np
 
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.output_quantities import evaluate
 from runtime.integrate.trajectory import Trajectory
-from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.module_tables import Description
 
 # What a run meets first on its way into a jam, where the multipliers grow without bound.
 _WAYS_IN = {
@@ -16,36 +23,146 @@ _WAYS_IN = {
     Outcome.NOT_FINITE,
 }  # fmt: skip
 _CLOSE = 1e-6  # safety: of the run; nearer to a jam, the jam is why it ends
+_AHEAD = np.array([0.0, 0.001, 0.01, 0.1, 1.0])  # safety: of `_CLOSE`; instants that are tried
+_LOST = 1e-3  # safety: least singular value, of unit rows, of what locks up
+_OWN = 0.1  # safety: of that of the joints alone; more is their own singular position
 _JAM = (
     "{} jams{}: friction raises the force that presses{} by more than it needs, and no "
     "acceleration agrees with sliding on. A creep speed does not help: lower the coefficient, "
     "start at rest, where friction may stick, or replace the joint by a contact that can open."
 )
+_BESIDE = (
+    "{} slides and {} still, and no forces were found that do both: friction jams where it raises "
+    "the force that presses by more than it needs, or is about to. Lower the coefficient, or give "
+    "creep= to a friction that sticks, stiffness= to a contact that is closed."
+)
+_LOCKED = (
+    "What {} as it is and the joints and drivers are no longer independent there: forces grow "
+    "without bound{}. Give the friction creep= or the contact stiffness=, or lower a coefficient."
+)
 
 
 def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: float) -> Trajectory:
-    """The run, ended by the jam of a friction with a creep speed, where one is as near as that.
+    """The run, ended by a lock-up or the jam of a friction, where one is as near as that.
 
     `duration`, s, is that of the whole run. Where the motion goes on, its accelerations are no
-    numbers then, and the kernel names the joint. At rest such a friction has no force: where the
-    accelerations are no numbers then either, it is not what ends the run.
+    numbers then, and the kernel names the joint of a friction with a creep speed. At rest such a
+    friction has no force: where the accelerations are no numbers then either, it is not what ends
+    the run.
     """
-    rubs = any(row.kind == "friction" for row in mechanism.description.effects)
-    named = run.outcome is not Outcome.SINGULAR and run.index >= 0
-    if run.outcome not in _WAYS_IN or named or not rubs:
+    description, named = mechanism.description, run.outcome is not Outcome.SINGULAR
+    rubs = any(row.kind == "friction" for row in description.effects)
+    if run.outcome not in _WAYS_IN or (named and run.index >= 0) or not (rubs or description.rigid):
         return run
     equations, (t, q, v) = Equations(mechanism, p), (run.final_t, run.final_q, run.final_v)
+    locked = _describe_lock_up(equations, run)
+    if locked:
+        ended = Outcome.LOCKED if description.drivers else Outcome.SINGULAR
+        return replace(run, outcome=ended, index=-1, note=locked)
     a, _, _ = equations.motion(t, q, v, run.final_modes)
     a = np.where(np.isfinite(a), a, 0.0)
-    for h in _CLOSE * duration * np.array([0.0, 0.001, 0.01, 0.1, 1.0]):
-        there = t + h, q + h * (v + 0.5 * h * a), v + h * a
+    later = [(t + h, q + h * (v + 0.5 * h * a), v + h * a) for h in _CLOSE * duration * _AHEAD]
+    for there in later:
         ahead, _, weak = equations.motion(*there, run.final_modes)
         if weak > 0 and not np.isfinite(ahead).all():
             resting, _, _ = equations.motion(there[0], there[1], np.zeros_like(v), run.final_modes)
-            if not np.isfinite(resting).all():
-                return run
-            return replace(run, outcome=Outcome.NOT_FINITE, index=weak - 1)
-    return run
+            if np.isfinite(resting).all():
+                return replace(run, outcome=Outcome.NOT_FINITE, index=weak - 1)
+            break
+    sentences = (_describe_switched(mechanism, p, there, run.final_modes) for there in later)
+    jammed = next(filter(None, sentences), "")
+    return replace(run, outcome=Outcome.NOT_FINITE, index=-1, note=jammed) if jammed else run
+
+
+def _describe_lock_up(equations: Equations, run: Trajectory) -> str:
+    """Sentences where friction that sticks, and contacts, lock the machine up; empty otherwise."""
+    system, switches = equations.mechanism.system, equations.description.switches
+    kept = np.flatnonzero(run.final_modes == SLIDING).tolist()
+    kept = [k for k in kept if k in system.sticking or k in system.rigid]
+    if not kept:
+        return ""
+    t, q = run.final_t, run.final_q
+    scale = equations.scale(equations.size(t, q))
+    joints = _unit_rows(equations.jacobian(t, q) * scale)[equations.independent]
+    both = np.vstack([joints, _unit_rows(_rate_rows(equations, t, q)[kept] * scale)])
+    if not np.isfinite(both).all() or not 0.0 < _least(both) < min(_LOST, _OWN * _least(joints)):
+        return ""
+    rubs = [switches[k].name for k in kept if k in system.sticking]
+    shut = [switches[k].name for k in kept if k in system.rigid]
+    words = [f"friction {name}" for name in rubs] + [f"contact {name}" for name in shut]
+    grows = ", and what friction may exert grows with them" if rubs else ""
+    return _LOCKED.format(f"{' and '.join(words)} keep{'s' if len(words) == 1 else ''}", grows)
+
+
+def _rate_rows(equations: Equations, t: float, q: FloatArray) -> FloatArray:
+    """By velocities, (s, n): derivatives of slips, and of the rates of gaps."""
+    rest, count = np.zeros(equations.n), len(equations.description.switches)
+    rigid, rates = list(equations.mechanism.system.rigid), equations.kernels.switching_rates
+
+    def values(v: FloatArray) -> FloatArray:
+        found, rate = equations.switching(t, q, v), np.zeros(count)
+        rates(t, q, v, rest, equations.p, rate)
+        found[rigid] = rate[rigid]
+        return found
+
+    start = values(rest)
+    return np.array([values(one) - start for one in np.eye(equations.n)]).T
+
+
+def _unit_rows(matrix: FloatArray) -> FloatArray:
+    lengths = np.linalg.norm(matrix, axis=1, keepdims=True)
+    unit: FloatArray = matrix / np.where(lengths > 0.0, lengths, 1.0)
+    return unit
+
+
+def _least(rows: FloatArray) -> float:
+    """The least singular value of rows of length 1; 0 of more rows than columns."""
+    if len(rows) > rows.shape[1]:
+        return 0.0
+    return float(np.linalg.svd(rows, compute_uv=False).min(initial=1.0))
+
+
+def _describe_switched(
+    mechanism: Mechanism, p: FloatArray, state: tuple[float, FloatArray, FloatArray],
+    modes: IntArray,
+) -> str:  # fmt: skip
+    """Sentences on frictions that slide and jam, maybe beside what sticks; empty otherwise.
+
+    The accelerations of a jam exist as soon as what jams is kept as it slides.
+    """
+    t, q, v = state
+
+    def exist(modes: IntArray, v: FloatArray = v) -> bool:
+        found = evaluate(mechanism, p, np.array([t]), q[None], v[None], modes[None])
+        return bool(np.isfinite(found.a).all())
+
+    description, system = mechanism.description, mechanism.system
+    if exist(modes):
+        return ""
+    slides = [k for k, _ in system.stiction if modes[k] != SLIDING]
+    trials = [[k] for k in slides] + ([slides] if len(slides) > 1 else [])
+    names: list[str] = []
+    for trial in trials:
+        if exist(np.where(np.isin(np.arange(len(modes)), trial), SLIDING, modes)):
+            names = [description.switches[k].name for k in trial]
+            break
+    creeping = _creeping(description)
+    if not names and creeping and exist(modes, np.zeros_like(v)):
+        names = creeping
+    if not names:
+        return ""
+    kept = [description.switches[k].name for k in np.flatnonzero(modes == SLIDING)]
+    rubs = f"Friction {' or '.join(names)}"
+    if kept:
+        return _BESIDE.format(rubs, f"{' and '.join(kept)} keep{'s' if len(kept) == 1 else ''}")
+    return _JAM.format(rubs, "", "")
+
+
+def _creeping(description: Description) -> list[str]:
+    """Names of frictions with a creep speed, which have no switch."""
+    switched = {row.name for row in description.switches}
+    rows = [row.name for row in description.effects if row.kind == "friction"]
+    return [name for name in rows if name not in switched]
 
 
 def describe_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
@@ -55,8 +172,10 @@ def describe_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
     that sticks is a switching function, whose slip tells to which side it slides.
     """
     description, k = mechanism.description, run.index
+    if run.outcome is Outcome.NOT_FINITE and k < 0:
+        return run.note
     if run.outcome is Outcome.NOT_FINITE and k >= 0:
-        names = [row.name for row in description.effects if row.kind == "friction"]
+        names = _creeping(description)
         name = f" {names[0]}" if len(names) == 1 else ""
         return _JAM.format(f"Friction{name} in joint {description.constraints[k].element}", "", "")
     place = dict(mechanism.system.stiction).get(k)

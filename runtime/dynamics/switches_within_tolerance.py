@@ -27,33 +27,41 @@ def describe_unresolved_switches(
     Hermite's polynomial through both states. It may err by what it changes with each coordinate and
     velocity by their tolerances `atol + rtol |y|`.
     """
-    alternating = {int(Direction.BEGAN), int(Direction.CEASED)}
-    total, clauses = 0, []
-    for k in np.unique(events.index):
-        rows = np.flatnonzero(events.index == k)
-        kinds = events.direction[rows]
-        first = rows[:-1][(kinds[:-1] == -kinds[1:]) & np.isin(kinds[:-1], [*alternating])]
-        after = rows[np.searchsorted(rows, first) + 1]
-        span = events.t[after] - events.t[first]
-        first, after = first[span > 0.0], after[span > 0.0]
-        if not len(first):
-            continue
-        reached = _middle_values(equations, int(k), events, first, after)
-        largest = np.concatenate([np.abs(y[rows]).max(axis=0) for y in (events.q, events.v)])
-        begin = rows[0]
-        at = float(events.t[begin]), events.q[begin], events.v[begin]
-        permitted = tolerance_of_switch(equations, int(k), at, largest, sizes, options)
-        within = reached <= permitted
-        if within.any():
-            count = len(np.union1d(first[within], after[within]))
-            total += count
-            clauses.append(
-                f"{equations.description.switches[int(k)].title} ({count} from t = "
-                f"{events.t[first[within][0]]:.6g} s on, past zero by {reached[within].max():.1g}, "
-                f"permitted {permitted:.1g})"
-            )
-    if not clauses:
+    if len(events.t) < 2:
         return 0, ""
+    order = np.argsort(events.index, kind="stable")
+    index, kinds, t = events.index[order], events.direction[order], events.t[order]
+    turned = (kinds[:-1] == -kinds[1:]) & (np.abs(kinds[:-1]) == Direction.BEGAN)
+    same = index[:-1] == index[1:]
+    turned &= same & (t[:-1] < t[1:])
+    if not turned.any():
+        return 0, ""
+    first, after = order[:-1][turned], order[1:][turned]
+    begins = np.flatnonzero(np.append(True, ~same))  # of the events of each switch
+    pair = np.searchsorted(index[begins], index[:-1][turned])
+    chosen = np.zeros(len(begins), dtype=np.bool_)
+    chosen[pair] = True
+    at, switches, permitted = order[begins[chosen]], index[begins], np.zeros(len(begins))
+    states = np.abs(np.hstack([events.q, events.v]))[order]
+    largest = np.maximum.reduceat(states, begins)[chosen]
+    permitted[chosen] = tolerances_of_switches(
+        equations, switches[chosen], events.t[at], events.q[at], events.v[at], largest, sizes,
+        options,
+    )  # fmt: skip
+    reached = _middle_values(equations, switches[pair], events, first, after)
+    within = reached <= permitted[pair]
+    if not within.any():
+        return 0, ""
+    clauses = []
+    for k in np.unique(pair[within]):
+        those = within & (pair == k)
+        count = len(np.union1d(first[those], after[those]))
+        clauses.append(
+            f"{equations.description.switches[int(switches[k])].title} ({count} from t = "
+            f"{events.t[first[those][0]]:.6g} s on, past zero by {reached[those].max():.1g}, "
+            f"permitted {permitted[k]:.1g})"
+        )
+    total = len(np.union1d(first[within], after[within]))
     shown = "; ".join(clauses[:_SHOWN]) + (" and others" if len(clauses) > _SHOWN else "")
     return total, (
         f" {total} of {len(events.t)} events lie within the tolerance, and a tighter rtol may not "
@@ -62,41 +70,38 @@ def describe_unresolved_switches(
 
 
 def _middle_values(
-    equations: Equations, k: int, events: Events, first: Indices, after: Indices
+    equations: Equations, switches: Indices, events: Events, first: Indices, after: Indices
 ) -> FloatArray:
-    """|g_k| midway between the states of events `first` and `after`."""
+    """|g| of one switch each, midway between the states of events `first` and `after`."""
     # compiled: most runs have no such events
     from runtime.dynamics.switching_values import write_switching_values
 
-    switches, span = len(equations.description.switches), events.t[after] - events.t[first]
+    count, span = len(equations.description.switches), events.t[after] - events.t[first]
     span = span[:, None]
     q0, q1, v0, v1 = events.q[first], events.q[after], events.v[first], events.v[after]
     q = 0.5 * (q0 + q1) + 0.125 * span * (v0 - v1)
     v = 1.5 * (q1 - q0) / span - 0.25 * (v0 + v1)
-    t, g = 0.5 * (events.t[first] + events.t[after]), np.zeros((len(first), switches))
+    t, g = 0.5 * (events.t[first] + events.t[after]), np.zeros((len(first), count))
     write_switching_values(equations.table, t, q, v, equations.p, g)
-    values: FloatArray = np.abs(g[:, k])
+    values: FloatArray = np.abs(g[np.arange(len(first)), switches])
     return values
 
 
-def tolerance_of_switch(
-    equations: Equations, k: int, at: tuple[float, FloatArray, FloatArray], largest: FloatArray,
-    sizes: FloatArray, options: Options,
-) -> float:  # fmt: skip
-    """What g_k may err by at the state `at` as each coordinate and velocity may.
+def tolerances_of_switches(
+    equations: Equations, switches: Indices, t: FloatArray, q: FloatArray, v: FloatArray,
+    largest: FloatArray, sizes: FloatArray, options: Options,
+) -> FloatArray:  # fmt: skip
+    """What each g_k may err by at its state (t, q, v) as each coordinate and velocity may, (k,).
 
-    `largest` are their largest magnitudes, (2n,).
+    States are (k, n), and `largest` their largest magnitudes, (k, 2n).
     """
-    (t, q, v), n = at, len(sizes)
-    state = np.concatenate([q, v])
-    absolute = np.concatenate([
-        np.broadcast_to(options.rtol * np.minimum(1.0, sizes) if a is None else np.asarray(a), n)
-        for a in (options.atol_q, options.atol_v)
-    ])  # fmt: skip
-    change = absolute + options.rtol * largest
-    here, total = float(equations.switching(t, q, v)[k]), 0.0
-    for j in range(2 * n):
-        moved = state.copy()
-        moved[j] += change[j]
-        total += abs(float(equations.switching(t, moved[:n], moved[n:])[k]) - here)
+    from runtime.dynamics.switching_values import write_changes
+
+    n, count = len(sizes), len(equations.description.switches)
+    change = options.rtol * largest
+    for atol, half in ((options.atol_q, slice(n)), (options.atol_v, slice(n, None))):
+        absolute = options.rtol * np.minimum(1.0, sizes) if atol is None else np.asarray(atol)
+        change[:, half] += absolute
+    state, g, total = np.hstack([q, v]), np.zeros(count), np.zeros(len(switches))
+    write_changes(equations.table, switches, t, state, change, equations.p, g, total)
     return total

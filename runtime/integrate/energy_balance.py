@@ -1,16 +1,16 @@
 """Balance of energy in a run: the work of each step explains the change of energy in it.
 
-    Δ(T + V) = ∫ (Σ powers + ∂V/∂t) dt
+    Δ(T + V) = ∫ Σ powers dt
 
-Powers are those of effects without a potential, of drivers and of constraints that move. Four
-steps in a row are watched, then 92 are not, but for the first 96 and the last of a run; where
-nothing but potentials acts, the energy tells of these too. At the end of a step a parabola through
-the last three powers tells what it can. Where it leaves a larger part of the exchanged energy
-unexplained than it has lately in steps that were right, and in a few steps of every run, the work
-is integrated by Gauss' rule over the dense output, and compared with what the tolerances permit,
-and with the rounding of the potential. Where it is more, shorter steps are taken, and a fault that
-stays ends the run. At an event the pieces of the potential have to meet, and an impact must not
-raise the kinetic energy where nothing moves by itself.
+Powers are those of effects without a potential, as which one counts that depends on the time, of
+drivers and of constraints that move. Four steps in a row are watched, then 92 are not, but for the
+first 96 and the last of a run; where nothing but potentials acts, the energy tells of these too. At
+the end of a step a parabola through the last three powers tells what it can. Where it leaves a
+larger part of the exchanged energy unexplained than it has lately in steps that were right, and in
+a few steps of every run, the work is integrated by Gauss' rule over the dense output, and compared
+with what the tolerances permit, and with the rounding of the potential. Where it is more, shorter
+steps are taken, and a fault that stays ends the run. At an event the pieces of the potential have
+to meet, and an impact must not raise the kinetic energy where nothing moves by itself.
 
 Nothing is said of steps in sliding modes, near singular positions, or without control of the error.
 """
@@ -25,6 +25,7 @@ from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import Plan, run_record
 from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.integrate.energy_tolerances import ERRORS, PART, ROUNDING
 from runtime.integrate.rounding_of_potential import measure_rounding
 from runtime.integrate.sampling import NODES, WEIGHTS
 
@@ -32,28 +33,18 @@ RULE = tuple(float(weight) for weight in WEIGHTS)
 OUTER = 1.0 / (3.0 * NODES[4] ** 2)  # formula: weights of the first, third and fifth node alone
 INNER = 2.0 - 2.0 * OUTER  # formula: so that parabolas are integrated
 
-_ERRORS = 50.0  # measured: tolerances of a step by which its energy may err
-_PART = 1e-3  # safety: of the energy that a step exchanges, which need not be explained
 _MEET = 1e-9  # accuracy: of the energy, to which the pieces of a potential meet
 _ROUGH = 0.01  # measured: of the exchanged energy, which a parabola of powers leaves open
 _MORE = 4.0  # measured: growth of that part after which it is looked at
 _FORGET = 0.98  # measured: part of both that the next step remembers: one look in 70 steps
 _SELDOM = 60  # measured: steps up to the first look in any case; the k-th comes after k² times that
 _OFTEN = 1024  # measured: steps between two looks at the most; each costs some evaluations
-_ROUNDING = 1e-13  # accuracy: of an energy; rounding of the sums that it is made of
 _WATCHED, _CYCLE = 4, 96  # measured: steps in a row, of so many; all together cost below 2 %
-_SHORT = 1.0 / 64.0  # measured: of a step, over which ∂V/∂t is a difference, to either side
 
 
 @inner
-def evaluate_power(
-    context: Context, t: float, row: int, known: bool, ahead: float, behind: float
-) -> float:
-    """Σ powers + ∂V/∂t of the state in a row of the workspace, W.
-
-    `known` says that the multipliers are those of this state; ∂V/∂t is taken from `behind` to
-    `ahead`, times from now of either sign.
-    """
+def evaluate_power(context: Context, t: float, row: int, known: bool) -> float:
+    """Σ powers of the state in a row of the workspace, W; `known`: the multipliers are its."""
     r, p, modes = run_record(context), context.parameters, context.modes
     q, v = ws.positions(context, row), ws.velocities(context, row)
     lam, total = context.multipliers, 0.0
@@ -65,10 +56,6 @@ def evaluate_power(
         abi.powers_of(context)(t, q, v, p, modes, lam, context.power_values)
         for i in range(r.power_rows):
             total += context.power_values[i]
-    if r.potential_moves != 0:
-        potential = abi.potential_of(context)
-        change = potential(t + ahead, q, p, modes) - potential(t + behind, q, p, modes)
-        total += change / (ahead - behind)
     return total
 
 
@@ -87,7 +74,7 @@ def permit_error(context: Context, t: float, row: int) -> float:
     abi.potential_gradient_of(context)(t, q, p, context.modes, gradient)
     for j in range(n):
         error += abs(gradient[j]) * (atol[j] + r.rtol * abs(q[j]))
-    return float(_ERRORS * error + _ROUNDING * energy)
+    return float(ERRORS * error + ROUNDING * energy)
 
 
 @inner
@@ -95,7 +82,7 @@ def integrate_power(context: Context, t: float, h: float) -> tuple[float, float,
     """Work over the step by its dense output, how rough that is, and what was exchanged, J."""
     r = run_record(context)
     work, rough, size = 0.0, 0.0, 0.0
-    if r.power_rows == 0 and r.potential_moves == 0:
+    if r.power_rows == 0:
         return work, rough, size
     ft.dense_of(context)(context, t, h)
     r.balance_rhs += r.dense_calls
@@ -103,7 +90,7 @@ def integrate_power(context: Context, t: float, h: float) -> tuple[float, float,
         node = NODES[i]
         x = 0.5 * (1.0 + node)
         interpolate(context, r.dense_rows, x, ws.SAMPLE)
-        power = evaluate_power(context, t + x * h, ws.SAMPLE, False, _SHORT * h, -_SHORT * h)
+        power = evaluate_power(context, t + x * h, ws.SAMPLE, False)
         work += RULE[i] * power
         size += RULE[i] * abs(power)
         if i == 2:
@@ -114,14 +101,14 @@ def integrate_power(context: Context, t: float, h: float) -> tuple[float, float,
 
 
 @inner
-def start_balance(context: Context, t: float, row: int, h: float) -> None:
+def start_balance(context: Context, t: float, row: int) -> None:
     """Energy and power of the state in a row of the workspace, from which a step begins."""
     r = run_record(context)
     q, v = ws.positions(context, row), ws.velocities(context, row)
     potential = abi.potential_of(context)(t, q, context.parameters, context.modes)
     r.energy = abi.kinetic_energy_of(context)(q, v, context.parameters) + potential
     r.energy_step, r.slope = r.steps, np.nan
-    r.power = evaluate_power(context, t, row, False, _SHORT * h, 0.0)
+    r.power = evaluate_power(context, t, row, False)
     r.scatter = permit_error(context, t, row)
 
 
@@ -132,14 +119,13 @@ def is_explained(context: Context, t: float, h: float, change: float) -> bool:
     work, rough, size = integrate_power(context, t, h)
     r.scatter = max(permit_error(context, t, ws.Y0), permit_error(context, r.end, ws.Y1))
     r.unexplained, r.explained = change - work, work
-    magnified = 1.0 + 0.5 / _SHORT if r.potential_moves != 0 else 1.0  # by the difference for ∂V/∂t
-    rounding = magnified * r.rounding + _ROUNDING * (abs(r.energy) + abs(change))
+    rounding = r.rounding + ROUNDING * (abs(r.energy) + abs(change))
     steps = 1 + r.steps - r.energy_step
-    permitted = r.scatter * steps + rounding + rough + _PART * (size + abs(change))
+    permitted = r.scatter * steps + rounding + rough + PART * (size + abs(change))
     if not abs(change - work) > permitted:
         return True
     r.rounding = max(r.rounding, measure_rounding(context, t))
-    return not abs(change - work) > permitted + magnified * r.rounding
+    return not abs(change - work) > permitted + r.rounding
 
 
 @addressed(ft.BALANCE)
@@ -156,14 +142,13 @@ def balance_step(context: Context) -> int:
     if context[ft.SLIDING_COUNT] != 0 or r.plan != Plan.FREE or r.planned != 0:
         r.energy = np.nan
         return 0
-    conservative = r.power_rows == 0 and r.potential_moves == 0
-    if np.isnan(r.energy) or (r.energy_step != r.steps and not conservative):
-        start_balance(context, t, ws.Y0, h)
+    if np.isnan(r.energy) or (r.energy_step != r.steps and r.power_rows != 0):
+        start_balance(context, t, ws.Y0)
     p, modes = context.parameters, context.modes
     known = r.dense_ready == 0
     potential = abi.potential_of(context)(t1, context.q1, p, modes)
     energy = abi.kinetic_energy_of(context)(context.q1, context.v1, p) + potential
-    power = evaluate_power(context, t1, ws.Y1, known, 0.0, -_SHORT * h)
+    power = evaluate_power(context, t1, ws.Y1, known)
     change = energy - r.energy
     slope, curvature = (power - r.power) / h, 0.0
     if not np.isnan(r.slope):
@@ -177,11 +162,6 @@ def balance_step(context: Context) -> int:
     due = due or t < r.doubtful
     if left > max(_ROUGH, _MORE * r.usual_part) * exchanged or due:
         r.balances += 1 if due and not t < r.doubtful else 0
-        if r.potential_moves == 0 and (
-            abi.potential_of(context)(t, context.q1, p, modes) != potential
-        ):
-            r.potential_moves, r.energy = 1, np.nan
-            return 0
         if not is_explained(context, t, h, change):
             r.doubts = r.doubts + 1 if t < r.doubtful else 1
             r.doubtful, r.balance_at = max(r.doubtful, t1), r.steps

@@ -14,6 +14,7 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, f8, integers
 from runtime.core.jit import addressed, inner
+from runtime.integrate.energy_tolerances import CERTAIN
 
 Differences = tuple[float, float, float, float, float, float, float, float, float, float, float]
 
@@ -21,10 +22,9 @@ _GAIN = 430.0  # formula: root of the sum of squares of the coefficients of a te
 _ORDER = 10  # measured: of the differences; lower ones see the shape of a potential more
 _BLOCKS, _EACH = 4, 8  # measured: groups of differences, of which a jump disturbs two
 _POINTS = 66  # formula: intervals of all groups
-_CERTAIN = 16.0  # measured: times the scatter that a difference of two values may be in long runs
 _SHAPE = 4.0  # safety: differences of slopes, to which those of a shape come up
 _LEAST_WAY, _LONGER = 1e-9, 10.0  # measured: of coordinates' sizes; the first row, growth of others
-_LONG, _LONGEST = 3.0, 3e3  # measured: of coordinates' sizes; ends where V scatters, and does not
+_LONG, _LONGEST = 3.0, 3e6  # measured: of coordinates' sizes; ends where V varies, and does not
 
 
 @inner
@@ -56,13 +56,13 @@ def take_differences(value: float, before: Differences) -> Differences:
 
 
 @inner
-def measure_scatter(context: Context, t: float, way: float) -> float:
-    """Scatter of V along a row of states, J; 0 where its shape may be the cause."""
+def measure_scatter(context: Context, t: float, way: float) -> tuple[float, int]:
+    """Scatter of V along a row of states, J, or 0 for its shape; most equal pairs of a group."""
     q, step = ws.positions(context, ws.SAMPLE), ws.positions(context, ws.DELTA)
-    gradient, least = ws.second_half(context, ws.DELTA), np.inf
+    gradient, least, most = ws.second_half(context, ws.DELTA), np.inf, 0
     for block in range(_BLOCKS):
         values = slopes = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        scatter, shape = 0.0, 0.0
+        scatter, shape, equal = 0.0, 0.0, 0
         for i in range(_ORDER + _EACH):
             value = evaluate_along(context, t, way, 2 * _EACH * block + i)
             abi.potential_gradient_of(context)(t, q, context.parameters, context.modes, gradient)
@@ -70,25 +70,29 @@ def measure_scatter(context: Context, t: float, way: float) -> float:
             for j in range(context[ft.COORDINATES]):
                 slope += gradient[j] * step[j]
             values, slopes = take_differences(value, values), take_differences(slope, slopes)
+            equal += 1 if values[1] == 0.0 else 0
             if i >= _ORDER - 1:
                 shape = max(shape, abs(slopes[_ORDER - 1]))
             if i >= _ORDER:
                 scatter = max(scatter, abs(values[_ORDER]))
         if not np.isfinite(scatter + shape):
-            return np.nan
+            return np.nan, most
+        most = max(most, equal)
         least = min(least, scatter if scatter > _SHAPE * shape else 0.0)
-    return least / _GAIN
+    return least / _GAIN, most
 
 
 @addressed(f8(integers, f8))
 def measure_rounding(context: Context, t: float) -> float:
     """By how much two values of the potential about the step may differ by rounding, J."""
-    rounding, before, way = 0.0, 0.0, _LEAST_WAY
-    while way < _LONG or (way < _LONGEST and before == 0.0):
-        before = rounding  # one row more: in the first that scatters few neighbours are apart
-        scatter = measure_scatter(context, t, way)
+    rounding, before, equal, way = 0.0, 0, 0, _LEAST_WAY
+    # where many neighbours are equal, few show their rounding; one row more: in the first that is
+    # longer, all groups need not scatter
+    while way < _LONG or (way < _LONGEST and 2 * before > _ORDER + _EACH):
+        before = equal
+        scatter, equal = measure_scatter(context, t, way)
         if not np.isfinite(scatter):
             break
-        rounding = max(rounding, _CERTAIN * scatter)
+        rounding = max(rounding, CERTAIN * scatter)
         way *= _LONGER
     return rounding

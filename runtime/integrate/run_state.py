@@ -13,6 +13,7 @@ from runtime.core.system import System
 from runtime.hybrid.rhs_with_sliding_or_stabilization import TIME_SCALE
 from runtime.integrate.loop import LOG_MARGIN
 from runtime.integrate.method import Method, find_method
+from runtime.integrate.pace import FIRST_LOOK
 from runtime.integrate.problem import Options, Problem, Stops
 from runtime.integrate.sampling import QUADRATURE, STEP_ENDS
 from runtime.integrate.trajectory import Statistics
@@ -26,7 +27,7 @@ _METHOD_NUMBERS = (
 )  # fmt: skip
 # What a run knows of its switching functions, samples and events whatever its coordinates.
 _OF_SWITCHES = ("modes", "switching_rows", "share", "recent_events")
-_OF_ENERGY = ("balances", "usual_part", "potential_moves", "rounding")
+_OF_ENERGY = ("balances", "usual_part", "rounding")
 _OF_EVENTS = (
     "t", "usual", "samples", "next_sample", "event_span", "flight", "shrinking", "standing",
     "patience", "stop", "next_stop",
@@ -93,6 +94,7 @@ class RunState:
         r["max_steps"], r["max_events"] = options.max_steps, options.max_events
         r["automatic"], r["patience"] = int(options.method == "auto"), 1
         r["error_old"] = 1e-4
+        r["pace_start"], r["pace_steps"] = problem.t0, FIRST_LOOK
         r["every_step"] = STEP_ENDS if options.t_eval is None else 0
         if options.quadrature:
             r["every_step"] = QUADRATURE

@@ -9,6 +9,7 @@ from runtime.core.kernel_abi import kinetic_energy_of
 from runtime.core.loop_record import run_record
 from runtime.core.outcomes import Outcome
 from runtime.hybrid.mode_consistency import CONSISTENT
+from runtime.integrate.pace import is_endless
 from runtime.integrate.step import Signal, TrialStep, reject
 from runtime.integrate.step_to_event import copy_end
 
@@ -47,6 +48,8 @@ def accept_step(context: Context) -> int:
         r.due = ft.accepted_of(context)(context, r.t, h)
         r.weak = r.weak + 1 if r.weak_row > 0 else 0
     r.t, r.h = r.end, r.next_length
+    if r.steps >= r.pace_steps and is_endless(context):
+        return Outcome.STEP_TOO_SMALL
     for k in range(modes.size):
         largest[k] = max(largest[k], abs(g1[k]))
         side = 1.0 if modes[k] != 0 else -1.0

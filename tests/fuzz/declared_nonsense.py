@@ -141,6 +141,12 @@ NUMBERS: list[Callable[[], Any]] = [
     lambda: sympy.Pow(
         9, sympy.Pow(9, sympy.Pow(9, 9, evaluate=False), evaluate=False), evaluate=False
     ),
+    *(lambda v=v: v for v in (sympy.Rational(10**5000 + 1, 10**5000), Fraction(1, 10**5000 + 1))),
+    lambda: sympy.Pow(sympy.Rational(10**9 + 1, 10**9), sympy.Integer(10**9), evaluate=False),
+    lambda: sympy.Pow(sympy.Rational(2, 3), sympy.Integer(10**9), evaluate=False),
+    lambda: sympy.binomial(10**9, 5 * 10**8, evaluate=False),
+    lambda: sympy.besselj(10**6, 10**6),
+    lambda: sympy.totient(sympy.Integer(10**40 + 7), evaluate=False),
     lambda: Fraction(10**400),
     lambda: xr.DataArray(math.nan),
     lambda: u.Quantity(1.0, "furlong * kelvin"),

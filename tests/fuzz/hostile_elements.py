@@ -130,7 +130,7 @@ def _of_joints(body: Body, odd: Any, random: Random) -> list[tuple[str, Any]]:
         ("bodies", _raise),
         ("bodies", (7,)),
         ("bodies", None),
-        ("problems", odd if not {*type(odd).__mro__} & {list, tuple} else 7),
+        ("problems", odd if not {*type.mro(type(odd))} & {list, tuple} else 7),
         ("problems", _raise),
         ("problems", None),
         ("problems", [7]),

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sympy import sign
 
 from codegen import Model
 from runtime import load
@@ -132,3 +133,73 @@ def test_reduced_equations_and_implicit_methods_agree(tmp_path: Path) -> None:
         assert run.outcome is Outcome.OK
         np.testing.assert_allclose(run.samples.q, runs[0].samples.q, atol=1e-8)
         np.testing.assert_allclose(run.samples.reaction, runs[0].samples.reaction, rtol=1e-7)
+
+
+ROPE = 12.0  # N
+
+
+def roped(folder: Path, *, creep: bool) -> Machine:
+    """The weight is kept by a rope along the crank that pulls against its velocity: a condition."""
+    m = Model("roped_weight", gravity=(0, -G))
+    crank = m.body("crank", mass=CRANK, inertia=INERTIA)
+    weight = m.body("weight", mass=WEIGHT, inertia=SMALL)
+    mu, radius = m.parameter("mu", MU), m.parameter("r", RADIUS, unit="m")
+    bearing = m.revolute("bearing", m.ground.at(0, 0), crank.at(-INNER, 0))
+    m.translational("slot", crank, weight, axis=(1, 0))
+    m.friction("rub", bearing, mu, radius=radius, **({"creep": CREEP} if creep else {}))
+    m.spring("rope", crank.at(-INNER, 0), weight, force=lambda _, v: ROPE * sign(v))
+    start = dict.fromkeys((crank.phi, crank.omega, weight.x, weight.vx), 0.5)
+    m.scene("s", ["gravity", "rub", "rope"], start=start)
+    return load(m, "s", folder=folder)
+
+
+def one_side(phi: float, omega: float, grip: float, pull: float) -> tuple[float, float, float]:
+    """How fast the weight moves outwards, the crank turns, and its friction, under a pull."""
+    outward, along = np.array([np.cos(phi), np.sin(phi)]), np.array([-np.sin(phi), np.cos(phi)])
+    outwards = OUTER * omega**2 - G * np.sin(phi) - pull / WEIGHT
+    parts = ((CRANK, INNER, 0.0), (WEIGHT, OUTER, outwards))
+    inertia = INERTIA + SMALL + sum(mass * arm**2 for mass, arm, _ in parts)
+    moment = -G * np.cos(phi) * sum(mass * arm for mass, arm, _ in parts)
+    alpha = friction = 0.0
+    for _ in range(400):
+        load = sum(
+            mass * (arm * alpha * along + (r - arm * omega**2) * outward + np.array([0.0, G]))
+            for mass, arm, r in parts
+        )
+        friction = float(-grip * np.hypot(*load))
+        alpha = (moment + friction) / inertia
+    return float(outwards), float(alpha), friction
+
+
+@pytest.mark.parametrize("creep", [False, True])
+def test_a_condition_that_slides_moves_by_the_share_of_both_sides(
+    tmp_path: Path, creep: bool
+) -> None:
+    """A. F. Filippov's mean of two motions, in each of which friction is on its own law."""
+    turning, random = roped(tmp_path, creep=creep), np.random.default_rng(7)
+    for _ in range(12):
+        phi = float(random.uniform(-1.3, 1.3))
+        omega = float(random.choice([-1, 1]) * random.uniform(0.5, 2.0))
+        mu, radius = float(random.uniform(0.1, 0.6)), float(random.uniform(0.05, 0.2))
+        c, s = np.cos(phi), np.sin(phi)
+        guess = {
+            "crank.phi": phi, "crank.omega": omega, "crank.x": INNER * c, "crank.y": INNER * s,
+            "weight.x": OUTER * c, "weight.y": OUTER * s, "weight.vx": -omega * OUTER * s,
+            "weight.phi": phi,
+        }  # fmt: skip
+        run = turning.simulate(
+            1e-3, [0.0, 1e-3], guess=guess, parameters={"mu": mu, "r": radius}, progress=False
+        )
+        assert run.outcome is Outcome.OK
+        phi, omega = run.q("crank.phi")[1], run.v("crank.omega")[1]
+        grip = mu * radius * (np.tanh(omega / CREEP) if creep else np.sign(omega))
+        (above, fast, much), (below, slow, less) = (
+            one_side(phi, omega, grip, pull) for pull in (ROPE, -ROPE)
+        )
+        share = below / (below - above)
+        assert 0.0 < share < 1.0
+        assert run.samples.share[1, -1] == pytest.approx(share, rel=1e-10)
+        assert run.a("crank.omega")[1] == pytest.approx(slow + share * (fast - slow), rel=1e-10)
+        if not creep:
+            torque = run.reaction("rub", "torque")[1]
+            assert torque == pytest.approx(less + share * (much - less), rel=1e-10)

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.optimize import linprog
 
 from codegen.errors import LinkwrightError
 from runtime import load
@@ -37,6 +38,8 @@ MET = 1e-10  # of accelerations and reactions, in a state that both are given
 MOTION = 1e-7  # of positions in typical sizes, for a run at RTOL, without growth of errors
 RTOL = 1e-11
 LOST = 1e-3  # least singular value that explains a singular position or a lock-up
+NEAR = 1e-3  # of a typical length: stops between which impacts follow ever faster
+INFEASIBLE = 2  # of `linprog`: nothing meets all conditions
 SAMPLES = 6
 
 
@@ -65,6 +68,8 @@ def judge(machine: RandomMechanism, folder: Path) -> Verdict:
     order = [result.description.coordinates.names.index(name) for name in dense.names]
     q, v, a = (x[:, order] for x in (result.samples.q, result.samples.v, result.samples.a))
     known = np.isfinite(a).all(axis=1)
+    if result.outcome is Outcome.LOCKED:
+        known[-1] = False  # forces without bound, of which rounding of the state decides
     statics = max(
         (
             samples_apart(machine, dense, result, k, (q[k], v[k], a[k]))
@@ -76,9 +81,15 @@ def judge(machine: RandomMechanism, folder: Path) -> Verdict:
     if result.outcome is not Outcome.OK:
         last, at = result.samples.q[-1, order], float(result.t[-1])
         least = dense.least_singular_value(last, at)
+        if result.outcome is Outcome.LOCKED:
+            modes = _modes(machine, result, -1)
+            kept = [name for name, mode in modes.items() if mode == 0]
+            least = min(least, dense.least_singular_value(last, at, kept))
         explained = result.outcome in (Outcome.SINGULAR, Outcome.LOCKED) and least < LOST
         if result.outcome is Outcome.INCONSISTENT:
             explained = driven_onto_stop(dense, last, at)
+        if result.outcome is Outcome.ZENO:
+            explained = squeezed(dense, last, at)
         why = "" if explained else f"{result.outcome.name}, least singular value {least:.1e}"
         return Verdict(result.outcome.name, statics, 0.0, complaint or why)
     try:
@@ -98,6 +109,22 @@ def driven_onto_stop(dense: Dense, q: Any, t: float) -> bool:
         if isinstance(f, parts.RigidContact) and abs(scalars[f.name].value) < MET * dense.length
     ]  # fmt: skip
     return bool(stops) and not dense.independent(q, t, stops)
+
+
+def squeezed(dense: Dense, q: Any, t: float) -> bool:
+    """Whether no velocity keeps all stops that nearly touch from closing: their room vanishes."""
+    e = dense.equations(q, np.zeros(dense.n), t)
+    scalars = [
+        e.scalars[f.name] for f in dense.mechanism.effects
+        if isinstance(f, parts.RigidContact) and abs(e.scalars[f.name].value) < NEAR * dense.length
+    ]  # fmt: skip
+    if not scalars:
+        return False
+    rows = np.array([s.by_q for s in scalars]) * dense.sizes
+    limits = np.array([s.by_t for s in scalars])
+    joints = {"A_eq": e.jacobian * dense.sizes, "b_eq": e.nu} if e.rows else {}
+    found = linprog(np.zeros(dense.n), -rows, limits, bounds=(None, None), **joints)
+    return bool(found.status == INFEASIBLE)
 
 
 def judge_kernels(machine: RandomMechanism) -> Verdict:
@@ -135,7 +162,17 @@ def samples_apart(
 ) -> float:
     """Accelerations and reactions of a sample, relative to the largest of their kind."""
     q, v, a = state
-    ours = dense.solve(q, v, float(result.t[k]), _modes(machine, result, k))
+    t, modes = float(result.t[k]), _modes(machine, result, k)
+    kept = [name for name, mode in modes.items() if mode == 0]
+    given = {}
+    if not dense.independent(q, t, kept):
+        # Their forces are not unique; with those of the run its motion has to follow.
+        values = zip(result.description.reactions, result.samples.reaction[k], strict=True)
+        given = {
+            row.element: float(value) for row, value in values
+            if row.element in kept and row.component in ("force", "torque")
+        }  # fmt: skip
+    ours = dense.solve(q, v, t, modes, given)
     sizes, length, period = dense.sizes, machine.scales.length, machine.scales.time
     expected = ours.a / sizes
     scale = max(float(np.abs(expected).max()), 1.0 / period**2)

@@ -5,7 +5,7 @@ Taylor series of the equations in `constraint_equations`, Q by virtual work. Not
 from the library.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import hypot
 from typing import Any
@@ -109,20 +109,25 @@ class Dense:
         scalars = {k: derivatives(s, self.n) for k, s in switching.items() if s is not None}
         return Equations(rows, slices, pushed, plain, scalars)
 
-    def solve(self, q: Any, v: Any, t: float, modes: Mapping[str, int] | None = None) -> Solution:
+    def solve(
+        self, q: Any, v: Any, t: float, modes: Mapping[str, int] | None = None,
+        given: Mapping[str, float] | None = None,
+    ) -> Solution:  # fmt: skip
         """The motion at a state; joints that rub are solved by iteration from no friction.
 
         `modes`: effect → 0 where its slip or gap is kept as it is, ±1 where a friction slides.
         Without them every friction slides as its slip says, and every rigid contact is open.
+        What is kept by a force that is `given`, N or N m, is no constraint.
         """
-        e = self.equations(q, v, t, modes)
-        kept = [name for name in e.scalars if (modes or {}).get(name) == 0]
+        e, forces = self.equations(q, v, t, modes), given or {}
+        kept = [name for name in e.scalars if (modes or {}).get(name) == 0 and name not in forces]
         extra = [e.scalars[name] for name in kept]
         rows = [row.by_q for row in (*e.rows, *extra)]
         matrix, scale = self._system(np.array(rows) if rows else np.zeros((0, self.n)))
         gamma = np.array([-row.second for row in (*e.rows, *extra)])
         rubs = [r for f in self.mechanism.effects for r in rubbing(f, self.mechanism, e.works)]
-        columns = [e.works.force, *(rub.per_normal for rub in rubs)]
+        applied = sum((f * e.scalars[k].by_q for k, f in forces.items()), start=e.works.force)
+        columns = [applied, *(rub.per_normal for rub in rubs)]
         right = [np.append(force, gamma if k == 0 else 0.0 * gamma)
                  for k, force in enumerate(columns)]  # fmt: skip
         solved = _solved(matrix, np.array(right).T * scale[:, None]) * scale[:, None]
@@ -145,8 +150,10 @@ class Dense:
         held = dict(zip(kept, (-x[self.n + len(e.rows) :]).tolist(), strict=True))
         found |= {(name, word): f for name, f in held.items() for word in ("force", "torque")}
         limits = {r.effect: r.limit * n for r, n in zip(rubs, normals, strict=True)}
+        # Where friction just breaks loose its slip's acceleration is rounding of all the others.
+        most = self.sizes * float(np.abs(a / self.sizes).max())
         rises = {
-            name: (float(s.by_q @ a) + s.second, float(np.abs(s.by_q) @ np.abs(a)) + abs(s.second))
+            name: (float(s.by_q @ a) + s.second, float(np.abs(s.by_q) @ most) + abs(s.second))
             for name, s in e.scalars.items()
         }
         return Solution(a, lam, found, held, limits, rises, e.scalars)
@@ -194,9 +201,14 @@ class Dense:
         matrix[: self.n, self.n :] = jacobian.T
         return matrix * scale[:, None] * scale, scale
 
-    def least_singular_value(self, q: Any, t: float) -> float:
-        """Of Φ_q with columns in typical sizes and rows of unit length, part of the largest."""
-        jacobian = self.equations(q, np.zeros(self.n), t).jacobian * self.sizes
+    def least_singular_value(self, q: Any, t: float, names: Sequence[str] = ()) -> float:
+        """Of Φ_q with columns in typical sizes and rows of unit length, part of the largest.
+
+        The slips or gaps of `names` are kept as further constraints.
+        """
+        e = self.equations(q, np.zeros(self.n), t)
+        rows = [row.by_q for row in (*e.rows, *(e.scalars[name] for name in names))]
+        jacobian = np.array(rows) * self.sizes
         jacobian /= np.linalg.norm(jacobian, axis=1, keepdims=True)
         values = np.linalg.svd(jacobian, compute_uv=False)
         return float(values[-1] / values[0])

@@ -26,6 +26,8 @@ PIECES = 40  # steps of a piece that reaches the next instant, at least
 AT_REST = 1e-11  # accuracy: of the largest rate so far; less is no slip
 AGREED = 1e-7  # accuracy: of the terms of an acceleration or force; by so much a mode may be wrong
 TOUCHING = 1e-10  # accuracy: of a typical length; less is no gap
+MISSED = 1e-8  # accuracy: of a typical length; a gap below minus this is an impact that was missed
+RISING = 0.1  # safety: of the rise at the acceleration after an impact; so long a gap surely opens
 UNSEEN = 1e-11  # accuracy: the same; flights that rise no higher are over
 KEPT, OPEN = 0, 1
 
@@ -74,6 +76,7 @@ class Hybrid:
                 t, y, fired = self._piece(t, stop, np.concatenate([q, v]) / sizes, modes)
                 q, v = dense.closed(*np.split(y * sizes, 2), t)
                 self._speed = max(self._speed, float(np.abs(v / dense.sizes).max()))
+                self._check_gaps(q, v, t)
                 if fired is not None:
                     modes, v = self._next(q, v, t, modes, fired)
                     events += 1
@@ -113,6 +116,13 @@ class Hybrid:
             return float(run.t[-1]), run.y[:, -1], names[first[0]]
         return end, run.y[:, -1], None
 
+    def _check_gaps(self, q: Any, v: Any, t: float) -> None:
+        """Nothing is deeper than an impact that is about to be resolved."""
+        scalars = self.dense.equations(q, v, t).scalars
+        for name in self.contacts:
+            if scalars[name].value < -MISSED * self.length:
+                raise DenseError(f"an impact of {name} was missed before t = {t:g} s")
+
     def _event(self, name: str, mode: int | None, solved: Any) -> Any:
         """The function of time and state whose fall through zero ends a piece."""
 
@@ -151,7 +161,8 @@ class Hybrid:
         before, v = v, self._struck(q, v, t, modes, fired, rebound=True)
         x = self.dense.solve(q, v, t, modes | dict.fromkeys(self.contacts, OPEN))
         leaving, fall = x.scalars[fired].rate, x.rises[fired][0]
-        self._flight = fired, t + leaving / -fall if leaving > 0.0 > fall else t
+        # For a part of its rise alone: accelerations change.
+        self._flight = fired, t + RISING * leaving / -fall if leaving > 0.0 > fall else t
         if leaving > 0.0 > fall and 0.5 * leaving**2 / -fall < UNSEEN * self.length:
             v, self._flight = self._struck(q, before, t, modes, fired, rebound=False), ("", t)
         return self._after_impact(q, v, t, modes), v

@@ -2,12 +2,15 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from codegen import Model
 from runtime import load
 from runtime.core.outcomes import Outcome
+from runtime.machine_facade import Machine
 from tests.random_mechanisms import Scales, random_mechanism
+from tests.random_mechanisms.dense_dynamics import Dense
 
 
 def test_a_lock_up_has_one_name_whatever_the_tolerance(tmp_path: Path) -> None:
@@ -49,3 +52,57 @@ def test_a_singular_start_is_no_jam_of_a_friction_in_it(tmp_path: Path) -> None:
     run = load(model, folder=tmp_path).simulate(2.0)
     assert run.outcome is Outcome.SINGULAR
     assert "jams" not in run.message
+
+
+@pytest.mark.parametrize(("seed", "kept"), [(62, "friction rub0"), (74, "contact stop0")])
+def test_what_sticks_or_is_closed_locks_a_driven_machine_up(
+    seed: int, kept: str, tmp_path: Path
+) -> None:
+    """The joints alone are independent there, and the forces grow without bound."""
+    driven = random_mechanism(seed, friction="sticking", contacts="rigid")
+    machine = load(driven.model(), driven.scene, folder=tmp_path)
+    run = machine.simulate(driven.horizon, rtol=1e-9, progress=False)
+    assert run.outcome is Outcome.LOCKED, run.message
+    assert f"What {kept} keeps as it is" in run.message
+    dense = Dense(driven.parts, driven.scales.length)
+    order = [run.description.coordinates.names.index(name) for name in dense.names]
+    q, t = run.samples.q[-1, order], float(run.t[-1])
+    assert dense.least_singular_value(q, t, [kept.split()[1]]) < 1e-4
+    assert dense.least_singular_value(q, t) > 1e-4
+
+
+def rod_that_rubs(folder: Path, *, weight: bool, creep: float | None) -> Machine:
+    """Painlevé's rod, maybe with a weight that a pad keeps on it."""
+    model = Model("rod", gravity=(0, -9.81))
+    rod = model.body("rod", mass=1.0, inertia=0.1)
+    slide = model.revolute_translational("slide", model.ground, rod.at(-1, 0), axis=(1, 0))
+    model.friction("rub", slide, 1.0, creep=creep)
+    start = {rod.phi: 1.55, rod.x: 0.0, rod.omega: -4.0, rod.vx: -3.0}
+    guess = {rod.y: 0.93}
+    if weight:
+        carried = model.body("carried", mass=0.2, inertia=0.01)
+        model.translational("slot", rod, carried, axis=(1, 0))
+        model.dry_friction("pad", rod, carried, axis=(1, 0), normal=90.0, coefficient=0.8)
+        c, s = 0.2 * np.cos(1.55), 0.2 * np.sin(1.55)
+        start |= {carried.x: c, carried.vx: -3.0 + 4.0 * s}
+        guess |= {carried.y: 0.93 + s, carried.phi: 1.55}
+    effects = ["gravity", "rub", *(["pad"] if weight else [])]
+    model.scene("drag", effects, start=start, guess=guess)
+    return load(model, folder=folder)
+
+
+def test_friction_that_sticks_at_rest_is_named_where_it_slides_into_a_jam(tmp_path: Path) -> None:
+    """It ends where the same friction with a creep speed does."""
+    run = rod_that_rubs(tmp_path, weight=False, creep=None).simulate(0.3, progress=False)
+    assert run.outcome is Outcome.NOT_FINITE
+    assert 0.1 < run.t[-1] < 0.102
+    assert "Friction rub jams" in run.message
+
+
+@pytest.mark.parametrize("creep", [None, 1e-3])
+def test_friction_without_forces_beside_what_sticks_is_named(
+    creep: float | None, tmp_path: Path
+) -> None:
+    run = rod_that_rubs(tmp_path, weight=True, creep=creep).simulate(0.3, progress=False)
+    assert run.outcome is Outcome.NOT_FINITE
+    assert "Friction rub slides and pad keeps still, and no forces were found" in run.message

@@ -1,0 +1,38 @@
+"""Pace of a run: whether its steps become shorter so fast that it never reaches its end.
+
+Near an instant where the motion turns or switches infinitely often, steps are about as long as the
+time left to it, or as its square, and the clock resolves them for millions of steps. Each doubling
+of their number then covers a fraction of the time that the one before covered, and the sum of all
+that are to come stays short of the end of the run. A run that is merely dear keeps its pace: each
+doubling covers twice the time.
+"""
+
+from runtime.core.array_types import Context
+from runtime.core.jit import inner
+from runtime.core.loop_record import run_record
+
+FIRST_LOOK = 4096  # measured: steps before the first doubling; shorter runs end soon in any case
+_SLOWER = 0.75  # safety: of the time of the doubling before; 2 at a constant pace, 1 at half of it
+_DOUBLINGS = 4  # safety: so many in a row are no accident
+_SHORT = 0.1  # measured: of the last doubling, by which the limit of the run is uncertain
+_EVENTFUL = 16  # measured: steps an event, with fewer of which the events are to blame
+
+
+@inner
+def is_endless(context: Context) -> bool:
+    """Whether the run never comes to its end; called where the number of steps has doubled.
+
+    Where events are to blame, this is left to the next of them, which has a name.
+    """
+    r = run_record(context)
+    covered = r.t - r.pace_start
+    ratio = covered / r.pace if r.pace > 0.0 else 2.0
+    r.slower = r.slower + 1 if ratio < _SLOWER else 0
+    eventful = _EVENTFUL * (r.events - r.pace_events) > r.pace_steps // 2
+    r.pace_start, r.pace, r.pace_steps, r.pace_events = r.t, covered, 2 * r.steps, r.events
+    if r.slower < _DOUBLINGS or r.t_end - r.t < (ratio / (1.0 - ratio) - _SHORT) * covered:
+        return False
+    if eventful:
+        r.max_events = 0
+        return False
+    return True

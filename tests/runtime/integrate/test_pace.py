@@ -1,0 +1,69 @@
+"""A run whose steps or events crowd before an instant ends by name; one that is dear goes on."""
+
+import numpy as np
+import pytest
+
+from runtime.core.kernel_abi import SIGNATURES
+from runtime.core.outcomes import Outcome
+from runtime.integrate.problem import Options, Problem
+from runtime.integrate.run import integrate
+from tests.runtime.integrate.systems import free_system, kernel
+
+
+@kernel(SIGNATURES["accelerations"])
+def crowded_accelerations(t, q, v, p, modes, a, lam):
+    left = abs(1.0 - p[1] * t)
+    a[0] = modes[0] if modes.size > 0 else p[0] * np.sin(p[0] * t / left) / left**2
+    return 0
+
+
+@kernel(SIGNATURES["switching"])
+def crowded_switching(t, q, v, p, g):
+    g[0] = np.sin(1.0 / (1.0 - t))
+
+
+@kernel(SIGNATURES["switching_rates"])
+def crowded_rates(t, q, v, a, p, rates):
+    rates[0] = np.cos(1.0 / (1.0 - t)) / (1.0 - t) ** 2
+
+
+CROWDED = free_system(accelerations=crowded_accelerations)
+SWITCHED = free_system(
+    accelerations=crowded_accelerations,
+    switching=crowded_switching,
+    switching_rates=crowded_rates,
+    switches=1,
+)
+
+
+def problem(t_end, turns, pole):
+    start, p = np.zeros(1), np.array([turns, pole])
+    return Problem(0.0, t_end, start, start, p, np.ones(1))
+
+
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+@pytest.mark.parametrize("t_end", [1.0, 3.0])
+def test_turns_that_crowd_end_the_run(method, t_end):
+    r = integrate(CROWDED, problem(t_end, 1.0, 1.0), Options(method=method, t_eval=[0.0, t_end]))
+    assert r.outcome == Outcome.STEP_TOO_SMALL
+    assert 0.99 < r.final_t < 1.0
+    assert r.statistics.steps < 300_000
+
+
+def test_events_that_crowd_end_the_run_and_are_named():
+    r = integrate(SWITCHED, problem(1.0, 0.0, 0.0), Options(t_eval=[0.0, 1.0]))
+    assert r.outcome == Outcome.ZENO
+    assert r.index == 0
+    assert 0.99 < r.final_t < 1.0
+    assert r.statistics.steps < 300_000
+
+
+def test_many_turns_at_a_constant_pace_are_followed():
+    r = integrate(CROWDED, problem(1.0, 3e5, 0.0), Options(t_eval=[0.0, 1.0]))
+    assert r.outcome == Outcome.OK
+    assert r.statistics.steps > 65_536
+
+
+def test_turns_up_to_an_instant_before_the_pole_are_followed():
+    r = integrate(CROWDED, problem(1.0 - 1e-5, 1.0, 1.0), Options(t_eval=[0.0, 1.0 - 1e-5]))
+    assert r.outcome == Outcome.OK
