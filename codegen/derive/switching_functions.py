@@ -108,8 +108,6 @@ def _add_conditions(name: str, terms: EffectTerms, others: list[Switch]) -> None
     """Add the switches of the conditions of an effect that have none yet."""
     for condition in conditions(_expressions(terms)):
         g, at_zero = switching_function(condition), boundary(condition)
-        if at_zero is Boundary.BALANCED and kinds(g, Velocity):
-            at_zero = Boundary.OPEN  # the share of both sides in sliding decides
         found = find_switch(g, at_zero, others)
         if found is None:
             others.append(Switch(name, str(condition), g, rate(g), boundary=at_zero))
@@ -123,15 +121,15 @@ def find_switch(
 ) -> tuple[int, bool] | None:
     """Number of the switch of a condition, and whether it is that of the opposite condition.
 
-    Conditions on one surface share their switch where motions slide on it, and else where they
-    agree on what holds on it. Any other conditions of a scene have a switch.
+    Conditions on one surface share their switch where they agree on what holds on it, and all
+    share that of a friction with this slip. Any other conditions of a scene have a switch.
     """
     for k, switch in enumerate(among):
         if switch.kind != "contact" and switch.g in (g, -g):
             opposite = switch.g != g
             agreed = at_zero.of_opposite() if opposite else at_zero
             indifferent = Boundary.INDIFFERENT in (agreed, switch.boundary)
-            if switch.boundary is agreed or indifferent or kinds(g, Velocity):
+            if switch.boundary is agreed or indifferent or switch.kind == "friction":
                 return k, opposite
     return None
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import sympy
 from sympy.core.relational import Relational
 
-from codegen.declare.symbols import Time
+from codegen.declare.symbols import SPEED, Time, Velocity, kinds
 from codegen.derive.effect_terms import EffectTerms
 from codegen.derive.piecewise_conditions import is_known_beforehand, switching_function
 from codegen.real_range import powers_with_number_outside
@@ -18,14 +18,16 @@ from codegen.real_range import powers_with_number_outside
 if TYPE_CHECKING:
     from codegen.derive.equations import ConstraintEquations, EffectEquations
 
-Role = Literal["law", "effect"]
+Role = Literal["law", "effect", "place"]
 
 
 class TimeFunction(NamedTuple):
     """A function of time and parameters alone, and the element that it belongs to."""
 
     element: str
-    role: Role  # a "law" chooses its pieces by the time itself, an "effect" by its modes
+    # a "law" chooses its pieces by the time itself, an "effect" by its modes; so does a "place",
+    # whose rate acts, and which may not jump
+    role: Role
     expression: sympy.Expr
 
 
@@ -39,9 +41,12 @@ def time_functions(
             for part in _parts(expression):
                 found[TimeFunction(constraint.name, "law", part)] = None
     for effect in effects:
+        moving = [s for s, f in effect.terms.pulls if f.has(SPEED) or kinds(f, Velocity)]
+        places = {part for s in moving for part in _parts(s)}
         for expression in _expressions(effect.terms):
             for part in _parts(expression):
-                found[TimeFunction(effect.name, "effect", part)] = None
+                role: Role = "place" if part in places else "effect"
+                found[TimeFunction(effect.name, role, part)] = None
     return tuple(found)
 
 

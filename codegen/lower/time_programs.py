@@ -16,7 +16,7 @@ from codegen.lower.program import LOGICAL, Input, Lookup, Op, dependencies
 from codegen.lower.sympy_translation import Translator
 
 Row = tuple[Any, ...]  # (operation, numbers of the rows that it takes ..., literal): see `_row`
-# (element, "law" or "effect", numbers of the rows that may bend sharply, rows; the last row is f)
+# (element, role, numbers of the rows that may bend sharply, rows; the last row is f)
 TimeProgram = tuple[str, str, tuple[int, ...], tuple[Row, ...]]
 
 _SUMS = frozenset({Op.ADD, Op.SUB, Op.NEG})
@@ -42,8 +42,7 @@ def time_programs(equations: Equations) -> tuple[TimeProgram, ...]:
             root = Translator(graph, environment, ())(as_pieces(function.expression))
         needed = sorted(dependencies(graph.values, [root]))
         watched = _watched(graph, needed)
-        law = function.role == "law"
-        stepping = {Op.FLOOR, Op.LESS} if law else {Op.FLOOR}
+        stepping = {Op.FLOOR} if function.role == "effect" else {Op.FLOOR, Op.LESS}
         if watched or any(graph.values[k].op in stepping for k in needed):
             places = {number: place for place, number in enumerate(needed)}
             rows = tuple(_row(graph, k, places) for k in needed)

@@ -18,6 +18,7 @@ FAR = 1000.0  # safety: distances of a kink's sides from it; there a pole has no
 GROWTH = 300.0  # safety: of a value from there to its side; that of a pole is 1000
 _STEEP = 1e6  # safety: of the typical value of a function; no step goes further into its pole
 _NEAR_POLE = 0.05  # safety: of the run; a run ends no earlier before a pole
+_STEP = 0.5  # safety: of the change of a place over a thousand times the time; that of a jump is 1
 _SEEN = 64  # measured: instants at which the typical value of a function is taken
 
 
@@ -59,7 +60,7 @@ class FunctionScan:
     """What a function asks of a run from t0 to t1, s; it is known up to `reach`."""
 
     def __init__(self, function: TimeFunction, p: Vector, t0: float, t1: float) -> None:
-        self.is_law = function.role == "law"
+        self.role = function.role
         self.t0, self.t1, self.reach, self.p = t0, t1, t0, p
         self.bounds = np.zeros(0)  # known and not yet given away, as are
         self.kinks: list[tuple[float, float]] = []
@@ -76,7 +77,7 @@ class FunctionScan:
         begin = self.reach
         self.reach, count = self._scan(begin, finest)
         marks, kinds = self._marks[:count].copy(), self._kinds[:count]
-        bounds, kinks = self._bounds_and_kinks(marks, kinds)
+        bounds, kinks = self._bounds_and_kinks(marks, kinds, 4.0 * finest)
         self._parts += 1
         if self.reach < self.t1 and self._parts >= self._next:
             if self._parts == 1 and count > 3:
@@ -115,6 +116,21 @@ class FunctionScan:
             way *= 2.0
         return instant - min(way, most)
 
+    def jump(self, before: float, after: float) -> float:
+        """By how much a place jumps between two instants; 0 for other functions, and for a bend."""
+        if self.role != "place":
+            return 0.0
+        far = FAR * (after - before)
+        near, wide = (
+            abs(self._value(after + way) - self._value(before - way)) for way in (0.0, far)
+        )
+        return near if near > _STEP * wide else 0.0
+
+    def _value(self, t: float) -> float:
+        """f(t), where it has one value."""
+        self._size(t)
+        return float(self._work[0, -1])
+
     def _size(self, t: float) -> float:
         """|f(t)|, not a number where it has no value."""
         a, (low, high, steps) = self._arrays, self._work[:3]
@@ -131,13 +147,15 @@ class FunctionScan:
         return float(self._marks[count, 0]), count
 
     def _bounds_and_kinks(
-        self, marks: Matrix, kinds: Integers
+        self, marks: Matrix, kinds: Integers, clock: float
     ) -> tuple[Vector, list[tuple[float, float]]]:
         """Bounds and kinks among marks; a place where nothing is decided is a crowd."""
         span = self.t1 - self.t0
         wide = marks[:, 1] - marks[:, 0] > _WIDE * span
         blurred = self._without_blur(marks[(kinds & BREAK != 0) & ~wide])
-        exact = marks[(kinds == CHOICE) & ~wide] if self.is_law else marks[:0]
+        exact = marks[(kinds == CHOICE) & ~wide]
+        if self.role != "law":  # the run's own switches choose, and stop at what does not jump
+            exact = exact[[self.jump(a - clock, b + clock) > 0.0 for a, b in exact.tolist()]]
         if wide.any():
             begin = float(marks[wide, 0][0])
             exact = np.vstack([exact, [[begin, begin]]])

@@ -27,6 +27,7 @@ class Kink(NamedTuple):
     function: int  # its number in the description
     # instant, s, from which on the function is steep, as it grows without bound; None: it does not
     steep: float | None
+    jump: float  # of a place whose rate acts; 0 where it has none
 
 
 class TimeInstants(NamedTuple):
@@ -67,12 +68,15 @@ def time_instants(
             if after < t0 or before >= t1 or (after <= behind and behind > t0):
                 continue
             steep = scans[number].steep_from(middle, way) if before > t0 else None
+            jump = scans[number].jump(before, after) if before > t0 else 0.0
             if kinks and before <= kinks[-1].after:
                 last = kinks[-1]
                 first = steep if last.steep is None else last.steep
-                kinks[-1] = last._replace(after=after, steep=first)
+                owner = number if jump > last.jump else last.function
+                jump = max(jump, last.jump)
+                kinks[-1] = Kink(last.before, after, owner, first, jump)
             else:
-                kinks.append(Kink(max(before, behind), after, number, steep))
+                kinks.append(Kink(max(before, behind), after, number, steep, jump))
             behind = after
         crowds = [(*scan.crowd, k) for k, scan in enumerate(scans) if scan.crowd is not None]
         crowds = [crowd for crowd in crowds if crowd[0] <= end]

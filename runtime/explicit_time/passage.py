@@ -86,6 +86,9 @@ class Passages:
             return Passage()  # the run begins where a function has no value: others say so
         if ended := self._without_bound(kink, sides, q, v, modes):
             return ended
+        if kink.jump > _JUMP * self.size:
+            what = f"jumps by {kink.jump:.6g} at t = {kink.after:.9g} s, where its rate acts"
+            return self._end(kink, what, -1)
         (phi, nu, gamma, *forces), (phi_after, nu_after, gamma_after, *forces_after) = sides
         apart, most = kink.after - kink.before, np.maximum
         jumps = np.abs(phi_after - phi) - 2.0 * apart * most(np.abs(nu), np.abs(nu_after))

@@ -15,6 +15,7 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.loop_record import run_record
+from runtime.core.modes_and_event_kinds import BALANCED, SLIDING
 from runtime.hybrid.event_location import mode_sign
 from runtime.hybrid.switching_values_and_margins import (
     evaluate_switching,
@@ -43,14 +44,48 @@ def cubic(x: float, y0: float, change: float, leave: float, arrive: float) -> fl
     return y0 + x * x * (3 - 2 * x) * change + x * (1 - x) ** 2 * leave + x * x * (x - 1) * arrive
 
 
-@inlined
-def sample_at(context: Context, x: float, t: float, h: float, last: int, slot: int) -> None:
-    """Fill row `slot` of `sw` with g on the cubic of the motion at the fraction x."""
+@inner
+def sample_at(context: Context, x: float, t: float, h: float, slot: int, joined: bool) -> None:
+    """Fill row `slot` of `sw` with g on the cubic of the motion at the fraction x.
+
+    Where it is `joined`, that is returned onto the constraints.
+    """
+    last = run_record(context).last
     y0, y1, z = ws.row_of(context, ws.Y0), ws.row_of(context, ws.Y1), ws.row_of(context, ws.SAMPLE)
-    k0, k1 = ws.row_of(context, ws.K), ws.row_of(context, last)
+    k0, k1 = ws.row_of(context, ws.K), ws.row_of(context, ws.K + last)
     for j in range(2 * context[ft.COORDINATES]):
         z[j] = cubic(x, y0[j], y1[j] - y0[j], h * k0[j], h * k1[j])
+    if joined:
+        ft.correct_of(context)(context, t + x * h, ws.SAMPLE, ws.PROJECTION)
     evaluate_switching(context, t + x * h, ws.SAMPLE, slot)
+
+
+@inner
+def rests_off_joints(context: Context, h: float) -> bool:
+    """Whether a function rests at both ends of the step, and between them only with joints closed.
+
+    The cubic of the motion leaves the constraints, and there what these keep at zero is not zero.
+    """
+    if context[ft.CONSTRAINT_COUNT] == 0:
+        return False
+    for k in range(context[ft.SWITCHES]):
+        largest, least = context.largest[k], context.band[k]
+        g0, g1, r0, r1 = context.g0[k], context.g1[k], h * context.r0[k], h * context.r1[k]
+        if context.modes[k] == SLIDING:
+            if context.boundary[k] != BALANCED:
+                continue
+            g0, g1, r0, r1, least = 1.0 - g0, 1.0 - g1, 0.0, 0.0, 1.0
+        if not (least > 0.0 and max(abs(g0), abs(g1)) <= least):
+            continue
+        if max(abs(r0), abs(r1)) > _ROUNDING * largest:
+            continue
+        for slot in range(ws.BETWEEN, ws.BETWEEN + 3):
+            g = ws.switch_row(context, slot)[k]
+            if context.modes[k] == SLIDING:
+                g = 1.0 - g
+            if abs(g) > least:
+                return True
+    return False
 
 
 @inner
@@ -107,7 +142,10 @@ def screen_step(context: Context, t: float, h: float, t1: float) -> int:
     r = run_record(context)
     evaluate_switching_and_rates(context, t1, ws.Y1, ws.K + r.last, ws.G1)
     for index, x in enumerate((X1, X2, X3)):
-        sample_at(context, x, t, h, ws.K + r.last, ws.BETWEEN + index)
+        sample_at(context, x, t, h, ws.BETWEEN + index, False)
+    if rests_off_joints(context, h):
+        for index, x in enumerate((X1, X2, X3)):
+            sample_at(context, x, t, h, ws.BETWEEN + index, True)
     allowed, suspects = compare_with_cubics(context, h)
     if r.fixed != 0:
         r.stretch = np.inf

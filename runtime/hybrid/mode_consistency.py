@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
@@ -9,12 +10,13 @@ from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.jit import inlined, inner
 from runtime.core.modes_and_event_kinds import BALANCED, CLOSED, SLIDING, Mode
 from runtime.core.state_derivative import evaluate_accelerations
-from runtime.hybrid.redundant_sliding import is_resting
+from runtime.hybrid.redundant_sliding import is_resting, rests
 from runtime.hybrid.switching_values_and_margins import extrapolate
 
 CONSISTENT = -1
 _DECIDED = len(Mode)  # code: added to a mode in row PREFERRED
 _SIGNIFICANT = 1e-14  # accuracy: change of g over its maximum that is more than rounding
+RESTS = 1e-13  # accuracy: of a function's size; joints that keep it at zero keep it so closely
 _FIRST = 1e-7  # measured: first look-ahead over the last
 MISSED = 1e-9  # accuracy: distance by which a share may miss its bounds at an event
 
@@ -75,14 +77,35 @@ def find_unsupported(context: Context, t: float, q: Vector, v: Vector) -> int:
     return CONSISTENT
 
 
-@inlined
+@inner
 def is_followed(context: Context, candidate: Integers, i: int) -> bool:
     """Whether the look-ahead tells of the `i`-th member; of sliding ones their shares do.
 
     Those that rest have none, and must stay on their surface.
     """
     k = context.members[i]
-    return bool(candidate[k] != SLIDING or context.boundary[k] == BALANCED)
+    return bool(candidate[k] != SLIDING or rests(context, k))
+
+
+@inlined
+def moved_by(context: Context, k: int) -> float:
+    """Change of function `k` from row NOW to row TRIAL, 0 where it is rounding."""
+    change = context.trial[k] - context.now[k]
+    significant = abs(change) > _SIGNIFICANT * max(context.largest[k], abs(context.now[k]))
+    return float(change) if significant else 0.0
+
+
+@inner
+def look_ahead_joined(
+    context: Context, t: float, d: float, state: int, candidate: Integers
+) -> None:
+    """As `look_ahead`, with the joints closed, off which an extrapolated state goes."""
+    q, v, a = ws.positions(context, state), ws.velocities(context, state), context.second_scratch
+    closed = ft.correct_of(context)(context, t + d, ws.SAMPLE, ws.PROJECTION) != FAILED
+    evaluate_accelerations(context, t, q, v, candidate, a)  # the return took their place
+    if closed:
+        q, v = ws.positions(context, ws.SAMPLE), ws.velocities(context, ws.SAMPLE)
+        abi.switching_of(context)(t + d, q, v, context.parameters, context.trial)
 
 
 @inner
@@ -105,14 +128,29 @@ def find_contradiction(
     for i in range(count):
         signs[i] = 0
         open_members += 1 if is_followed(context, candidate, i) else 0
+    joined = context[ft.CONSTRAINT_COUNT] > 0
+    if joined:
+        a, rates = context.second_scratch, context.response_rates
+        abi.switching_rates_of(context)(t, q, v, a, context.parameters, rates)
     distance = d * _FIRST
     while open_members > 0 and distance <= 1.5 * d:
         look_ahead(context, t, distance, state)
+        returned = not joined
         for i in range(count):
             k = members[i]
-            change = context.trial[k] - context.now[k]
-            significant = abs(change) > _SIGNIFICANT * max(context.largest[k], abs(context.now[k]))
-            if signs[i] == 0 and significant and is_followed(context, candidate, i):
+            if signs[i] != 0 or not is_followed(context, candidate, i):
+                continue
+            change = moved_by(context, k)
+            if change != 0.0 and not returned:
+                along = distance * context.response_rates[k]
+                if abs(change - along) > 0.5 * abs(change):
+                    # The rate is not what moves it. Joints may keep it where it is.
+                    look_ahead_joined(context, t, distance, state, candidate)
+                    returned = True
+                    change = moved_by(context, k)
+                    least = max(context.band[k], RESTS * context.largest[k])
+                    change = change if abs(change) > least else 0.0
+            if change != 0.0:
                 signs[i] = 1 if change > 0.0 else -1
                 open_members -= 1
         distance *= 10.0

@@ -52,11 +52,19 @@ def select_modes(context: Context, first: int, t: float, d: float, state: int) -
         if context.band[k] > 0.0:
             context.members[count] = k
             count += 1
+    blamed = count
     if count > search.MOST_WITH_SLIDING:
         blamed = search.search_by_pivots(context, t, d, state, count)
-        if blamed == consistency.CONSISTENT:
-            return blamed
-    return search.search_all(context, t, d, state, min(count, search.MOST_COMBINED), count)
+    if blamed != consistency.CONSISTENT:
+        tried = min(count, search.MOST_COMBINED)
+        blamed = search.search_all(context, t, d, state, tried, count)
+    for i in range(count):
+        k = context.members[i]
+        held = context.rigid[k] >= 0 or context.sticks[k] != 0
+        if context[ft.CONSTRAINT_COUNT] > 0 and context.signs[i] == 0 and not held:
+            # What the joints keep at zero is zero as closely as these are closed.
+            context.band[k] = max(context.band[k], consistency.RESTS * context.largest[k])
+    return blamed
 
 
 @inner

@@ -3,13 +3,16 @@
 import numpy as np
 
 from runtime.core import function_table_slots as ft
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
-from runtime.core.jit import inlined, inner
-from runtime.core.modes_and_event_kinds import BALANCED
+from runtime.core.jit import inner
+from runtime.core.modes_and_event_kinds import BALANCED, SLIDING
 from runtime.core.unowned_array_views import view
 from runtime.linalg.lu import equilibrate
 from runtime.linalg.rank_policy import SAME_HOLD
-from runtime.linalg.vectors import axpy, copy_vector, dot
+from runtime.linalg.vectors import axpy, copy_vector, dot, largest_ratio
+
+_DRIVEN = 1e-12  # accuracy: of a size and all accelerations; a smaller response is rounding
 
 
 @inner
@@ -83,14 +86,24 @@ def solve_least(context: Context, slack: float) -> int:
     return 0
 
 
-@inlined
+@inner
 def is_resting(context: Context, c: int) -> bool:
     """Whether no mode moves the `c`-th function in sliding mode, a balanced one, off its surface.
 
-    What stays on it by itself takes the mean of both sides there.
+    What stays on it by itself takes the mean of both sides there. A response that is the rounding
+    of accelerations moves nothing.
     """
-    balanced = context.boundary[context.sliding_functions[c]] == BALANCED
-    return bool(balanced and context.response[c * context[ft.SLIDING_COUNT] + c] == 0.0)
+    k = context.sliding_functions[c]
+    if context.boundary[k] != BALANCED:
+        return False
+    response = abs(context.response[c * context[ft.SLIDING_COUNT] + c])
+    if response == 0.0:
+        return True
+    speeds = view(ws.row_of(context, ws.SIZE), context[ft.COORDINATES], context[ft.COORDINATES])
+    per_second = largest_ratio(context.base_accelerations, speeds)
+    per_second += largest_ratio(context.unit_accelerations[c], speeds)
+    largest = context.reserve[k] if context.modes[k] == SLIDING else context.largest[k]
+    return bool(response <= _DRIVEN * largest * per_second)
 
 
 @inner

@@ -95,3 +95,14 @@ def evaluate_switching_and_rates(
     for k in range(context[ft.SWITCHES]):
         if context.modes[k] == SLIDING:
             rates[k] = (rates[k] - now[k]) / ahead
+    for c in range(context[ft.SLIDING_COUNT]):
+        if is_resting(context, c):
+            # Off the constraints, where the joints do not keep it at zero, a difference is wrong.
+            k, g, slopes = (
+                context.sliding_functions[c],
+                context.base_response,
+                context.response_rates,
+            )
+            abi.switching_of(context)(t, q, v, context.parameters, g)
+            abi.switching_rates_of(context)(t, q, v, a, context.parameters, slopes)
+            rates[k] = -np.sign(g[k]) * slopes[k] / (_RESTING * context.reserve[k] + TINY)

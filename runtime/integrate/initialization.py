@@ -93,12 +93,12 @@ def choose_modes(context: Context, t: float) -> int:
             for j in range(size.size):
                 largest[k] = min(largest[k], size[j])
     blamed = ft.initialize_modes_of(context)(context, 0, t, LOOK_AHEAD * h, Y0)
-    write_derivative(context, t, Y0, K)  # after the impacts of this instant
-    evaluate_switching_and_rates(context, t, Y0, K, ws.G0)
     for k in range(modes.size):
         if modes[k] == SLIDING:
             reserve[k] = largest[k]
             largest[k], band[k] = 1.0, 0.0
+    write_derivative(context, t, Y0, K)  # after the impacts of this instant
+    evaluate_switching_and_rates(context, t, Y0, K, ws.G0)
     r.rhs += 2
     if blamed != CONSISTENT:
         r.index = blamed

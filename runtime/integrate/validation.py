@@ -84,6 +84,12 @@ def _check_numbers(options: Options) -> Iterator[str]:
         length = getattr(options, name)
         if length is not None and not (_is_number(length) and 0.0 < length < math.inf):
             yield f"{name} = {length} must be a positive, finite number of seconds."
+    if options.time_scale is not None and options.correction not in ("baumgarte", "hybrid"):
+        yield (
+            f"time_scale = {options.time_scale} is the time of Baumgarte's stabilisation, and "
+            f"correction={options.correction!r} has none: leave it out, or give "
+            'correction="baumgarte" or "hybrid".'
+        )
     for name in ("max_steps", "max_bytes", "max_events", "chunk"):
         count = getattr(options, name)
         if name == "chunk" and count is None:

@@ -168,7 +168,7 @@ class TimeFunction(NamedTuple):
     """
 
     name: str  # of the element
-    role: str  # "law" or "effect"
+    role: str  # "law", "effect", or "place": where a rate belongs to it, which a jump has not
     watched: tuple[int, ...]  # rows that may bend sharply
     rows: tuple[tuple[Any, ...], ...]
 

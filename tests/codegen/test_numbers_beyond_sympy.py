@@ -1,5 +1,6 @@
 """Numbers that SymPy evaluates for hours or not at all: refused by name, or read as values."""
 
+import operator
 from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
@@ -13,7 +14,7 @@ from sympy import Pow, Rational, cos, exp, sin, sqrt
 from codegen import Constraint, LinkwrightError, Model, ModelError, Statement
 from codegen.declare.body import Body
 from codegen.declare.element import I
-from codegen.declare.symbols import coordinate
+from codegen.declare.symbols import ModelSymbol, coordinate, t
 from codegen.real_range import constant_value, with_short_numbers
 from tests.fuzz.campaign import OverTimeError, limited
 from tests.fuzz.declarations import _build as texts
@@ -177,3 +178,29 @@ def test_a_sum_of_numbers_beyond_a_float_names_an_element() -> None:
     model.constraint("mine", 1e300 * a.x - 1e300 * a.y)
     with pytest.raises(ModelError, match="of 'mine'"):
         texts(model)
+
+
+def _identity() -> Any:
+    return sympy.Lambda(sympy.Symbol("z"), sympy.Symbol("z"))
+
+
+@pytest.mark.parametrize("part", [_identity(), sympy.I, sympy.oo, sympy.nan, sympy.asin(2)])
+def test_conditions_on_no_real_numbers_are_refused_by_name(part: Any) -> None:
+    for compare in (operator.gt, operator.ge, operator.lt, operator.le):
+        model = Model("m")
+        a = model.body("a", 1, 1)
+        model.generalized_force("mine", {a.phi: 1 + a.x}, when=compare(a.x, part))
+        with pytest.raises(ModelError, match="force 'mine'") as caught:
+            texts(model)
+        assert "fails with" not in str(caught.value)
+
+
+def test_comparisons_of_sound_expressions_are_those_of_any_symbol() -> None:
+    model = Model("m")
+    p, length = model.particle("p", 1), model.parameter("length", 2.0)
+    others = (0, 1.5, length, 2 * length, sqrt(2), sympy.pi / 3, p.y, sin(p.y), exp(990 - 150 * t))
+    for left in (p.x, p.vx, length, t):
+        for other in others:
+            for word in ("__gt__", "__ge__", "__lt__", "__le__"):
+                one, plain = (getattr(of, word)(other) for of in (left, super(ModelSymbol, left)))
+                assert (type(one), one) == (type(plain), plain)

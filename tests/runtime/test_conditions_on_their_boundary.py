@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from sympy import Abs, Heaviside, Max, Piecewise, sign
+from sympy import Abs, Heaviside, Max, Piecewise, cos, sign, sin
 
 from codegen import Model, t
 from codegen.declare.body import Body
@@ -24,6 +24,12 @@ from runtime.machine_facade import Machine
 
 Force = Callable[[Body], Any]
 
+
+def holds(condition: Any) -> Any:
+    """1 where it holds, else 0."""
+    return Piecewise((1, condition), (0, True))
+
+
 RESTING: dict[str, tuple[Force, float]] = {
     "at_least": (lambda p: Piecewise((1, p.y >= 0), (0, True)), 1.0),
     "above": (lambda p: Piecewise((1, p.y > 0), (0, True)), 0.0),
@@ -37,6 +43,12 @@ RESTING: dict[str, tuple[Force, float]] = {
     "lower": (lambda p: 5 * Heaviside(p.y, 0), 0.0),
     "kink": (lambda p: 4 + Abs(p.y) + Max(p.y, 0), 4.0),
     "odd": (lambda p: 4 + sign(p.y) * Abs(p.y) ** 1.5, 4.0),
+    "speed_sign": (lambda p: 3 * (1 + sign(p.vy)), 3.0),
+    "speed_half": (lambda p: 3 * Heaviside(p.vy), 1.5),
+    "speed_above": (lambda p: Piecewise((1, p.vy > 0), (0, True)), 0.0),
+    "speed_both": (lambda p: holds(p.vy >= 0) + 2 * holds(p.vy > 0), 1.0),
+    "speed_either": (lambda p: 4 + holds(p.vy >= 0) - holds(p.vy <= 0), 4.0),
+    "speed_third": (lambda p: holds(p.vy > 0) + 2 * holds(p.vy < 0) + sign(p.vy), 0.0),
     "from_now_on": (lambda p: Piecewise((1, t >= 0), (0, True)), 1.0),
     "after_now": (lambda p: Piecewise((1, t > 0), (0, True)), 1.0),
     "until_now": (lambda p: Piecewise((1, t <= 0), (0, True)), 0.0),
@@ -70,7 +82,96 @@ def test_every_sample_has_the_forces_of_the_boundary(resting: Machine, method: A
         assert_allclose(run.q(f"{name}.x"), value / 2 * instants**2, rtol=1e-9, err_msg=name)
 
 
+def slider_crank(name: str, force: Callable[[Body, Body, Body], Any]) -> Model:
+    """A crank that runs free, and a bead with a force that the crank's state switches."""
+    model = Model(name)
+    crank, rod, slider = (model.body(n, mass=1.0, inertia=0.1) for n in ("crank", "rod", "slider"))
+    bead = model.particle("bead", mass=1.0)
+    model.revolute("A", model.ground.at(0, 0), crank.at(-0.5, 0))
+    model.revolute("B", crank.at(0.5, 0), rod.at(-1, 0))
+    model.revolute("C", rod.at(1, 0), slider.at(0, 0))
+    model.translational("rail", model.ground.at(0, 0), slider.at(0, 0), axis=(1, 0))
+    model.force("push", bead, fx=force(crank, rod, slider))
+    still = {bead.x: 0, bead.y: 0, bead.vx: 0, bead.vy: 0}
+    start = {crank.phi: 0.7, crank.omega: 2.0, **still}
+    model.scene("run", ["push"], start=start, guess={rod.phi: -0.3, slider.x: 2.5})
+    return model
+
+
+def height(crank: Body, rod: Body) -> Any:
+    """Of the pin of rod and slider above the rail, which the joints keep at 0."""
+    return sin(crank.phi) + 2 * sin(rod.phi)
+
+
+def climb(crank: Body, rod: Body) -> Any:
+    """Its velocity."""
+    return cos(crank.phi) * crank.omega + 2 * cos(rod.phi) * rod.omega
+
+
+KEPT: dict[str, tuple[Callable[[Body, Body, Body], Any], float]] = {
+    "above": (lambda a, b, s: holds(height(a, b) > 0), 0.0),
+    "at_least": (lambda a, b, s: holds(height(a, b) >= 0), 1.0),
+    "below": (lambda a, b, s: holds(height(a, b) < 0), 0.0),
+    "half": (lambda a, b, s: 3 * Heaviside(height(a, b)), 1.5),
+    "pins": (lambda a, b, s: holds(a.y + sin(a.phi) / 2 - b.y + sin(b.phi) > 0), 0.0),
+    "climbing": (lambda a, b, s: holds(climb(a, b) > 0), 0.0),
+    "not_sinking": (lambda a, b, s: holds(climb(a, b) >= 0), 1.0),
+    "climb_sign": (lambda a, b, s: 1 + sign(climb(a, b)), 1.0),
+    "rail_sign": (lambda a, b, s: 1 + sign(s.vy), 1.0),
+}
+"""Name → a force that switches where the loop keeps a function at 0 to rounding, and its value."""
+
+
+@pytest.mark.parametrize("name", KEPT)
+def test_what_joints_keep_at_zero_is_on_its_boundary(workshop: Path, name: str) -> None:
+    force, value = KEPT[name]
+    machine = load(slider_crank(f"kept_{name}", force), folder=workshop)
+    for method in ("dop853", "radau5") if name in {"above", "climb_sign"} else ("dop853",):
+        plain = machine.simulate(2.0, method=method, progress=False)
+        assert plain.outcome is Outcome.OK
+        assert not plain.events
+        assert_allclose(plain.a("bead.x"), value, atol=1e-12)
+        assert_allclose(plain.q("bead.x")[-1], 2 * value, rtol=1e-9, atol=1e-12)
+        assert plain.stats["steps"] < (40 if method == "dop853" else 250)  # 1650 and 1500 once
+
+
 LEAVING = {"up": (1, 5.0), "down": (-1, -5.0)}
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_velocity_that_leaves_zero_takes_its_side(workshop: Path, way: int) -> None:
+    model = Model(f"sets_off_{way + 1}")
+    bead = model.particle("bead", mass=1.0)
+    model.force("side", bead, fx=5 * sign(bead.vy), fy=way * Max(t - 0.5, 0))
+    run = load(model, folder=workshop).simulate(1.0, np.linspace(0, 1, 11), progress=False)
+    assert run.outcome is Outcome.OK
+    assert_allclose(run.a("bead.x"), np.where(run.t < 0.55, 0.0, 5.0 * way))
+
+
+def test_a_velocity_that_both_sides_drive_slides_as_filippov_says(workshop: Path) -> None:
+    """A law of friction with a sign, and with two conditions: both stick, and slip alike."""
+    runs = []
+    for name in ("sign", "pair"):
+        model = Model(f"rubs_{name}")
+        bead = model.particle("bead", mass=2.0)
+        law = sign(bead.vy) if name == "sign" else holds(bead.vy >= 0) - holds(bead.vy <= 0)
+        model.force("rub", bead, fy=7 * sin(7 * t) - 5 * law, fx=law)
+        model.scene("run", ["rub"], start={bead.x: 0, bead.y: 0, bead.vx: 0, bead.vy: 1})
+        runs.append(load(model, folder=workshop).simulate(2.0, [0, 0.9, 1.4, 2.0], progress=False))
+    assert runs[0].outcome is runs[1].outcome is Outcome.OK
+    assert_allclose(runs[0].q("bead.y"), runs[1].q("bead.y"), rtol=1e-8)
+    assert_allclose(runs[0].q("bead.x"), runs[1].q("bead.x"), rtol=1e-8)
+    assert runs[0].v("bead.y")[1] == 0.0  # it sticks, as it does not at 1.4 s
+    held = load(model_that_sticks(), folder=workshop).simulate(1.0, progress=False)
+    assert_allclose(held.a("bead.x"), 1.5 * (1 + 2 / 5), rtol=1e-12)
+
+
+def model_that_sticks() -> Model:
+    """A bead on which 2 N pull against a friction of 5 N, and what goes with its share."""
+    model = Model("rubs_at_rest")
+    bead = model.particle("bead", mass=2.0)
+    model.force("rub", bead, fx=3 * (1 + sign(bead.vy)), fy=2 - 5 * sign(bead.vy))
+    return model
 
 
 @pytest.mark.parametrize("word", LEAVING)
@@ -155,9 +256,16 @@ BEAD = Body("bead", None, None, None)
 X, V = BEAD.x, BEAD.vx
 SHARED = [
     (X > 0, X <= 0), (X >= 0, X < 0), (Abs(X), X >= 0), (Abs(X), X < 0), (sign(X), Heaviside(-X)),
-    (V > 0, V >= 0), (V > 0, sign(V)), (Max(X, 0), sign(X)),
+    (V > 0, V <= 0), (sign(V), Heaviside(-V)), (Abs(V), sign(V)), (Max(X, 0), sign(X)),
 ]  # fmt: skip
-APART = [(X > 0, X >= 0), (X > 0, X < 0), (sign(X), X > 0), (Heaviside(X, 1), Heaviside(X, 0))]
+APART = [
+    (X > 0, X >= 0),
+    (X > 0, X < 0),
+    (sign(X), X > 0),
+    (Heaviside(X, 1), Heaviside(X, 0)),
+    (V > 0, V >= 0),
+    (V > 0, sign(V)),
+]
 
 
 @pytest.mark.parametrize("pair", SHARED + APART)

@@ -49,6 +49,7 @@ def test_problems(changes, message):
         ({"t_eval": [1.0, 2.5]}, "runs from 1.0 to 2.5; it must lie between t0 = 0.0"),
         ({"h_max": 0.0}, "h_max = 0.0 must be a positive, finite number of seconds"),
         ({"time_scale": np.nan}, "time_scale = nan"),
+        ({"time_scale": 0.1}, "correction='.*' has none: leave it out, or give"),
         ({"max_steps": 0}, "max_steps = 0 must be a whole number from 1"),
         ({"chunk": 1.5}, "chunk = 1.5"),
         ({"max_events": None}, "max_events = None"),
