@@ -20,6 +20,7 @@ NONZEROS = TABLE.number("nonzeros")  # structural, of the Jacobian
 PARAMETER_COUNT = TABLE.number("parameter_count")  # derived constants included
 RIGID_COUNT = TABLE.number("rigid_count")  # rigid contacts
 SUPERPOSES = TABLE.number("superposes")  # 0: friction follows from what keeps functions at zero
+LINEAR_REACTIONS = TABLE.number("linear_reactions")  # 0: friction follows from multipliers
 REACTION_ROWS = TABLE.number("reaction_rows")
 POWER_OF_MULTIPLIERS = TABLE.number("power_of_multipliers")  # 1: powers depend on them
 POWER_ROWS = TABLE.number("power_row_count")  # works that are outputs included

@@ -34,6 +34,7 @@ class System(Kernels):
     shares: tuple[tuple[int, int], ...] = ()
     # whether forces that keep functions at zero add up: no friction follows from them
     superposes: bool = True
+    linear_reactions: bool = True  # in multipliers: no friction follows from them
     # constraints of which none follows from others everywhere; None: all
     independent: tuple[int, ...] | None = None
     loops: int = 0  # that the kernels close in closed form, on one branch: those of `dead_centres`

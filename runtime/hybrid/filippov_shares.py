@@ -13,7 +13,7 @@ of it (`stiction_force`). Several functions slide by as many shares at once: for
 effects add up, so that the accelerations of one changed mode each are enough.
 
 Reactions that depend on modes are the same convex combinations as accelerations, each mode with its
-own multipliers; the others follow from the combined multipliers.
+own multipliers; the others follow from the combined multipliers where they are linear in them.
 """
 
 import numpy as np
@@ -190,13 +190,16 @@ def combine_accelerations(context: Context, a: Vector) -> None:
 
 @inner
 def mix_reactions(context: Context, t: float, q: Vector, v: Vector, lam: Vector) -> None:
-    """Fill REACTION for the combined multipliers `lam`, which must just have been evaluated."""
+    """Fill REACTION for the combined multipliers `lam`, which must just have been evaluated.
+
+    Friction that follows from a reaction is no linear function of them, and is mixed itself.
+    """
     p, modes, sliding = context.parameters, context.kernel_modes, context.sliding_functions
     base, other = context.base_reaction, context.unit_reaction
     base_lam, mixed = context.given_multipliers, context.mixed_multipliers
-    count = context[ft.SLIDING_COUNT]
+    count, linear = context[ft.SLIDING_COUNT], context[ft.LINEAR_REACTIONS] != 0
     gather_prescribed(context)
-    abi.reactions_of(context)(t, q, v, p, lam, base)
+    abi.reactions_of(context)(t, q, v, p, lam if linear else base_lam, base)
     abi.switched_reactions_of(context)(t, q, v, p, modes, base_lam, base)
     copy_vector(base, context.reaction)
     for c in range(count):
@@ -206,6 +209,8 @@ def mix_reactions(context: Context, t: float, q: Vector, v: Vector, lam: Vector)
             mixed[i] = base_lam[i] + context.unit_multipliers[c, i]
         set_unit(context, sliding[c], 1)
         copy_vector(base, other)
+        if not linear:
+            abi.reactions_of(context)(t, q, v, p, mixed, other)
         abi.switched_reactions_of(context)(t, q, v, p, modes, mixed, other)
         set_unit(context, sliding[c], 0)
         for i in range(base.size):

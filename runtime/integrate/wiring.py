@@ -104,6 +104,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         ft.POWER_OF_MULTIPLIERS: int(system.powers_of_multipliers),
         ft.LOOPS: system.loops,
         ft.SUPERPOSES: int(system.superposes),
+        ft.LINEAR_REACTIONS: int(system.linear_reactions),
         ft.PLAN_SIZE: plan_capacity(m, nonzeros),
         ft.WORKSPACE_SIZE: 2 * n * ws.ROWS,
         ft.SWITCHING_SIZE: s * ws.SWITCH_ROWS,

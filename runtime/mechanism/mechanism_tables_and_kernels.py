@@ -69,6 +69,7 @@ class Mechanism:
             stiction=tuple((k, parameters + i) for i, k in enumerate(description.stiction)),
             shares=tuple((k, shares + i) for i, k in enumerate(description.shares)),
             superposes=description.superposes,
+            linear_reactions=description.has_linear_reactions,
             independent=self.independent,
         )
 

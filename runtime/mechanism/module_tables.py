@@ -132,6 +132,11 @@ class Description(NamedTuple):
         return not self.shares and (not self.stiction or rubbing < 2)
 
     @property
+    def has_linear_reactions(self) -> bool:
+        """Whether reactions are linear in multipliers: no friction follows from them."""
+        return not any(row.kind == "friction" for row in self.effects)
+
+    @property
     def is_length(self) -> npt.NDArray[np.bool_]:
         """True for coordinates that are lengths, shape (n,); the typical size of others is 1."""
         return np.array([row.is_length for row in self.coordinates], dtype=np.bool_)

@@ -12,6 +12,7 @@ from sympy import sign
 
 from codegen import Model
 from runtime import load
+from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 
@@ -149,7 +150,8 @@ def roped(folder: Path, *, creep: bool) -> Machine:
     m.friction("rub", bearing, mu, radius=radius, **({"creep": CREEP} if creep else {}))
     m.spring("rope", crank.at(-INNER, 0), weight, force=lambda _, v: ROPE * sign(v))
     start = dict.fromkeys((crank.phi, crank.omega, weight.x, weight.vx), 0.5)
-    m.scene("s", ["gravity", "rub", "rope"], start=start)
+    outputs = ["reactions", "energy", "powers", "work(rub)", "work(rope)"]
+    m.scene("s", ["gravity", "rub", "rope"], start=start, outputs=outputs)
     return load(m, "s", folder=folder)
 
 
@@ -200,6 +202,19 @@ def test_a_condition_that_slides_moves_by_the_share_of_both_sides(
         assert 0.0 < share < 1.0
         assert run.samples.share[1, -1] == pytest.approx(share, rel=1e-10)
         assert run.a("crank.omega")[1] == pytest.approx(slow + share * (fast - slow), rel=1e-10)
+        torque = less + share * (much - less)
+        assert run.reaction("rub", "torque")[1] == pytest.approx(torque, rel=1e-10)
+        assert run.power("rub")[1] == pytest.approx(torque * omega, rel=1e-10)
         if not creep:
-            torque = run.reaction("rub", "torque")[1]
-            assert torque == pytest.approx(less + share * (much - less), rel=1e-10)
+            normal = run.reaction("rub", "normal")[1]
+            assert grip * normal == pytest.approx(-torque, rel=1e-10)
+
+
+def test_the_work_of_friction_beside_a_condition_explains_the_energy(tmp_path: Path) -> None:
+    turning = roped(tmp_path, creep=True)
+    run = turning.simulate(0.3, [0.0, 0.3], rtol=1e-11, progress=False)
+    assert run.outcome is Outcome.OK
+    assert run.samples.modes[-1, -1] == SLIDING
+    (lost,) = np.diff(run.energy())
+    assert lost < -0.1
+    assert run.work("rub")[-1] + run.work("rope")[-1] == pytest.approx(lost, rel=1e-9)
