@@ -6,7 +6,6 @@ import numpy.typing as npt
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.energy_balance_at_samples import describe_unexplained_energy
-from runtime.dynamics.switches_within_tolerance import tolerances_of_switches
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -60,8 +59,10 @@ def _residuals(equations: Equations, samples: Samples, sizes: FloatArray, option
         return ""
     slopes = np.abs(equations.jacobian(float(samples.t[0]), samples.q[0]))
     # What the whole run has reached permits no less, and takes longer than a short run to find.
-    worst = samples.residual.max()
-    if all(worst <= least for least in _permitted(slopes, sizes, (sizes, sizes), options)):
+    worst, least = samples.residual.max(), float(slopes.max() * sizes.min())
+    if worst <= _RESIDUAL * max(options.rtol, _CLOSED) * least:
+        return ""
+    if worst <= min(_permitted(slopes, sizes, (sizes, sizes), options)):
         return ""
     reached = np.abs(samples.q).max(axis=0)
     lengths = np.where(equations.description.is_length, np.maximum(sizes, reached), sizes)
@@ -88,10 +89,7 @@ def _permitted(
 ) -> list[float]:
     """Residuals of positions and velocities that the tolerances permit at slopes |Φ_q|, (m, n)."""
     rtol = max(options.rtol, _CLOSED)
-    absolute = (
-        rtol * np.minimum(1.0, sizes) if atol is None else np.asarray(atol)
-        for atol in (options.atol_q, options.atol_v)
-    )  # fmt: skip
+    absolute = options.absolute(sizes, rtol).reshape(2, -1)
     return [
         _RESIDUAL * float((slopes @ (atol + rtol * size)).max())
         for atol, size in zip(absolute, reached, strict=True)
@@ -109,6 +107,9 @@ def _unresolved_angles(equations: Equations, samples: Samples, permitted: float)
 
 def _order_of_events(run: Trajectory) -> str:
     """A sentence on events that are out of order or outside of the run; empty for none."""
+    t = run.events.t
+    if not len(t) or (run.first_t <= t[0] and t[-1] <= run.final_t and (t[:-1] <= t[1:]).all()):
+        return ""
     times = np.concatenate([[run.first_t], run.events.t, [run.final_t]])
     back = np.flatnonzero(np.diff(times) < 0.0)
     if not len(back):
@@ -129,6 +130,9 @@ def _sides_of_modes(
     switches = equations.description.switches
     if not switches or len(samples.t) < 2:
         return ""
+    # compiled: most scenes have no switches
+    from runtime.dynamics.switching_values import change_of_switch
+
     wrong = _wrong_sides(equations, samples, run)
     if wrong is None or not wrong.any():
         return ""
@@ -136,10 +140,11 @@ def _sides_of_modes(
     largest = np.concatenate([np.abs(q).max(axis=0), np.abs(v).max(axis=0)])
     for k in np.flatnonzero(wrong.any(axis=0)):
         row = int(np.argmax(np.abs(wrong[:, k])))  # the worst; the message names the first too
-        one = slice(row, row + 1)
-        (permitted,) = tolerances_of_switches(
-            equations, np.array([k]), t[one], q[one], v[one], largest[None], sizes, options
-        )
+        change = options.absolute(sizes, options.rtol) + options.rtol * largest
+        permitted = change_of_switch(
+            equations.table, int(k), t[row], np.concatenate([q[row], v[row]]), change, equations.p,
+            np.zeros(len(switches)),
+        )  # fmt: skip
         missed = np.flatnonzero(np.abs(wrong[:, k]) > _SIDE_TOLERANCES * permitted)
         if len(missed):
             first = missed[0]
@@ -161,16 +166,15 @@ def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> Flo
     sample has, if there is no event between the two.
     """
     # compiled: most scenes have no switches
-    from runtime.dynamics.switching_values import measure_sides, write_switching_values
+    from runtime.dynamics.switching_values import contradicts_modes, write_switching_values
 
-    modes, moves = samples.modes, bool(equations.description.time_functions)
-    count, states = modes.shape[1], (samples.t, samples.q, samples.v)
+    t, q, v, modes = samples.t, samples.q, samples.v, samples.modes
+    moves = bool(equations.description.time_functions)
     apart = _APART * max(abs(run.first_t), abs(run.final_t))
-    g, (largest, beyond, opposed) = np.zeros((2, count + equations.n)), np.zeros((3, count))
-    measure_sides(equations.table, *states, 0.0, modes, equations.p, g, largest, opposed)
-    if moves:
-        measure_sides(equations.table, *states, apart, modes[1:], equations.p, g, beyond, opposed)
-    if not (opposed > _SIDE * largest).any():
+    scratch = np.zeros((4, modes.shape[1] + equations.n))
+    if not contradicts_modes(
+        equations.table, t, q, v, modes, equations.p, apart, moves, _SIDE, scratch
+    ):
         return None  # as almost always: nothing as long as the run was made
 
     def values(rows: Rows, way: float) -> FloatArray:

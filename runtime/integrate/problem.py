@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from runtime.core.array_types import Integers, Vector
@@ -97,3 +98,12 @@ class Options:
     max_events: int = 1_000_000  # changes of modes; more are taken for chattering without end
     # trial steps between two looks at the clock; None: chosen for about 50 ms
     chunk: int | None = None
+
+    def absolute(self, sizes: Vector, rtol: float) -> Vector:
+        """Absolute tolerances of coordinates, then of velocities, of these sizes; (2n,)."""
+        values = np.empty((2, len(sizes)))
+        values[:] = rtol * np.minimum(1.0, sizes)
+        for row, given in enumerate((self.atol_q, self.atol_v)):
+            if given is not None:
+                values[row] = given
+        return values.ravel()

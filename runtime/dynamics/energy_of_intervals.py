@@ -1,0 +1,183 @@
+"""Changes of energy between samples that no work explains: compiled, loaded for reduced runs."""
+
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import polynomial
+
+from runtime.core import kernel_abi as abi
+from runtime.core.array_types import f8, i8, integers, matrix, vector
+from runtime.core.jit import ADDRESSES, compiled, inner
+from runtime.integrate.energy_tolerances import CERTAIN, ERRORS, PART, ROUNDING
+from runtime.integrate.sampling import NODES, WEIGHTS
+
+_WAYS = (1e-9, 1e-6)  # measured: of coordinates' sizes, at which rounding is looked for
+_PARTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # measured: of these ways
+WORST = 3  # safety: changes that are judged, the largest of a run
+
+_X = tuple(0.5 * (1.0 + node) for node in NODES)
+_SHARES = tuple(float(weight) for weight in WEIGHTS)
+_COUNT = len(_X)
+
+
+def weigh_ends() -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    """What ends weigh at Gauss' nodes, (4 nodes, 6).
+
+    Columns are positions, velocities and accelerations at the first and the second end of an
+    interval of length 1; rows give positions, then velocities, of the cubic and then the quintic.
+    """
+    blocks = []
+    for known in (2, 3):
+        unit = np.eye(2 * known)
+        fits = [
+            polynomial.polyval(x, polynomial.polyder(unit, d)) for x in (0, 1) for d in range(known)
+        ]
+        path, full = np.linalg.inv(np.array(fits)), np.zeros((2, _COUNT, 2, 3))
+        for d in range(2):
+            values = polynomial.polyval(np.array(_X), polynomial.polyder(path, d)).T
+            full[d, :, :, :known] = values.reshape(_COUNT, 2, known)
+        blocks.append(full.reshape(2 * _COUNT, 6))
+    return np.concatenate(blocks)
+
+
+WEIGHTS_OF_ENDS = weigh_ends()
+
+
+@inner
+def permit_error(
+    kernels: Any, t: Any, q: Any, v: Any, energy: Any, modes: Any, p: Any, mass_places: Any,
+    absolute: Any, rtol: Any, scratch: Any,
+) -> float:  # fmt: skip
+    """By how much the tolerances permit the energy of a sample to err in a step, J."""
+    n, entries, least = q.size, mass_places.size // 2, 0.0
+    errors, mass = scratch[0, :n], scratch[1, :entries]
+    for j in range(n):
+        errors[j] = absolute[n + j] + rtol * abs(v[j])
+    abi.mass_of(kernels)(q, p, mass)
+    for i in range(entries):
+        least += 0.5 * mass[i] * errors[mass_places[i]] * errors[mass_places[entries + i]]
+    error = 2.0 * np.sqrt(least * energy[0]) + least
+    abi.potential_gradient_of(kernels)(t, q, p, modes, errors)
+    for j in range(n):
+        error += abs(errors[j]) * (absolute[j] + rtol * abs(q[j]))
+    return float(ERRORS * error + ROUNDING * (abs(energy[0]) + abs(energy[1])))
+
+
+@inner
+def measure_missed(
+    kernels: Any, t: Any, q: Any, modes: Any, p: Any, sizes: Any, scratch: Any
+) -> float:
+    """By how much the potential misses its slope along short ways from a sample, J."""
+    n, missed = q.size, 0.0
+    slope, there, slope_there = scratch[0, :n], scratch[1, :n], scratch[2, :n]
+    here = abi.potential_of(kernels)(t, q, p, modes)
+    abi.potential_gradient_of(kernels)(t, q, p, modes, slope)
+    for way in _WAYS:
+        for part in _PARTS:
+            expected = 0.0
+            for j in range(n):
+                there[j] = q[j] + part * way * sizes[j]
+            abi.potential_gradient_of(kernels)(t, there, p, modes, slope_there)
+            for j in range(n):
+                expected += 0.5 * (slope[j] + slope_there[j]) * (there[j] - q[j])
+            rise = abi.potential_of(kernels)(t, there, p, modes) - here
+            if abs(rise - expected) > missed:  # noqa: PLR1730 (what is no number shows nothing)
+                missed = abs(rise - expected)
+    return missed
+
+
+@inner
+def integrate_power(
+    kernels: Any, t: Any, q: Any, v: Any, a: Any, modes: Any, p: Any, m: Any, rows: Any,
+    effects: Any, weights: Any, first: Any, scratch: Any,
+) -> tuple[float, float]:  # fmt: skip
+    """Work of the powers between two samples, and what they exchange, J.
+
+    The path at the nodes follows from the ends by `weights` from the row `first` on.
+    """
+    n, h, work, size = q.shape[1], t[1] - t[0], 0.0, 0.0
+    there, speed, bend = scratch[0, :n], scratch[1, :n], scratch[2, :n]
+    lam, power = scratch[3, :m], scratch[4, :effects]
+    for i in range(_COUNT):
+        for j in range(n):
+            there[j] = speed[j] = 0.0
+            for end in range(2):
+                for d in range(3):
+                    value = q[end, j] if d == 0 else h * v[end, j] if d == 1 else h * h * a[end, j]
+                    there[j] += weights[first + i, 3 * end + d] * value
+                    speed[j] += weights[first + _COUNT + i, 3 * end + d] * value / h
+        instant, total = t[0] + _X[i] * h, 0.0
+        if abi.accelerations_of(kernels)(instant, there, speed, p, modes, bend, lam) != 0:
+            lam[:] = np.nan
+        power[:] = 0.0
+        abi.powers_of(kernels)(instant, there, speed, p, modes, lam, power)
+        for j in range(rows):
+            total += power[j]
+        work += 0.5 * h * _SHARES[i] * total
+        size += 0.5 * h * _SHARES[i] * abs(total)
+    return work, size
+
+
+@compiled(
+    i8(
+        ADDRESSES, vector, matrix, matrix, matrix, matrix, matrix, integers, vector, i8, i8,
+        integers, vector, vector, f8, f8, matrix, matrix, integers, vector,
+    )
+)  # fmt: skip
+def find_unexplained(
+    kernels: Any, t: Any, q: Any, v: Any, a: Any, energy: Any, power: Any, modes: Any, p: Any,
+    m: Any, rows: Any, mass_places: Any, sizes: Any, absolute: Any, rtol: Any, within: Any,
+    weights: Any, scratch: Any, places: Any, found: Any,
+) -> int:  # fmt: skip
+    """The first sample behind which the energy changes by more than work and tolerances explain.
+
+    That is -1 for none. The first of `found` is the change, the second the work, J. Of the largest
+    changes, `places` has room for the samples, and `found` behind two numbers for what is left of
+    them without the trapezoidal work of the first `rows` of `power`. Between two samples lie
+    `within` steps. `mass_places` are the rows of the mass matrix's entries, then their columns.
+    """
+    left, wrong = found[2:], t.size
+    left[:] = -1.0
+    for k in range(t.size - 1):
+        work = 0.0
+        for j in range(rows):
+            work += power[k, j] + power[k + 1, j]
+        change = energy[k + 1, 0] + energy[k + 1, 1] - (energy[k, 0] + energy[k, 1])
+        rest = abs(change - 0.5 * (t[k + 1] - t[k]) * work)
+        i, rest = 0, np.inf if np.isnan(rest) else rest
+        while i < left.size and rest > left[i]:  # the least of them is the first
+            if i > 0:
+                left[i - 1], places[i - 1] = left[i], places[i]
+            left[i], places[i] = rest, k
+            i += 1
+    for i in range(left.size):
+        if left[i] < 0.0:
+            continue
+        k, permitted, work = places[i], 0.0, 0.0
+        for j in range(k, k + 2):
+            permitted = max(permitted, within * permit_error(
+                kernels, t[j], q[j], v[j], energy[j], modes, p, mass_places, absolute, rtol, scratch
+            ))  # fmt: skip
+            if left[i] <= permitted:
+                break
+        if left[i] <= permitted:
+            continue
+        change = energy[k + 1, 0] + energy[k + 1, 1] - (energy[k, 0] + energy[k, 1])
+        if rows > 0:
+            of, effects = slice(k, k + 2), power.shape[1]
+            ends = t[of], q[of], v[of], a[of]
+            work, size = integrate_power(
+                kernels, *ends, modes, p, m, rows, effects, weights, 2 * _COUNT, scratch
+            )
+            rougher, _ = integrate_power(
+                kernels, *ends, modes, p, m, rows, effects, weights, 0, scratch
+            )
+            permitted += abs(work - rougher) + PART * (size + abs(change))
+        if not abs(change - work) > permitted:  # what is no number is not judged
+            continue
+        rounding = 0.0
+        for j in range(k, k + 2):
+            rounding = max(rounding, measure_missed(kernels, t[j], q[j], modes, p, sizes, scratch))
+        if abs(change - work) > permitted + CERTAIN * rounding and k < wrong:
+            wrong, found[0], found[1] = k, change, work
+    return wrong if wrong < t.size else -1
