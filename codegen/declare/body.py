@@ -11,11 +11,12 @@ from typing import Any, ClassVar
 
 import sympy
 
+from codegen.declare.expression_rules import is_costly
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate, rate
 from codegen.declare.units import plain_length
 from codegen.errors import FAILURES, ModelError
-from codegen.plain_values import members, plain_name, shown
+from codegen.plain_values import members, one_line, plain_name, shown
 from codegen.public_callables import error_boundary, error_boundary_class, immutable
 from codegen.real_range import unreal_part
 
@@ -296,13 +297,18 @@ def _lengths(word: str, body: object, x: Any, y: Any) -> tuple[sympy.Expr, sympy
     """Two lengths of a point or curve as expressions; ModelError where it has none."""
     if not isinstance(body, Body):
         raise ModelError(f"{word} of {shown(body)}, which is no body; write body.at(x, y).")
+    where = f"{word} of body '{plain_name(body.name)}'"
     try:
-        return plain_expression(x), plain_expression(y)
+        both = plain_expression(x), plain_expression(y)
+        found = next(filter(None, (unreal_part(e) for e in both if not e.is_Float)), None)
     except FAILURES:
         raise ModelError(
-            f"{word} of body '{plain_name(body.name)}': ({shown(x)}, {shown(y)}) are no lengths; "
-            "give two numbers or expressions in m."
+            f"{where}: ({shown(x)}, {shown(y)}) are no lengths; give two numbers or expressions in "
+            "m."
         ) from None
+    if found and is_costly(found[0]):  # which SymPy would multiply out
+        raise ModelError(f"{where}: the length {one_line(found[1])}; give finite real numbers.")
+    return both
 
 
 for _word in ("__init__", "at", "curve", "circle", "polar", "torque"):

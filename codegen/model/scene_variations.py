@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from itertools import chain
 from typing import Any
 
@@ -16,6 +16,8 @@ from codegen.plain_values import is_a, plain_number, shown
 WIDEST = 100  # letters of a name, which names a file; a longer one is cut and told apart by a hash
 
 CHANGES = ("couplers", "start", "guess", "parameters", "frozen", "analysis", "outputs")
+TUPLES = tuple(f.name for f in fields(Scene) if str(f.type).startswith(("tuple", "Pairs")))
+VARY = "vary a scene by without(...) and with_(...)"
 
 
 class Variations(Scenes):
@@ -86,7 +88,11 @@ class Variations(Scenes):
         if not is_a(scene, Scene):
             return [f"{shown(scene)} is no scene; give one that model.scene(...) returned."]
         read, where = Reader(), f"scene {shown(vars(scene)['name'])}"
-        given = vars(scene)
+        given = dict(vars(scene))
+        for word in (w for w in TUPLES if not is_a(given[w], tuple)):  # an iterator is read once
+            if word != "outputs" or given[word] is not None:
+                read.note(f"{where}: {word} {shown(given[word])} is no tuple; {VARY}.")
+                given[word] = ()
         if problem := name_problem("scene", given["name"]):
             read.note(problem)
         for word, known in (
@@ -106,7 +112,7 @@ class Variations(Scenes):
         if any(not isinstance(given[word], kind) for word, kind in kinds.items()) or (
             not isinstance(given["expression"], str) or not _are_texts(given["problems"])
         ):
-            read.note(f"{where} is of no model; vary a scene by without(...) and with_(...).")
+            read.note(f"{where} is of no model; {VARY}.")
         return read.problems
 
     def recompose(self, scene: Scene) -> Scene:

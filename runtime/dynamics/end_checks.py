@@ -59,8 +59,8 @@ def _residuals(equations: Equations, samples: Samples, sizes: FloatArray, option
         return ""
     slopes = np.abs(equations.jacobian(float(samples.t[0]), samples.q[0]))
     # What the whole run has reached permits no less, and takes longer than a short run to find.
-    worst, least = samples.residual.max(), float(slopes.max() * sizes.min())
-    if worst <= _RESIDUAL * max(options.rtol, _CLOSED) * least:
+    worst, steepest = (np.maximum.reduce(x, axis=None) for x in (samples.residual, slopes))
+    if worst <= _RESIDUAL * max(options.rtol, _CLOSED) * steepest * min(sizes.tolist()):
         return ""
     if worst <= min(_permitted(slopes, sizes, (sizes, sizes), options)):
         return ""
@@ -108,7 +108,9 @@ def _unresolved_angles(equations: Equations, samples: Samples, permitted: float)
 def _order_of_events(run: Trajectory) -> str:
     """A sentence on events that are out of order or outside of the run; empty for none."""
     t = run.events.t
-    if not len(t) or (run.first_t <= t[0] and t[-1] <= run.final_t and (t[:-1] <= t[1:]).all()):
+    if not len(t):
+        return ""
+    if run.first_t <= t[0] and t[-1] <= run.final_t and np.logical_and.reduce(t[:-1] <= t[1:]):
         return ""
     times = np.concatenate([[run.first_t], run.events.t, [run.final_t]])
     back = np.flatnonzero(np.diff(times) < 0.0)
@@ -130,12 +132,12 @@ def _sides_of_modes(
     switches = equations.description.switches
     if not switches or len(samples.t) < 2:
         return ""
-    # compiled: most scenes have no switches
-    from runtime.dynamics.switching_values import change_of_switch
-
     wrong = _wrong_sides(equations, samples, run)
     if wrong is None or not wrong.any():
         return ""
+    # compiled: most scenes have no switches
+    from runtime.dynamics.switching_values import change_of_switch
+
     t, q, v = samples.t, samples.q, samples.v
     largest = np.concatenate([np.abs(q).max(axis=0), np.abs(v).max(axis=0)])
     for k in np.flatnonzero(wrong.any(axis=0)):

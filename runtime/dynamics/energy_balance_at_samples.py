@@ -30,8 +30,7 @@ def describe_unexplained_energy(
     # compiled: most runs are judged in their loop
     from runtime.dynamics.energy_of_intervals import WEIGHTS_OF_ENDS, WORST, find_unexplained
 
-    columns = t, q, samples.v, samples.a, samples.energy, samples.power
-    t, q, v, a, energy, power = (np.ascontiguousarray(column) for column in columns)
+    v, a, energy, power = samples.v, samples.a, samples.energy, samples.power
     places = np.concatenate([description.mass_rows, description.mass_columns], dtype=np.int64)
     widths = equations.n, equations.m, len(description.powers), len(description.mass_rows)
     within, found = 2.0 if options.t_eval is None else 1.0 + steps, np.zeros(2 + WORST)

@@ -140,6 +140,7 @@ def initialize_modes(context: Context, first: int, t: float, d: float, state: in
             near = TOUCHING * largest[k]
         largest[k] = max(largest[k], abs(g[k]))
         context.band[k] = surface_band(g[k], largest[k]) if abs(g[k]) <= near else 0.0
+    struck = False
     for k in range(s):
         context.struck[k] = 0.0
         if rigid[k] >= 0 and context.band[k] > 0.0 and rates[k] < 0.0:
@@ -147,6 +148,14 @@ def initialize_modes(context: Context, first: int, t: float, d: float, state: in
             context.struck[k] = 1.0 if rates[k] < -resting else 0.0
             ft.impact_of(context)(context, k, t, state)
             abi.switching_rates_of(context)(t, q, v, a, p, rates)
+            struck = struck or context.struck[k] > 0.0
+    if struck:
+        abi.switching_of(context)(t, q, v, p, g)
+        for k in range(s):
+            if rigid[k] < 0 and abs(g[k]) > context.band[k]:
+                # An impact may give a function on its surface a velocity off it.
+                modes[k], context.band[k] = 1 if g[k] > 0.0 else 0, 0.0
+                largest[k] = max(largest[k], abs(g[k]))
     consistency.count_sliding(context, modes)
     set_preferences(context)
     return select_modes(context, first, t, d, state)

@@ -101,9 +101,5 @@ class Options:
 
     def absolute(self, sizes: Vector, rtol: float) -> Vector:
         """Absolute tolerances of coordinates, then of velocities, of these sizes; (2n,)."""
-        values = np.empty((2, len(sizes)))
-        values[:] = rtol * np.minimum(1.0, sizes)
-        for row, given in enumerate((self.atol_q, self.atol_v)):
-            if given is not None:
-                values[row] = given
-        return values.ravel()
+        own, given = rtol * np.minimum(1.0, sizes), (self.atol_q, self.atol_v)
+        return np.concatenate([own if x is None else np.broadcast_to(x, own.shape) for x in given])

@@ -12,7 +12,7 @@ from pint import get_application_registry
 from sympy import Pow, Rational, cos, exp, sin, sqrt
 
 from codegen import Constraint, LinkwrightError, Model, ModelError, Statement
-from codegen.declare.body import Body
+from codegen.declare.body import Body, Curve, Point
 from codegen.declare.element import I
 from codegen.declare.symbols import ModelSymbol, coordinate, t
 from codegen.real_range import constant_value, with_short_numbers
@@ -204,3 +204,16 @@ def test_comparisons_of_sound_expressions_are_those_of_any_symbol() -> None:
             for word in ("__gt__", "__ge__", "__lt__", "__le__"):
                 one, plain = (getattr(of, word)(other) for of in (left, super(ModelSymbol, left)))
                 assert (type(one), one) == (type(plain), plain)
+
+
+@pytest.mark.parametrize("number", ["small power", "power near one", "digits", "binomial"])
+@pytest.mark.parametrize("make", [Point, Body.at, Curve, Body.curve])
+def test_places_of_points_and_curves_are_not_multiplied_out(make: Any, number: str) -> None:
+    words = ("x", "y", "vx", "vy", "own_velocity") if make in (Point, Body.at) else ("",)
+    model = Model("m")
+    for body in (model.ground, model.body("mine", 1, 1)):
+        for pair in ((REFUSED[number](), 1.0), (sympy.Integer(2), REFUSED[number]())):
+            for word in words:
+                place = make(body, *pair)
+                with limited(SECONDS), pytest.raises(ModelError, match=f"body '{body.name}'"):
+                    _ = getattr(place, word) if word else place.at(0.5)

@@ -192,10 +192,14 @@ def test_a_scene_that_is_changed_by_hand_is_read_again() -> None:
         {"fidelity": (("gravity", 7),)},
         {"request": None},
         {"expression": 7, "root": scene},
+        {"start": iter([("a.phi", 0.0)])},
+        {"start": {"a.phi": 0.0}},
+        *({word: None} for word in ("effects", "fidelity", "start", "guess", "parameters")),
     ]
     for change in changes:
-        with pytest.raises(LinkwrightError, match="scene"):
+        with pytest.raises(LinkwrightError, match=r"scene 's'|'\.\./x") as caught:
             valid_scenes(model, replace(scene, **change))
+        assert "fails with" not in str(caught.value)
 
 
 def test_what_a_subclass_says_of_its_problems_is_not_asked() -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from sympy import sign
 
 from codegen import Model
@@ -100,28 +101,36 @@ def test_breaks_loose_where_its_own_force_reaches_its_limit(tmp_path: Path) -> N
     assert abs(force) == pytest.approx(0.9 * abs(normal), rel=1e-9)
 
 
+@pytest.mark.parametrize("beside", [[], ["brake"]])
 @pytest.mark.parametrize("law", [{}, {"creep": CREEP}])
-def test_impact_has_no_impulse_of_friction(tmp_path: Path, law: dict[str, float]) -> None:
-    """The tip of a double pendulum strikes a floor: velocities as without friction."""
-    after = []
-    for effects in (["gravity", "floor"], ["gravity", "floor", "rub"]):
+def test_impact_has_no_impulse_of_friction(
+    tmp_path: Path, law: dict[str, float], beside: list[str]
+) -> None:
+    """The tip of a double pendulum strikes a floor: velocities as without friction.
+
+    A brake, whose condition slides until then, gives no impulse either.
+    """
+    after, second = [], -1.0 if beside else -0.6
+    for effects in (["gravity", "floor"], ["gravity", "floor", "rub", *beside]):
         m = Model("struck", gravity=(0, -G))
         upper = m.body("upper", mass=1.0, inertia=0.1)
         lower = m.body("lower", mass=1.0, inertia=0.1)
         bearing = m.revolute("bearing", m.ground.at(0, 0), upper.at(-0.5, 0))
         m.revolute("knee", upper.at(0.5, 0), lower.at(-0.5, 0))
         m.friction("rub", bearing, 0.4, radius=0.3, **law)
+        faster = sign(lower.omega - upper.omega)
+        m.generalized_force("brake", {lower.phi: -40 * faster, upper.phi: 40 * faster})
         below = np.sin(-0.4) + np.sin(-1.1)
         tip = lower.at(0.5, 0)
         m.contact("floor", m.ground.at(0, below), tip, direction=(0, 1), restitution=0.4)
-        start = {upper.phi: -0.4, lower.phi: -1.1, upper.omega: -1.0, lower.omega: -0.6}
+        start = {upper.phi: -0.4, lower.phi: -1.1, upper.omega: -1.0, lower.omega: second}
         m.scene("s", effects, start=start)
         run = load(m, "s", folder=tmp_path / effects[-1]).simulate(
             1e-9, [0.0, 1e-9], progress=False
         )
         assert run.outcome is Outcome.OK
         after.append([run.v("upper.omega")[1], run.v("lower.omega")[1]])
-    assert np.abs(np.array(after[0]) - [-1.0, -0.6]).min() > 0.1
+    assert np.abs(np.array(after[0]) - [-1.0, second]).min() > 0.1
     np.testing.assert_allclose(after[1], after[0], atol=1e-6)
 
 
@@ -155,12 +164,18 @@ def roped(folder: Path, *, creep: bool) -> Machine:
     return load(m, "s", folder=folder)
 
 
-def one_side(phi: float, omega: float, grip: float, pull: float) -> tuple[float, float, float]:
-    """How fast the weight moves outwards, the crank turns, and its friction, under a pull."""
+def one_side(
+    phi: float, omega: float, grip: float, pull: float, *, arm: float = OUTER, kept: float = 0.0
+) -> tuple[float, float, float]:
+    """How fast the weight moves outwards, the crank turns, and its friction, under a pull.
+
+    Another weight, of the mass `kept`, is part of the crank.
+    """
     outward, along = np.array([np.cos(phi), np.sin(phi)]), np.array([-np.sin(phi), np.cos(phi)])
-    outwards = OUTER * omega**2 - G * np.sin(phi) - pull / WEIGHT
-    parts = ((CRANK, INNER, 0.0), (WEIGHT, OUTER, outwards))
-    inertia = INERTIA + SMALL + sum(mass * arm**2 for mass, arm, _ in parts)
+    outwards = arm * omega**2 - G * np.sin(phi) - pull / WEIGHT
+    parts = ((CRANK, INNER, 0.0), (kept, OUTER, 0.0), (WEIGHT, arm, outwards))
+    small = SMALL * (2 if kept else 1)
+    inertia = INERTIA + small + sum(mass * arm**2 for mass, arm, _ in parts)
     moment = -G * np.cos(phi) * sum(mass * arm for mass, arm, _ in parts)
     alpha = friction = 0.0
     for _ in range(400):
@@ -218,3 +233,51 @@ def test_the_work_of_friction_beside_a_condition_explains_the_energy(tmp_path: P
     (lost,) = np.diff(run.energy())
     assert lost < -0.1
     assert run.work("rub")[-1] + run.work("rope")[-1] == pytest.approx(lost, rel=1e-9)
+
+
+RIDE = 0.25  # m: from the bearing to the weight on the rope, where another lies on a stop
+
+
+@pytest.mark.parametrize("creep", [False, True])
+def test_a_condition_slides_beside_a_closed_contact(tmp_path: Path, creep: bool) -> None:
+    """Steps are returned onto the surfaces of both; an own integration has the same motion."""
+    m = Model("stop_and_rope", gravity=(0, -G))
+    crank = m.body("crank", mass=CRANK, inertia=INERTIA)
+    weight, rider = (m.body(name, mass=WEIGHT, inertia=SMALL) for name in ("weight", "rider"))
+    bearing = m.revolute("bearing", m.ground.at(0, 0), crank.at(-INNER, 0))
+    m.translational("slot", crank, weight, axis=(1, 0))
+    m.translational("rail", crank, rider, axis=(1, 0))
+    m.friction("rub", bearing, MU, radius=RADIUS, **({"creep": CREEP} if creep else {}))
+    m.contact("stop", crank.at(OUTER - INNER, 0), weight, direction=(1, 0), restitution=0.0)
+    m.spring("rope", crank.at(-INNER, 0), rider, force=lambda _, v: ROPE * sign(v))
+    c, d, phi, omega = np.cos(1.2), np.sin(1.2), 1.2, 0.9
+    start = {crank.phi: phi, crank.omega: omega, weight.x: OUTER * c, rider.x: RIDE * c}
+    start |= {weight.vx: -omega * OUTER * d, rider.vx: -omega * RIDE * d}
+    guess = {crank.x: INNER * c, crank.y: INNER * d, weight.y: OUTER * d, rider.y: RIDE * d}
+    guess |= {weight.phi: phi, rider.phi: phi}
+    m.scene("s", ["gravity", "rub", "rope", "stop"], start=start, guess=guess)
+    run = load(m, "s", folder=tmp_path).simulate(0.1, [0.0, 0.1], rtol=1e-11, progress=False)
+    assert run.outcome is Outcome.OK
+    assert (run.samples.modes[-1][[row.kind != "friction" for row in
+            run.description.switches]] == SLIDING).all()  # fmt: skip
+
+    def mean(state: np.ndarray) -> tuple[float, float]:
+        """Angular acceleration and friction."""
+        grip = MU * RADIUS * (np.tanh(state[1] / CREEP) if creep else np.sign(state[1]))
+        (above, fast, much), (below, slow, less) = (
+            one_side(*state, grip, pull, arm=RIDE, kept=WEIGHT) for pull in (ROPE, -ROPE)
+        )
+        share = below / (below - above)
+        return slow + share * (fast - slow), less + share * (much - less)
+
+    def rate(_: float, state: np.ndarray) -> list[float]:
+        return [state[1], mean(state)[0]]
+
+    own = solve_ivp(rate, (0.0, 0.1), (phi, omega), "DOP853", rtol=1e-11, atol=1e-11).y[:, -1]
+    np.testing.assert_allclose([run.q("crank.phi")[-1], run.v("crank.omega")[-1]], own, rtol=1e-9)
+    alpha, friction = mean(own)
+    assert run.a("crank.omega")[-1] == pytest.approx(alpha, rel=1e-8)
+    assert run.reaction("rub", "torque")[-1] == pytest.approx(friction, rel=1e-8)
+    for body, arm in ((weight, OUTER), (rider, RIDE)):
+        span = np.hypot(run.q(f"{body.name}.x"), run.q(f"{body.name}.y"))
+        np.testing.assert_allclose(span, arm, rtol=0, atol=1e-9)

@@ -160,6 +160,25 @@ def test_rounding_of_sums_near_their_flat_places_is_no_fault(
         ), guess
 
 
+@pytest.mark.parametrize("rtol", [1e-5, 1e-8, 1e-12])
+def test_flat_potential_raises_no_alarm_and_no_work(workshop: Path, rtol: float) -> None:
+    """Far from its bend it is 1e-14 J beside some joules, and falls below their rounding."""
+    model = Model("flat_beside_others")
+    p = model.particle("p", mass=1.0)
+    model.potential("flat", 1e3 * ((p.x / 100) ** 8 + (p.y / 100) ** 8))
+    model.potential("well", 5 * p.x**2 + 7 * p.y**2)
+    model.force("push", p, 0.3 * sin(3 * t), 0)
+    start = {p.x: 0.5, p.y: 0.2, p.vx: 1.0, p.vy: 0.3}
+    for scene, effects in (("bare", ["well", "push"]), ("beside", ["flat", "well", "push"])):
+        model.scene(scene, effects, start=start)
+    bare, beside = (
+        load(model, scene, folder=workshop).simulate(5.0, rtol=rtol) for scene in ("bare", "beside")
+    )
+    assert bare.outcome is beside.outcome is Outcome.OK
+    for count in ("steps", "rejected", "rhs_evaluations", "balance_rhs"):
+        assert beside.stats[count] == bare.stats[count]
+
+
 def lifted(potential: Any) -> Any:
     """The potential grows by 10 J a metre, which no force is the slope of."""
     return lambda t, q, p, modes: potential(t, q, p, modes) + 10.0 * q[0]
