@@ -19,9 +19,7 @@ FIRST_LOOK = 4096  # measured: steps before the first doubling; shorter runs end
 _SLOWER = 0.75  # safety: of the time of the doubling before; 2 at a constant pace, 1 at half of it
 _DOUBLINGS = 7  # safety: so many in a row, up to half a million steps, are no accident
 _OF_EVENTS = 4  # safety: the same of a run that consists of events, each of which is dear
-_NEAR = (
-    0.01  # safety: of the last doubling; an end so near before the limit takes 100 times as long
-)
+_NEAR = 0.01  # safety: of the last doubling; an end so near before the limit is as good as there
 _EVENTFUL = 16  # measured: steps an event, with fewer of which the events are to blame
 
 
