@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from sympy import Expr, Heaviside, Max, Mod, Piecewise, cos, floor
+from sympy import Expr, Heaviside, Max, Mod, Piecewise, cos, floor, sqrt
 
 from codegen import Model, ModelError, t
 from runtime import load
