@@ -139,9 +139,12 @@ def plain_float(value: Any) -> float:
         return sympy_float(value)
     number = plain_number(value)
     try:
-        return float(number)
+        found = float(number)
     except OverflowError:
         return math.inf if number > 0 else -math.inf
+    if found == 0.0 and number != 0:
+        raise KindError("it is nearer to 0 than any float")
+    return found
 
 
 def finite_float(value: Any) -> float | None:

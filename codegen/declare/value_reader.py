@@ -118,7 +118,11 @@ class Reader:
             self.note(f"{where}: when={shown(when)}: {problem}")
             return force
         self.symbols.append((where, frozenset(when.free_symbols)))
-        return sympy.S.Zero if force == 0 else sympy.Piecewise((force, when), (0, True))
+        try:
+            return sympy.S.Zero if force == 0 else sympy.Piecewise((force, when), (0, True))
+        except FAILURES as error:  # of SymPy, which compares real numbers alone
+            self.note(f"{where}: when={shown(when)} cannot be evaluated: {one_line(error)}")
+            return force
 
     def _condition_problem(self, when: Any) -> str | None:
         """Why a condition can hold nowhere, or means nothing."""

@@ -250,7 +250,7 @@ def hostile_body(model: Model, body: Body, random: Random) -> tuple[Any, str]:
     )
     may_be_none = ("angle", "mass", "inertia")
     while (word in may_be_none and answer is None) or (
-        word in ("turns", "fixed") and isinstance(answer, bool)
+        word in ("turns", "fixed") and type(answer) is bool
     ):
         answer = 7.5j
     if word == "name":

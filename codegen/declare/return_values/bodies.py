@@ -63,10 +63,12 @@ def check_body(body: Body, known: Set[sympy.Symbol]) -> None:
         if not isinstance(flag := read_property(body, word), bool):
             raise refusal(body, word, flag, "True or False")
     block = read_property(body, "mass_matrix")
-    pairs = block if isinstance(block, Mapping) else [None]
-    if not all(isinstance(p, tuple) and len(p) == 2 and {*p} <= {*coordinates} for p in pairs):
+    entries: dict[Any, Any] = {None: None}
+    if isinstance(block, Mapping):
+        entries = call_user_code(body, "mass_matrix", lambda: dict(block))
+    if not all(isinstance(p, tuple) and len(p) == 2 and {*p} <= {*coordinates} for p in entries):
         raise refusal(body, "mass_matrix", block, "a dictionary, pair of coordinates: expression")
-    for entry in block.values():
+    for entry in entries.values():
         if entry is not None:
             _sound(body, "mass_matrix", entry, known)
     for word, value in (
