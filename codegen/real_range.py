@@ -197,6 +197,9 @@ def _oversize(node: sympy.Expr, bits: float, args: list[Interval]) -> str | None
     if not (node.args and node.is_number):
         return None
     if node.is_Pow and bits > BITS:
+        low, high = _range(node, args) or ALL
+        if low >= HUGE or high <= -HUGE:
+            return "a number beyond 1e308"
         return f"an exact power of {math.log10(2) * bits:.1e} digits"
     if type(node).__module__.startswith(_SPECIAL):
         largest = max((abs(end) for interval in args for end in interval), default=0.0)
