@@ -35,6 +35,12 @@ class Boundary(IntEnum):
         """The same of -g."""
         return Boundary(1 - self) if self in (Boundary.OPEN, Boundary.CLOSED) else self
 
+    def joined_with(self, other: "Boundary") -> "Boundary":
+        """What two conditions on one g agree on; OPEN where they do not."""
+        if Boundary.INDIFFERENT in (self, other):
+            return min(self, other)
+        return self if self is other else Boundary.OPEN
+
 
 class Mark(sympy.Function):  # type: ignore[misc]
     """One side of a condition, itself, with a mark that says what holds where both are equal."""

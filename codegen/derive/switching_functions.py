@@ -111,9 +111,9 @@ def _add_conditions(name: str, terms: EffectTerms, others: list[Switch]) -> None
         found = find_switch(g, at_zero, others)
         if found is None:
             others.append(Switch(name, str(condition), g, rate(g), boundary=at_zero))
-        elif others[found[0]].boundary is Boundary.INDIFFERENT:
-            agreed = at_zero.of_opposite() if found[1] else at_zero
-            others[found[0]] = replace(others[found[0]], boundary=agreed)
+        else:
+            switch, own = others[found[0]], at_zero.of_opposite() if found[1] else at_zero
+            others[found[0]] = replace(switch, boundary=switch.boundary.joined_with(own))
 
 
 def find_switch(
@@ -121,15 +121,16 @@ def find_switch(
 ) -> tuple[int, bool] | None:
     """Number of the switch of a condition, and whether it is that of the opposite condition.
 
-    Conditions on one surface share their switch where they agree on what holds on it, and all
-    share that of a friction with this slip. Any other conditions of a scene have a switch.
+    Conditions on one surface share their switch where motions slide on it, since one share of both
+    sides is Filippov's law for their sum, and else where they agree on what holds on it. Any other
+    conditions of a scene have a switch.
     """
     for k, switch in enumerate(among):
         if switch.kind != "contact" and switch.g in (g, -g):
             opposite = switch.g != g
             agreed = at_zero.of_opposite() if opposite else at_zero
             indifferent = Boundary.INDIFFERENT in (agreed, switch.boundary)
-            if switch.boundary is agreed or indifferent or switch.kind == "friction":
+            if switch.boundary is agreed or indifferent or kinds(g, Velocity):
                 return k, opposite
     return None
 

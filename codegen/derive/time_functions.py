@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import sympy
 from sympy.core.relational import Relational
 
-from codegen.declare.symbols import SPEED, Time, Velocity, kinds
+from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
 from codegen.derive.effect_terms import EffectTerms
 from codegen.derive.piecewise_conditions import is_known_beforehand, switching_function
 from codegen.real_range import powers_with_number_outside
@@ -41,13 +41,19 @@ def time_functions(
             for part in _parts(expression):
                 found[TimeFunction(constraint.name, "law", part)] = None
     for effect in effects:
-        moving = [s for s, f in effect.terms.pulls if f.has(SPEED) or kinds(f, Velocity)]
+        moving = [s for s, f in effect.terms.pulls if _takes_rate(f, s)]
         places = {part for s in moving for part in _parts(s)}
         for expression in _expressions(effect.terms):
             for part in _parts(expression):
                 role: Role = "place" if part in places else "effect"
                 found[TimeFunction(effect.name, role, part)] = None
     return tuple(found)
+
+
+def _takes_rate(force: sympy.Expr, scalar: sympy.Expr) -> bool:
+    """Whether a force takes the rate of the scalar along which it acts, by name or written out."""
+    rates = {q.rate for q in kinds(scalar, Coordinate)}
+    return force.has(SPEED) or (bool(rates) and rates <= {*kinds(force, Velocity)})
 
 
 def is_of_time(node: sympy.Basic) -> bool:

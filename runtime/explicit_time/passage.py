@@ -86,7 +86,7 @@ class Passages:
             return Passage()  # the run begins where a function has no value: others say so
         if ended := self._without_bound(kink, sides, q, v, modes):
             return ended
-        if kink.jump > _JUMP * self.size:
+        if kink.jump > _JUMP * self.size and self._rates_act(kink, q, v):
             what = f"jumps by {kink.jump:.6g} at t = {kink.after:.9g} s, where its rate acts"
             return self._end(kink, what, -1)
         (phi, nu, gamma, *forces), (phi_after, nu_after, gamma_after, *forces_after) = sides
@@ -153,6 +153,19 @@ class Passages:
         if equations.description.has_masses:
             values.append(equations.forces(t, q, v, modes))
         return values
+
+    def _rates_act(self, kink: Kink, q: Vector, v: Vector) -> bool:
+        """Whether forces on either side change with the velocities, as those of dampers do."""
+        equations = self.equations
+        if not equations.description.has_masses:
+            return False
+        other = v + self.size * (1.0 + np.arange(len(v)))
+        for t in kink[:2]:
+            modes = (equations.switching(t, q, v) > 0.0).astype(np.int64)
+            here, there = (equations.forces(t, q, u, modes) for u in (v, other))
+            if not np.allclose(here, there, rtol=_JUMP, atol=0.0):
+                return True
+        return False
 
     def _without_bound(
         self, kink: Kink, sides: list[list[Vector]], q: Vector, v: Vector, modes: Integers

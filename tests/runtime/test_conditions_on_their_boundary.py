@@ -11,7 +11,9 @@ from sympy import Abs, Heaviside, Max, Piecewise, cos, sign, sin
 
 from codegen import Model, t
 from codegen.declare.body import Body
+from codegen.derive.equations import derive
 from codegen.derive.piecewise_conditions import (
+    Boundary,
     as_pieces,
     boundary,
     conditions,
@@ -46,9 +48,6 @@ RESTING: dict[str, tuple[Force, float]] = {
     "speed_sign": (lambda p: 3 * (1 + sign(p.vy)), 3.0),
     "speed_half": (lambda p: 3 * Heaviside(p.vy), 1.5),
     "speed_above": (lambda p: Piecewise((1, p.vy > 0), (0, True)), 0.0),
-    "speed_both": (lambda p: holds(p.vy >= 0) + 2 * holds(p.vy > 0), 1.0),
-    "speed_either": (lambda p: 4 + holds(p.vy >= 0) - holds(p.vy <= 0), 4.0),
-    "speed_third": (lambda p: holds(p.vy > 0) + 2 * holds(p.vy < 0) + sign(p.vy), 0.0),
     "from_now_on": (lambda p: Piecewise((1, t >= 0), (0, True)), 1.0),
     "after_now": (lambda p: Piecewise((1, t > 0), (0, True)), 1.0),
     "until_now": (lambda p: Piecewise((1, t <= 0), (0, True)), 0.0),
@@ -257,15 +256,9 @@ X, V = BEAD.x, BEAD.vx
 SHARED = [
     (X > 0, X <= 0), (X >= 0, X < 0), (Abs(X), X >= 0), (Abs(X), X < 0), (sign(X), Heaviside(-X)),
     (V > 0, V <= 0), (sign(V), Heaviside(-V)), (Abs(V), sign(V)), (Max(X, 0), sign(X)),
+    (V > 0, V >= 0), (V > 0, V < 0), (V > 0, sign(V)), (sign(V), V <= 0),
 ]  # fmt: skip
-APART = [
-    (X > 0, X >= 0),
-    (X > 0, X < 0),
-    (sign(X), X > 0),
-    (Heaviside(X, 1), Heaviside(X, 0)),
-    (V > 0, V >= 0),
-    (V > 0, sign(V)),
-]
+APART = [(X > 0, X >= 0), (X > 0, X < 0), (sign(X), X > 0), (Heaviside(X, 1), Heaviside(X, 0))]
 
 
 @pytest.mark.parametrize("pair", SHARED + APART)
@@ -278,6 +271,30 @@ def test_conditions_share_a_switch_where_they_agree(pair: tuple[Any, Any]) -> No
     switch = Switch("f", str(first), g, g, boundary=boundary(first))
     found = find_switch(switching_function(second), boundary(second), [switch])
     assert (found is not None) is (pair in SHARED)
+
+
+JOINED = {
+    "closed": ((V >= 0, V < 0, Abs(V)), Boundary.CLOSED),
+    "open": ((Abs(V), V > 0, V <= 0), Boundary.OPEN),
+    "balanced": ((sign(V), Abs(V), Heaviside(-V)), Boundary.BALANCED),
+    "kink": ((Abs(V), Max(V, 0)), Boundary.INDIFFERENT),
+    "strict": ((V >= 0, V > 0, V >= 0), Boundary.OPEN),
+    "mixed": ((sign(V), V > 0), Boundary.OPEN),
+    "third": ((sign(V), V >= 0, sign(-V)), Boundary.OPEN),
+}
+
+
+@pytest.mark.parametrize("name", JOINED)
+def test_the_switch_of_a_velocity_rests_as_its_conditions_agree(name: str) -> None:
+    functions, expected = JOINED[name]
+    model = Model(f"joined_{name}")
+    bead = model.particle("bead", mass=1.0)
+    forces = []
+    for k, e in enumerate(functions):
+        law = (holds(e) if e.is_Relational else e).subs(V, bead.vx)
+        forces.append(model.force(f"f{k}", bead, fx=law).name)
+    (switch,) = derive(model, model.scene("run", forces)).switches
+    assert switch.boundary is expected
 
 
 def test_a_force_that_holds_by_another_share_of_its_jump_says_so(workshop: Path) -> None:

@@ -1,8 +1,10 @@
 """Frictions with the same slip share one switch: they hold, break loose and slide together."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
+from sympy import Piecewise, sign
 
 from codegen import Model, t
 from runtime import load
@@ -48,3 +50,41 @@ def test_frictions_of_opposite_slips_stop_a_motion_together(workshop: Path) -> N
     assert run.outcome is Outcome.OK
     # 0.47, -0.37, 0.27, -0.17, 0.07, 0.03 less than 0.05: it stays
     assert run.q("p.x")[-1] == pytest.approx(1.03, abs=1e-7)
+
+
+def holds(condition: Any) -> Any:
+    """1 where it holds, else 0."""
+    return Piecewise((1, condition), (0, True))
+
+
+WRITTEN = {
+    "above": lambda v: 2 * holds(v > 0),
+    "at_least": lambda v: 2 * holds(v >= 0),
+    "both_sides": lambda v: 3 * holds(v > 0) + holds(v < 0),
+}
+"""Name of a law → conditions on v that change a friction of 5 N."""
+
+
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("name", WRITTEN)
+def test_a_friction_and_conditions_on_its_slip_slide_by_one_share(
+    workshop: Path, name: str, way: int
+) -> None:
+    """A pull of 2 t stops a motion against it, and moves the bead when it exceeds the law ahead."""
+    extra = WRITTEN[name]
+    ahead, behind = (-5 * side + extra(side) for side in (1, -1))  # N at v > 0 and v < 0
+    loose = float(-ahead if way > 0 else behind) / 2  # s
+    runs = []
+    for writing in ("apart", "one_sign"):
+        model = Model(f"{name}_{writing}_{way + 1}")
+        bead = model.particle("bead", mass=1.0)
+        law = -5 * sign(bead.vx) + extra(bead.vx)
+        if writing == "one_sign":
+            law = (ahead + behind) / 2 + (ahead - behind) / 2 * sign(bead.vx)
+        model.force("rub", bead, fx=way * 2 * t + law)
+        model.scene("s", ["rub"], start={bead.x: 0, bead.y: 0, bead.vx: -way, bead.vy: 0})
+        run = load(model, folder=workshop).simulate(4.0, [0.9, 4.0], rtol=1e-9, progress=False)
+        assert run.outcome is Outcome.OK
+        assert run.v("bead.x") == pytest.approx([0.0, way * (4.0 - loose) ** 2], abs=1e-8)
+        runs.append(run)
+    assert runs[0].q("bead.x") == pytest.approx(runs[1].q("bead.x"), abs=1e-8)

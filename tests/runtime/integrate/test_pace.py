@@ -1,11 +1,13 @@
 """A run whose steps or events crowd before an instant ends by name; one that is dear goes on."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.outcomes import Outcome
-from runtime.integrate.problem import Options, Problem
+from runtime.integrate.problem import Options, Passage, Problem, Stops
 from runtime.integrate.run import integrate
 from tests.runtime.integrate.systems import free_system, kernel
 
@@ -47,7 +49,7 @@ def test_turns_that_crowd_end_the_run(method, t_end):
     r = integrate(CROWDED, problem(t_end, 1.0, 1.0), Options(method=method, t_eval=[0.0, t_end]))
     assert r.outcome == Outcome.STEP_TOO_SMALL
     assert 0.99 < r.final_t < 1.0
-    assert r.statistics.steps < 300_000
+    assert r.statistics.steps < 600_000
 
 
 def test_events_that_crowd_end_the_run_and_are_named():
@@ -64,6 +66,23 @@ def test_many_turns_at_a_constant_pace_are_followed():
     assert r.statistics.steps > 65_536
 
 
-def test_turns_up_to_an_instant_before_the_pole_are_followed():
-    r = integrate(CROWDED, problem(1.0 - 1e-5, 1.0, 1.0), Options(t_eval=[0.0, 1.0 - 1e-5]))
+@pytest.mark.parametrize("left", [1e-4, 5e-5])
+def test_turns_up_to_an_instant_before_the_pole_are_followed(left):
+    settings = Options(method="dopri5", t_eval=[0.0, 1.0 - left])
+    r = integrate(CROWDED, problem(1.0 - left, 10.0, 1.0), settings)
     assert r.outcome == Outcome.OK
+    assert r.statistics.steps > 300_000
+
+
+def test_turns_that_crowd_before_a_known_kink_are_followed_to_it():
+    """A kink ends the crowding, as where a cord that is pulled in is held at last."""
+    kink = 1.0 - 2e-5
+    stops = Stops(np.array([0.5, kink]), np.array([-1, 0]), np.array([0.5, kink]), passed)
+    begun = replace(problem(1.0, 1.0, 1.0), stops=stops)
+    r = integrate(CROWDED, begun, Options(method="dopri5", t_eval=[0.0, 1.0], max_steps=4_000_000))
+    assert r.outcome == Outcome.DISCONTINUOUS
+    assert r.final_t == kink
+
+
+def passed(number, q, v, modes):
+    return Passage(Outcome.DISCONTINUOUS)

@@ -1,0 +1,89 @@
+"""Places that move by themselves and jump: the impulse of a damper there is not lost silently."""
+
+from pathlib import Path
+
+import pytest
+from sympy import Expr, Heaviside, Max, Mod, Piecewise, cos, floor, sqrt
+
+from codegen import Model, ModelError, t
+from runtime import load
+from runtime.core.outcomes import Outcome
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "instant"),
+    [
+        ("stepped", 0.1 * Heaviside(t - 1), 1.0),
+        ("floored", 0.1 * floor(t / 1.5), 1.5),
+        ("in_pieces", Piecewise((0.0, t < 1), (0.1, True)), 1.0),
+        ("back", 0.1 * Mod(t, 1.0), 1.0),
+        ("bent", Max(0.1 * t, 0.1), None),
+        ("bent_in_pieces", Piecewise((0.1 * t, t < 1), (0.2 * t - 0.1, True)), None),
+    ],
+)
+@pytest.mark.parametrize("kind", ["damper", "law", "bushing", "contact"])
+def test_no_place_jumps_whose_rate_acts(
+    workshop: Path, name: str, place: Expr, instant: float | None, kind: str
+) -> None:
+    """The impulse c Δℓ of a damper whose end jumps would be lost, as no force has it."""
+    model = Model(f"place_{name}_{kind}")
+    block = model.body("block", mass=2.0, inertia=1.0)
+    for letter in "y", "phi":
+        model.absolute(f"guide_{letter}", block, letter, 0.0)
+    end = model.ground.at(place - (0.0 if kind == "bushing" else 5.0), 0)
+    if kind == "damper":
+        model.spring("link", end, block, damping=2.0)
+    elif kind == "law":
+        model.spring("link", end, block, force=lambda length, speed: 2.0 * speed)
+        if instant is not None and name != "in_pieces":
+            model.scene("run", ["link"])
+            with pytest.raises(ModelError, match="force of spring 'link'"):
+                load(model, "run", folder=workshop)  # SymPy has no rate of it
+            return
+    elif kind == "bushing":
+        model.bushing("link", end, block, damping=(2.0, 0.0, 0.0))
+    else:
+        model.contact("link", gap=block.x - place - 5.0, stiffness=1e-3, damping=2.0)
+    model.scene("run", ["link"], start={block.x: 0.0, block.vx: 0.0})
+    result = load(model, "run", folder=workshop).simulate(3.0)
+    if instant is None:
+        assert result.outcome is Outcome.OK
+    else:
+        assert result.outcome is Outcome.DISCONTINUOUS
+        assert result.t[-1] == pytest.approx(instant)
+        assert f"in 'link' jumps by 0.1 at t = {instant:g} s, where its rate acts" in result.message
+
+
+def test_a_spring_without_a_damper_has_ends_that_jump(workshop: Path) -> None:
+    model = Model("place_of_a_spring")
+    block = model.particle("block", mass=2.0)
+    model.absolute("guide", block, "y", 0.0)
+    model.spring("link", model.ground.at(0.1 * Heaviside(t - 1), 0), block, 8.0, free_length=0.0)
+    model.scene("run", ["link"], start={block.x: 0.0, block.vx: 0.0})
+    result = load(model, "run", folder=workshop).simulate(3.0)
+    assert result.outcome is Outcome.OK
+    assert result.q("block.x")[-1] == pytest.approx(0.1 * (1 - cos(4.0)), abs=1e-7)
+
+
+@pytest.mark.parametrize("kind", ["open contact", "no damping", "own speed"])
+def test_places_may_jump_where_no_rate_acts(workshop: Path, kind: str) -> None:
+    model = Model(f"place_{kind.replace(' ', '_')}")
+    block = model.particle("block", mass=1.0)
+    model.absolute("guide", block, "y", 0.0)
+    end = Piecewise((-1.0, t < 1), (-1.1, True))
+    if kind == "open contact":
+        gap = block.x - Piecewise((-1.0, t < 1), (-100.0, True))
+        model.contact("link", gap=gap, stiffness=1e3, damping=2.0)
+    elif kind == "no damping":
+        damping = model.parameter("damping", 0.0, unit="N s/m")
+        model.spring("link", model.ground.at(end, 0), block, 8.0, free_length=1.0, damping=damping)
+    else:
+        model.spring(
+            "link", model.ground.at(end, 0), block, force=lambda s, _: 8 * (s - 1) - block.vx
+        )
+    model.scene("run", ["link"], start={block.x: 0.0, block.vx: 0.0})
+    result = load(model, "run", folder=workshop).simulate(3.0)
+    assert result.outcome is Outcome.OK
+    stretched = {"open contact": 0.0, "no damping": -0.1 * (1 - cos(2 * sqrt(8.0)))}
+    if kind in stretched:
+        assert result.q("block.x")[-1] == pytest.approx(float(stretched[kind]), abs=1e-6)
