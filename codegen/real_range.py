@@ -36,7 +36,6 @@ UNFINISHED = (sympy.Limit, sympy.Derivative, sympy.Subs, ExprWithLimits)
 NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
 BITS = 14_000  # safety: of a whole number; one of more digits Python does not write
-_EXPONENT = 100_000  # safety: of an exact power of numbers, which SymPy would multiply out
 _ARGUMENT = 1e3  # safety: of Γ, ζ, Bessel's and other functions, which may be summed term by term
 _NODES = 30  # safety: parts of a number that is kept as it is written
 _SMOOTH = (
@@ -89,6 +88,7 @@ def unreal_part(expression: sympy.Basic) -> tuple[sympy.Basic, str] | None:
     nodes = distinct_nodes(expression)
     products = [node for node in nodes if powers_with_number_outside(node)]
     known: dict[sympy.Basic, Interval] = {product.args[0]: ALL for product in products}
+    sizes: dict[sympy.Basic, float] = {}
     for node in nodes:
         if not isinstance(node, sympy.Expr) or node in known:
             continue
@@ -100,9 +100,12 @@ def unreal_part(expression: sympy.Basic) -> tuple[sympy.Basic, str] | None:
         if node.is_Symbol or (node.is_Atom and not node.is_number):
             known[node] = ALL
             continue
-        if why := _oversize(node, [known.get(a, ALL) for a in node.args]):
+        inner = [known.get(a, ALL) for a in node.args]
+        if all(a in sizes for a in node.args):  # a number: symbols have no size
+            sizes[node] = _exact_bits(node, sizes, inner)
+        if why := _oversize(node, sizes.get(node, 0.0), inner):
             return node, f"{verb} {why}"
-        interval = _range(node, [known.get(a, ALL) for a in node.args])
+        interval = _range(node, inner)
         if interval is None:
             return node, f"{verb} {node}, which is never a real number"
         if node.is_number and not (interval[0] < HUGE and interval[1] > -HUGE):
@@ -142,6 +145,8 @@ def maximal_numbers(expression: sympy.Basic) -> list[sympy.Expr]:
     waiting, seen = [expression], {expression}
     while waiting:
         node = waiting.pop()
+        if node.is_Atom and (node.is_Number or node.is_Symbol):
+            continue
         if isinstance(node, sympy.Expr) and node.is_number:
             if not (node.is_Number or node.is_NumberSymbol):
                 found[node] = None
@@ -157,8 +162,13 @@ def with_short_numbers(expression: sympy.Expr) -> sympy.Expr:
 
     SymPy would look for their signs, and expand and simplify them, again and again.
     """
+    if expression.is_Atom:
+        return expression
     values = {}
     for number in maximal_numbers(expression):
+        few = len(number.args) < _NODES and not number.is_Function
+        if few and all(a.is_Atom for a in number.args):
+            continue
         nodes = distinct_nodes(number)
         if len(nodes) > _NODES or any(n.is_Function and n.func not in _SMOOTH for n in nodes):
             if unreal_part(number):
@@ -170,16 +180,27 @@ def with_short_numbers(expression: sympy.Expr) -> sympy.Expr:
     return expression.xreplace(values) if values else expression
 
 
-def _oversize(node: sympy.Expr, args: list[Interval]) -> str | None:
+def _exact_bits(node: sympy.Expr, sizes: dict[sympy.Basic, float], args: list[Interval]) -> float:
+    """Bits of the whole numbers in a number, with its powers multiplied out; π has none."""
+    if node.is_Rational:
+        return float(max(abs(node.p).bit_length(), node.q.bit_length()))
+    if node.is_Pow and node.exp.is_rational:  # SymPy takes 3 out of 3^(7/5)
+        return sizes[node.base] * (1.0 + max(map(abs, args[1])) // 1.0)
+    return sum(sizes[a] for a in node.args) if node.is_Add or node.is_Mul else 0.0
+
+
+def _oversize(node: sympy.Expr, bits: float, args: list[Interval]) -> str | None:
     """Why a number would take SymPy too long to evaluate; None: it would not."""
     if node.is_Rational:
         p, q = abs(node.p).bit_length(), node.q.bit_length()
         return "a number of thousands of digits" if max(p, q) > BITS and p - q < 1000 else None
     if not (node.args and node.is_number):
         return None
-    if node.is_Pow and not node.base.is_Float and node.exp.is_Rational:
-        steep = abs(node.exp.p) > _EXPONENT
-        return f"a power of a number with the exponent {float(args[1][0]):.6g}" if steep else None
+    if node.is_Pow and bits > BITS:
+        low, high = _range(node, args) or ALL
+        if low >= HUGE or high <= -HUGE:
+            return "a number beyond 1e308"
+        return f"an exact power of {math.log10(2) * bits:.1e} digits"
     if type(node).__module__.startswith(_SPECIAL):
         largest = max((abs(end) for interval in args for end in interval), default=0.0)
         return f"{type(node).__name__} of a number beyond 1000" if largest > _ARGUMENT else None

@@ -285,10 +285,15 @@ class Curve:
         """The point of the curve at a parameter, in the body's frame, 2 × 1."""
         try:
             at = plain_expression(parameter)
+            found = unreal_part(at)
         except FAILURES:
             raise ModelError(
                 f"curve.at({shown(parameter)}): the parameter α is a number or an expression."
             ) from None
+        if found and is_costly(found[0]):
+            raise ModelError(
+                f"curve.at: the parameter {one_line(found[1])}; give finite real numbers."
+            )
         x, y = _lengths("curve", self.body, self.x, self.y)
         return sympy.Matrix([x.subs(alpha, at), y.subs(alpha, at)])
 

@@ -14,7 +14,7 @@ from sympy import Pow, Rational, cos, exp, sin, sqrt
 from codegen import Constraint, LinkwrightError, Model, ModelError, Statement
 from codegen.declare.body import Body, Curve, Point
 from codegen.declare.element import I
-from codegen.declare.symbols import ModelSymbol, coordinate, t
+from codegen.declare.symbols import ModelSymbol, alpha, coordinate, t
 from codegen.real_range import constant_value, with_short_numbers
 from tests.fuzz.campaign import OverTimeError, limited
 from tests.fuzz.declarations import _build as texts
@@ -42,6 +42,12 @@ REFUSED: dict[str, Callable[[], Any]] = {
     "whole part": lambda: _of(sympy.floor, _of(exp, sympy.Integer(700))),
     "remainder": lambda: _of(sympy.Mod, _of(exp, sympy.Integer(700)), sympy.pi),
     "totient": lambda: _of(sympy.totient, sympy.Integer(10**40 + 7)),
+    "power of a power": lambda: _of(
+        Pow, _of(Pow, Rational(2, 3), sympy.Integer(5000)), sympy.Integer(5000)
+    ),
+    "power's exponent": lambda: _of(Pow, Rational(2, 3), _of(Pow, 10, 9)),
+    "fraction's power": lambda: _of(Pow, Rational(0.1), Rational(1e6 + 0.3)),
+    "sum's power": lambda: _of(Pow, sqrt(2) - 1, sympy.Integer(10**6)),
 }
 """No numbers that a machine can have."""
 READ: dict[str, tuple[Callable[[], Any], float]] = {
@@ -104,6 +110,23 @@ def test_long_numbers_count_as_their_values(use: str, number: str) -> None:
 def test_short_numbers_stay_as_they_are_written() -> None:
     for number in (sympy.pi / 3, sqrt(2) / 2, 2 * sin(1), Rational(1, 3), sympy.Float(0.1)):
         assert with_short_numbers(number * sympy.Symbol("x")) == number * sympy.Symbol("x")
+
+
+@pytest.mark.parametrize("use", ["mass", "torque", "condition"])
+@pytest.mark.parametrize("base", [sympy.Integer(3), sympy.pi, 1 + sqrt(2), Rational(0.3)])
+@pytest.mark.parametrize(
+    "exponent", [Rational(1.4), Rational(-0.7), Rational(1414214, 10**6), Rational(100.7)]
+)
+def test_powers_with_exponents_of_many_digits_are_read(use: str, base: Any, exponent: Any) -> None:
+    power = base**exponent
+    assert with_short_numbers(power * sympy.Symbol("x")) == power * sympy.Symbol("x")
+    _declared(use, lambda: power)
+
+
+@pytest.mark.parametrize("number", ["power near one", "sum's power", "power of a power"])
+def test_the_message_about_an_exact_power_says_its_length(number: str) -> None:
+    with pytest.raises(ModelError, match=r"is an exact power of \d\.\de\+\d\d digits"):
+        _declared("torque", REFUSED[number])
 
 
 class _Own(Constraint):
@@ -217,3 +240,15 @@ def test_places_of_points_and_curves_are_not_multiplied_out(make: Any, number: s
                 place = make(body, *pair)
                 with limited(SECONDS), pytest.raises(ModelError, match=f"body '{body.name}'"):
                     _ = getattr(place, word) if word else place.at(0.5)
+
+
+@pytest.mark.parametrize("number", ["small power", "power near one", "digits", "binomial"])
+@pytest.mark.parametrize("scale", [1, sympy.Symbol("x")])
+def test_a_parameter_of_a_curve_is_not_multiplied_out(number: str, scale: Any) -> None:
+    curve = Model("m").body("mine", 1, 1).curve(alpha**2, sympy.sin(alpha))
+    huge = _of(sympy.Mul, scale, REFUSED[number]())
+    with (
+        limited(SECONDS),
+        pytest.raises(ModelError, match=r"curve\.at: the parameter .* finite real"),
+    ):
+        curve.at(huge)
