@@ -252,3 +252,18 @@ def test_a_parameter_of_a_curve_is_not_multiplied_out(number: str, scale: Any) -
         pytest.raises(ModelError, match=r"curve\.at: the parameter .* finite real"),
     ):
         curve.at(huge)
+
+
+def test_a_fraction_nearer_to_zero_than_any_float_is_refused() -> None:
+    model = Model("m")
+    model.parameter("mine", Fraction(1, 10**400))
+    with pytest.raises(ModelError, match=r"mine.*nearer to 0 than any float"):
+        raise ModelError(model.problems)
+
+
+def test_a_condition_on_a_symbol_that_does_not_commute_is_refused_by_name() -> None:
+    model = Model("m")
+    body = model.body("mine", 1, 1)
+    model.torque("twist", body, 1.0, when=body.x > sympy.Symbol("A", commutative=False))
+    with pytest.raises(ModelError, match=r"'twist'.*when="):
+        raise ModelError(model.problems)
