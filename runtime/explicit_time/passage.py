@@ -4,7 +4,7 @@ The kernels say it themselves: they are called on both sides of the instant, at 
 """
 
 from collections.abc import Iterator
-from itertools import chain, islice
+from itertools import chain, islice, product
 
 import numpy as np
 
@@ -159,13 +159,19 @@ class Passages:
         equations = self.equations
         if not equations.description.has_masses:
             return False
-        other = v + self.size * (1.0 + np.arange(len(v)))
         for t in kink[:2]:
-            modes = (equations.switching(t, q, v) > 0.0).astype(np.int64)
-            here, there = (equations.forces(t, q, u, modes) for u in (v, other))
-            if not np.allclose(here, there, rtol=_JUMP, atol=0.0):
-                return True
+            here = equations.forces(t, q, v, self._modes(t, q, v))
+            for k, way in product(range(len(v)), (-1.0, 1.0)):
+                other = v.copy()
+                other[k] += way * (self.size + abs(v[k]))
+                there = equations.forces(t, q, other, self._modes(t, q, other))
+                if not np.allclose(here, there, rtol=_JUMP, atol=0.0):
+                    return True
         return False
+
+    def _modes(self, t: float, q: Vector, v: Vector) -> Integers:
+        """The modes that the signs of the switching functions ask for."""
+        return (self.equations.switching(t, q, v) > 0.0).astype(np.int64)
 
     def _without_bound(
         self, kink: Kink, sides: list[list[Vector]], q: Vector, v: Vector, modes: Integers

@@ -87,3 +87,23 @@ def test_places_may_jump_where_no_rate_acts(workshop: Path, kind: str) -> None:
     stretched = {"open contact": 0.0, "no damping": -0.1 * (1 - cos(2 * sqrt(8.0)))}
     if kind in stretched:
         assert result.q("block.x")[-1] == pytest.approx(float(stretched[kind]), abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["one-sided", "oblique"])
+def test_dampers_that_rest_or_lie_across_are_seen(workshop: Path, kind: str) -> None:
+    model = Model(f"place_{kind.replace('-', '_')}")
+    block = model.particle("block", mass=1.0)
+    jump = Piecewise((0.0, t < 1), (0.1, True))
+    if kind == "one-sided":
+        model.absolute("guide", block, "y", 0.0)
+        end, law = (
+            model.ground.at(-1.0 - jump, 0),
+            lambda s, v: Piecewise((20 * v, v > 0), (0, True)),
+        )
+        model.spring("link", end, block, force=law)
+    else:
+        end = model.ground.at(-2.0 - 2 * jump, 1.0 + jump)
+        model.spring("link", end, block, 8.0, free_length=5**0.5, damping=2.0)
+    across = () if kind == "one-sided" else (block.y, block.vy)
+    model.scene("run", ["link"], start=dict.fromkeys((block.x, block.vx, *across), 0.0))
+    assert load(model, "run", folder=workshop).simulate(1.5).outcome is Outcome.DISCONTINUOUS
