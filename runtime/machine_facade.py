@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from runtime.results.result import Result
     from runtime.statics.equilibrium import Equilibrium
 
+# arguments of `simulate` that choose between given tolerances and a search for an accuracy
+_SETTINGS = ("accuracy", "rtol", "atol", "quantities", "method", "formulation")
+
 
 @checked_class
 class Machine(MachineStates):
@@ -71,10 +74,9 @@ class Machine(MachineStates):
             `runtime.integrate.problem.Options`; τ of Baumgarte's accelerations in s, by default a
             thousandth of the run.
         first_step, max_step, max_steps, max_bytes, progress
-            Lengths in s, chosen by default; trial steps, 1e8 by default, after which the run ends
-            with `Outcome.MAX_STEPS`; memory of the states that are recorded at the end of steps and
-            at events, 1 GiB by default, after which it ends with `Outcome.MEMORY`; whether a
-            terminal shows a bar, once it has taken a second.
+            Lengths in s, chosen by default; trial steps, 1e8 by default, or the run ends with
+            `Outcome.MAX_STEPS`; memory of the states that are recorded at steps and events, 1 GiB
+            by default, or `Outcome.MEMORY`; whether a bar shows, once it has taken a second.
 
         Returns
         -------
@@ -96,15 +98,12 @@ class Machine(MachineStates):
         given = check(
             self.mechanism, t_end=t_end, t_eval=t_eval, t_start=t_start, parameters=parameters,
             guess=guess, start=start, correction=correction, time_scale=time_scale,
-            first_step=first_step, max_step=max_step, max_steps=max_steps,
-            max_bytes=max_bytes, progress=progress,
-            accuracy=accuracy, rtol=rtol, atol=atol, quantities=quantities, method=method,
-            formulation=formulation,
+            first_step=first_step, max_step=max_step, max_steps=max_steps, max_bytes=max_bytes,
+            progress=progress, accuracy=accuracy, rtol=rtol, atol=atol, quantities=quantities,
+            method=method, formulation=formulation,
         )  # fmt: skip
-        settings = ("accuracy", "rtol", "atol", "quantities", "method", "formulation")
-        analyse = accuracy_or_tolerances(
-            self.mechanism, **{name: given.pop(name) for name in settings}
-        )
+        settings = {name: given.pop(name) for name in _SETTINGS}
+        analyse = accuracy_or_tolerances(self.mechanism, **settings)
         with bar(f"simulate {self.mechanism.title}", given.pop("progress")) as report:
             return analyse(**given, progress=report)
 

@@ -28,7 +28,11 @@ def describe_unexplained_energy(
     if not rows and equations.velocity_rhs(float(t[0]), q[0]).any():
         return ""
     # compiled: most runs are judged in their loop
-    from runtime.dynamics.energy_of_intervals import WEIGHTS_OF_ENDS, WORST, find_unexplained
+    from runtime.dynamics.energy_balance_of_intervals import (
+        WEIGHTS_OF_ENDS,
+        WORST,
+        find_unexplained,
+    )
 
     v, a, energy, power = samples.v, samples.a, samples.energy, samples.power
     places = np.concatenate([description.mass_rows, description.mass_columns], dtype=np.int64)

@@ -13,9 +13,9 @@ from runtime.core.system import System
 from runtime.hybrid.rhs_with_sliding_or_stabilization import TIME_SCALE
 from runtime.integrate.loop import LOG_MARGIN
 from runtime.integrate.method import Method, find_method
-from runtime.integrate.pace import FIRST_LOOK
 from runtime.integrate.problem import Options, Problem, Stops
 from runtime.integrate.sampling import QUADRATURE, STEP_ENDS
+from runtime.integrate.step_accumulation import FIRST_LOOK
 from runtime.integrate.trajectory import Statistics
 from runtime.integrate.wiring import METHOD_SLOTS, function_table, place, wire
 

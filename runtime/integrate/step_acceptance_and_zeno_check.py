@@ -9,8 +9,8 @@ from runtime.core.kernel_abi import kinetic_energy_of
 from runtime.core.loop_record import run_record
 from runtime.core.outcomes import Outcome
 from runtime.hybrid.mode_consistency import CONSISTENT
-from runtime.integrate.pace import is_endless
 from runtime.integrate.step import Signal, TrialStep, reject
+from runtime.integrate.step_accumulation import is_endless
 from runtime.integrate.step_to_event import copy_end
 
 _FLIGHT = 0.6  # measured: of the time between two impacts; a first step that meets none

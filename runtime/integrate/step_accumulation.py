@@ -1,4 +1,4 @@
-"""Pace of a run: whether its steps become shorter so fast that it never reaches its end.
+"""Accumulation of steps: whether they become shorter so fast that a run never reaches its end.
 
 Near an instant where the motion turns or switches infinitely often, steps are about as long as the
 time left to it, or as its square, and the clock resolves them for millions of steps. Each doubling
