@@ -11,6 +11,7 @@ from typing import Any
 
 import sympy
 from sympy.concrete.expr_with_limits import ExprWithLimits
+from sympy.functions.special.bessel import BesselBase
 
 from codegen.errors import FAILURES
 from codegen.plain_values import TINY, KindError
@@ -37,8 +38,9 @@ NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
 BITS = 14_000  # safety: of a whole number; one of more digits Python does not write
 _ARGUMENT = 1e3  # safety: of Γ, ζ, Bessel's and other functions, which may be summed term by term
+_ORDER = 100  # measured: of Bessel's functions of any number; they take milliseconds
 _NODES = 30  # safety: parts of a number that is kept as it is written
-_HIGHEST = 8  # safety: power of a sum of numbers that is kept as it is written
+_TERMS = 150  # safety: of a power of a sum of numbers that is kept as it is written
 _SMOOTH = (
     sympy.sin,
     sympy.cos,
@@ -164,8 +166,7 @@ def maximal_numbers(expression: sympy.Basic) -> list[sympy.Expr]:
 
 
 def with_short_numbers(expression: sympy.Expr) -> sympy.Expr:
-    """The expression with values of numbers that are long or high powers, have kinks, or are
-    not compiled.
+    """The expression with values of numbers: long ones, high powers, ones with kinks, odd ones.
 
     SymPy would look for their signs, and expand and simplify them, again and again.
     """
@@ -191,9 +192,10 @@ def with_short_numbers(expression: sympy.Expr) -> sympy.Expr:
 
 
 def _is_high(nodes: list[sympy.Basic]) -> bool:
-    """Whether a power of a sum among these is one that nothing may multiply out."""
+    """Whether a power of a sum among these has too many terms for being multiplied out."""
     powers = [n for n in nodes if n.is_Pow and n.base.is_Add and n.exp.is_rational]
-    return any(abs(constant_value(power.exp)) > _HIGHEST for power in powers)
+    highest = ((len(n.base.args) - 1, abs(constant_value(n.exp))) for n in powers)
+    return any(x > _TERMS or math.comb(int(x) + k, k) > _TERMS for k, x in highest)
 
 
 def _exact_bits(node: sympy.Expr, sizes: dict[sympy.Basic, float], args: list[Interval]) -> float:
@@ -228,8 +230,12 @@ def _oversize(node: sympy.Expr, bits: float, args: list[Interval]) -> str | None
             return "a power whose exponent has no known size"
         return f"an exact power of {math.log10(2) * bits:.1e} digits"
     if type(node).__module__.startswith(_SPECIAL):
-        largest = max((abs(end) for interval in args for end in interval), default=0.0)
-        return f"{type(node).__name__} of a number beyond 1000" if largest > _ARGUMENT else None
+        sizes = [max(map(abs, interval)) for interval in args]
+        if isinstance(node, BesselBase) and sizes[0] <= _ORDER and sizes[1] < HUGE:
+            return None  # of a low order it is as cheap far out
+        if max(sizes, default=0.0) > _ARGUMENT:
+            beyond = "of unknown size" if math.inf in sizes else "beyond 1000"
+            return f"{type(node).__name__} of a number {beyond}"
     return None
 
 
