@@ -9,6 +9,7 @@ import numpy.typing as npt
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.end_check_screening import screen_run
 from runtime.dynamics.end_checks import check_result
 from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formulate
 from runtime.dynamics.friction_jam import describe_jam, end_at_jam
@@ -75,14 +76,15 @@ def finish_simulation(
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
     reduced = isinstance(coordinates, ReducedCoordinates)
-    check_result(result, equations, ready.sizes, options, run, energy=energy or reduced)
+    suspicions = screen_run(equations, result.samples, ready.sizes, options, run)
+    check_result(result, equations, ready.sizes, options, run, suspicions, energy=energy or reduced)
     contradicted = reduced and repeats and result.outcome is Outcome.CONTRADICTED
     if isinstance(coordinates, ReducedCoordinates) and contradicted:
         whole = coordinates.cartesian(options.method)
         again = finish_simulation(ready, whole, options, began, progress, works=works, energy=True)
         note_repetition(again, result.contradiction)
         return again
-    count, note = describe_unresolved_switches(equations, run.events, ready.sizes, options)
+    count, note = describe_unresolved_switches(equations, run.events, suspicions)
     result.stats["events_within_tolerance"] = count
     result.message += note
     result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
