@@ -48,6 +48,11 @@ RESTING: dict[str, tuple[Force, float]] = {
     "speed_sign": (lambda p: 3 * (1 + sign(p.vy)), 3.0),
     "speed_half": (lambda p: 3 * Heaviside(p.vy), 1.5),
     "speed_above": (lambda p: Piecewise((1, p.vy > 0), (0, True)), 0.0),
+    "speed_both": (lambda p: holds(p.vy >= 0) + 2 * holds(p.vy > 0), 1.0),
+    "speed_either": (lambda p: 4 + holds(p.vy >= 0) - holds(p.vy <= 0), 4.0),
+    "speed_third": (lambda p: holds(p.vy > 0) + 2 * holds(p.vy < 0) + sign(p.vy), 0.0),
+    "speed_sides": (lambda p: 3 * holds(p.vy > 0) - 2 * holds(p.vy < 0), 0.0),
+    "speed_order": (lambda p: -2 * holds(p.vy < 0) + 3 * holds(p.vy > 0), 0.0),
     "from_now_on": (lambda p: Piecewise((1, t >= 0), (0, True)), 1.0),
     "after_now": (lambda p: Piecewise((1, t > 0), (0, True)), 1.0),
     "until_now": (lambda p: Piecewise((1, t <= 0), (0, True)), 0.0),
@@ -117,6 +122,12 @@ KEPT: dict[str, tuple[Callable[[Body, Body, Body], Any], float]] = {
     "not_sinking": (lambda a, b, s: holds(climb(a, b) >= 0), 1.0),
     "climb_sign": (lambda a, b, s: 1 + sign(climb(a, b)), 1.0),
     "rail_sign": (lambda a, b, s: 1 + sign(s.vy), 1.0),
+    "climb_mixed": (
+        lambda a, b, s: (
+            3 + sign(climb(a, b)) + holds(climb(a, b) >= 0) - 2 * holds(climb(a, b) > 0)
+        ),
+        4.0,
+    ),
 }
 """Name → a force that switches where the loop keeps a function at 0 to rounding, and its value."""
 
@@ -125,7 +136,9 @@ KEPT: dict[str, tuple[Callable[[Body, Body, Body], Any], float]] = {
 def test_what_joints_keep_at_zero_is_on_its_boundary(workshop: Path, name: str) -> None:
     force, value = KEPT[name]
     machine = load(slider_crank(f"kept_{name}", force), folder=workshop)
-    for method in ("dop853", "radau5") if name in {"above", "climb_sign"} else ("dop853",):
+    for method in (
+        ("dop853", "radau5") if name in {"above", "climb_sign", "climb_mixed"} else ("dop853",)
+    ):
         plain = machine.simulate(2.0, method=method, progress=False)
         assert plain.outcome is Outcome.OK
         assert not plain.events
@@ -278,9 +291,9 @@ JOINED = {
     "open": ((Abs(V), V > 0, V <= 0), Boundary.OPEN),
     "balanced": ((sign(V), Abs(V), Heaviside(-V)), Boundary.BALANCED),
     "kink": ((Abs(V), Max(V, 0)), Boundary.INDIFFERENT),
-    "strict": ((V >= 0, V > 0, V >= 0), Boundary.OPEN),
-    "mixed": ((sign(V), V > 0), Boundary.OPEN),
-    "third": ((sign(V), V >= 0, sign(-V)), Boundary.OPEN),
+    "strict": ((V >= 0, V > 0, V >= 0), Boundary.MIXED),
+    "mixed": ((sign(V), V > 0), Boundary.MIXED),
+    "third": ((sign(V), V >= 0, sign(-V)), Boundary.MIXED),
 }
 
 
