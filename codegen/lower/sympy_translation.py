@@ -167,10 +167,9 @@ class Translator:
             )
         result = self(last.expr)
         for piece in reversed(pieces):
-            value = self(piece.expr)
-            rest = self._middle_at_rest(piece.cond, value, result)
-            result = self.graph.select(self._condition(piece.cond), value, result)
-            if rest is not None:
+            condition, value, other = self._condition(piece.cond), self(piece.expr), result
+            result = self.graph.select(condition, value, other)
+            if (rest := self._middle_at_rest(piece.cond, value, other)) is not None:
                 result = self.graph.select(*rest, result)
         return result
 
