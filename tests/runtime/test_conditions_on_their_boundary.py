@@ -264,6 +264,77 @@ def test_equilibrium_has_the_mean_of_both_sides(workshop: Path) -> None:
     assert_allclose(rest.q("other.x")[-1], 1.0, rtol=1e-7)
 
 
+@pytest.mark.parametrize("method", ["energy", "settling"])
+def test_conditions_of_different_kinds_on_a_velocity_are_as_written_at_rest(
+    workshop: Path, method: Any
+) -> None:
+    """At v = 0 sign is 0 and neither v > 0 nor v < 0 holds: the springs alone hold both beads."""
+    model = Model(f"kinds_at_rest_{method}")
+    bead, other = model.particle("bead", mass=1.0), model.particle("other", mass=1.0)
+    for p in (bead, other):
+        model.absolute(f"rail_{p.name}", p, "y", 0)
+        model.spring(f"back_{p.name}", model.ground.at(-1, 0), p, 10.0, free_length=1.0)
+    model.force("rub", bead, fx=-5 * sign(bead.vx))
+    model.force("assist", bead, fx=2.0, when=bead.vx > 0)
+    model.force("forth", other, fx=2.0, when=other.vx > 0)
+    model.force("back", other, fx=-1.0, when=other.vx < 0)
+    model.force("steady", other, fx=3.0, when=other.vx >= 0)
+    machine = load(model, folder=workshop)
+    rest = machine.equilibrium(method=method)
+    assert rest.outcome is Outcome.OK
+    assert_allclose(rest.q("bead.x")[-1], 0.0, atol=1e-8)
+    assert_allclose(rest.q("other.x")[-1], 0.3, rtol=1e-7)
+
+
+def test_inverse_dynamics_at_a_turning_point_has_each_condition_as_written(workshop: Path) -> None:
+    model = Model("turns")
+    bead = model.particle("bead", mass=1.0)
+    model.absolute("rail", bead, "y", 0)
+    model.driver("drive", bead.x, 0.1 * t**2)
+    model.force("F", bead, fx=-5 * sign(bead.vx) + 2 * holds(bead.vx > 0) + 7 * holds(bead.vx >= 0))
+    run = load(model, folder=workshop).inverse_dynamics([0.0, 0.5], progress=False)
+    assert_allclose(run.reaction("drive", "fx"), [0.2 - 7.0, 0.2 - 4.0])
+
+
+@pytest.mark.parametrize("forward", [True, False])
+def test_a_velocity_driven_off_to_either_side_stays_where_neither_condition_holds(
+    workshop: Path, forward: bool
+) -> None:
+    model = Model(f"stays_{forward}")
+    bead = model.particle("bead", mass=1.0)
+    model.force("up", bead, fy=3.0, when=bead.vy > 0)
+    model.force("down", bead, fy=-2.0, when=bead.vy < 0)
+    model.force("load", bead, fy=(1 if forward else -1) * Max(t - 0.5, 0))
+    order = ["up", "down", "load"] if forward else ["down", "up", "load"]
+    model.scene("run", order, start={bead.x: 0, bead.y: 0, bead.vx: 0, bead.vy: 0})
+    run = load(model, folder=workshop).simulate(1.0, [0.0, 0.4, 1.0], progress=False)
+    assert run.outcome is Outcome.OK
+    assert_allclose(run.v("bead.y"), [0, 0, 1.5 + 0.125 if forward else -1.0 - 0.125], rtol=2e-5)
+
+
+SETTLED: dict[str, tuple[Force, float]] = {
+    "above": (lambda p: 3 * holds(p.vy > 0), 0.0),
+    "at_most": (lambda p: 3 * holds(p.vy <= 0), 3.0),
+    "sign": (lambda p: 2 + sign(p.vy), 2.0),
+    "sides": (lambda p: 3 * holds(p.vy > 0) - 2 * holds(p.vy < 0), 0.0),
+}
+
+
+@pytest.mark.parametrize("name", SETTLED)
+def test_a_velocity_that_bouncing_ends_is_on_its_boundary(workshop: Path, name: str) -> None:
+    law, value = SETTLED[name]
+    model = Model(f"settles_{name}")
+    ball = model.particle("ball", mass=1.0)
+    model.contact("floor", gap=ball.y, restitution=0.5)
+    model.force("weight", ball, fx=law(ball), fy=-10.0)
+    start = {ball.x: 0, ball.y: 1, ball.vx: 0, ball.vy: 0}
+    model.scene("run", ["floor", "weight"], start=start)
+    run = load(model, folder=workshop).simulate(2.0, [1.5, 2.0], rtol=1e-9, progress=False)
+    assert run.outcome is Outcome.OK
+    assert_allclose(run.a("ball.x"), value)
+    assert_allclose(run.v("ball.y"), 0.0)
+
+
 BEAD = Body("bead", None, None, None)
 X, V = BEAD.x, BEAD.vx
 SHARED = [
