@@ -71,6 +71,7 @@ def in_ground(curve: Curve, numbers: Mapping[sympy.Symbol, float]) -> Samples:
 
 def outward(points: Samples) -> Samples:
     """Unit normals of a closed curve at its points, pointing out of it, samples × 2."""
+    points = np.ldexp(points, -np.frexp(np.abs(points).max())[1])  # no square leaves the floats
     tangent = np.gradient(points, axis=0)
     tangent[0] = tangent[-1] = points[1] - points[-2]
     x, y = points.T

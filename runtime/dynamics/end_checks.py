@@ -5,6 +5,7 @@ import numpy.typing as npt
 
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.end_check_screening import APART, CLOSED, RESIDUAL, SIDE, Suspicions
 from runtime.dynamics.energy_balance_at_samples import describe_unexplained_energy
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
@@ -14,35 +15,34 @@ from runtime.results.samples import Samples
 
 Rows = npt.NDArray[np.intp] | slice
 
-_CLOSED = 1e-9  # accuracy: of a coordinate's size; to this the joints close, however fine rtol is
-# measured: tolerances; Baumgarte's method with dopri5 leaves 0.4 of one, each other return 1e-5
-_RESIDUAL = 10.0
-_SIDE = 1e-6  # safety: of a switching function's largest value; nearer to zero none is judged
-_APART = 1e-12  # accuracy: of the time; events and sides of kinks are nearer to their instants
 _JUDGED = 8  # measured: samples at which a missed event is looked for, of each function
 _SIDE_TOLERANCES = 10.0  # safety: of a switching function; by as much a mode may miss its sign
+UNSCREENED = Suspicions(residuals=True)  # of a result without a run
 
 
 def check_result(
     result: Result, equations: Equations, sizes: FloatArray, options: Options,
-    run: Trajectory | None = None, *, energy: bool = False,
+    run: Trajectory | None = None, suspicions: Suspicions = UNSCREENED, *, energy: bool = False,
 ) -> None:  # fmt: skip
     """Take the outcome OK from a result that a check contradicts, and say where and by how much.
 
-    The `energy` of samples is judged where the run has not looked at all of it.
+    What is not suspected is not looked at. The `energy` of samples is judged where the run has not
+    looked at all of it.
     """
     if result.outcome is not Outcome.OK:
         return
-    found = _residuals(equations, result.samples, sizes, options)
+    samples, found = result.samples, ""
+    if suspicions.residuals:
+        found = _residuals(equations, samples, sizes, options)
     if run is not None:
-        modes = _sides_of_modes(equations, result.samples, sizes, options, run)
-        unexplained = ""
+        order = _order_of_events(run) if suspicions.order_of_events else ""
+        modes = unexplained = ""
+        if suspicions.modes:
+            modes = _sides_of_modes(equations, samples, sizes, options, run)
         if energy:
             steps = run.statistics.steps
-            unexplained = describe_unexplained_energy(
-                equations, result.samples, sizes, options, steps
-            )
-        found = " ".join(filter(None, [_order_of_events(run), modes, found, unexplained]))
+            unexplained = describe_unexplained_energy(equations, samples, sizes, options, steps)
+        found = " ".join(filter(None, [order, modes, found, unexplained]))
     if found:
         outcome, result.contradiction = Outcome.CONTRADICTED, found
         result.outcome = outcome
@@ -59,11 +59,8 @@ def _residuals(equations: Equations, samples: Samples, sizes: FloatArray, option
     if not len(samples.t) or not equations.m:
         return ""
     slopes = np.abs(equations.jacobian(float(samples.t[0]), samples.q[0]))
-    # What the whole run has reached permits no less, and takes longer than a short run to find.
-    worst, steepest = (np.maximum.reduce(x, axis=None) for x in (samples.residual, slopes))
-    if worst <= _RESIDUAL * max(options.rtol, _CLOSED) * steepest * min(sizes.tolist()):
-        return ""
-    if worst <= min(_permitted(slopes, sizes, (sizes, sizes), options)):
+    # What the whole run has reached permits no less, and takes longer to find.
+    if samples.residual.max() <= min(_permitted(slopes, sizes, (sizes, sizes), options)):
         return ""
     reached = np.abs(samples.q).max(axis=0)
     lengths = np.where(equations.description.is_length, np.maximum(sizes, reached), sizes)
@@ -89,10 +86,10 @@ def _permitted(
     slopes: FloatArray, sizes: FloatArray, reached: tuple[FloatArray, FloatArray], options: Options
 ) -> list[float]:
     """Residuals of positions and velocities that the tolerances permit at slopes |Φ_q|, (m, n)."""
-    rtol = max(options.rtol, _CLOSED)
+    rtol = max(options.rtol, CLOSED)
     absolute = options.absolute(sizes, rtol).reshape(2, -1)
     return [
-        _RESIDUAL * float((slopes @ (atol + rtol * size)).max())
+        RESIDUAL * float((slopes @ (atol + rtol * size)).max())
         for atol, size in zip(absolute, reached, strict=True)
     ]
 
@@ -108,11 +105,6 @@ def _unresolved_angles(equations: Equations, samples: Samples, permitted: float)
 
 def _order_of_events(run: Trajectory) -> str:
     """A sentence on events that are out of order or outside of the run; empty for none."""
-    t = run.events.t
-    if not len(t):
-        return ""
-    if run.first_t <= t[0] and t[-1] <= run.final_t and np.logical_and.reduce(t[:-1] <= t[1:]):
-        return ""
     times = np.concatenate([[run.first_t], run.events.t, [run.final_t]])
     back = np.flatnonzero(np.diff(times) < 0.0)
     if not len(back):
@@ -131,14 +123,7 @@ def _sides_of_modes(
     By more than the tolerances of coordinates and velocities explain: an event was missed.
     """
     switches = equations.description.switches
-    if not switches or len(samples.t) < 2:
-        return ""
     wrong = _wrong_sides(equations, samples, run)
-    if wrong is None or not wrong.any():
-        return ""
-    # compiled: most scenes have no switches
-    from runtime.dynamics.switching_values import change_of_switch
-
     t, q, v = samples.t, samples.q, samples.v
     largest = np.concatenate([np.abs(q).max(axis=0), np.abs(v).max(axis=0)])
     change = options.absolute(sizes, options.rtol) + options.rtol * largest
@@ -147,10 +132,7 @@ def _sides_of_modes(
         worst = rows[np.argmax(np.abs(wrong[rows, k]))]
         # Beside a place where it jumps the tolerances explain anything.
         for row in (worst, *rows[:: 1 + len(rows) // _JUDGED]):
-            permitted = change_of_switch(
-                equations.table, int(k), t[row], np.concatenate([q[row], v[row]]), change,
-                equations.p, np.zeros(len(switches)),
-            )  # fmt: skip
+            permitted = _change_of_switch(equations, int(k), t[row], q[row], v[row], change)
             missed = np.flatnonzero(np.abs(wrong[:, k]) > _SIDE_TOLERANCES * permitted)
             if abs(wrong[row, k]) > _SIDE_TOLERANCES * permitted:
                 return (
@@ -161,26 +143,31 @@ def _sides_of_modes(
     return ""
 
 
-def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> FloatArray | None:
-    """Switching functions where they contradict the modes of their samples, else 0, (k, s).
+def _change_of_switch(
+    equations: Equations, k: int, t: float, q: FloatArray, v: FloatArray, change: FloatArray
+) -> float:
+    """By how much g of the switch number k changes with each of (q, v), (2n,), in turn."""
+    state, n = np.concatenate([q, v]), equations.n
 
-    None where they never do.
+    def value(state: FloatArray) -> float:
+        return float(equations.switching(t, state[:n], state[n:])[k])
+
+    here = value(state)
+    return sum(abs(value(state + part) - here) for part in np.diag(change))
+
+
+def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> FloatArray:
+    """Switching functions where they contradict the modes of their samples, else 0, (k, s).
 
     In the instant of an event they may, unless the next sample does too, and at a kink or a jump of
     a function of time, unless they do on both sides. Behind it those modes count that the next
     sample has, if there is no event between the two.
     """
-    # compiled: most scenes have no switches
-    from runtime.dynamics.switching_values import contradicts_modes, write_switching_values
+    # compiled: almost no run comes here
+    from runtime.dynamics.switching_values import write_switching_values
 
-    t, q, v, modes = samples.t, samples.q, samples.v, samples.modes
-    moves = bool(equations.description.time_functions)
-    apart = _APART * max(abs(run.first_t), abs(run.final_t))
-    scratch = np.zeros((4, modes.shape[1] + equations.n))
-    if not contradicts_modes(
-        equations.table, t, q, v, modes, equations.p, apart, moves, _SIDE, scratch
-    ):
-        return None  # as almost always: nothing as long as the run was made
+    modes, moves = samples.modes, bool(equations.description.time_functions)
+    apart = APART * max(abs(run.first_t), abs(run.final_t))
 
     def values(rows: Rows, way: float) -> FloatArray:
         """The functions so long, s, behind these samples."""
@@ -191,7 +178,7 @@ def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> Flo
 
     g = values(slice(None), 0.0)
     sides = np.where(modes == SLIDING, 0, 2 * modes - 1)
-    least = _SIDE * np.abs(g).max(axis=0)
+    least = SIDE * np.abs(g).max(axis=0)
     contradicts = sides * g < -least
     suspects = np.flatnonzero(contradicts.any(axis=1))
     wrong = np.where(contradicts, g, 0.0)

@@ -5,6 +5,9 @@ the samples if these are the ends of steps: by Gauss' rule, on the quintic throu
 velocities and accelerations. Scenes with switches or kinks of functions of time are not judged.
 """
 
+from collections.abc import Callable
+from functools import cache
+
 import numpy as np
 
 from runtime.integrate.problem import Options
@@ -25,23 +28,17 @@ def describe_unexplained_energy(
         return ""
     if rows and (options.t_eval is not None or description.time_functions):
         return ""
-    if not rows and equations.velocity_rhs(float(t[0]), q[0]).any():
+    if not rows and any(equations.velocity_rhs(float(t[0]), q[0]).tolist()):
         return ""
-    # compiled: most runs are judged in their loop
-    from runtime.dynamics.energy_balance_of_intervals import (
-        WEIGHTS_OF_ENDS,
-        WORST,
-        find_unexplained,
-    )
-
+    find_unexplained, weights, worst = _compiled()
     v, a, energy, power = samples.v, samples.a, samples.energy, samples.power
-    places = np.concatenate([description.mass_rows, description.mass_columns], dtype=np.int64)
     widths = equations.n, equations.m, len(description.powers), len(description.mass_rows)
-    within, found = 2.0 if options.t_eval is None else 1.0 + steps, np.zeros(2 + WORST)
+    within, found = 2.0 if options.t_eval is None else 1.0 + steps, np.zeros(2 + worst)
     k = find_unexplained(
         equations.table, t, q, v, a, energy, power, np.zeros(0, np.int64), equations.p, equations.m,
-        rows, places, sizes, options.absolute(sizes, options.rtol), options.rtol, within,
-        WEIGHTS_OF_ENDS, np.zeros((5, max(widths))), np.zeros(WORST, np.int64), found,
+        rows, description.mass_rows, description.mass_columns, sizes,
+        options.absolute(sizes, options.rtol), options.rtol, within, weights,
+        np.zeros((5, max(widths))), np.zeros(worst, np.int64), found,
     )  # fmt: skip
     if k < 0:
         return ""
@@ -50,3 +47,11 @@ def describe_unexplained_energy(
         f"From t = {t[k]:.9g} to {t[k + 1]:.9g} s the energy changes by {found[0]:.6g} J, "
         f"and {what}."
     )
+
+
+@cache
+def _compiled() -> tuple[Callable[..., int], FloatArray, int]:
+    """What judges samples: loaded where a run needs it, since most are judged in their loop."""
+    from runtime.dynamics import energy_balance_of_intervals as compiled
+
+    return compiled.find_unexplained, compiled.WEIGHTS_OF_ENDS, compiled.WORST

@@ -45,17 +45,17 @@ WEIGHTS_OF_ENDS = weigh_ends()
 
 @inner
 def permit_error(
-    kernels: Any, t: Any, q: Any, v: Any, energy: Any, modes: Any, p: Any, mass_places: Any,
-    absolute: Any, rtol: Any, scratch: Any,
+    kernels: Any, t: Any, q: Any, v: Any, energy: Any, modes: Any, p: Any, mass_rows: Any,
+    mass_columns: Any, absolute: Any, rtol: Any, scratch: Any,
 ) -> float:  # fmt: skip
     """By how much the tolerances permit the energy of a sample to err in a step, J."""
-    n, entries, least = q.size, mass_places.size // 2, 0.0
+    n, entries, least = q.size, mass_rows.size, 0.0
     errors, mass = scratch[0, :n], scratch[1, :entries]
     for j in range(n):
         errors[j] = absolute[n + j] + rtol * abs(v[j])
     abi.mass_of(kernels)(q, p, mass)
     for i in range(entries):
-        least += 0.5 * mass[i] * errors[mass_places[i]] * errors[mass_places[entries + i]]
+        least += 0.5 * mass[i] * errors[mass_rows[i]] * errors[mass_columns[i]]
     error = 2.0 * np.sqrt(least * energy[0]) + least
     abi.potential_gradient_of(kernels)(t, q, p, modes, errors)
     for j in range(n):
@@ -121,20 +121,20 @@ def integrate_power(
 @compiled(
     i8(
         ADDRESSES, vector, matrix, matrix, matrix, matrix, matrix, integers, vector, i8, i8,
-        integers, vector, vector, f8, f8, matrix, matrix, integers, vector,
+        integers, integers, vector, vector, f8, f8, matrix, matrix, integers, vector,
     )
 )  # fmt: skip
 def find_unexplained(
     kernels: Any, t: Any, q: Any, v: Any, a: Any, energy: Any, power: Any, modes: Any, p: Any,
-    m: Any, rows: Any, mass_places: Any, sizes: Any, absolute: Any, rtol: Any, within: Any,
-    weights: Any, scratch: Any, places: Any, found: Any,
+    m: Any, rows: Any, mass_rows: Any, mass_columns: Any, sizes: Any, absolute: Any, rtol: Any,
+    within: Any, weights: Any, scratch: Any, places: Any, found: Any,
 ) -> int:  # fmt: skip
     """The first sample behind which the energy changes by more than work and tolerances explain.
 
     That is -1 for none. The first of `found` is the change, the second the work, J. Of the largest
     changes, `places` has room for the samples, and `found` behind two numbers for what is left of
     them without the trapezoidal work of the first `rows` of `power`. Between two samples lie
-    `within` steps. `mass_places` are the rows of the mass matrix's entries, then their columns.
+    `within` steps.
     """
     left, wrong = found[2:], t.size
     left[:] = -1.0
@@ -156,7 +156,8 @@ def find_unexplained(
         k, permitted, work = places[i], 0.0, 0.0
         for j in range(k, k + 2):
             permitted = max(permitted, within * permit_error(
-                kernels, t[j], q[j], v[j], energy[j], modes, p, mass_places, absolute, rtol, scratch
+                kernels, t[j], q[j], v[j], energy[j], modes, p, mass_rows, mass_columns, absolute,
+                rtol, scratch,
             ))  # fmt: skip
             if left[i] <= permitted:
                 break

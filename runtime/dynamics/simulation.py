@@ -9,6 +9,7 @@ import numpy.typing as npt
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.end_check_screening import screen_run
 from runtime.dynamics.end_checks import check_result
 from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formulate
 from runtime.dynamics.friction_jam import describe_jam, end_at_jam
@@ -35,7 +36,7 @@ def simulate(
     parameters: Values | None = None, guess: Values | None = None, start: Assembly | None = None,
     correction: Correction = "step", formulation: Formulation = "cartesian",
     time_scale: float | None = None, first_step: float | None = None,
-    max_step: float | None = None, max_steps: int = 100_000_000,
+    max_step: float | None = None, max_steps: int | None = None,
     max_bytes: int = 2**30, progress: Progress = silent,
 ) -> Result:  # fmt: skip
     """Integrate the equations of motion from the assembled start; see `Machine.simulate`."""
@@ -75,14 +76,15 @@ def finish_simulation(
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
     reduced = isinstance(coordinates, ReducedCoordinates)
-    check_result(result, equations, ready.sizes, options, run, energy=energy or reduced)
+    suspicions = screen_run(equations, result.samples, ready.sizes, options, run)
+    check_result(result, equations, ready.sizes, options, run, suspicions, energy=energy or reduced)
     contradicted = reduced and repeats and result.outcome is Outcome.CONTRADICTED
     if isinstance(coordinates, ReducedCoordinates) and contradicted:
         whole = coordinates.cartesian(options.method)
         again = finish_simulation(ready, whole, options, began, progress, works=works, energy=True)
         note_repetition(again, result.contradiction)
         return again
-    count, note = describe_unresolved_switches(equations, run.events, ready.sizes, options)
+    count, note = describe_unresolved_switches(equations, run.events, suspicions)
     result.stats["events_within_tolerance"] = count
     result.message += note
     result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
@@ -200,7 +202,8 @@ def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
     elif run.index >= 0:
         row = description.constraints[run.index]
         where = f", {'driver' if row.element in description.drivers else 'joint'} {row.name}"
-    if run.outcome is Outcome.ZENO and run.note:  # of a function of time, of which it says all
+    of_time = run.outcome is Outcome.ZENO and run.index < 0  # of which the note says all
+    if of_time and run.note:
         return f"Stopped at t = {run.final_t:.9g} s{where}. {run.note}"
     jam = describe_jam(mechanism, run, p)
     if jam:

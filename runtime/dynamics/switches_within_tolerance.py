@@ -7,15 +7,15 @@ then has events that a tighter one has not. They do little, and are named.
 
 import numpy as np
 
-from runtime.integrate.problem import Options
+from runtime.dynamics.end_check_screening import Suspicions
 from runtime.integrate.trajectory import Events
-from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.dense_equations import Equations
 
 _SHOWN = 3  # layout: switches that the sentence names
 
 
 def describe_unresolved_switches(
-    equations: Equations, events: Events, sizes: FloatArray, options: Options
+    equations: Equations, events: Events, suspicions: Suspicions
 ) -> tuple[int, str]:
     """The number of events within the tolerance, and a sentence that names them; 0 and empty.
 
@@ -23,20 +23,10 @@ def describe_unresolved_switches(
     Hermite's polynomial through both states. It may err by what it changes with each coordinate and
     velocity by their tolerances `atol + rtol |y|`.
     """
-    switches, e, n = equations.description.switches, len(events.t), len(sizes)
-    if e < 2 or not switches:
+    if not suspicions.reversals:
         return 0, ""
-    # compiled: most scenes have no switches
-    from runtime.dynamics.switching_values import measure_reversals
-
-    s, absolute = len(switches), options.absolute(sizes, options.rtol)
-    reversed_event, reached, permitted = np.zeros(e, np.int64), np.zeros(e), np.zeros(s)
-    if not measure_reversals(
-        equations.table, events.t, events.q, events.v, events.index, events.direction, equations.p,
-        options.rtol, absolute, np.zeros((3, max(s, 2 * n))), np.zeros((s, 2 * n)),
-        np.zeros((2, s), np.int64), reversed_event, reached, permitted,
-    ):  # fmt: skip
-        return 0, ""
+    switches, e = equations.description.switches, len(events.t)
+    reversed_event, reached, permitted = suspicions[-3:]
     after = np.flatnonzero(reversed_event >= 0)
     after = after[reached[after] <= permitted[events.index[after]]]
     first, index = reversed_event[after], events.index[after]

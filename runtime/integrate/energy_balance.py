@@ -39,7 +39,7 @@ _MORE = 4.0  # measured: growth of that part after which it is looked at
 _FORGET = 0.98  # measured: part of both that the next step remembers: one look in 70 steps
 _SELDOM = 60  # measured: steps up to the first look in any case; the k-th comes after k² times that
 _OFTEN = 1024  # measured: steps between two looks at the most; each costs some evaluations
-_WATCHED, _CYCLE = 4, 96  # measured: steps in a row, of so many; all together cost below 2 %
+_WATCHED, _CYCLE = 4, 96  # measured: steps in a row, of so many; 0.3 to 1.8 % of a run in all
 
 
 @inner

@@ -2,8 +2,10 @@
 
 import re
 from collections.abc import Callable
+from copy import copy
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,10 +16,12 @@ from codegen.errors import AssemblyError
 from runtime import load
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
-from runtime.dynamics import end_checks
+from runtime.dynamics import end_checks, simulation
+from runtime.dynamics.end_check_screening import Suspicions, screen_run
 from runtime.integrate.recording_buffers import Recording, in_order
-from runtime.integrate.trajectory import Events
+from runtime.integrate.trajectory import Events, Trajectory
 from runtime.machine_facade import Machine
+from runtime.results.samples import Samples
 
 
 @pytest.mark.parametrize("power", [8, 10, 12, 14, 16])
@@ -117,6 +121,55 @@ def test_one_sample_that_contradicts_its_function_is_an_event_missed(
     run = gas.simulate(1.0, at, guess=turning)
     assert run.outcome is Outcome.CONTRADICTED
     assert f"From t = {at[20]:.6g} s on the mode of " in run.message
+
+
+def test_a_run_that_nothing_contradicts_pays_for_one_look(
+    gas: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each check would be dear for a run of two milliseconds."""
+    for check in ("_residuals", "_order_of_events", "_sides_of_modes"):
+        monkeypatch.setattr(end_checks, check, None)
+    assert gas.simulate(1.0, guess={"crank.omega": 30.0}).outcome is Outcome.OK
+
+
+def test_what_is_not_suspected_is_not_contradicted(
+    gas: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Samples and events made wrong by anything from rounding to 1 are judged as by all checks."""
+    given: list[tuple[Any, ...]] = []
+    check = simulation.check_result
+    monkeypatch.setattr(simulation, "check_result", lambda *args, **_: given.append(args))
+    gas.simulate(1.0, guess={"crank.omega": 30.0})
+    result, equations, sizes, options, run, *_ = given[0]
+    rng, verdicts = np.random.default_rng(1), []
+
+    def contradiction(samples: Samples, run: Trajectory, suspicions: Suspicions) -> str:
+        judged = copy(result)
+        judged.samples, judged.outcome, judged.contradiction = samples, Outcome.OK, ""
+        check(judged, equations, sizes, options, run, suspicions)
+        return str(judged.contradiction)
+
+    for k in range(120):
+        samples, trajectory = result.samples, run
+        at, size = rng.integers(len(samples.t) - 1), 10.0 ** rng.uniform(-16.0, 0.0)
+        if k % 4 == 0:
+            residual = samples.residual.copy()
+            residual[at, k % 2] = np.nan if k % 20 == 0 else size
+            samples = samples._replace(residual=residual)
+        elif k % 4 == 1:
+            modes = samples.modes.copy()
+            modes[at : at + k % 3] ^= 1
+            samples = samples._replace(modes=modes)
+        elif k % 4 == 2:
+            samples = samples._replace(q=samples.q + size * rng.normal(size=samples.q.shape))
+        else:
+            t = run.events.t.copy()
+            t[at % len(t)] += size * rng.choice([-1.0, 1.0])
+            trajectory = replace(run, events=replace(run.events, t=t))
+        screened = screen_run(equations, samples, sizes, options, trajectory)
+        verdicts.append(contradiction(samples, trajectory, screened))
+        assert verdicts[-1] == contradiction(samples, trajectory, Suspicions(True, True, True))
+    assert 20 < sum(map(bool, verdicts)) < 100
 
 
 @pytest.mark.parametrize("t_eval", [None, [0.501, 1.0], [0.5, 1.0]])
