@@ -180,6 +180,8 @@ class Translator:
         """Of a balanced condition among others: whether its switch is at rest, and its mean."""
         if not (isinstance(condition, Relational) and boundary(condition) is Boundary.BALANCED):
             return None
+        if self.switches is None:
+            return None
         found = find_switch(switching_function(condition), Boundary.BALANCED, self.switches)
         if found is None or self.switches[found[0]].boundary is not Boundary.MIXED:
             return None
