@@ -19,6 +19,7 @@ from codegen.errors import FAILURES
 
 Kind = TypeVar("Kind")
 MOST = 1_000_000  # safety: members of a list that are read; an iterator may have no end
+TINY = "nearer to 0 than any float"
 WIDEST = 160  # layout: characters of a value in a message
 
 
@@ -119,9 +120,13 @@ def plain_number(value: Any) -> int | float | Fraction:
         return value
     if isinstance(value, Real | Decimal) or hasattr(value, "_mpf_"):
         try:
-            return float(value)
+            number = float(value)
+            is_lost = number == 0.0 and value != 0
         except (ValueError, OverflowError) as error:  # of a signaling nan, of a user's own number
             raise KindError(f"it is no float: {error}") from error
+        if is_lost:
+            raise KindError(f"it is {TINY}")
+        return number
     if getattr(value, "dimensionless", False) is True and hasattr(value, "magnitude"):
         return plain_number(value.to("").magnitude)
     if getattr(value, "shape", None) == () and hasattr(value, "item"):
@@ -143,7 +148,7 @@ def plain_float(value: Any) -> float:
     except OverflowError:
         return math.inf if number > 0 else -math.inf
     if found == 0.0 and number != 0:
-        raise KindError("it is nearer to 0 than any float")
+        raise KindError(f"it is {TINY}")
     return found
 
 

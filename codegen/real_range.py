@@ -11,9 +11,10 @@ from typing import Any
 
 import sympy
 from sympy.concrete.expr_with_limits import ExprWithLimits
+from sympy.functions.special.bessel import BesselBase
 
 from codegen.errors import FAILURES
-from codegen.plain_values import KindError
+from codegen.plain_values import TINY, KindError
 
 Interval = tuple[float, float]
 ALL: Interval = (-math.inf, math.inf)
@@ -37,7 +38,9 @@ NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
 BITS = 14_000  # safety: of a whole number; one of more digits Python does not write
 _ARGUMENT = 1e3  # safety: of Γ, ζ, Bessel's and other functions, which may be summed term by term
+_ORDER = 100  # measured: of Bessel's functions of any number; they take milliseconds
 _NODES = 30  # safety: parts of a number that is kept as it is written
+_TERMS = 150  # safety: of a power of a sum of numbers that is kept as it is written
 _SMOOTH = (
     sympy.sin,
     sympy.cos,
@@ -108,6 +111,8 @@ def unreal_part(expression: sympy.Basic) -> tuple[sympy.Basic, str] | None:
         interval = _range(node, inner)
         if interval is None:
             return node, f"{verb} {node}, which is never a real number"
+        if node.is_Number and interval == (0.0, 0.0) and node != 0:
+            return node, f"{verb} a number {TINY}"
         if node.is_number and not (interval[0] < HUGE and interval[1] > -HUGE):
             return node, f"{verb} a number beyond 1e308"
         known[node] = interval
@@ -125,11 +130,14 @@ def sympy_float(value: sympy.Basic) -> float:
     if found := unreal_part(value):  # also what is too large to be evaluated
         raise KindError(f"it {found[1]}")
     try:
-        both = complex(value.evalf(17, maxn=400))
+        exact = value.evalf(17, maxn=400)
+        both = complex(exact)
     except FAILURES as error:  # of a number that is not to be told from another one
         raise KindError(f"SymPy cannot evaluate it: {type(error).__name__}") from error
     if both.imag:
         raise KindError("it is not real")
+    if both == 0 and exact != 0:
+        raise KindError(f"it is {TINY}")
     return both.real
 
 
@@ -158,7 +166,7 @@ def maximal_numbers(expression: sympy.Basic) -> list[sympy.Expr]:
 
 
 def with_short_numbers(expression: sympy.Expr) -> sympy.Expr:
-    """The expression with the values of numbers that are long, have kinks, or are not compiled.
+    """The expression with values of numbers: long ones, high powers, ones with kinks, odd ones.
 
     SymPy would look for their signs, and expand and simplify them, again and again.
     """
@@ -170,9 +178,12 @@ def with_short_numbers(expression: sympy.Expr) -> sympy.Expr:
         if few and all(a.is_Atom for a in number.args):
             continue
         nodes = distinct_nodes(number)
-        if len(nodes) > _NODES or any(n.is_Function and n.func not in _SMOOTH for n in nodes):
+        odd = any(n.is_Function and n.func not in _SMOOTH for n in nodes)
+        if odd or len(nodes) > _NODES or any(n.is_Pow and n.base.is_Add for n in nodes):
             if unreal_part(number):
                 return expression  # which is refused for it
+            if not odd and len(nodes) <= _NODES and not _is_high(nodes):
+                continue
             try:
                 values[number] = number.evalf(25)
             except FAILURES:
@@ -180,12 +191,27 @@ def with_short_numbers(expression: sympy.Expr) -> sympy.Expr:
     return expression.xreplace(values) if values else expression
 
 
+def _is_high(nodes: list[sympy.Basic]) -> bool:
+    """Whether a power of a sum among these has too many terms for being multiplied out."""
+    powers = [n for n in nodes if n.is_Pow and n.base.is_Add and n.exp.is_rational]
+    highest = ((len(n.base.args) - 1, abs(constant_value(n.exp))) for n in powers)
+    return any(x > _TERMS or math.comb(int(x) + k, k) > _TERMS for k, x in highest)
+
+
 def _exact_bits(node: sympy.Expr, sizes: dict[sympy.Basic, float], args: list[Interval]) -> float:
-    """Bits of the whole numbers in a number, with its powers multiplied out; π has none."""
+    """Bits of the whole numbers in a number, with its powers multiplied out; π has none.
+
+    SymPy multiplies no power of a sum out, so long as this is no fraction when it is written anew.
+    """
     if node.is_Rational:
         return float(max(abs(node.p).bit_length(), node.q.bit_length()))
     if node.is_Pow and node.exp.is_rational:  # SymPy takes 3 out of 3^(7/5)
-        return sizes[node.base] * (1.0 + max(map(abs, args[1])) // 1.0)
+        times = max(map(abs, args[1]))
+        if times == math.inf:
+            return math.inf
+        bits = sizes[node.base] * (1.0 + times // 1.0)
+        is_sum = bits > BITS and node.base.is_Add and node.base.doit().is_Add
+        return sizes[node.base] if is_sum else bits
     return sum(sizes[a] for a in node.args) if node.is_Add or node.is_Mul else 0.0
 
 
@@ -200,10 +226,16 @@ def _oversize(node: sympy.Expr, bits: float, args: list[Interval]) -> str | None
         low, high = _range(node, args) or ALL
         if low >= HUGE or high <= -HUGE:
             return "a number beyond 1e308"
+        if bits == math.inf:
+            return "a power whose exponent has no known size"
         return f"an exact power of {math.log10(2) * bits:.1e} digits"
     if type(node).__module__.startswith(_SPECIAL):
-        largest = max((abs(end) for interval in args for end in interval), default=0.0)
-        return f"{type(node).__name__} of a number beyond 1000" if largest > _ARGUMENT else None
+        sizes = [max(map(abs, interval)) for interval in args]
+        if isinstance(node, BesselBase) and sizes[0] <= _ORDER and sizes[1] < HUGE:
+            return None  # of a low order it is as cheap far out
+        if max(sizes, default=0.0) > _ARGUMENT:
+            beyond = "of unknown size" if math.inf in sizes else "beyond 1000"
+            return f"{type(node).__name__} of a number {beyond}"
     return None
 
 

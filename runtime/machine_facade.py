@@ -33,7 +33,7 @@ class Machine(MachineStates):
         guess: Values | None = None, start: "Assembly | None" = None,
         correction: "Correction" = "step", formulation: "Formulation | None" = None,
         time_scale: float | None = None, first_step: float | None = None,
-        max_step: float | None = None, max_steps: int = 100_000_000,
+        max_step: float | None = None, max_steps: int | None = None,
         max_bytes: int = 2**30, progress: bool = True,
     ) -> "Result":  # fmt: skip
         """Integrate the equations of motion from the assembled start.
@@ -75,8 +75,9 @@ class Machine(MachineStates):
             thousandth of the run.
         first_step, max_step, max_steps, max_bytes, progress
             Lengths in s, chosen by default; trial steps, 1e8 by default, or the run ends with
-            `Outcome.MAX_STEPS`; memory of the states that are recorded at steps and events, 1 GiB
-            by default, or `Outcome.MEMORY`; whether a bar shows, once it has taken a second.
+            `Outcome.MAX_STEPS`, and before where steps get ever shorter towards an instant, if no
+            number is given; memory of the states that are recorded at steps and events, 1 GiB by
+            default, or `Outcome.MEMORY`; whether a bar shows, once it has taken a second.
 
         Returns
         -------

@@ -31,6 +31,12 @@ def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Itera
         yield f"{tuple(profile)} is a point, not a curve; write it in alpha."
         return
     if not closed:
+        tangent = profile.diff(alpha)
+        if any(a.has(alpha) for a in sympy.sqrt(tangent.dot(tangent)).atoms(sympy.Abs)):
+            yield (
+                f"the tangent {tuple(tangent)} of the profile {tuple(profile)} vanishes and turns "
+                "round; write the line so that it goes one way, such as (1, alpha)."
+            )
         return
     try:
         points = _sampled(derivatives(profile))
@@ -71,6 +77,7 @@ def in_ground(curve: Curve, numbers: Mapping[sympy.Symbol, float]) -> Samples:
 
 def outward(points: Samples) -> Samples:
     """Unit normals of a closed curve at its points, pointing out of it, samples × 2."""
+    points = np.ldexp(points, -np.frexp(np.abs(points).max())[1])  # no square leaves the floats
     tangent = np.gradient(points, axis=0)
     tangent[0] = tangent[-1] = points[1] - points[-2]
     x, y = points.T

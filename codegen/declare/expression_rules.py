@@ -20,7 +20,7 @@ from codegen.declare.symbols import (
 )
 from codegen.declare.table_function import Interpolant, TableAtom
 from codegen.errors import FAILURES
-from codegen.plain_values import one_line, shown
+from codegen.plain_values import TINY, one_line, shown
 from codegen.public_callables import unreadable
 from codegen.real_range import (
     UNFINISHED,
@@ -68,11 +68,14 @@ def number_problem(expression: sympy.Basic) -> str | None:
     """Why a part without symbols is no finite real number that SymPy can tell."""
     for number in maximal_numbers(expression):
         try:
-            finite = math.isfinite(constant_value(number))
+            value = constant_value(number)
+            finite, lost = math.isfinite(value), value == 0.0 and number.evalf(25) != 0
         except FAILURES:  # it is complex, or not to be told from another number
-            finite = False
+            finite, lost = False, False
         if not finite:
             return f"{shown(number)} is no real number; give finite real numbers."
+        if lost:
+            return f"{shown(number)} is {TINY}; give finite real numbers."
     return None
 
 

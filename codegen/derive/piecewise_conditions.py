@@ -29,17 +29,18 @@ class Boundary(IntEnum):
     OPEN = 0  # of g > 0: the condition does not
     CLOSED = 1  # of g ≥ 0: it does
     BALANCED = 2  # of sign and Heaviside: the mean of both sides
-    INDIFFERENT = 3  # of a kink such as Abs: both sides are the same
+    MIXED = 3  # of conditions of different kinds on one velocity: each as it is written
+    INDIFFERENT = 4  # of a kink such as Abs: both sides are the same
 
     def of_opposite(self) -> "Boundary":
         """The same of -g."""
         return Boundary(1 - self) if self in (Boundary.OPEN, Boundary.CLOSED) else self
 
     def joined_with(self, other: "Boundary") -> "Boundary":
-        """What two conditions on one g agree on; OPEN where they do not."""
+        """What two conditions on one g agree on; MIXED where they do not."""
         if Boundary.INDIFFERENT in (self, other):
             return min(self, other)
-        return self if self is other else Boundary.OPEN
+        return self if self is other else Boundary.MIXED
 
 
 class Mark(sympy.Function):  # type: ignore[misc]

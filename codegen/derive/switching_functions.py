@@ -34,13 +34,13 @@ class Switch:
     # else is a "condition".
     kind: Literal["condition", "friction", "contact"] = "condition"
     ratio: sympy.Expr | None = None  # of a friction: μ_s/μ, where it is not 1
-    boundary: Boundary = Boundary.OPEN  # of a condition: what holds where the motion stays on g = 0
+    boundary: Boundary = Boundary.OPEN  # what holds where the motion stays on g = 0
 
     @property
     def at_zero(self) -> str:
-        """A word on a condition that is more than g > 0; empty for others."""
-        word = self.boundary.name.lower()
-        return word if word in ("closed", "balanced") else ""
+        """A word on a condition that is more than g > 0; empty for others, and friction alone."""
+        told = {Boundary.MIXED} if self.kind == "friction" else {*Boundary} - {Boundary.OPEN}
+        return self.boundary.name.lower() if self.boundary in told - {Boundary.INDIFFERENT} else ""
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,8 @@ def _add_hold(
     elif isinstance(hold, Sticking) and _same(hold.slip, others) is None:
         g = hold.slip
         ratio = None if hold.static is None else hold.static / hold.kinetic
-        others.append(Switch(name, f"{g} > 0", g, rate(g), "friction", ratio))
+        law = Boundary.BALANCED  # as a sign
+        others.append(Switch(name, f"{g} > 0", g, rate(g), "friction", ratio, law))
 
 
 def _add_conditions(name: str, terms: EffectTerms, others: list[Switch]) -> None:
@@ -122,8 +123,8 @@ def find_switch(
     """Number of the switch of a condition, and whether it is that of the opposite condition.
 
     Conditions on one surface share their switch where motions slide on it, since one share of both
-    sides is Filippov's law for their sum, and else where they agree on what holds on it. Any other
-    conditions of a scene have a switch.
+    sides is Filippov's law for their sum, and else where they agree on what holds on it. A shared
+    switch whose conditions do not agree is MIXED. Any other conditions of a scene have a switch.
     """
     for k, switch in enumerate(among):
         if switch.kind != "contact" and switch.g in (g, -g):

@@ -125,7 +125,7 @@ def describe(
 
 def _kind(switch: Switch) -> str:
     """The kind of a switch, and of a condition that is more than g > 0, what it is at g = 0."""
-    return f"{switch.at_zero} condition" if switch.at_zero else switch.kind
+    return f"{switch.at_zero} {switch.kind}" if switch.at_zero else switch.kind
 
 
 def _dotted(name: str) -> str:

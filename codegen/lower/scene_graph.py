@@ -7,6 +7,7 @@ import sympy
 from codegen.declare.symbols import SPEED, Acceleration, Parameter, t
 from codegen.derive.effect_terms import EffectTerms, FrictionTerms
 from codegen.derive.equations import Equations
+from codegen.derive.piecewise_conditions import Boundary
 from codegen.errors import ModelError
 from codegen.lower.differentiation.derivative_along_motion import Direction
 from codegen.lower.differentiation.gradient import Slopes
@@ -104,6 +105,8 @@ class SceneGraph:
                 share = graph.input("stiction", given[k], name)
                 part = graph.mul(share, graph.constant(float(side.above - side.below)))
                 value = graph.select(graph.is_sliding(k), graph.add(below, part), value)
+            elif equations.switches[k].boundary is Boundary.MIXED:
+                value = graph.select(graph.is_sliding(k), graph.constant(0.0), value)
             environment[side.symbol] = value
         return environment
 

@@ -18,6 +18,7 @@ from codegen.derive.piecewise_conditions import (
     INVERSES,
     KINKED,
     STEPS,
+    Boundary,
     as_pieces,
     boundary,
     switching_function,
@@ -166,8 +167,21 @@ class Translator:
             )
         result = self(last.expr)
         for piece in reversed(pieces):
-            result = self.graph.select(self._condition(piece.cond), self(piece.expr), result)
+            condition, value, other = self._condition(piece.cond), self(piece.expr), result
+            result = self.graph.select(condition, value, other)
+            if (rest := self._middle_at_rest(piece.cond, value, other)) is not None:
+                result = self.graph.select(*rest, result)
         return result
+
+    def _middle_at_rest(self, condition: Any, value: int, other: int) -> tuple[int, int] | None:
+        """Of a balanced condition among others: whether its switch is at rest, and its mean."""
+        if not (isinstance(condition, Relational) and boundary(condition) is Boundary.BALANCED):
+            return None
+        found = find_switch(switching_function(condition), Boundary.BALANCED, self.switches)
+        if found is None or self.switches[found[0]].boundary is not Boundary.MIXED:
+            return None
+        graph = self.graph
+        return graph.is_sliding(found[0]), graph.mul(graph.add(value, other), graph.constant(0.5))
 
     def _condition(self, node: Any) -> int:
         graph = self.graph
@@ -179,7 +193,12 @@ class Translator:
         found = find_switch(switching_function(node), boundary(node), self.switches)
         if found is not None:
             switch, opposite = found
-            return graph.negation(graph.mode(switch)) if opposite else graph.mode(switch)
+            holds, own = graph.mode(switch), boundary(node)
+            closed = (own.of_opposite() if opposite else own) is Boundary.CLOSED
+            if self.switches[switch].boundary is Boundary.MIXED and not closed:
+                rests = graph.is_sliding(switch)
+                holds = graph.logical(Op.AND, holds, graph.negation(rests))
+            return graph.negation(holds) if opposite else holds
         if kinds(node, Coordinate, Velocity):
             raise ModelError(
                 f"'{graph.serves}': the condition {node} stands where nothing may switch (a "

@@ -69,6 +69,10 @@ def simulate(
         option("Coordinates that are integrated: cartesian (all of them; unless given) or reduced "
                "(those that no constraint determines)."),
     ] = None,
+    max_steps: Annotated[
+        int | None, option("Trial steps, 100 million unless given; steps that get ever shorter end "
+                           "the run before, unless given.", min=1)
+    ] = None,
     out: Out = None, as_json: Json = False,
 ) -> None:  # fmt: skip
     """Dynamics: the motion of the machine under the forces that act on it."""
@@ -79,7 +83,7 @@ def simulate(
         words = {"correction": cast(Any, correction), "formulation": cast(Any, formulation)}
         return machine.simulate(
             t_end, t_eval, t_start=t_start, accuracy=accuracy, quantities=quantity, method=method,
-            rtol=rtol, atol=atol, **words, **values,
+            rtol=rtol, atol=atol, max_steps=max_steps, **words, **values,
         )  # fmt: skip
 
     _run(analyse, model, scene, settings, guess, out, as_json)

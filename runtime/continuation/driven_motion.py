@@ -36,6 +36,7 @@ _CLOSE = 1e-3
 _ABOUT = 1e-2  # measured: scaled distance of a cause from the position at which the steps get stuck
 # accuracy: distance from its branch, over that of the next branch, at which a state is on it
 _NEARER = 0.3
+_MOST_STEPS = 20_000_000  # safety: of the predictor-corrector; ten seconds with one body
 _PATIENCE = 100  # safety: searches for a cause in a row without progress
 _WITHIN = 0.99  # measured: part of a zone's reach that is well inside
 # measured: part of the smallest singular value at its start with which a trace has left
@@ -85,6 +86,9 @@ class Continuation:
                 return outcome, text
             status = state.advance()
             progress(abs(state.t - state.began) / state.span)
+            taken = int(state.record.steps + state.record.rejected)
+            if taken >= _MOST_STEPS and not state.finished:
+                return Outcome.MAX_STEPS, self._too_far(taken)
             if status == DONE:
                 continue
             state.sample()
@@ -242,6 +246,16 @@ class Continuation:
         """The end where there is no fold: an element has no value, or no smooth motion leads on."""
         message = classification.undefined(self.equations, t, self.state.ahead, q)
         return Outcome.LOCKED, message or self._unclear()
+
+    def _too_far(self, taken: int) -> str:
+        """What the steps have come to, and what there still is to do."""
+        state = self.state
+        return (
+            f"Stopped at t = {state.t:.9g} s. {Outcome.MAX_STEPS.meaning} In {taken} steps the "
+            f"motion was followed for {abs(state.t - state.began):.3g} s of {state.span:.3g} s; it "
+            f"goes {state.speed:.3g} times its own size in a second. Look for a driver that is too "
+            "fast, or go on from there: give t_start= and, with guess=, the state reached."
+        )
 
     def _unclear(self) -> str:
         """Record the present position as singular, and say why no motion leads on."""

@@ -61,6 +61,7 @@ _FLOATS += [
     "stop",  # next instant, known beforehand, at which a step ends; infinite where there is none
     "pace_start",  # instant at which the number of steps had doubled for the last time
     "pace",  # time covered by the steps of the doubling before
+    "limit",  # instant before which all steps to come would lie, at their pace; infinite: none
 ]
 _INTEGERS = ["stage_calls", "dense_rows", "dense_calls", "max_steps", "max_events"]
 _INTEGERS += ["steps", "rejected", "retakes", "events", "repartitions", "rhs", "dense_outputs"]

@@ -9,7 +9,9 @@ class Mode(IntEnum):
 
     OFF = 0  # g ≤ 0
     ON = 1  # g > 0, or an open rigid contact
-    SLIDING = 2  # motion stays on g = 0: sliding mode, sticking friction, or a closed contact
+    # Motion stays on g = 0: sliding mode, sticking friction, or a closed contact. To kernels it
+    # says of mixed conditions that each holds as it is written.
+    SLIDING = 2
     FREE = 3  # of friction with an unknown stiction force: it exerts none, and does not stick
 
 
@@ -20,6 +22,7 @@ class Boundary(IntEnum):
     OPEN = 0  # it does not hold, as g > 0
     CLOSED = 1  # it holds, as g ≥ 0
     BALANCED = 2  # the mean of both sides, as in sign and Heaviside
+    MIXED = 3  # several on one velocity do not agree, and each holds as it is written
 
 
 @unique
@@ -36,4 +39,5 @@ class Direction(IntEnum):
 
 # Compiled code reads integers of a module.
 SLIDING, FREE = int(Mode.SLIDING), int(Mode.FREE)
-OPEN, CLOSED, BALANCED = int(Boundary.OPEN), int(Boundary.CLOSED), int(Boundary.BALANCED)
+OPEN, CLOSED = int(Boundary.OPEN), int(Boundary.CLOSED)
+BALANCED, MIXED = int(Boundary.BALANCED), int(Boundary.MIXED)

@@ -8,7 +8,7 @@ from runtime.core import array_types as arrays
 from runtime.core import kernel_abi as abi
 from runtime.core.array_types import IntegerMatrix, Matrix, Vector, integers, none, vector
 from runtime.core.jit import ADDRESSES, compiled
-from runtime.core.modes_and_event_kinds import OPEN, SLIDING
+from runtime.core.modes_and_event_kinds import MIXED, OPEN, SLIDING
 from runtime.linalg.vectors import largest_magnitude
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.samples import Samples
@@ -58,7 +58,9 @@ def _find_modes(kernels: Any, s: Any, p: Any, g: Any, rate: Any, at_zero: Any) -
             abi.accelerations_of(kernels)(t, q, v, p, modes, s.a[k], s.lam[k])
             abi.switching_rates_of(kernels)(t, q, v, s.a[k], p, rate)
             for i in range(len(g)):
-                if g[i] == 0.0 and rate[i] > 0.0 and at_zero[i] != OPEN:
+                if g[i] == 0.0 and at_zero[i] == MIXED:
+                    modes[i] = SLIDING
+                elif g[i] == 0.0 and rate[i] > 0.0 and at_zero[i] != OPEN:
                     modes[i] = 1  # g > 0 does not hold yet
                 elif g[i] == 0.0 and rate[i] == 0.0:
                     modes[i] = at_zero[i]  # 2: the mean of both sides

@@ -36,7 +36,7 @@ def simulate(
     parameters: Values | None = None, guess: Values | None = None, start: Assembly | None = None,
     correction: Correction = "step", formulation: Formulation = "cartesian",
     time_scale: float | None = None, first_step: float | None = None,
-    max_step: float | None = None, max_steps: int = 100_000_000,
+    max_step: float | None = None, max_steps: int | None = None,
     max_bytes: int = 2**30, progress: Progress = silent,
 ) -> Result:  # fmt: skip
     """Integrate the equations of motion from the assembled start; see `Machine.simulate`."""
@@ -202,7 +202,8 @@ def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
     elif run.index >= 0:
         row = description.constraints[run.index]
         where = f", {'driver' if row.element in description.drivers else 'joint'} {row.name}"
-    if run.outcome is Outcome.ZENO and run.note:  # of a function of time, of which it says all
+    of_time = run.outcome is Outcome.ZENO and run.index < 0  # of which the note says all
+    if of_time and run.note:
         return f"Stopped at t = {run.final_t:.9g} s{where}. {run.note}"
     jam = describe_jam(mechanism, run, p)
     if jam:

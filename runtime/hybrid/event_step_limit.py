@@ -72,7 +72,7 @@ def rests_off_joints(context: Context, h: float) -> bool:
         largest, least = context.largest[k], context.band[k]
         g0, g1, r0, r1 = context.g0[k], context.g1[k], h * context.r0[k], h * context.r1[k]
         if context.modes[k] == SLIDING:
-            if context.boundary[k] != BALANCED:
+            if context.boundary[k] < BALANCED:
                 continue
             g0, g1, r0, r1, least = 1.0 - g0, 1.0 - g1, 0.0, 0.0, 1.0
         if not (least > 0.0 and max(abs(g0), abs(g1)) <= least):

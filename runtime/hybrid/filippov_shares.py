@@ -24,7 +24,7 @@ from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.modes_and_event_kinds import FREE, SLIDING
 from runtime.core.unit_roundoff import EPS
-from runtime.hybrid.redundant_sliding import keep_resting, solve_least
+from runtime.hybrid.redundant_sliding import keep_resting, rest_mixed, solve_least
 from runtime.hybrid.stiction_force import (
     choose_units,
     enlarge_unit,
@@ -62,11 +62,15 @@ def evaluate_units(context: Context, t: float, q: Vector, v: Vector, modes: Inte
             context.sliding_functions[count] = k
             count += 1
     context[ft.SLIDING_COUNT] = count
-    weak = int(abi.accelerations_of(context)(t, q, v, p, kernel_modes, a, lam))
-    evaluate_response(context, t, q, v, a, context.base_response)
-    choose_units(context, t, q, v)
-    for c in range(count):
-        evaluate_unit(context, t, q, v, c)
+    weak = 0
+    for turn in range(2):
+        weak = int(abi.accelerations_of(context)(t, q, v, p, kernel_modes, a, lam))
+        evaluate_response(context, t, q, v, a, context.base_response)
+        choose_units(context, t, q, v)
+        for c in range(count):
+            evaluate_unit(context, t, q, v, c)
+        if turn == 1 or not rest_mixed(context):
+            break
     return weak
 
 

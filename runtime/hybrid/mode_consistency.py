@@ -168,7 +168,7 @@ def find_contradiction(
         # may exert any force within its bounds, also those at their ends.
         touches = (context.rigid[k] >= 0 or context.sticks[k] != 0) and signs[i] == 0
         goes_up = signs[i] > 0 or (signs[i] == 0 and context.boundary[k] == CLOSED)
-        undecided = signs[i] == 0 and context.boundary[k] == BALANCED
+        undecided = signs[i] == 0 and context.boundary[k] >= BALANCED
         if not touches and (undecided or goes_up != (candidate[k] == 1)):
             return k
     return CONSISTENT

@@ -14,7 +14,7 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inlined, inner
-from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.modes_and_event_kinds import MIXED, SLIDING
 from runtime.core.state_derivative import evaluate_accelerations
 from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid import mode_search as search
@@ -158,4 +158,8 @@ def initialize_modes(context: Context, first: int, t: float, d: float, state: in
                 largest[k] = max(largest[k], abs(g[k]))
     consistency.count_sliding(context, modes)
     set_preferences(context)
+    for k in range(s):
+        # Where conditions written apart let a velocity rest, it does not set off by itself.
+        if context.boundary[k] == MIXED and context.band[k] > 0.0:
+            context.preferred[k] = SLIDING
     return select_modes(context, first, t, d, state)

@@ -194,6 +194,27 @@ def log_changes(context: Context, t: float, crossing: int, impact: bool) -> int:
     return logged
 
 
+@inner
+def select_after_closing(context: Context, t: float, ahead: float) -> int:
+    """Give modes to the velocities that a contact has brought to zero by closing; events logged.
+
+    Where bouncing ends, its last velocity is not zero before the return onto the surfaces.
+    """
+    modes, first = context.modes, -1
+    evaluate_now(context, t)
+    for k in range(context[ft.SWITCHES]):
+        moved = context.rigid[k] < 0 and modes[k] != SLIDING and context.band[k] == 0.0
+        if moved and abs(context.now[k]) <= ON_SURFACE * context.largest[k]:
+            context.band[k] = surface_band(context.now[k], context.largest[k])
+            first = k
+    if first < 0:
+        return 0
+    copy_vector(modes, context.former_modes)
+    set_preferences(context)
+    run_record(context).blamed = ft.select_modes_of(context)(context, first, t, ahead, ws.Y1)
+    return log_changes(context, t, first, False)
+
+
 @addressed(ft.TRANSITION)
 def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
     """Give the state in row Y1 its next modes and, after an impact, its next velocities.
@@ -219,7 +240,8 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
         if modes[crossing] == SLIDING:
             evaluate_accelerations(context, t, context.q1, context.v1, modes, context.first_scratch)
             if rests(context, crossing):
-                context.preferred[crossing] = 0
+                evaluate_now(context, t)
+                context.preferred[crossing] = 1 if context.now[crossing] > 0.0 else 0
             else:
                 prefer_release(context, t, crossing)
         prefer_released(context, crossing, t)
@@ -239,6 +261,8 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
         if context[ft.SLIDING_COUNT] != 0:
             # From here on velocities off the surfaces are zero, and steps begin with them.
             ft.return_to_surfaces_of(context)(context, t, ws.Y1)
+            if impact:
+                logged += select_after_closing(context, t, ahead)
         write_derivative(context, t, ws.Y1, ws.K + r.last)
         switching.evaluate_switching_and_rates(context, t, ws.Y1, ws.K + r.last, ws.G1)
         r.rhs += 1

@@ -6,7 +6,7 @@ from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import inner
-from runtime.core.modes_and_event_kinds import BALANCED, SLIDING
+from runtime.core.modes_and_event_kinds import BALANCED, MIXED, SLIDING
 from runtime.core.unowned_array_views import view
 from runtime.linalg.lu import equilibrate
 from runtime.linalg.rank_policy import SAME_HOLD
@@ -88,22 +88,45 @@ def solve_least(context: Context, slack: float) -> int:
 
 @inner
 def is_resting(context: Context, c: int) -> bool:
-    """Whether no mode moves the `c`-th function in sliding mode, a balanced one, off its surface.
+    """Whether the `c`-th function in sliding mode stays on its surface by itself.
 
-    What stays on it by itself takes the mean of both sides there. A response that is the rounding
-    of accelerations moves nothing.
+    No mode moves it off. A balanced one takes the mean of both sides there, of mixed ones each
+    holds as it is written, which `rest_mixed` says to the kernels.
     """
     k = context.sliding_functions[c]
-    if context.boundary[k] != BALANCED:
+    if context.boundary[k] == MIXED:
+        return bool(context.kernel_modes[k] == SLIDING)
+    return bool(context.boundary[k] == BALANCED and not is_driven(context, c, 0.0))
+
+
+@inner
+def rest_mixed(context: Context) -> bool:
+    """Let mixed functions rest that the modes do not drive onto their surface; whether any does."""
+    found = False
+    for c in range(context[ft.SLIDING_COUNT]):
+        k = context.sliding_functions[c]
+        if context.boundary[k] == MIXED and not is_driven(context, c, -1.0):
+            context.kernel_modes[k] = SLIDING
+            found = True
+    return found
+
+
+@inner
+def is_driven(context: Context, c: int, way: float) -> bool:
+    """Whether its modes move the `c`-th function in sliding mode, `way` -1 onto, 1 off, 0 either.
+
+    A response that is the rounding of accelerations moves nothing.
+    """
+    k = context.sliding_functions[c]
+    response = context.response[c * context[ft.SLIDING_COUNT] + c]
+    response = abs(response) if way == 0.0 else way * response
+    if response <= 0.0:
         return False
-    response = abs(context.response[c * context[ft.SLIDING_COUNT] + c])
-    if response == 0.0:
-        return True
     speeds = view(ws.row_of(context, ws.SIZE), context[ft.COORDINATES], context[ft.COORDINATES])
     per_second = largest_ratio(context.base_accelerations, speeds)
     per_second += largest_ratio(context.unit_accelerations[c], speeds)
     largest = context.reserve[k] if context.modes[k] == SLIDING else context.largest[k]
-    return bool(response <= _DRIVEN * largest * per_second)
+    return not response <= _DRIVEN * largest * per_second
 
 
 @inner

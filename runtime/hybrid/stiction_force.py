@@ -13,7 +13,7 @@ from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core.array_types import Context, Vector
 from runtime.core.jit import inner
-from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.modes_and_event_kinds import MIXED, SLIDING
 from runtime.linalg.vectors import copy_vector, is_finite
 
 PRESCRIBED = SLIDING  # the mode in which kernels take the stiction force from p
@@ -23,12 +23,15 @@ _COARSE = 8.0  # accuracy: units in a force above which their rounding would sho
 
 @inner
 def set_unit(context: Context, k: int, mode: int) -> None:
-    """Set function `k` to mode 0 or 1; its stiction force to zero or to a unit against g."""
+    """Set function `k` to mode 0 or 1; its stiction force to zero or to a unit against g.
+
+    Mixed conditions at rest stay so, in the mode 2 of their kernels.
+    """
     place = context.stiction_place[k]
     if place >= 0:
         unit = context.stiction_units[k]
         context.parameters[place] = -unit if mode != 0 else 0.0
-    else:
+    elif context.boundary[k] != MIXED or context.kernel_modes[k] != SLIDING:
         context.kernel_modes[k] = mode
 
 

@@ -49,7 +49,7 @@ def plan_step(context: Context) -> int:
     if is_at_kink(context):
         return Signal.KINK
     if (
-        r.logged_events + 2 * context[ft.SWITCHES] > context[ft.EVENT_ROWS]
+        r.logged_events + 3 * context[ft.SWITCHES] > context[ft.EVENT_ROWS]
         or r.logged_repartitions + LOG_MARGIN > context[ft.LOG_ROWS]
     ):
         return Signal.GOING

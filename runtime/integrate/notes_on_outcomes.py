@@ -6,6 +6,7 @@ import numpy as np
 
 from runtime.core.array_types import Vector
 from runtime.hybrid.mode_search import MOST_COMBINED
+from runtime.integrate.problem import MOST_STEPS
 from runtime.integrate.recording_buffers import Recording
 
 
@@ -26,6 +27,20 @@ def energy_note(record: Any) -> str:
     return (
         f"Up to t = {record['end']:.9g} s the energy changes by {change:.6g} J, and the work of "
         f"effects and drivers is {work:.6g} J."
+    )
+
+
+def accumulation_note(record: Any) -> str:
+    """Up to where steps get ever shorter, and how the run goes on; empty where they do not."""
+    if not np.isfinite(record["limit"]):
+        return ""
+    t, limit = float(record["t"]), float(record["limit"])
+    return (
+        f"In {record['steps']} steps the run has come to t = {t:.9g} s; each doubling of their "
+        f"number covers less time than the one before, {float(record['pace']):.3g} s at last, and "
+        f"all that are to come add up to t = {limit:.9g} s, {limit - t:.3g} s later, where the run "
+        f"is to reach {float(record['t_end']):.9g} s. If its steps stop shrinking before, go on "
+        f"with a number of your own, such as max_steps={MOST_STEPS}, which switches this check off."
     )
 
 

@@ -14,6 +14,8 @@ from runtime.core.outcomes import Outcome
 Correction = Literal["step", "stage", "projection", "baumgarte", "hybrid"]
 Formulation = Literal["cartesian", "reduced"]
 
+MOST_STEPS = 100_000_000  # safety: trial steps of a run, where no number is given
+
 
 class Passage(NamedTuple):
     """How a run passes an instant at which an explicit function of time bends or jumps."""
@@ -93,7 +95,8 @@ class Options:
     h_max: float | None = None
     h_min: float | None = None
     fixed_step: float | None = None  # length of all steps, s; switches error control off
-    max_steps: int = 100_000_000  # trial steps
+    # trial steps; None: `MOST_STEPS`, and a run whose steps get ever shorter ends before
+    max_steps: int | None = None
     max_bytes: int = 2**30  # of recorded states; those at `t_eval` take what was asked for
     max_events: int = 1_000_000  # changes of modes; more are taken for chattering without end
     # trial steps between two looks at the clock; None: chosen for about 50 ms

@@ -47,7 +47,7 @@ class Recording:
         self.fixed_size = t_eval is not None and interval is None
         self.interval = interval or 1
         self.log = wiring.arrays["log_times"], wiring.arrays["log_sets"]
-        rows = _EVENT_ROWS + 2 * s
+        rows = _EVENT_ROWS + 3 * s
         self.events_out = np.zeros(rows), np.zeros((rows, 2), np.int64), np.zeros((rows, 2 * n))
         self._place(EVENT_ROWS, rows, _EVENTS, self.events_out)
         instants = np.zeros(0) if t_eval is None else t_eval

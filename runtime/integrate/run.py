@@ -14,10 +14,10 @@ from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
 from runtime.core.system import System
 from runtime.core.workspace_rows import BAND, STRUCK
+from runtime.integrate import notes_on_outcomes as notes
 from runtime.integrate.initialization import start, start_anew
 from runtime.integrate.loop import advance
 from runtime.integrate.method import LEADING
-from runtime.integrate.notes_on_outcomes import energy_note, memory_note, mode_search_note
 from runtime.integrate.problem import Options, Passage, Problem
 from runtime.integrate.recording_buffers import Recording, in_order
 from runtime.integrate.run_state import COUNTS, RunState
@@ -181,7 +181,7 @@ class Run:
                 if change is not None:
                     run, code = change(run, code)
                 if code == _GOING and run.recording.bytes > run.state.options.max_bytes:
-                    code, run.note = int(Outcome.MEMORY), memory_note(run.recording)
+                    code, run.note = int(Outcome.MEMORY), notes.memory_note(run.recording)
                 if code == _GOING and (signals.arrived or stopped):
                     code, signals.answered = int(Outcome.INTERRUPTED), not stopped
             if code in (*_STUCK, Outcome.CONTRADICTED):
@@ -272,9 +272,11 @@ class Run:
         n, stopped = state.system.coordinates, float(r["t"])
         note = self.note or self.crossings.note
         if outcome is Outcome.CONTRADICTED:
-            note = energy_note(r)
+            note = notes.energy_note(r)
         elif outcome is Outcome.INCONSISTENT and not note:
-            note = mode_search_note(state.switch_rows[BAND])
+            note = notes.mode_search_note(state.switch_rows[BAND])
+        elif outcome in {Outcome.STEP_TOO_SMALL, Outcome.ZENO} and not note:
+            note = notes.accumulation_note(r)
         t, y, modes = self.recording.samples()
         return Trajectory(
             t=t,

@@ -13,7 +13,7 @@ from runtime.core.system import System
 from runtime.hybrid.rhs_with_sliding_or_stabilization import TIME_SCALE
 from runtime.integrate.loop import LOG_MARGIN
 from runtime.integrate.method import Method, find_method
-from runtime.integrate.problem import Options, Problem, Stops
+from runtime.integrate.problem import MOST_STEPS, Options, Problem, Stops
 from runtime.integrate.sampling import QUADRATURE, STEP_ENDS
 from runtime.integrate.step_accumulation import FIRST_LOOK
 from runtime.integrate.trajectory import Statistics
@@ -91,17 +91,19 @@ class RunState:
         if options.fixed_step is not None:
             r["fixed"], r["h"], r["h_max"] = 1, options.fixed_step, options.fixed_step
         r["rtol"] = options.rtol
-        r["max_steps"], r["max_events"] = options.max_steps, options.max_events
+        r["max_steps"], r["max_events"] = options.max_steps or MOST_STEPS, options.max_events
         r["automatic"], r["patience"] = int(options.method == "auto"), 1
         r["error_old"] = 1e-4
-        r["pace_start"], r["pace_steps"] = problem.t0, FIRST_LOOK
+        never = np.iinfo(np.int64).max
+        r["pace_start"], r["limit"] = problem.t0, np.inf
+        r["pace_steps"] = FIRST_LOOK if options.max_steps is None else never
         r["every_step"] = STEP_ENDS if options.t_eval is None else 0
         if options.quadrature:
             r["every_step"] = QUADRATURE
         # Stabilised constraints, and steps without control of their error, keep no energy.
         keeps = options.fixed_step is None and options.correction in _KEEPING
         r["power_rows"] = self.system.balanced_rows if keeps else -1
-        r["balance_at"] = 0 if r["power_rows"] >= 0 else np.iinfo(np.int64).max
+        r["balance_at"] = 0 if r["power_rows"] >= 0 else never
         r["energy"], r["balances"] = np.nan, 1
         r["growth_limit"] = r["ratio_limit"] = GROWTH_LIMIT
         r["event_span"] = np.inf

@@ -5,7 +5,8 @@ time left to it, or as its square, and the clock resolves them for millions of s
 of their number then covers a fraction of the time that the one before covered, and the sum of all
 that are to come stays short of the end of the run. A run that is merely dear keeps its pace: each
 doubling covers twice the time. Where the end of the run, or an instant at which a function of time
-bends, comes before the limit of that sum, the run goes on.
+bends, comes before the limit of that sum, the run goes on. Steps that will stop shrinking look the
+same until then: with a `max_steps` of the user's own a run goes on to that number.
 """
 
 import numpy as np
@@ -49,6 +50,7 @@ def is_endless(context: Context) -> bool:
     limit = r.t + ratio / (1.0 - ratio) * covered
     if limit - _NEAR * covered > min(next_kink(context), r.t_end):
         return False
+    r.limit = limit
     if eventful:
         r.max_events = 0
         return False

@@ -92,7 +92,7 @@ def _check_numbers(options: Options) -> Iterator[str]:
         )
     for name in ("max_steps", "max_bytes", "max_events", "chunk"):
         count = getattr(options, name)
-        if name == "chunk" and count is None:
+        if name in ("max_steps", "chunk") and count is None:
             continue
         whole = isinstance(count, int | np.integer) and not isinstance(count, bool)
         if not (whole and 1 <= count <= _MOST):

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core.array_types import Kernel
-from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.modes_and_event_kinds import MIXED, SLIDING
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.singularity.scaled_constraints import ScaledConstraints
@@ -30,6 +30,7 @@ class Equations:
         self.mechanism, self.description, self.p = mechanism, mechanism.description, p
         self.kernels, self.table = mechanism.kernels, mechanism.kernel_table
         self.independent = np.array(mechanism.independent, dtype=np.int64)
+        self.boundaries = self.description.boundaries
         self.n, self.m = len(self.description.coordinates), len(self.description.constraints)
 
     def scaled(self, scale: FloatArray, independent: IntArray) -> ScaledConstraints:
@@ -68,20 +69,33 @@ class Equations:
     def forces(self, t: float, q: FloatArray, v: FloatArray, modes: IntArray) -> FloatArray:
         """Q, shape (n,); of a condition in mode 2 the mean of both sides, here as below."""
         kernel = self.kernels.applied_forces
-        mean: FloatArray = _mean_of_sides(
+        mean: FloatArray = self._mean_of_sides(
             modes, lambda m: _filled(self.n, kernel, t, q, v, self.p, m)
         )
         return mean
 
+    def _mean_of_sides(self, modes: IntArray, values: Callable[[IntArray], Any]) -> Any:
+        """Values by modes 0 and 1; of a balanced condition in mode 2 the mean of those of both."""
+        balanced = (modes == SLIDING) & (self.boundaries != MIXED)
+        plain = np.where(balanced, 0, modes)
+        base = total = values(plain)
+        for k in np.flatnonzero(balanced):
+            plain[k] = 1
+            total = total + 0.5 * (values(plain) - base)
+            plain[k] = 0
+        return total
+
     def potential(self, t: float, q: FloatArray, modes: IntArray) -> float:
         """V in J."""
         kernel = self.kernels.potential
-        return float(_mean_of_sides(modes, lambda m: np.float64(kernel(t, q, self.p, m))))
+        return float(self._mean_of_sides(modes, lambda m: np.float64(kernel(t, q, self.p, m))))
 
     def potential_gradient(self, t: float, q: FloatArray, modes: IntArray) -> FloatArray:
         """∂V/∂q, shape (n,)."""
         kernel = self.kernels.potential_gradient
-        mean: FloatArray = _mean_of_sides(modes, lambda m: _filled(self.n, kernel, t, q, self.p, m))
+        mean: FloatArray = self._mean_of_sides(
+            modes, lambda m: _filled(self.n, kernel, t, q, self.p, m)
+        )
         return mean
 
     def motion(
@@ -94,11 +108,11 @@ class Equations:
     def rest_modes(self, t: float, q: FloatArray) -> IntArray:
         """Modes at rest, shape (s,); a condition at its boundary has the mode that is given there.
 
-        That is 2 of a balanced one.
+        That is 2 of a balanced one, and of mixed ones, which kernels know at rest.
         """
         g = self.switching(t, q, np.zeros(self.n))
-        modes: IntArray = np.where(g == 0.0, self.description.boundaries, g > 0.0).astype(np.int64)
-        return modes
+        modes: IntArray = np.where(g == 0.0, np.minimum(self.boundaries, SLIDING), g > 0.0)
+        return modes.astype(np.int64)
 
     def switching(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
         """g, shape (s,)."""
@@ -183,17 +197,6 @@ def turned(description: Description, q: FloatArray) -> tuple[FloatArray, FloatAr
     first[angles] += 0.5 + 0.2 * np.sin(1.0 + angles)
     second[angles] -= 0.5 + 0.2 * np.cos(2.0 * angles)
     return first, second
-
-
-def _mean_of_sides(modes: IntArray, values: Callable[[IntArray], Any]) -> Any:
-    """Values by modes 0 and 1; where a mode is 2, the mean of those of both."""
-    plain = np.where(modes == SLIDING, 0, modes)
-    base = total = values(plain)
-    for k in np.flatnonzero(modes == SLIDING):
-        plain[k] = 1
-        total = total + 0.5 * (values(plain) - base)
-        plain[k] = 0
-    return total
 
 
 def _filled(count: int, kernel: Kernel, *arguments: Any) -> FloatArray:

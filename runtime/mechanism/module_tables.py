@@ -93,8 +93,9 @@ class Description(NamedTuple):
     @property
     def boundaries(self) -> npt.NDArray[np.int64]:
         """Of each switch what holds where its function stays at zero, a `Boundary`."""
-        words = {"closed condition": Boundary.CLOSED, "balanced condition": Boundary.BALANCED}
-        return np.array([words.get(row.kind, Boundary.OPEN) for row in self.switches], np.int64)
+        kinds = {one.name.lower(): one for one in Boundary}
+        words = (row.kind.partition(" ")[0] for row in self.switches)
+        return np.array([kinds.get(word, Boundary.OPEN) for word in words], np.int64)
 
     @property
     def work_rows(self) -> dict[str, int]:
@@ -122,7 +123,7 @@ class Description(NamedTuple):
             (k, rows[row.name, part], rows[row.name, "limit"])
             for k, row in enumerate(self.switches)
             for part in ("force", "torque")
-            if row.kind == "friction" and {(row.name, part), (row.name, "limit")} <= rows.keys()
+            if row.sticks and {(row.name, part), (row.name, "limit")} <= rows.keys()
         )
 
     @property

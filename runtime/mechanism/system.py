@@ -40,6 +40,6 @@ def common_system(
         constraint_count=m,
         switches=len(description.switches),
         rigid=tuple(contact.switch for contact in description.rigid),
-        sticking=tuple(k for k, row in enumerate(description.switches) if row.kind == "friction"),
+        sticking=tuple(k for k, row in enumerate(description.switches) if row.sticks),
         boundaries=tuple(description.boundaries.tolist()),
     )

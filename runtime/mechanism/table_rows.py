@@ -131,8 +131,14 @@ class Switch(NamedTuple):
     name: str
     condition: str
     # "friction": a slip that may stay zero; "contact": the gap of a rigid contact; at g = 0 a
-    # "closed condition" holds, and of a "balanced condition" the mean of both sides
+    # "closed condition" holds, of a "balanced condition" the mean of both sides, and of a "mixed
+    # condition" or "mixed friction" each condition as it is written
     kind: str = "condition"
+
+    @property
+    def sticks(self) -> bool:
+        """Whether it is the slip of a friction that sticks."""
+        return self.kind.endswith("friction")
 
     @property
     def title(self) -> str:

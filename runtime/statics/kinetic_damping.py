@@ -15,7 +15,7 @@ from numba import from_dtype
 from runtime.core.array_types import i8, integers, matrix, named_tuple_type, vector
 from runtime.core.jit import ADDRESSES, compiled, inlined, inner
 from runtime.core.kernel_abi import accelerations_of, correction_of, kinetic_energy_of, switching_of
-from runtime.core.modes_and_event_kinds import CLOSED, SLIDING
+from runtime.core.modes_and_event_kinds import CLOSED, MIXED, SLIDING
 from runtime.linalg.vectors import axpy, largest_ratio
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
@@ -83,6 +83,8 @@ def take_step(kernels: Any, s: Any, t: float, h: float) -> tuple[int, float]:
 @inlined
 def mode_at_rest(g: float, at_zero: int) -> int:
     """The mode of a condition at rest, by its function and what holds where that is zero."""
+    if g == 0.0 and at_zero == MIXED:
+        return SLIDING
     return 1 if g > 0.0 or (g == 0.0 and at_zero == CLOSED) else 0
 
 
@@ -169,13 +171,13 @@ def settle_down(
     """
     equations, scale, n = statics.equations, statics.scale, len(q)
     part, modes = statics.partition(q), equations.rest_modes(statics.t, q)
-    modes[modes == SLIDING] = 0  # the push leaves such a surface
+    modes[(modes == SLIDING) & (equations.boundaries != MIXED)] = 0  # the push leaves its surface
     push = np.random.default_rng(4).normal(size=len(part.independent))
     state = Workspace(
         p=equations.p, scale=scale, weights=scale * scale, q=q.copy(),
         v=np.ascontiguousarray(1e-3 * statics.motions(q, part) @ push), lam=np.zeros(equations.m),
         g=np.zeros(len(modes)), modes=modes,
-        at_zero=equations.description.boundaries, work=np.zeros((13, n)),
+        at_zero=equations.boundaries, work=np.zeros((13, n)),
     )  # fmt: skip
     record = np.rec.array(np.zeros(1, RECORD))[0]
     record.t, record.step, record.limit = statics.t, 1e-3, np.inf

@@ -122,7 +122,8 @@ _KINDS: dict[str, Reader] = {
     "quantities": optional(readers.texts('("crank.phi",)')),
     "correction": readers.text("the name of a correction"),
     **dict.fromkeys(("method", "formulation"), optional(readers.text("a name"))),
-    **dict.fromkeys(("max_steps", "max_bytes"), readers.count(0)),
+    "max_steps": optional(readers.count(0)),
+    "max_bytes": readers.count(0),
     "progress": readers.flag,
 }
 """Argument of an analysis → its reader."""

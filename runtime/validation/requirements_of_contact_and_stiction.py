@@ -46,7 +46,7 @@ def require_no_rigid(mechanism: Mechanism, analysis: str) -> None:
 def require_no_sticking(mechanism: Mechanism, analysis: str) -> None:
     """Refuse a search for equilibrium with sticking friction, which has no single answer."""
     description = mechanism.description
-    names = dict.fromkeys(row.name for row in description.switches if row.kind == "friction")
+    names = dict.fromkeys(row.name for row in description.switches if row.sticks)
     if names:
         raise AnalysisError(
             f"{description.title}: {analysis} has no single answer, since the friction in "
@@ -58,7 +58,7 @@ def require_no_sticking(mechanism: Mechanism, analysis: str) -> None:
 def require_slip(mechanism: Mechanism, p: FloatArray, samples: Samples) -> None:
     """Refuse instants at which friction sticks, so that its force is not determined."""
     description = mechanism.description
-    frictions = [k for k, row in enumerate(description.switches) if row.kind == "friction"]
+    frictions = [k for k, row in enumerate(description.switches) if row.sticks]
     if not frictions:
         return
     g, rate = np.zeros((2, len(description.switches)))

@@ -1,11 +1,15 @@
 """Numbers that SymPy evaluates for hours or not at all: refused by name, or read as values."""
 
 import operator
+import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
+import mpmath
+import numpy as np
 import pytest
 import sympy
 from pint import get_application_registry
@@ -47,13 +51,22 @@ REFUSED: dict[str, Callable[[], Any]] = {
     ),
     "power's exponent": lambda: _of(Pow, Rational(2, 3), _of(Pow, 10, 9)),
     "fraction's power": lambda: _of(Pow, Rational(0.1), Rational(1e6 + 0.3)),
-    "sum's power": lambda: _of(Pow, sqrt(2) - 1, sympy.Integer(10**6)),
+    "hidden fraction's power": lambda: _of(
+        Pow, _of(sympy.Add, sqrt(2), _of(sympy.Add, Rational(1, 2), -sqrt(2))), sympy.Integer(10**9)
+    ),
+    "power of a whole part": lambda: _of(Pow, 2, _of(sympy.floor, exp(50))),
 }
 """No numbers that a machine can have."""
 READ: dict[str, tuple[Callable[[], Any], float]] = {
     "nested roots": (lambda: _nested(100), 1.618033988749895),
     "long sum": (lambda: sympy.Add(*(sqrt(k) for k in range(2, 800))), 15070.0),
     "larger one": (lambda: _of(sympy.Max, sin(1) ** 2 + cos(1) ** 2, sympy.Integer(2)), 2.0),
+    "sum's power": (lambda: (1 + sympy.pi / 10**6) ** 700, 1.00220153),
+    "compound interest": (lambda: (1 + sympy.pi * Rational(0.05) / 12) ** 240, 22.6895),
+    "root's sum's power": (lambda: (1 + sqrt(Rational(0.7))) ** 201, 1.174312e53),
+    "sum's power's power": (lambda: ((1 + sympy.pi / 10**6) ** 700 + 1) ** 200, 2.0019e60),
+    "limit of e": (lambda: (1 + sympy.pi / 10**9) ** (10**9), 23.14),
+    "Bessel function far out": (lambda: sympy.besselj(0, 2000.0), 0.00709834),
     "Γ": (lambda: sympy.gamma(Rational(1, 3)), 2.678938534707747),
 }
 """Numbers in a form that SymPy would expand and simplify for long."""
@@ -123,7 +136,7 @@ def test_powers_with_exponents_of_many_digits_are_read(use: str, base: Any, expo
     _declared(use, lambda: power)
 
 
-@pytest.mark.parametrize("number", ["power near one", "sum's power", "power of a power"])
+@pytest.mark.parametrize("number", ["power near one", "small power", "power of a power"])
 def test_the_message_about_an_exact_power_says_its_length(number: str) -> None:
     with pytest.raises(ModelError, match=r"is an exact power of \d\.\de\+\d\d digits"):
         _declared("torque", REFUSED[number])
@@ -254,11 +267,48 @@ def test_a_parameter_of_a_curve_is_not_multiplied_out(number: str, scale: Any) -
         curve.at(huge)
 
 
-def test_a_fraction_nearer_to_zero_than_any_float_is_refused() -> None:
+TINY: dict[str, Any] = {
+    "Fraction": Fraction(1, 10**400),
+    "Decimal": Decimal("-1e-400"),
+    "Rational": Rational(1, 10**400),
+    "Float": sympy.Float("1e-400"),
+    "exponential": exp(-1000),
+    "power": _of(Pow, Rational(1, 2), sympy.Integer(2000)),
+    "sum's power": _of(Pow, sqrt(2) - 1, sympy.Integer(10**6)),
+    "mpmath": mpmath.mpf("1e-400"),
+    "long double": np.longdouble("1e-400"),
+}
+
+
+@pytest.mark.parametrize("number", TINY)
+@pytest.mark.parametrize("use", ["mass", "torque", "driver", "point", "cam", "parameter", "start"])
+def test_numbers_nearer_to_zero_than_any_float_are_refused_alike(use: str, number: str) -> None:
+    if TINY[number] == 0:
+        pytest.skip("a float of this machine, in which it is 0")
+    own = {
+        "parameter": lambda m, _, e: m.parameter("mine", e),
+        "start": lambda m, a, e: m.scene("mine", start={a.x: e}),
+    }
     model = Model("m")
-    model.parameter("mine", Fraction(1, 10**400))
+    a = model.body("a", 1, 1)
+    with suppress(ModelError):  # of what can be no point or curve
+        (own | USES)[use](model, a, TINY[number])
     with pytest.raises(ModelError, match=r"mine.*nearer to 0 than any float"):
-        raise ModelError(model.problems)
+        texts(model)
+
+
+def test_a_product_with_a_number_nearer_to_zero_than_any_float_is_refused() -> None:
+    model = Model("m")
+    model.torque("mine", on=model.body("a", 1, 1), value=exp(-1000) * t)
+    with pytest.raises(ModelError, match=r"mine.*nearer to 0 than any float"):
+        texts(model)
+
+
+@pytest.mark.parametrize("radius", [1e-320, 1e-170, 0.1, 1e100])
+def test_cams_of_any_size_are_measured_without_a_warning(radius: float) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        _declared("cam", lambda: radius)
 
 
 def test_a_condition_on_a_symbol_that_does_not_commute_is_refused_by_name() -> None:

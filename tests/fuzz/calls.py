@@ -68,7 +68,7 @@ def calls(free: Machine, driven: Machine) -> list[Call]:
         "rtol": NONE | POSITIVE, "start": NONE, "correction": set(), "formulation": NONE,
         "atol": NONE | POSITIVE | {"list", "tuple", "array"}, "quantities": NONE, "method": NONE,
         **dict.fromkeys(("time_scale", "first_step", "max_step"), NONE | POSITIVE),
-        "max_steps": {"one", "data array"}, "progress": {"true"},
+        "max_steps": NONE | {"one", "data array"}, "progress": {"true"},
     }  # fmt: skip
     accuracies = {"accuracy": NONE | POSITIVE, "quantities": NONE}
     studied = {

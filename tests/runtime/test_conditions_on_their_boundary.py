@@ -48,6 +48,11 @@ RESTING: dict[str, tuple[Force, float]] = {
     "speed_sign": (lambda p: 3 * (1 + sign(p.vy)), 3.0),
     "speed_half": (lambda p: 3 * Heaviside(p.vy), 1.5),
     "speed_above": (lambda p: Piecewise((1, p.vy > 0), (0, True)), 0.0),
+    "speed_both": (lambda p: holds(p.vy >= 0) + 2 * holds(p.vy > 0), 1.0),
+    "speed_either": (lambda p: 4 + holds(p.vy >= 0) - holds(p.vy <= 0), 4.0),
+    "speed_third": (lambda p: holds(p.vy > 0) + 2 * holds(p.vy < 0) + sign(p.vy), 0.0),
+    "speed_sides": (lambda p: 3 * holds(p.vy > 0) - 2 * holds(p.vy < 0), 0.0),
+    "speed_order": (lambda p: -2 * holds(p.vy < 0) + 3 * holds(p.vy > 0), 0.0),
     "from_now_on": (lambda p: Piecewise((1, t >= 0), (0, True)), 1.0),
     "after_now": (lambda p: Piecewise((1, t > 0), (0, True)), 1.0),
     "until_now": (lambda p: Piecewise((1, t <= 0), (0, True)), 0.0),
@@ -117,6 +122,12 @@ KEPT: dict[str, tuple[Callable[[Body, Body, Body], Any], float]] = {
     "not_sinking": (lambda a, b, s: holds(climb(a, b) >= 0), 1.0),
     "climb_sign": (lambda a, b, s: 1 + sign(climb(a, b)), 1.0),
     "rail_sign": (lambda a, b, s: 1 + sign(s.vy), 1.0),
+    "climb_mixed": (
+        lambda a, b, s: (
+            3 + sign(climb(a, b)) + holds(climb(a, b) >= 0) - 2 * holds(climb(a, b) > 0)
+        ),
+        4.0,
+    ),
 }
 """Name → a force that switches where the loop keeps a function at 0 to rounding, and its value."""
 
@@ -125,7 +136,9 @@ KEPT: dict[str, tuple[Callable[[Body, Body, Body], Any], float]] = {
 def test_what_joints_keep_at_zero_is_on_its_boundary(workshop: Path, name: str) -> None:
     force, value = KEPT[name]
     machine = load(slider_crank(f"kept_{name}", force), folder=workshop)
-    for method in ("dop853", "radau5") if name in {"above", "climb_sign"} else ("dop853",):
+    for method in (
+        ("dop853", "radau5") if name in {"above", "climb_sign", "climb_mixed"} else ("dop853",)
+    ):
         plain = machine.simulate(2.0, method=method, progress=False)
         assert plain.outcome is Outcome.OK
         assert not plain.events
@@ -251,6 +264,77 @@ def test_equilibrium_has_the_mean_of_both_sides(workshop: Path) -> None:
     assert_allclose(rest.q("other.x")[-1], 1.0, rtol=1e-7)
 
 
+@pytest.mark.parametrize("method", ["energy", "settling"])
+def test_conditions_of_different_kinds_on_a_velocity_are_as_written_at_rest(
+    workshop: Path, method: Any
+) -> None:
+    """At v = 0 sign is 0 and neither v > 0 nor v < 0 holds: the springs alone hold both beads."""
+    model = Model(f"kinds_at_rest_{method}")
+    bead, other = model.particle("bead", mass=1.0), model.particle("other", mass=1.0)
+    for p in (bead, other):
+        model.absolute(f"rail_{p.name}", p, "y", 0)
+        model.spring(f"back_{p.name}", model.ground.at(-1, 0), p, 10.0, free_length=1.0)
+    model.force("rub", bead, fx=-5 * sign(bead.vx))
+    model.force("assist", bead, fx=2.0, when=bead.vx > 0)
+    model.force("forth", other, fx=2.0, when=other.vx > 0)
+    model.force("back", other, fx=-1.0, when=other.vx < 0)
+    model.force("steady", other, fx=3.0, when=other.vx >= 0)
+    machine = load(model, folder=workshop)
+    rest = machine.equilibrium(method=method)
+    assert rest.outcome is Outcome.OK
+    assert_allclose(rest.q("bead.x")[-1], 0.0, atol=1e-8)
+    assert_allclose(rest.q("other.x")[-1], 0.3, rtol=1e-7)
+
+
+def test_inverse_dynamics_at_a_turning_point_has_each_condition_as_written(workshop: Path) -> None:
+    model = Model("turns")
+    bead = model.particle("bead", mass=1.0)
+    model.absolute("rail", bead, "y", 0)
+    model.driver("drive", bead.x, 0.1 * t**2)
+    model.force("F", bead, fx=-5 * sign(bead.vx) + 2 * holds(bead.vx > 0) + 7 * holds(bead.vx >= 0))
+    run = load(model, folder=workshop).inverse_dynamics([0.0, 0.5], progress=False)
+    assert_allclose(run.reaction("drive", "fx"), [0.2 - 7.0, 0.2 - 4.0])
+
+
+@pytest.mark.parametrize("forward", [True, False])
+def test_a_velocity_driven_off_to_either_side_stays_where_neither_condition_holds(
+    workshop: Path, forward: bool
+) -> None:
+    model = Model(f"stays_{forward}")
+    bead = model.particle("bead", mass=1.0)
+    model.force("up", bead, fy=3.0, when=bead.vy > 0)
+    model.force("down", bead, fy=-2.0, when=bead.vy < 0)
+    model.force("load", bead, fy=(1 if forward else -1) * Max(t - 0.5, 0))
+    order = ["up", "down", "load"] if forward else ["down", "up", "load"]
+    model.scene("run", order, start={bead.x: 0, bead.y: 0, bead.vx: 0, bead.vy: 0})
+    run = load(model, folder=workshop).simulate(1.0, [0.0, 0.4, 1.0], progress=False)
+    assert run.outcome is Outcome.OK
+    assert_allclose(run.v("bead.y"), [0, 0, 1.5 + 0.125 if forward else -1.0 - 0.125], rtol=2e-5)
+
+
+SETTLED: dict[str, tuple[Force, float]] = {
+    "above": (lambda p: 3 * holds(p.vy > 0), 0.0),
+    "at_most": (lambda p: 3 * holds(p.vy <= 0), 3.0),
+    "sign": (lambda p: 2 + sign(p.vy), 2.0),
+    "sides": (lambda p: 3 * holds(p.vy > 0) - 2 * holds(p.vy < 0), 0.0),
+}
+
+
+@pytest.mark.parametrize("name", SETTLED)
+def test_a_velocity_that_bouncing_ends_is_on_its_boundary(workshop: Path, name: str) -> None:
+    law, value = SETTLED[name]
+    model = Model(f"settles_{name}")
+    ball = model.particle("ball", mass=1.0)
+    model.contact("floor", gap=ball.y, restitution=0.5)
+    model.force("weight", ball, fx=law(ball), fy=-10.0)
+    start = {ball.x: 0, ball.y: 1, ball.vx: 0, ball.vy: 0}
+    model.scene("run", ["floor", "weight"], start=start)
+    run = load(model, folder=workshop).simulate(2.0, [1.5, 2.0], rtol=1e-9, progress=False)
+    assert run.outcome is Outcome.OK
+    assert_allclose(run.a("ball.x"), value)
+    assert_allclose(run.v("ball.y"), 0.0)
+
+
 BEAD = Body("bead", None, None, None)
 X, V = BEAD.x, BEAD.vx
 SHARED = [
@@ -278,9 +362,9 @@ JOINED = {
     "open": ((Abs(V), V > 0, V <= 0), Boundary.OPEN),
     "balanced": ((sign(V), Abs(V), Heaviside(-V)), Boundary.BALANCED),
     "kink": ((Abs(V), Max(V, 0)), Boundary.INDIFFERENT),
-    "strict": ((V >= 0, V > 0, V >= 0), Boundary.OPEN),
-    "mixed": ((sign(V), V > 0), Boundary.OPEN),
-    "third": ((sign(V), V >= 0, sign(-V)), Boundary.OPEN),
+    "strict": ((V >= 0, V > 0, V >= 0), Boundary.MIXED),
+    "mixed": ((sign(V), V > 0), Boundary.MIXED),
+    "third": ((sign(V), V >= 0, sign(-V)), Boundary.MIXED),
 }
 
 

@@ -88,3 +88,22 @@ def test_a_friction_and_conditions_on_its_slip_slide_by_one_share(
         assert run.v("bead.x") == pytest.approx([0.0, way * (4.0 - loose) ** 2], abs=1e-8)
         runs.append(run)
     assert runs[0].q("bead.x") == pytest.approx(runs[1].q("bead.x"), abs=1e-8)
+
+
+def test_what_switches_with_a_declared_friction_has_its_share(workshop: Path) -> None:
+    """2 t pulls against 5 N; 2 N help where v > 0, so that it slides with α = (5 + 2 t)/8."""
+    model = Model("declared")
+    bead = model.particle("bead", mass=1.0)
+    model.dry_friction("rub", coefficient=0.5, normal=10.0, slip=bead.vx)
+    model.force("pull", bead, fx=2 * t)
+    model.force("assist", bead, fx=2.0, when=bead.vx > 0)
+    model.force("beside", bead, fy=sign(bead.vx) + holds(bead.vx >= 0))
+    start = {bead.x: 0, bead.y: 0, bead.vx: 0, bead.vy: 0}
+    model.scene("s", ["rub", "pull", "assist", "beside"], start=start)
+    run = load(model, folder=workshop).simulate(2.0, [0, 1.0, 2.0], rtol=1e-9, progress=False)
+    assert run.outcome is Outcome.OK
+    (event,) = run.events
+    assert event.time == pytest.approx(1.5, rel=1e-9)
+    assert run.share("rub")[:2] == pytest.approx([5 / 8, 7 / 8])
+    assert run.a("bead.y") == pytest.approx([3 * 5 / 8 - 1, 3 * 7 / 8 - 1, 2.0])
+    assert run.a("bead.x") == pytest.approx([0.0, 0.0, 1.0])

@@ -70,7 +70,7 @@ class CamFollower(Constraint):
         out_one, out_other = outward(one), outward(other)
         apart = other[None] - one[:, None]
         gap = np.einsum("ijk,ik->ij", apart, out_one)
-        sideways = np.linalg.norm(apart - gap[..., None] * out_one[:, None], axis=2)
+        sideways = np.hypot(*np.moveaxis(apart - gap[..., None] * out_one[:, None], 2, 0))
         score = np.where(out_one @ out_other.T < FACING, gap - AWAY * sideways, -np.inf)
         on_cam, on_follower = divmod(int(np.argmax(np.round(score, 9))), len(other))
         return {self.alpha: ALPHAS[4 * on_cam], self.beta: ALPHAS[4 * on_follower]}

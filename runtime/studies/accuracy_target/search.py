@@ -63,7 +63,7 @@ def simulate_to(
     quantities: Sequence[str] | None, t_start: float, method: str | None,
     parameters: Values | None, guess: Values | None, start: Assembly | None,
     correction: Correction, formulation: Formulation | None, time_scale: float | None,
-    first_step: float | None, max_step: float | None, max_steps: int, max_bytes: int,
+    first_step: float | None, max_step: float | None, max_steps: int | None, max_bytes: int,
     progress: Progress,
 ) -> Result:  # fmt: skip
     """Integrate with a global error below `accuracy` at the output instants.

@@ -14,7 +14,7 @@ from tests.runtime.integrate.systems import free_system, kernel
 
 @kernel(SIGNATURES["accelerations"])
 def crowded_accelerations(t, q, v, p, modes, a, lam):
-    left = abs(1.0 - p[1] * t)
+    left = np.hypot(1.0 - p[1] * t, p[2])
     a[0] = modes[0] if modes.size > 0 else p[0] * np.sin(p[0] * t / left) / left**2
     return 0
 
@@ -38,8 +38,8 @@ SWITCHED = free_system(
 )
 
 
-def problem(t_end, turns, pole):
-    start, p = np.zeros(1), np.array([turns, pole])
+def problem(t_end, turns, pole, least=0.0):
+    start, p = np.zeros(1), np.array([turns, pole, least])
     return Problem(0.0, t_end, start, start, p, np.ones(1))
 
 
@@ -56,6 +56,7 @@ def test_events_that_crowd_end_the_run_and_are_named():
     r = integrate(SWITCHED, problem(1.0, 0.0, 0.0), Options(t_eval=[0.0, 1.0]))
     assert r.outcome == Outcome.ZENO
     assert r.index == 0
+    assert "add up to t = 0.99999" in r.note
     assert 0.99 < r.final_t < 1.0
     assert r.statistics.steps < 300_000
 
@@ -72,6 +73,20 @@ def test_turns_up_to_an_instant_before_the_pole_are_followed(left):
     r = integrate(CROWDED, problem(1.0 - left, 10.0, 1.0), settings)
     assert r.outcome == Outcome.OK
     assert r.statistics.steps > 300_000
+
+
+def test_turns_that_crowd_and_then_do_not_are_followed_with_steps_of_ones_own():
+    """Steps shrink as before a pole, and grow again: nobody can tell the two beforehand."""
+    begun = problem(1.1, 10.0, 1.0, 5e-5)
+    settings = Options(method="dopri5", t_eval=[0.0, 1.1])
+    ended = integrate(CROWDED, begun, settings)
+    assert ended.outcome == Outcome.STEP_TOO_SMALL
+    assert f"In {ended.statistics.steps} steps the run has come to t = 0.9999" in ended.note
+    assert "all that are to come add up to t = 1.0000" in ended.note
+    assert "max_steps=" in ended.note
+    whole = integrate(CROWDED, begun, replace(settings, max_steps=6_000_000))
+    assert whole.outcome == Outcome.OK
+    assert whole.statistics.steps > 1.5 * ended.statistics.steps
 
 
 def test_turns_that_crowd_before_a_known_kink_are_followed_to_it():
