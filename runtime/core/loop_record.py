@@ -109,6 +109,7 @@ _INTEGERS += [
     "next_stop",  # its number
     "pace_steps",  # number of steps that is twice that at `pace_start`
     "pace_events",  # number of events at `pace_start`
+    "unlimited",  # 1: a run whose steps get ever shorter goes on
     "slower",  # doublings in a row of which each covers less time than the one before
     "plan",  # about a singular position, a `Plan`
     "resumed",  # 1: it goes on from a run in other coordinates, whose modes it takes over

@@ -32,7 +32,7 @@ def energy_note(record: Any) -> str:
 
 def accumulation_note(record: Any) -> str:
     """Up to where steps get ever shorter, and how the run goes on; empty where they do not."""
-    if not np.isfinite(record["limit"]):
+    if record["unlimited"] != 0 or not np.isfinite(record["limit"]):
         return ""
     t, limit = float(record["t"]), float(record["limit"])
     return (
@@ -41,6 +41,17 @@ def accumulation_note(record: Any) -> str:
         f"all that are to come add up to t = {limit:.9g} s, {limit - t:.3g} s later, where the run "
         f"is to reach {float(record['t_end']):.9g} s. If its steps stop shrinking before, go on "
         f"with a number of your own, such as max_steps={MOST_STEPS}, which switches this check off."
+    )
+
+
+def passed_accumulation_note(record: Any) -> str:
+    """That steps got ever shorter up to an instant that the run has passed; empty: they did not."""
+    if not np.isfinite(record["limit"]):
+        return ""
+    return (
+        f" Up to about t = {float(record['limit']):.6g} s its steps got ever shorter, as where a "
+        "motion turns or switches infinitely often, and only the number given as max_steps= let it "
+        "go on: look at the motion about there."
     )
 
 

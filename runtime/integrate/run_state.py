@@ -94,16 +94,15 @@ class RunState:
         r["max_steps"], r["max_events"] = options.max_steps or MOST_STEPS, options.max_events
         r["automatic"], r["patience"] = int(options.method == "auto"), 1
         r["error_old"] = 1e-4
-        never = np.iinfo(np.int64).max
         r["pace_start"], r["limit"] = problem.t0, np.inf
-        r["pace_steps"] = FIRST_LOOK if options.max_steps is None else never
+        r["pace_steps"], r["unlimited"] = FIRST_LOOK, int(options.max_steps is not None)
         r["every_step"] = STEP_ENDS if options.t_eval is None else 0
         if options.quadrature:
             r["every_step"] = QUADRATURE
         # Stabilised constraints, and steps without control of their error, keep no energy.
         keeps = options.fixed_step is None and options.correction in _KEEPING
         r["power_rows"] = self.system.balanced_rows if keeps else -1
-        r["balance_at"] = 0 if r["power_rows"] >= 0 else never
+        r["balance_at"] = 0 if r["power_rows"] >= 0 else np.iinfo(np.int64).max
         r["energy"], r["balances"] = np.nan, 1
         r["growth_limit"] = r["ratio_limit"] = GROWTH_LIMIT
         r["event_span"] = np.inf

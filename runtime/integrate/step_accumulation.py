@@ -51,6 +51,8 @@ def is_endless(context: Context) -> bool:
     if limit - _NEAR * covered > min(next_kink(context), r.t_end):
         return False
     r.limit = limit
+    if r.unlimited != 0:
+        return False
     if eventful:
         r.max_events = 0
         return False

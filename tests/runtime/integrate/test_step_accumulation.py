@@ -86,6 +86,7 @@ def test_turns_that_crowd_and_then_do_not_are_followed_with_steps_of_ones_own():
     assert "max_steps=" in ended.note
     whole = integrate(CROWDED, begun, replace(settings, max_steps=6_000_000))
     assert whole.outcome == Outcome.OK
+    assert "Up to about t = 1.00" in whole.note
     assert whole.statistics.steps > 1.5 * ended.statistics.steps
 
 
