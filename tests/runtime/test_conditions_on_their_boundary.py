@@ -335,6 +335,31 @@ def test_a_velocity_that_bouncing_ends_is_on_its_boundary(workshop: Path, name: 
     assert_allclose(run.v("ball.y"), 0.0)
 
 
+KEPT_AT_REST = [
+    ("above", "energy"), ("above", "settling"), ("at_least", "energy"), ("at_least", "settling"),
+    ("below", "energy"), ("below", "settling"), ("half", "energy"), ("climb_mixed", "settling"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "method"), KEPT_AT_REST)
+def test_equilibrium_has_what_joints_keep_at_zero_on_its_boundary(
+    workshop: Path, name: str, method: Any
+) -> None:
+    force, value = KEPT[name]
+    model = slider_crank(f"kept_at_rest_{name}", force)
+    crank, bead = model.bodies["crank"], model.bodies["bead"]
+    model.absolute("guide", bead, "y", 0)
+    model.spring("back", model.ground.at(-1, 0), bead, 10.0, free_length=1.0)
+    model.torque("coil", on=crank, value=-2.0 * (crank.phi - 0.9))
+    model.scene("hung", ["push", "back", "coil"], start={crank.phi: 0.7, bead.x: 0.0})
+    rest = load(model, "hung", folder=workshop).equilibrium(
+        method=method, guess={"rod.phi": -0.3, "slider.x": 2.5}
+    )
+    assert rest.outcome is Outcome.OK
+    assert_allclose(rest["bead.x"], value / 10, atol=1e-8)
+    assert_allclose(rest["crank.phi"], 0.9, rtol=1e-7)
+
+
 BEAD = Body("bead", None, None, None)
 X, V = BEAD.x, BEAD.vx
 SHARED = [
