@@ -154,15 +154,24 @@ def locked(path: Path) -> Iterator[None]:
 
 
 class _TextLoader(SourceFileLoader):
-    """Python's own loader, of a text in place of what lies on the disk."""
+    """Python's own loader, of a text in place of a file; its kernels compile without entries."""
 
     def __init__(self, name: str, path: str, text: str) -> None:
         super().__init__(name, path)
         self.text = text
 
     def get_code(self, fullname: str) -> CodeType:
-        """The text, compiled."""
-        return compile(self.text, self.path, "exec", dont_inherit=True)
+        """The text, compiled, with other options for kernels."""
+        from codegen.calls_of_kernels_from_python import without_entries
+
+        return compile(without_entries(self.text), self.path, "exec", dont_inherit=True)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Execute the text in a module, whose kernels can then be called from Python."""
+        from codegen.calls_of_kernels_from_python import give_entries
+
+        super().exec_module(module)
+        give_entries(vars(module).values())
 
     def get_source(self, fullname: str) -> str:
         """The text."""

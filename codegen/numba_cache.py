@@ -45,7 +45,7 @@ _events: Any = event
 _numba: Any = dispatcher
 _Identity: Any = FunctionIdentity
 
-_FORMAT = b"sealed machine code, with random numbers of functions\n"  # every file begins with it
+_FORMAT = b"sealed machine code, kernels without entries\n"  # every file begins with it
 _SEAL = hashlib.sha256().digest_size
 _WAIT = 0.5  # safety: s, for other writers of a folder, who need some milliseconds each
 _one_at_a_time = threading.RLock()

@@ -31,6 +31,12 @@ def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Itera
         yield f"{tuple(profile)} is a point, not a curve; write it in alpha."
         return
     if not closed:
+        tangent = profile.diff(alpha)
+        if any(a.has(alpha) for a in sympy.sqrt(tangent.dot(tangent)).atoms(sympy.Abs)):
+            yield (
+                f"the tangent {tuple(tangent)} of the profile {tuple(profile)} vanishes and turns "
+                "round; write the line so that it goes one way, such as (1, alpha)."
+            )
         return
     try:
         points = _sampled(derivatives(profile))

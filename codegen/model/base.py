@@ -11,9 +11,10 @@ from typing import Any, Self, TypeVar
 import sympy
 
 from codegen.declare import symbols as sy
-from codegen.declare.body import Body, Ground, Particle, Point
+from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.name_rules_and_hints import name_problem, nearest
+from codegen.declare.particle_and_ground import Ground, Particle
 from codegen.declare.return_values.bodies import coordinates_of
 from codegen.declare.return_values.constraints import own_coordinates
 from codegen.declare.return_values.elements import bodies_of

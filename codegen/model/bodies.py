@@ -9,7 +9,8 @@ from typing import Any, Literal
 
 import sympy
 
-from codegen.declare.body import Body, Particle, Point
+from codegen.declare.body import Body, Point
+from codegen.declare.particle_and_ground import Particle
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.value_reader import Reader
 from codegen.model.base import Place

@@ -18,10 +18,15 @@ from runtime.linalg.redundant_constraints_solve import SPARSE, solve_factored
 from runtime.linalg.row_elimination import Sparse
 from runtime.linalg.vectors import dot, multiply
 
+_LEAST = 1e-7  # accuracy: of the largest scale of a column; masses are 1e28 apart there
+
 
 @inner
 def scale_columns(mass: Sparse, scale: Vector) -> None:
-    """M_kk^(-1/4), so that light coordinates follow; ten times the largest without mass."""
+    """M_kk^(-1/4), so that light coordinates follow; ten times the largest without mass.
+
+    None is so small beside the largest that its column would count as zero.
+    """
     most = 0.0
     scale[:] = 0.0
     for k in range(mass.rows.size):
@@ -29,8 +34,7 @@ def scale_columns(mass: Sparse, scale: Vector) -> None:
             scale[mass.rows[k]] = mass.values[k] ** -0.25
             most = max(most, scale[mass.rows[k]])
     for j in range(scale.size):
-        if scale[j] == 0.0:
-            scale[j] = 10.0 * most
+        scale[j] = max(scale[j], _LEAST * most) if scale[j] > 0.0 else 10.0 * most
 
 
 @inner

@@ -45,7 +45,7 @@ COMPILER = {
     *("codegen.argument_readers", "codegen.damaged_byte_code", "codegen.errors"),
     *("codegen.plain_values", "codegen.public_callables"),
     *("codegen.numba_cache", "codegen.condition_evaluation", "codegen.termination_signals"),
-    "codegen.generated_module_signature_and_import",
+    *("codegen.generated_module_signature_and_import", "codegen.calls_of_kernels_from_python"),
 }
 
 FIRST = """

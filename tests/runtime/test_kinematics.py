@@ -7,6 +7,7 @@ import numpy.typing as npt
 import pytest
 
 from codegen.errors import AnalysisError
+from runtime.continuation import driven_motion
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 
@@ -181,3 +182,19 @@ def test_dead_centre_is_crossed_backwards(driven: Machine, instants: list[float]
     result = driven.kinematics(t, t_start=0.3, parameters={"l": 2.0}, guess=guess | rates)
     assert result.outcome is Outcome.OK
     np.testing.assert_allclose(result.q("slider.x"), 4.0 * np.cos(np.pi / 4 + OMEGA * t), atol=1e-8)
+
+
+def test_a_driver_that_is_too_fast_ends_the_motion_by_name(
+    driven: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(driven_motion, "_MOST_STEPS", 10_000)
+    for analysis in (driven.kinematics, driven.inverse_dynamics):
+        result = analysis([0.0, 0.1, 1e6], progress=False)
+        assert result.outcome is Outcome.MAX_STEPS
+        assert result.t[1] == 0.1
+        assert 100.0 < result.t[-1] < 1e5
+        assert "steps the motion was followed for" in result.message
+        assert "of 1e+06 s" in result.message
+        assert "t_start=" in result.message
+    short = driven.kinematics([0.0, 0.1], progress=False)
+    assert short.outcome is Outcome.OK

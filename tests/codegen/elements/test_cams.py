@@ -226,6 +226,13 @@ def test_roller_may_follow_a_hollow_cam_and_a_point_an_open_slot() -> None:
     assert valid_scenes(model, None)
 
 
+@pytest.mark.parametrize("place", [(2.0, sympy.sin(alpha)), (sympy.cos(alpha), 0)])
+def test_a_line_run_through_to_and_fro_is_named_with_its_joint(place: tuple[object, ...]) -> None:
+    text = problems(lambda m, i, j: m.point_follower("slot", i.curve(*place), j))
+    assert "curve of 'slot' on body 'first': the tangent" in text
+    assert "vanishes and turns round" in text
+
+
 def test_what_is_no_curve_is_named() -> None:
     text = problems(lambda m, i, j: m.cam_follower("roll", i.at(0, 0), 3))
     assert text.count("'roll'") >= 2

@@ -65,6 +65,14 @@ def test_simulate_with_a_model_by_path(run) -> None:  # type: ignore[no-untyped-
     assert answer["q"]["bar.phi"] < 0.1
 
 
+def test_steps_of_ones_own_end_a_run(run) -> None:  # type: ignore[no-untyped-def]
+    done = run("simulate", "rod_pendulum", "--scene", "swing", "--t-end", "0.5",
+               "--max-steps", "3", "--json")  # fmt: skip
+    answer = json.loads(done.stdout)
+    assert answer["outcome"] == "MAX_STEPS"
+    assert answer["stats"]["steps"] == 3
+
+
 def test_equilibrium(run) -> None:  # type: ignore[no-untyped-def]
     done = run("equilibrium", "rod_pendulum", "--method", "settling", "--json")
     assert done.exit_code == 0

@@ -40,6 +40,23 @@ def test_masses_far_apart_cost_no_digits(seed, decades):
         assert np.abs(found - expected).max() < 1e-14 * condition * np.abs(expected).max()
 
 
+@pytest.mark.parametrize("heavy", [1e20, 1e40, 1e100, 1e200])
+@pytest.mark.parametrize("light", [1e-200, 1e-40, 1.0])
+def test_masses_without_measure_make_no_constraint_dependent(heavy, light):
+    """A pendulum, its mass against its own moment of inertia, near where one row has no arm."""
+    sine, cosine = np.sin(0.02), np.cos(0.02)
+    jacobian = np.array([[1.0, 0.0, sine], [0.0, 1.0, -cosine]])
+    mass = np.diag([heavy, heavy, light])
+    a, lam = np.zeros(3), np.zeros(2)
+    force = np.array([0.0, -9.81 * heavy, 0.0])
+    matrices = sparse(jacobian), sparse(mass)
+    assert solve_motion_by_null_space(*matrices, force, np.zeros(2), a, lam) == 0
+    angular = -9.81 * cosine  # of a point mass at 1 m
+    np.testing.assert_allclose(a, [-sine * angular, cosine * angular, angular], rtol=1e-12)
+    along = 9.81 * sine * heavy
+    np.testing.assert_allclose(lam, [-along * cosine, -along * sine], rtol=1e-11)
+
+
 def test_a_dependent_constraint_is_counted_and_nothing_solved():
     jacobian = np.array([[1.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
     a, lam = np.zeros(3), np.zeros(2)

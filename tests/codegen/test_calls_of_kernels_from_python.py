@@ -1,0 +1,111 @@
+"""Kernels have no entries from Python and from C of their own, and are called as if they had."""
+
+from pathlib import Path
+from types import ModuleType
+
+import numba
+import numpy as np
+import pytest
+from numba import types
+
+from codegen.generated_module_signature_and_import import import_generated
+from runtime.core.array_types import f8, vector
+
+TEXT = """import numba
+
+OPTIONS = {"cache": True, "error_model": "numpy"}
+
+
+@numba.njit(**OPTIONS)
+def square(x):
+    return x * x
+
+
+@numba.njit("f8(f8[::1], f8)", **OPTIONS)
+def number(p, t):
+    return square(p[0]) / t
+
+
+@numba.njit("i8(f8[::1], f8)", **OPTIONS)
+def integer(p, t):
+    return 1 if p[0] > t else 0
+
+
+@numba.njit("void(f8, f8[::1], i8[::1])", **OPTIONS)
+def nothing(t, p, modes):
+    p[modes[0]] = t
+"""
+
+
+@pytest.fixture
+def module(tmp_path: Path) -> ModuleType:
+    path = tmp_path / "kernels.py"
+    path.write_text(TEXT)
+    return import_generated(path)
+
+
+def test_kernels_are_compiled_without_entries(module: ModuleType) -> None:
+    for kernel in (module.number, module.integer, module.nothing):
+        (result,) = kernel.overloads.values()
+        described, address = result.fndesc, result.library.get_pointer_to_function
+        assert address(described.llvm_func_name)
+        assert not address(described.llvm_cpython_wrapper_name)
+        assert not address(described.llvm_cfunc_wrapper_name)
+
+
+def test_python_calls_them(module: ModuleType) -> None:
+    p, modes = np.array([3.0, 0.0]), np.array([1])
+    assert module.number(p, 2) == 4.5
+    assert module.number(p, 0.0) == np.inf
+    assert module.integer(p, 2.0) == 1
+    assert module.nothing(7.0, p, modes) is None
+    assert p.tolist() == [3.0, 7.0]
+
+
+def test_kernels_of_one_signature_are_told_apart(tmp_path: Path, module: ModuleType) -> None:
+    path = tmp_path / "others.py"
+    path.write_text(TEXT.replace("x * x", "x + 1.0"))
+    other, p = import_generated(path), np.array([3.0])
+    assert (module.number(p, 1.0), other.number(p, 1.0), module.number(p, 1.0)) == (9.0, 4.0, 9.0)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        (np.zeros(4)[::2], 1.0),
+        (np.zeros(2, np.int64), 1.0),
+        (np.broadcast_to(0.0, 1), 1.0),
+        (np.zeros((2, 2)), 1.0),
+        (np.zeros(2),),
+        (np.zeros(2), 1.0, 1.0),
+        (1.0, np.zeros(2)),
+        (np.zeros(2), "1"),
+    ],
+    ids=repr,
+)
+def test_other_arguments_are_refused(module: ModuleType, arguments: tuple[object, ...]) -> None:
+    """What is no array of that kind would be read as one."""
+    assert module.number(np.ones(2), 1.0) == 1.0
+    assert module.nothing(0.0, np.ones(2), np.zeros(1, np.int64)) is None
+    with pytest.raises(TypeError):
+        module.number(*arguments)
+
+
+def test_what_has_no_signature_is_not_called(module: ModuleType) -> None:
+    with pytest.raises(TypeError, match="square has no one signature"):
+        module.square(2.0)
+
+
+def test_compiled_code_calls_them_by_name_and_as_values(module: ModuleType) -> None:
+    number, p = module.number, np.array([3.0])
+    by_name = numba.njit(lambda p: number(p, 1.0))
+    assert by_name(p) == 9.0
+    kind = types.FunctionType(f8(vector, f8))
+    as_value = numba.njit(f8(kind, vector))(lambda kernel, p: kernel(p, 1.0))
+    assert as_value(number, p) == 9.0
+
+
+def test_a_module_without_options_is_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "plain.py"
+    path.write_text('import numba\n\n\n@numba.njit("f8(f8)")\ndef twice(x):\n    return 2.0 * x\n')
+    assert import_generated(path).twice(x=2.0) == 4.0
