@@ -21,7 +21,7 @@ _ROUNDING = 1e-9  # accuracy: of the longest length known; a length below this p
 _FAR = 1e3  # safety: scaled slopes above this, or all below its inverse, measure their row
 # safety: of the longest arm in other poses; arms that all fall below it vanish in the one at hand
 _VANISHED = 1e-3
-_KEPT = 1e-13  # accuracy: of a function's size; joints that keep it at zero keep it so closely
+KEPT = 1e-13  # accuracy: of a function's size; joints that keep it at zero keep it so closely
 
 
 class Equations:
@@ -128,7 +128,7 @@ class Equations:
         rates, count, still = self.kernels.switching_rates, len(self.bands), np.zeros(self.n)
         rest = _filled(count, rates, t, q, still, still, self.p)
         slopes = [_filled(count, rates, t, q, v, still, self.p) - rest for v in np.diag(scale)]
-        self.bands = _KEPT * np.nan_to_num(np.abs(slopes)).sum(axis=0)
+        self.bands = KEPT * np.nan_to_num(np.abs(slopes)).sum(axis=0)
 
     def switching(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
         """g, shape (s,)."""

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from sympy import Heaviside, sign
@@ -98,3 +99,21 @@ def test_equilibrium_has_what_joints_keep_at_zero_on_its_boundary(
     assert rest.outcome is Outcome.OK
     assert_allclose(rest["bead.x"], value / 10, atol=1e-8)
     assert_allclose(rest["crank.phi"], 0.9, rtol=1e-7)
+
+
+@pytest.mark.parametrize("name", ["above", "at_least", "half", "climbing", "climb_mixed"])
+def test_inverse_dynamics_has_what_joints_keep_at_zero_on_its_boundary(
+    workshop: Path, name: str
+) -> None:
+    force, value = KEPT[name]
+    model = slider_crank(f"kept_driven_{name}", force)
+    crank, bead = model.bodies["crank"], model.bodies["bead"]
+    model.absolute("guide", bead, "y", 0)
+    model.driver("turn", crank.phi, 0.7 + 2 * t)
+    model.driver("move", bead.x, t)
+    model.scene("driven", ["push"], drivers=["turn", "move"])
+    guess = {"rod.phi": -0.3, "slider.x": 2.5}
+    run = load(model, "driven", folder=workshop).inverse_dynamics(
+        np.linspace(0, 1, 21), guess=guess, progress=False
+    )
+    assert_allclose(run.reaction("move", "fx"), -value, atol=1e-12)
