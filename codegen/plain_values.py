@@ -121,7 +121,7 @@ def plain_number(value: Any) -> int | float | Fraction:
     if isinstance(value, Real | Decimal) or hasattr(value, "_mpf_"):
         try:
             number = float(value)
-            is_lost = number == 0.0 and value != 0
+            is_lost = number == 0.0 and bool(value)
         except (ValueError, OverflowError) as error:  # of a signaling nan, of a user's own number
             raise KindError(f"it is no float: {error}") from error
         if is_lost:
@@ -147,7 +147,7 @@ def plain_float(value: Any) -> float:
         found = float(number)
     except OverflowError:
         return math.inf if number > 0 else -math.inf
-    if found == 0.0 and number != 0:
+    if found == 0.0 and number:
         raise KindError(f"it is {TINY}")
     return found
 

@@ -111,7 +111,7 @@ def unreal_part(expression: sympy.Basic) -> tuple[sympy.Basic, str] | None:
         interval = _range(node, inner)
         if interval is None:
             return node, f"{verb} {node}, which is never a real number"
-        if node.is_Number and interval == (0.0, 0.0) and node != 0:
+        if node.is_Number and interval == (0.0, 0.0) and not node.is_zero:
             return node, f"{verb} a number {TINY}"
         if node.is_number and not (interval[0] < HUGE and interval[1] > -HUGE):
             return node, f"{verb} a number beyond 1e308"
@@ -136,7 +136,7 @@ def sympy_float(value: sympy.Basic) -> float:
         raise KindError(f"SymPy cannot evaluate it: {type(error).__name__}") from error
     if both.imag:
         raise KindError("it is not real")
-    if both == 0 and exact != 0:
+    if both == 0 and not exact.is_zero:
         raise KindError(f"it is {TINY}")
     return both.real
 

@@ -26,9 +26,10 @@ class TimeFunction(NamedTuple):
 
     element: str
     # a "law" chooses its pieces by the time itself, an "effect" by its modes; so does a "place",
-    # whose rate acts, and which may not jump
+    # which may not jump where its rate acts
     role: Role
     expression: sympy.Expr
+    along: tuple[tuple[sympy.Expr, sympy.Expr], ...] = ()  # (s, f) of the forces, of a "place"
 
 
 def time_functions(
@@ -41,12 +42,12 @@ def time_functions(
             for part in _parts(expression):
                 found[TimeFunction(constraint.name, "law", part)] = None
     for effect in effects:
-        moving = [s for s, f in effect.terms.pulls if _takes_rate(f, s)]
-        places = {part for s in moving for part in _parts(s)}
+        moving = [(s, f, {*_parts(s)}) for s, f in effect.terms.pulls if _takes_rate(f, s)]
         for expression in _expressions(effect.terms):
             for part in _parts(expression):
-                role: Role = "place" if part in places else "effect"
-                found[TimeFunction(effect.name, role, part)] = None
+                along = tuple((s, f) for s, f, places in moving if part in places)
+                role: Role = "place" if along else "effect"
+                found[TimeFunction(effect.name, role, part, along)] = None
     return tuple(found)
 
 

@@ -134,7 +134,7 @@ def _with_names_of_tables(program: Program, functions: tuple[Any, ...]) -> tuple
         stem = known[last.table].partition("_d")[0].upper()
         return (*first, stem, last.order, last.table.periodic)
 
-    return tuple((*head, tuple(map(row, rows))) for *head, rows in functions)
+    return tuple((*f[:3], *(tuple(map(row, rows)) for rows in f[3:])) for f in functions)
 
 
 def _tables(lowered: Lowered, origin: Origin) -> dict[str, Any]:

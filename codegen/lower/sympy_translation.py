@@ -48,11 +48,14 @@ class Translator:
     """Translates expressions into one graph.
 
     `environment` maps symbols, and other expressions that are known as a whole, to values,
-    `switches` are those of the scene, in the order of their modes.
+    `switches` are those of the scene, in the order of their modes; None: conditions are compared.
     """
 
     def __init__(
-        self, graph: Graph, environment: Mapping[sympy.Expr, int], switches: Sequence[Switch]
+        self,
+        graph: Graph,
+        environment: Mapping[sympy.Expr, int],
+        switches: Sequence[Switch] | None,
     ) -> None:
         self.graph, self.environment, self.switches = graph, dict(environment), switches
         self._known: dict[sympy.Basic, int] = {}
@@ -177,6 +180,8 @@ class Translator:
         """Of a balanced condition among others: whether its switch is at rest, and its mean."""
         if not (isinstance(condition, Relational) and boundary(condition) is Boundary.BALANCED):
             return None
+        if self.switches is None:
+            return None
         found = find_switch(switching_function(condition), Boundary.BALANCED, self.switches)
         if found is None or self.switches[found[0]].boundary is not Boundary.MIXED:
             return None
@@ -190,6 +195,8 @@ class Translator:
         if isinstance(node, sympy.And | sympy.Or):
             op = Op.AND if isinstance(node, sympy.And) else Op.OR
             return reduce(partial(graph.logical, op), sorted(self._condition(a) for a in node.args))
+        if self.switches is None:
+            return self._comparison(node)
         found = find_switch(switching_function(node), boundary(node), self.switches)
         if found is not None:
             switch, opposite = found
@@ -204,8 +211,10 @@ class Translator:
                 f"'{graph.serves}': the condition {node} stands where nothing may switch (a "
                 "constraint or a driver); write the motion as one smooth expression."
             )
-        # Of time and parameters: the steps of a run end where it changes.
-        node = without_marks(node)
+        return self._comparison(node)  # the steps of a run end where it changes
+
+    def _comparison(self, node: Any) -> int:
+        graph, node = self.graph, without_marks(node)
         low, high = self(node.lts), self(node.gts)
         strict = isinstance(node, sympy.StrictGreaterThan | sympy.StrictLessThan)
         return graph.is_less(low, high) if strict else graph.negation(graph.is_less(high, low))

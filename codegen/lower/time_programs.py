@@ -4,11 +4,12 @@ A polynomial, or a polynomial in sines of a t + b, hides nothing between two ste
 so are the pieces of effects, whose conditions are switching functions of the run.
 """
 
+from functools import partial
 from typing import Any
 
 import sympy
 
-from codegen.declare.symbols import Parameter, t
+from codegen.declare.symbols import SPEED, Parameter, t
 from codegen.derive.equations import Equations
 from codegen.derive.piecewise_conditions import as_pieces
 from codegen.lower.graph import Graph
@@ -16,8 +17,9 @@ from codegen.lower.program import LOGICAL, Input, Lookup, Op, dependencies
 from codegen.lower.sympy_translation import Translator
 
 Row = tuple[Any, ...]  # (operation, numbers of the rows that it takes ..., literal): see `_row`
-# (element, role, numbers of the rows that may bend sharply, rows; the last row is f)
-TimeProgram = tuple[str, str, tuple[int, ...], tuple[Row, ...]]
+# (element, role, numbers of the rows that may bend sharply, rows; the last row is f). Of a place
+# there follow the rows of each scalar that it is in and those of the force along this.
+TimeProgram = tuple[Any, ...]
 
 _SUMS = frozenset({Op.ADD, Op.SUB, Op.NEG})
 _SMOOTH = frozenset({Op.CONST, Op.INPUT, Op.MUL, Op.SELECT, Op.FLOOR, *_SUMS, *LOGICAL})
@@ -26,29 +28,43 @@ _SMOOTH = frozenset({Op.CONST, Op.INPUT, Op.MUL, Op.SELECT, Op.FLOOR, *_SUMS, *L
 def time_programs(equations: Equations) -> tuple[TimeProgram, ...]:
     """The explicit functions of time that a run must look at."""
     programs: dict[TimeProgram, None] = {}
-    numbers = {p.name: k for k, p in enumerate(equations.parameters)}
     for function in equations.time_functions:
-        graph = Graph()
-        time = graph.input("t", 0, "t")
-        environment: dict[sympy.Expr, int] = {t: time}
-        for p in equations.parameters:
-            symbol = Parameter(p.name, real=True)
-            frozen = equations.scene.frozen
-            number = (
-                graph.constant(p.value) if frozen else graph.input("p", numbers[p.name], p.name)
-            )
-            environment[symbol] = number
-        with graph.serving(function.element):
-            root = Translator(graph, environment, ())(as_pieces(function.expression))
+        lowered = partial(_lowered, equations, function.element)
+        graph, root = lowered(function.expression, ())
         needed = sorted(dependencies(graph.values, [root]))
         watched = _watched(graph, needed)
         stepping = {Op.FLOOR} if function.role == "effect" else {Op.FLOOR, Op.LESS}
         if watched or any(graph.values[k].op in stepping for k in needed):
-            places = {number: place for place, number in enumerate(needed)}
-            rows = tuple(_row(graph, k, places) for k in needed)
-            program = function.element, function.role, tuple(places[k] for k in watched), rows
-            programs[program] = None
+            named = function.element, function.role, tuple(map(needed.index, watched))
+            along = (_rows(*lowered(e, None)) for pair in function.along for e in pair)
+            programs[(*named, _rows(graph, root), *along)] = None
     return tuple(programs)
+
+
+def _lowered(
+    equations: Equations, element: str, expression: sympy.Expr, switches: tuple[()] | None
+) -> tuple[Graph, int]:
+    """A graph of an expression's own and its value there; with None it may compare coordinates."""
+    graph, parameters = Graph(), equations.parameters
+    environment: dict[sympy.Expr, int] = {t: graph.input("t", 0, "t")}
+    for k, p in enumerate(parameters):
+        frozen = equations.scene.frozen
+        number = graph.constant(p.value) if frozen else graph.input("p", k, p.name)
+        environment[Parameter(p.name, real=True)] = number
+    if switches is None:
+        environment[SPEED] = graph.input("v", len(equations.coordinates), SPEED.name)
+        for k, q in enumerate(equations.coordinates):
+            environment[q] = graph.input("q", k, q.name)
+            environment[q.rate] = graph.input("v", k, q.rate.name)
+    with graph.serving(element):
+        return graph, Translator(graph, environment, switches)(as_pieces(expression))
+
+
+def _rows(graph: Graph, root: int) -> tuple[Row, ...]:
+    """The operations that a value takes, which is the last of them."""
+    needed = sorted(dependencies(graph.values, [root]))
+    places = {number: place for place, number in enumerate(needed)}
+    return tuple(_row(graph, k, places) for k in needed)
 
 
 def _watched(graph: Graph, needed: list[int]) -> list[int]:
@@ -95,7 +111,7 @@ def _row(graph: Graph, number: int, places: dict[int, int]) -> Row:
     value = graph.values[number]
     literal, args = value.literal, tuple(places[a] for a in value.args)
     if isinstance(literal, Input):
-        return ("t",) if literal.array == "t" else ("p", literal.slot)
+        return ("t",) if literal.array == "t" else (literal.array, literal.slot)
     if value.op is Op.CONST:
         return ("const", literal)
     if isinstance(literal, Lookup):

@@ -1,6 +1,8 @@
 """One explicit function of time, looked at part by part: its bounds, kinks, poles and crowds."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -23,16 +25,23 @@ _SEEN = 64  # measured: instants at which the typical value of a function is tak
 
 
 class FunctionArrays:
-    """A function as the arrays that `enclose` takes."""
+    """A function as the arrays that `enclose` takes.
 
-    def __init__(self, function: TimeFunction) -> None:
-        rows = function.rows
+    `begin` says where in p the values of leaves stand that are neither parameters nor the time.
+    """
+
+    def __init__(
+        self,
+        rows: tuple[tuple[Any, ...], ...],
+        watched: tuple[int, ...] = (),
+        begin: Mapping[str, int] = MappingProxyType({}),
+    ) -> None:
         self.code = np.zeros((len(rows), 4), np.int64)
         self.numbers = np.zeros(len(rows))
         knots: list[float] = []
         pieces: list[Sequence[float]] = []
         for k, (name, *args) in enumerate(rows):
-            self.code[k, 0] = OPERATIONS.index(name)
+            self.code[k, 0] = OPERATIONS.index("p" if name in begin else name)
             if name == "const":
                 self.numbers[k] = args[0]
             elif name == "table":
@@ -42,11 +51,17 @@ class FunctionArrays:
                 knots += places
                 pieces += [_derivative(row, order) for row in table] + [(0.0,) * 4]
             elif args:
-                self.code[k, 1 : 1 + len(args)] = args
+                self.code[k, 1 : 1 + len(args)] = np.add(args, begin.get(name, 0))
                 self.code[k, 1 + len(args) :] = args[0]
         self.knots = np.array(knots)
         self.pieces = np.array(pieces, dtype=np.float64).reshape(-1, 4)
-        self.watched = np.array(function.watched, dtype=np.int64)
+        self.watched = np.array(watched, dtype=np.int64)
+
+    def value(self, t: float, p: Vector) -> float:
+        """Its value at one instant; where it is undecided, one of its bounds."""
+        low, high, steps = np.zeros((3, len(self.code)))
+        enclose(self.code, self.numbers, p, self.knots, self.pieces, t, t, low, high, steps)
+        return float(low[-1])
 
 
 def _derivative(row: Sequence[float], order: int) -> Sequence[float]:
@@ -65,7 +80,7 @@ class FunctionScan:
         self.bounds = np.zeros(0)  # known and not yet given away, as are
         self.kinks: list[tuple[float, float]] = []
         self.crowd: tuple[float, float] | None = None
-        self._arrays = FunctionArrays(function)
+        self._arrays = FunctionArrays(function.rows, function.watched)
         self._marks = np.zeros((_MOST_MARKS, 2))
         self._kinds = np.zeros(_MOST_MARKS, np.int64)
         self._work = np.zeros((ROWS, len(self._arrays.code)))

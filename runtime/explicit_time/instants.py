@@ -27,7 +27,7 @@ class Kink(NamedTuple):
     function: int  # its number in the description
     # instant, s, from which on the function is steep, as it grows without bound; None: it does not
     steep: float | None
-    jump: float  # of a place whose rate acts; 0 where it has none
+    jumps: tuple[tuple[int, float], ...] = ()  # (function, by how much) of the places that jump
 
 
 class TimeInstants(NamedTuple):
@@ -65,18 +65,20 @@ def time_instants(
                 way += 0.5 * (high - low)
             # t0 and t1 themselves belong to the side that the kernels find there.
             before, after = max(middle - way, t0), min(middle + way, t1)
-            if after < t0 or before >= t1 or (after <= behind and behind > t0):
+            joined = bool(kinks) and before <= kinks[-1].after
+            if after < t0 or before >= t1 or (after <= behind and behind > t0 and not joined):
                 continue
             steep = scans[number].steep_from(middle, way) if before > t0 else None
-            jump = scans[number].jump(before, after) if before > t0 else 0.0
-            if kinks and before <= kinks[-1].after:
+            size = scans[number].jump(before, after) if before > t0 else 0.0
+            jumps = ((number, size),) if size > 0.0 else ()
+            if joined:
                 last = kinks[-1]
                 first = steep if last.steep is None else last.steep
-                owner = number if jump > last.jump else last.function
-                jump = max(jump, last.jump)
-                kinks[-1] = Kink(last.before, after, owner, first, jump)
+                jumps = (*last.jumps, *jumps)
+                after = max(after, last.after)
+                kinks[-1] = Kink(last.before, after, last.function, first, jumps)
             else:
-                kinks.append(Kink(max(before, behind), after, number, steep, jump))
+                kinks.append(Kink(max(before, behind), after, number, steep, jumps))
             behind = after
         crowds = [(*scan.crowd, k) for k, scan in enumerate(scans) if scan.crowd is not None]
         crowds = [crowd for crowd in crowds if crowd[0] <= end]

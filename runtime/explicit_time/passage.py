@@ -4,7 +4,7 @@ The kernels say it themselves: they are called on both sides of the instant, at 
 """
 
 from collections.abc import Iterator
-from itertools import chain, islice, product
+from itertools import chain, islice
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from runtime.core.array_types import Integers, Vector
 from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
 from runtime.explicit_time.function_scan import FAR, GROWTH
+from runtime.explicit_time.impulses_of_jumps import acts
 from runtime.explicit_time.instants import Kink, TimeInstants, time_instants
 from runtime.integrate.problem import Passage, Stops
 from runtime.mechanism.dense_equations import Equations
@@ -86,9 +87,12 @@ class Passages:
             return Passage()  # the run begins where a function has no value: others say so
         if ended := self._without_bound(kink, sides, q, v, modes):
             return ended
-        if kink.jump > _JUMP * self.size and self._rates_act(kink, q, v):
-            what = f"jumps by {kink.jump:.6g} at t = {kink.after:.9g} s, where its rate acts"
-            return self._end(kink, what, -1)
+        for number, jump in kink.jumps:
+            place = self.equations.description.time_functions[number]
+            least = _JUMP * self.size
+            if jump > least and acts(place, kink, q, v, self.equations.p, self.size):
+                what = f"jumps by {jump:.6g} at t = {kink.after:.9g} s, where its rate acts"
+                return self._end(kink._replace(function=number), what, -1)
         (phi, nu, gamma, *forces), (phi_after, nu_after, gamma_after, *forces_after) = sides
         apart, most = kink.after - kink.before, np.maximum
         jumps = np.abs(phi_after - phi) - 2.0 * apart * most(np.abs(nu), np.abs(nu_after))
@@ -153,25 +157,6 @@ class Passages:
         if equations.description.has_masses:
             values.append(equations.forces(t, q, v, modes))
         return values
-
-    def _rates_act(self, kink: Kink, q: Vector, v: Vector) -> bool:
-        """Whether forces on either side change with the velocities, as those of dampers do."""
-        equations = self.equations
-        if not equations.description.has_masses:
-            return False
-        for t in kink[:2]:
-            here = equations.forces(t, q, v, self._modes(t, q, v))
-            for k, way in product(range(len(v)), (-1.0, 1.0)):
-                other = v.copy()
-                other[k] += way * (self.size + abs(v[k]))
-                there = equations.forces(t, q, other, self._modes(t, q, other))
-                if not np.allclose(here, there, rtol=_JUMP, atol=0.0):
-                    return True
-        return False
-
-    def _modes(self, t: float, q: Vector, v: Vector) -> Integers:
-        """The modes that the signs of the switching functions ask for."""
-        return (self.equations.switching(t, q, v) > 0.0).astype(np.int64)
 
     def _without_bound(
         self, kink: Kink, sides: list[list[Vector]], q: Vector, v: Vector, modes: Integers

@@ -25,6 +25,7 @@ _FREE = 0.02  # measured: difference of the ratio of two flights in a row from t
 _SAME_BOUNCING = 10.0  # measured: next flights by which the ratio may err within one bouncing
 _STILL = 1e-12  # accuracy: of the rate before an impact; slower contacts after it stay closed
 _CLOCK = 8.0 * EPS  # accuracy: of the time; difference of instants that the clock cannot resolve
+_JUMP = 1e-6  # safety: of the largest |g|; a function further from zero at its crossing jumps
 
 
 @inner
@@ -134,8 +135,13 @@ def resolve_impact(context: Context, crossing: int, t: float) -> float:
 
 
 @inner
-def mark_surfaces(context: Context, t: float, h: float, crossing: int, impact: bool) -> None:
-    """Fill row BAND of the functions that are on their surface, and zero it for all others."""
+def mark_surfaces(
+    context: Context, t: float, h: float, crossing: int, impact: bool, jumped: bool
+) -> None:
+    """Fill row BAND of the functions that are on their surface, and zero it for all others.
+
+    A function `crossing` that `jumped` is on neither side near it.
+    """
     rigid, g, band, rates = context.rigid, context.now, context.band, context.rate_now
     for k in range(context[ft.SWITCHES]):
         # An impact may give a function in sliding mode a velocity off its surface.
@@ -143,7 +149,7 @@ def mark_surfaces(context: Context, t: float, h: float, crossing: int, impact: b
         largest = context.reserve[k] if slid else context.largest[k]
         surface = ON_SURFACE * largest
         touches = abs(g[k]) <= max(surface, _CLOCK * abs(t * context.r1[k]))
-        near = k == crossing or slid or touches
+        near = (k == crossing and not jumped) or slid or touches
         if rigid[k] >= 0 and context.modes[k] == 1 and k != crossing and not slid:
             # A contact that touches took part in this impact, or rests against the one that opens;
             # any other will have an impact of its own.
@@ -231,6 +237,14 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
     impact = context.rigid[crossing] >= 0 and modes[crossing] != SLIDING
     if impact:
         last = resolve_impact(context, crossing, t)
+    jumped = context.rigid[crossing] < 0 and modes[crossing] != SLIDING
+    if jumped:
+        evaluate_now(context, t)
+        jumped = abs(context.now[crossing]) > _JUMP * context.largest[crossing]
+    if jumped:
+        # It passes no zero, as the rate of a length where this vanishes.
+        modes[crossing] = 1 - modes[crossing]
+        consistency.count_sliding(context, modes)
     set_preferences(context)
     if impact:
         approach, mode = context.struck[crossing], int(modes[crossing])
@@ -246,7 +260,7 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
                 prefer_release(context, t, crossing)
         prefer_released(context, crossing, t)
         evaluate_now(context, t)
-    mark_surfaces(context, t, h, crossing, impact)
+    mark_surfaces(context, t, h, crossing, impact, jumped)
     ahead = min(LOOK_AHEAD * h, 0.1 * r.flight)
     r.blamed = ft.select_modes_of(context)(context, crossing, t, ahead, ws.Y1)
     logged, at = 0, r.logged_events

@@ -1,5 +1,6 @@
 """The tables of a generated module, typed: the only place that knows its layout."""
 
+from collections.abc import Iterator
 from types import ModuleType
 from typing import Any, NamedTuple, get_args, get_origin
 
@@ -165,12 +166,19 @@ def describe(module: ModuleType) -> Description:
     for name in ("stiction", "shares"):
         literals[name] = tuple(switch for _, switch in literals.get(name, ()))
     literals["time_functions"] = tuple(
-        TimeFunction(name, role, watched, tuple(_row_with_table(module, row) for row in rows))
-        for name, role, watched, rows in literals.get("time_functions", ())
+        TimeFunction(*function[:3], *_programs_with_tables(module, function[3:]))
+        for function in literals.get("time_functions", ())
     )
     return Description(
         **literals, has_masses=hasattr(module, "mass"), kernels=frozenset(vars(module))
     )
+
+
+def _programs_with_tables(module: ModuleType, programs: tuple[Any, ...]) -> Iterator[Any]:
+    """The rows of an explicit function of time, and those of what it moves, two and two."""
+    first, *others = (tuple(_row_with_table(module, row) for row in rows) for rows in programs)
+    yield first
+    yield tuple(zip(others[::2], others[1::2], strict=True))
 
 
 def _row_with_table(module: ModuleType, row: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -177,6 +177,9 @@ class TimeFunction(NamedTuple):
     role: str  # "law", "effect", or "place": where a rate belongs to it, which a jump has not
     watched: tuple[int, ...]  # rows that may bend sharply
     rows: tuple[tuple[Any, ...], ...]
+    # of a place: (s, f) of the scalars that it is in and the forces along these, rows that begin
+    # with ("q", slot) and ("v", slot), the last of these ds/dt, too
+    along: tuple[tuple[tuple[Any, ...], tuple[Any, ...]], ...] = ()
 
     @property
     def title(self) -> str:

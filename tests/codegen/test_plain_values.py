@@ -2,6 +2,7 @@
 
 import math
 import time
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import sympy
 
 from codegen import Model
 from codegen.declare.units import known_unit, pint_form
-from codegen.plain_values import InvalidName, genuine, one_line, shown
+from codegen.plain_values import InvalidName, genuine, one_line, plain_float, shown
 from codegen.real_range import unreal_part
 
 
@@ -122,3 +123,11 @@ def test_a_value_whose_text_ends_all_is_shown_by_its_class() -> None:
             raise End
 
     assert shown(Silent()) == one_line(Silent()) == "a Silent"
+
+
+@pytest.mark.parametrize("zero", [0.0, -0.0, sympy.Float(0.0), sympy.S.Zero, Decimal("0.00")])
+def test_zero_is_a_number(zero: Any) -> None:
+    """SymPy's `Float(0.0)` is not equal to 0."""
+    assert plain_float(zero) == 0.0
+    expression = sympy.Piecewise((sympy.Float(0.0), sympy.Symbol("x") < 1), (1.0, True))
+    assert unreal_part(expression) is None

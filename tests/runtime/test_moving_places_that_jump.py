@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from sympy import Expr, Heaviside, Max, Mod, Piecewise, cos, floor, sqrt
+from sympy import Expr, Heaviside, Max, Mod, Piecewise, cos, floor, sqrt, tanh
 
 from codegen import Model, ModelError, t
 from runtime import load
@@ -107,3 +107,68 @@ def test_dampers_that_rest_or_lie_across_are_seen(workshop: Path, kind: str) -> 
     across = () if kind == "one-sided" else (block.y, block.vy)
     model.scene("run", ["link"], start=dict.fromkeys((block.x, block.vx, *across), 0.0))
     assert load(model, "run", folder=workshop).simulate(1.5).outcome is Outcome.DISCONTINUOUS
+
+
+@pytest.mark.parametrize(
+    ("kind", "right"), [("elsewhere", -0.1 * 1.5), ("one way", 0.0), ("bounded", None)]
+)
+def test_only_the_force_along_the_place_that_jumps_counts(
+    workshop: Path, kind: str, right: float | None
+) -> None:
+    """A damper elsewhere, one that the jump slackens, and a force that has a bound."""
+    model = Model(f"jump_beside_{kind.replace(' ', '_')}")
+    block = model.particle("block", mass=1.0)
+    model.absolute("guide", block, "y", 0.0)
+    speed = -0.1 if kind == "elsewhere" else 0.0
+    if kind == "elsewhere":
+        gap = block.x - Piecewise((-1.0, t < 1), (-100.0, True))
+        model.contact("link", gap=gap, stiffness=1e3, damping=2.0)
+        model.force("drag", block, fx=-0.1 * (block.vx - speed))
+    else:
+        end = model.ground.at(Piecewise((-1.0, t < 1), (-0.9, True)), 0)
+        laws = {
+            "one way": lambda _, v: Piecewise((20 * v, v > 0), (0, True)),
+            "bounded": lambda s, v: s - 1 + tanh(10 * v),
+        }
+        model.spring("link", end, block, force=laws[kind])
+    drag = ["drag"] if kind == "elsewhere" else []
+    model.scene("run", ["link", *drag], start={block.x: 0.0, block.vx: speed})
+    result = load(model, "run", folder=workshop).simulate(1.5)
+    assert result.outcome is Outcome.OK
+    if right is not None:
+        assert result.q("block.x")[-1] == pytest.approx(right, abs=1e-9)
+    else:
+        assert result.v("block.x")[-1] > 1e-3  # the spring of 1 N/m pushes from then on
+
+
+@pytest.mark.parametrize("may_pull", [False, True])
+def test_a_floor_that_is_taken_away(workshop: Path, may_pull: bool) -> None:
+    """A damper that cannot pull lets the block fall; one that can would draw it along."""
+    model = Model(f"floor_taken_away_{may_pull}")
+    block = model.particle("block", mass=1.0)
+    model.absolute("guide", block, "x", 0.0)
+    model.gravity("weight", (0, -10))
+    gap = block.y - Piecewise((0.0, t < 1), (-1.0, True))
+    model.contact("floor", gap=gap, stiffness=1e3, damping=20.0, may_pull=may_pull)
+    model.scene("run", ["weight", "floor"], start={block.y: -0.01, block.vy: 0.0})
+    result = load(model, "run", folder=workshop).simulate(1.25)
+    if may_pull:
+        assert result.outcome is Outcome.DISCONTINUOUS
+        assert "in 'floor' jumps by 1 at t = 1 s, where its rate acts" in result.message
+    else:
+        assert result.outcome is Outcome.OK
+        assert result.q("block.y")[-1] == pytest.approx(-0.01 - 10 * 0.25**2 / 2, abs=1e-7)
+
+
+def test_every_place_that_jumps_at_an_instant_is_judged(workshop: Path) -> None:
+    model = Model("two_places_that_jump")
+    block = model.particle("block", mass=1.0)
+    model.absolute("guide", block, "y", 0.0)
+    gap = block.x - Piecewise((-1.0, t < 1), (-100.0, True))
+    model.contact("open", gap=gap, stiffness=1e3, damping=2.0)
+    end = model.ground.at(Piecewise((-1.0, t < 1), (-1.1, True)), 0)
+    model.spring("link", end, block, damping=2.0)
+    model.scene("run", ["open", "link"], start={block.x: 0.0, block.vx: 0.0})
+    result = load(model, "run", folder=workshop).simulate(1.5)
+    assert result.outcome is Outcome.DISCONTINUOUS
+    assert "in 'link' jumps by 0.1 at t = 1 s, where its rate acts" in result.message

@@ -163,7 +163,7 @@ def test_bounds_hold_every_value(data: st.DataObject) -> None:
     t1 = t0 + data.draw(st.floats(0, 2))
     value = sp.lambdify(t, f, "math")
     for function in functions(f, law=True):
-        code = FunctionArrays(function)
+        code = FunctionArrays(function.rows)
         low, high, steps = np.zeros((3, len(code.code)))
         arrays = code.code, code.numbers, np.zeros(0), code.knots, code.pieces
         enclose(*arrays, t0, t1, low, high, steps)
