@@ -7,10 +7,10 @@ pivots of Φ_q M⁻¹ Φ_qᵀ say nothing of rank.
 """
 
 import math
-from itertools import chain
 
 from codegen.declare.symbols import Parameter
 from codegen.derive.inertia import neutral
+from codegen.errors import ModelError
 from codegen.lower.constant_hoisting import WEAK_PIVOT
 from codegen.lower.interpreter import evaluate
 from codegen.lower.program import Kernel, Output, Program
@@ -27,7 +27,8 @@ _POSES = 5  # safety: poses in which arms are looked at; one in which all of the
 def inverse_mass_ratio(scene: SceneGraph) -> float:
     """Largest ratio of two mobilities in a row of Φ_q, of two masses, or of two inertias.
 
-    With the parameters as declared, at lengths of 0 and several angles.
+    With the parameters as declared, at lengths of 0 and several angles. Raises ModelError where no
+    float holds it.
     """
     inertia = _inertias(scene)
     if not inertia:
@@ -37,13 +38,23 @@ def inverse_mass_ratio(scene: SceneGraph) -> float:
     for k, size in inertia.items():
         groups.setdefault(coordinates[k].unit, []).append(size)
     lengths = {k for k, q in enumerate(coordinates) if q.unit == "m"}
-    rows = _felt_slopes(scene, lengths)
-    felt = ([s**2 / inertia[k] for k, s in row.items() if k in inertia] for row in rows)
-    every = (group for group in chain(felt, groups.values()) if group)
-    return max(max(group) / min(group) for group in every)
+    ratios = [max(group) / min(group) for group in groups.values()]
+    for i, row in _felt_slopes(scene, lengths).items():
+        try:
+            felt = [s**2 / inertia[k] for k, s in row.items() if k in inertia]
+            ratios.append(max(felt) / min(felt) if felt else 1.0)
+        except ArithmeticError:  # beyond the largest float, or nearer to 0 than the smallest
+            ratios.append(math.inf)
+        if not math.isfinite(ratios[-1]):
+            raise ModelError(
+                f"joint or driver '{scene.rows[i]}': masses and moments of inertia at its arms, "
+                f"from {min(row.values()):.3g} to {max(row.values()):.3g} m, lie more than 1e308 "
+                "times apart; give kg, kg m^2 and m of one machine."
+            )
+    return max(ratios)
 
 
-def _felt_slopes(scene: SceneGraph, lengths: set[int]) -> list[dict[int, float]]:
+def _felt_slopes(scene: SceneGraph, lengths: set[int]) -> dict[int, dict[int, float]]:
     """Row by row the largest |Φ_ik| of all poses, beside those of lengths, without rounding."""
     found: dict[int, dict[int, float]] = {}
     for entries in map(_Slopes(scene).at, range(_POSES)):
@@ -51,15 +62,15 @@ def _felt_slopes(scene: SceneGraph, lengths: set[int]) -> list[dict[int, float]]
             if math.isfinite(slope) and slope != 0.0:
                 row = found.setdefault(i, {})
                 row[k] = max(row.get(k, 0.0), abs(slope))
-    rows = []
-    for row in found.values():
+    for i, row in found.items():
         unit = max((s for k, s in row.items() if k in lengths), default=max(row.values()))
-        rows.append({k: s / unit for k, s in row.items()})
-    arms = max((s for row in rows for k, s in row.items() if k not in lengths), default=0.0)
-    return [
-        {k: s for k, s in row.items() if s > _NEGLIGIBLE * (1.0 if k in lengths else arms)}
-        for row in rows
-    ]
+        found[i] = {k: s / unit for k, s in row.items()}
+    of_angles = (s for row in found.values() for k, s in row.items() if k not in lengths)
+    least = dict.fromkeys(lengths, _NEGLIGIBLE)
+    other = _NEGLIGIBLE * max(of_angles, default=0.0)
+    return {
+        i: {k: s for k, s in row.items() if s > least.get(k, other)} for i, row in found.items()
+    }
 
 
 def weak_pivot(spread: float) -> float:

@@ -10,6 +10,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from codegen import Model
+from codegen.errors import ModelError
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.accelerations import dynamics_kernel
@@ -139,3 +141,11 @@ def test_only_masses_far_apart_are_refined(root: Path) -> None:
         ]
         assert counts[1] < counts[2]
         assert (counts[0] - counts[1] > 0.5 * (counts[2] - counts[1])) == expected
+
+
+@pytest.mark.parametrize("arm", [7e199, 1e160, 1e-200])
+def test_arms_that_no_ratio_of_floats_holds_are_refused_with_their_joint(arm: float) -> None:
+    model = Model("m")
+    model.revolute("mine", model.ground.at(0, 0), model.body("a", 1, 1).at(arm, 0))
+    with pytest.raises(ModelError, match=r"'mine_[xy]': masses and moments of inertia at its arms"):
+        Interpreted(model)
