@@ -6,10 +6,11 @@ import numpy as np
 
 from runtime.core import array_types as arrays
 from runtime.core import kernel_abi as abi
-from runtime.core.array_types import IntegerMatrix, Matrix, Vector, integers, none, vector
+from runtime.core.array_types import IntegerMatrix, Matrix, Vector, integers, matrix, none, vector
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.modes_and_event_kinds import MIXED, OPEN, SLIDING
 from runtime.linalg.vectors import largest_magnitude
+from runtime.mechanism.dense_equations import KEPT
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.samples import Samples
 
@@ -45,25 +46,46 @@ def _evaluate(
         s.energy[k, 1] = abi.potential_of(kernels)(t, q, p, mode)
 
 
-@compiled(none(ADDRESSES, SAMPLES, vector, vector, vector, integers))
-def _find_modes(kernels: Any, s: Any, p: Any, g: Any, rate: Any, at_zero: Any) -> None:
+@compiled(none(ADDRESSES, SAMPLES, vector, matrix, matrix, integers))
+def _find_modes(kernels: Any, s: Any, p: Any, bands: Any, work: Any, at_zero: Any) -> None:
+    g, rate = work[0], work[1]
     for k in range(len(s.t)):
         t, q, v, modes = s.t[k], s.q[k], s.v[k], s.modes[k]
         abi.switching_of(kernels)(t, q, v, p, g)
         boundary = False
         for i in range(len(g)):
             modes[i] = 1 if g[i] > 0.0 else 0
-            boundary = boundary or g[i] == 0.0
+            boundary = boundary or abs(g[i]) <= bands[0, i]
         if boundary:
             abi.accelerations_of(kernels)(t, q, v, p, modes, s.a[k], s.lam[k])
             abi.switching_rates_of(kernels)(t, q, v, s.a[k], p, rate)
             for i in range(len(g)):
                 if g[i] == 0.0 and at_zero[i] == MIXED:
                     modes[i] = SLIDING
-                elif g[i] == 0.0 and rate[i] > 0.0 and at_zero[i] != OPEN:
+                elif g[i] == 0.0 and rate[i] > bands[1, i] and at_zero[i] != OPEN:
                     modes[i] = 1  # g > 0 does not hold yet
-                elif g[i] == 0.0 and rate[i] == 0.0:
-                    modes[i] = at_zero[i]  # 2: the mean of both sides
+                elif abs(g[i]) <= bands[0, i] and abs(rate[i]) <= bands[1, i]:
+                    modes[i] = min(at_zero[i], SLIDING)  # 2: the mean of both sides, or mixed
+
+
+def _find_bands(mechanism: Mechanism, p: Vector, samples: Samples) -> Matrix:
+    """Of g and dg/dt, (2, s): joints and drivers keep both at zero so closely where they do."""
+    rates, n, s = mechanism.kernels.switching_rates, samples.q.shape[1], samples.modes.shape[1]
+    size, speed = np.abs(samples.q).max(axis=0), np.abs(samples.v).max(axis=0)
+
+    def rates_at(v: Vector, a: Vector) -> Vector:
+        out = np.zeros(s)
+        rates(samples.t[0], samples.q[0], v, a, p, out)
+        return out
+
+    still = np.zeros(n)
+    rest, spread = rates_at(still, still), np.zeros(s)
+    for by_position, by_velocity in zip(np.diag(size), np.diag(speed), strict=True):
+        spread += np.abs(rates_at(by_position, still) - rest)
+        spread += np.abs(rates_at(still, by_velocity) - rest)
+    per_second = float((speed[size > 0.0] / size[size > 0.0]).max(initial=0.0))
+    bands: Matrix = KEPT * np.nan_to_num(np.outer([1.0, per_second], spread))
+    return bands
 
 
 def evaluate(
@@ -84,7 +106,8 @@ def evaluate(
     states, share = np.ascontiguousarray(given, dtype=np.int64), np.full((count, s), np.nan)
     samples = Samples(t, q, v, a, lam, reaction, power, energy, residual, states, share)
     if modes is None and s:
-        _find_modes(kernels, samples, p, np.zeros(s), np.zeros(s), description.boundaries)
+        bands = _find_bands(mechanism, p, samples)
+        _find_modes(kernels, samples, p, bands, np.zeros((2, s)), description.boundaries)
     plain = np.where(samples.modes == SLIDING, 0, samples.modes)
     plain[:, [contact.switch for contact in description.rigid]] = 1
     rows, columns = description.jacobian_rows, description.jacobian_columns

@@ -240,7 +240,12 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
     jumped = context.rigid[crossing] < 0 and modes[crossing] != SLIDING
     if jumped:
         evaluate_now(context, t)
-        jumped = abs(context.now[crossing]) > _JUMP * context.largest[crossing]
+        now = context.now[crossing]
+        jumped = not abs(now) <= _JUMP * context.largest[crossing]  # nor a number, as beyond a root
+        before = now > 0.0 if modes[crossing] != 0 else now < 0.0
+        if jumped and before and r.length > 0.0:
+            r.blamed = consistency.CONSISTENT
+            return 0  # before its pole, or before it jumps: the next step begins there
     if jumped:
         # It passes no zero, as the rate of a length where this vanishes.
         modes[crossing] = 1 - modes[crossing]

@@ -21,6 +21,7 @@ _ROUNDING = 1e-9  # accuracy: of the longest length known; a length below this p
 _FAR = 1e3  # safety: scaled slopes above this, or all below its inverse, measure their row
 # safety: of the longest arm in other poses; arms that all fall below it vanish in the one at hand
 _VANISHED = 1e-3
+KEPT = 1e-13  # accuracy: of a function's size; joints that keep it at zero keep it so closely
 
 
 class Equations:
@@ -31,6 +32,7 @@ class Equations:
         self.kernels, self.table = mechanism.kernels, mechanism.kernel_table
         self.independent = np.array(mechanism.independent, dtype=np.int64)
         self.boundaries = self.description.boundaries
+        self.bands = np.zeros(len(self.boundaries))  # of g about zero, see `widen_bands`
         self.n, self.m = len(self.description.coordinates), len(self.description.constraints)
 
     def scaled(self, scale: FloatArray, independent: IntArray) -> ScaledConstraints:
@@ -111,8 +113,22 @@ class Equations:
         That is 2 of a balanced one, and of mixed ones, which kernels know at rest.
         """
         g = self.switching(t, q, np.zeros(self.n))
-        modes: IntArray = np.where(g == 0.0, np.minimum(self.boundaries, SLIDING), g > 0.0)
+        modes: IntArray = np.where(
+            np.abs(g) <= self.bands, np.minimum(self.boundaries, SLIDING), g > 0.0
+        )
         return modes.astype(np.int64)
+
+    def widen_bands(self, t: float, q: FloatArray, scale: FloatArray) -> None:
+        """Let functions be zero at rest that joints keep at zero to rounding, near q.
+
+        It is a part of what they change by when all coordinates change by `scale`.
+        """
+        if self.m == 0 or len(self.bands) == 0:
+            return
+        rates, count, still = self.kernels.switching_rates, len(self.bands), np.zeros(self.n)
+        rest = _filled(count, rates, t, q, still, still, self.p)
+        slopes = [_filled(count, rates, t, q, v, still, self.p) - rest for v in np.diag(scale)]
+        self.bands = KEPT * np.nan_to_num(np.abs(slopes)).sum(axis=0)
 
     def switching(self, t: float, q: FloatArray, v: FloatArray) -> FloatArray:
         """g, shape (s,)."""

@@ -108,6 +108,7 @@ def equilibrium(
     equations = Equations(mechanism, p)
     _require_finite(equations, float(t), start.q)
     statics = StaticEquations(equations, float(t), equations.scale(equations.size(t, start.q)))
+    equations.widen_bands(float(t), start.q, statics.scale)
     position, end, stats = _search(method, statics, start.q, progress)
     ran = [] if position.balanced else _runaways(statics, start.q, end)
     if ran:

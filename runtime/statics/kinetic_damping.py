@@ -40,7 +40,7 @@ RECORD = np.dtype([(name, float) for name in _FLOATS] + [("peaks", np.int64), ("
 
 # Rows of `work`, (13, n): four accelerations; q and v at the stages in turn; dq, dv; zeros.
 _WORKSPACE = {
-    **dict.fromkeys(("p", "scale", "weights", "q", "v", "lam", "g"), vector),
+    **dict.fromkeys(("p", "scale", "weights", "q", "v", "lam", "g", "bands"), vector),
     **dict.fromkeys(("modes", "at_zero"), integers),
     "work": matrix,
 }
@@ -95,6 +95,7 @@ def count_changed_modes(kernels: Any, s: Any, t: float, q: Any) -> int:
     switching_of(kernels)(t, q, still, s.p, s.g)
     changed = 0
     for i in range(s.g.size):
+        s.g[i] = 0.0 if abs(s.g[i]) <= s.bands[i] else s.g[i]
         changed += 1 if mode_at_rest(s.g[i], s.at_zero[i]) != s.modes[i] else 0
     return changed
 
@@ -176,7 +177,7 @@ def settle_down(
     state = Workspace(
         p=equations.p, scale=scale, weights=scale * scale, q=q.copy(),
         v=np.ascontiguousarray(1e-3 * statics.motions(q, part) @ push), lam=np.zeros(equations.m),
-        g=np.zeros(len(modes)), modes=modes,
+        g=np.zeros(len(modes)), bands=equations.bands, modes=modes,
         at_zero=equations.boundaries, work=np.zeros((13, n)),
     )  # fmt: skip
     record = np.rec.array(np.zeros(1, RECORD))[0]

@@ -131,10 +131,10 @@ class Dense:
         right = [np.append(force, gamma if k == 0 else 0.0 * gamma)
                  for k, force in enumerate(columns)]  # fmt: skip
         solved = _solved(matrix, np.array(right).T * scale[:, None]) * scale[:, None]
-        normals = np.zeros(len(rubs))
+        normals, joints = np.zeros(len(rubs)), {rub.joint for rub in rubs}
         for _ in range(ROUNDS):
             x = solved[:, 0] + solved[:, 1:] @ normals
-            loads = {r.joint: self._reaction(e, r.joint, x[self.n :]) for r in rubs}
+            loads = {name: self._reaction(e, name, x[self.n :]) for name in joints}
             pressing = np.array([normal_force(rub, loads[rub.joint]) for rub in rubs])
             settled = np.all(np.abs(pressing - normals) <= 1e-15 * np.abs(pressing))
             normals = pressing

@@ -100,10 +100,14 @@ class Derivatives:
 
 def derivatives(s: Jet, n: int) -> Derivatives:
     """The derivatives that a jet made of `variables` holds."""
-    entries = np.broadcast_to(np.asarray(s.c0, complex), n + 2)
-    slopes = entries.imag / STEP
+    value = s.c0 if _is_array(s.c0) else np.full(n + 2, s.c0, complex)
+    slopes = value.imag / STEP
 
     def last(x: Any) -> float:
-        return float(np.real(np.atleast_1d(x)[-1]))
+        return float((x[-1] if _is_array(x) else x).real)
 
-    return Derivatives(last(entries), slopes[:n], float(slopes[n]), last(s.c1), 2.0 * last(s.c2))
+    return Derivatives(last(value), slopes[:n], float(slopes[n]), last(s.c1), 2.0 * last(s.c2))
+
+
+def _is_array(x: Any) -> bool:
+    return isinstance(x, np.ndarray) and x.ndim > 0

@@ -28,6 +28,7 @@ def test_sticking_and_impacts_agree_with_the_dense_motion(request: pytest.Fixtur
     assert verdict.motion < MOTION
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [11, 16])
 def test_friction_beside_one_that_sticks_is_on_its_law(
     seed: int, request: pytest.FixtureRequest

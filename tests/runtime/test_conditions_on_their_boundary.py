@@ -213,22 +213,6 @@ def test_a_restoring_force_that_jumps_has_its_rest_in_the_middle(workshop: Path)
     assert_allclose(run.events[0].time, 0.2, rtol=1e-9)
 
 
-def test_inverse_dynamics_and_equilibrium_agree(workshop: Path) -> None:
-    model = Model("analyses")
-    bead = model.particle("bead", mass=1.0)
-    model.absolute("rail", bead, "y", 0)
-    model.driver("drive", bead.x, t)
-    model.force("push", bead, fx=2.0, when=bead.y >= 0)
-    model.force("pull", bead, fx=8 * Heaviside(bead.y))
-    model.spring("back", model.ground.at(-1, 0), bead, 4.0, free_length=0.5)
-    model.scene("driven", effects=["push", "pull"], drivers=["drive"])
-    model.scene("hung", effects=["push", "back"])
-    run = load(model, "driven", folder=workshop).inverse_dynamics([0.0, 0.5])
-    assert_allclose(run.reaction("drive", "fx"), -6.0)
-    rest = load(model, "hung", folder=workshop).equilibrium()
-    assert_allclose(rest.q("bead.x")[-1], 0.0, atol=1e-8)
-
-
 @pytest.mark.parametrize("condition", [t > 0, t >= 0, t < 0, t <= 0])
 def test_all_analyses_agree_on_the_first_instant(workshop: Path, condition: Any) -> None:
     names = {t > 0: "after", t >= 0: "from", t < 0: "before", t <= 0: "until"}
@@ -248,52 +232,6 @@ def test_all_analyses_agree_on_the_first_instant(workshop: Path, condition: Any)
     assert_allclose(driven.reaction("drive", "fx"), -run.a("free.x"))
     assert_allclose(run.reaction("drive", "fx"), -run.a("free.x"))
     assert run.a("free.x")[1] == (2.0 if names[condition] in {"after", "from"} else 0.0)
-
-
-def test_equilibrium_has_the_mean_of_both_sides(workshop: Path) -> None:
-    """On y = 0 the sign is 0 and Heaviside's function 1/2: springs alone hold x and z."""
-    model = Model("balanced")
-    bead, other = model.particle("bead", mass=1.0), model.particle("other", mass=1.0)
-    for p in (bead, other):
-        model.absolute(f"rail_{p.name}", p, "y", 0)
-        model.spring(f"back_{p.name}", model.ground.at(-1, 0), p, 4.0, free_length=1.0)
-    model.force("side", bead, fx=5 * sign(bead.y))
-    model.force("half", other, fx=8 * Heaviside(other.y))
-    rest = load(model, folder=workshop).equilibrium()
-    assert_allclose(rest.q("bead.x")[-1], 0.0, atol=1e-8)
-    assert_allclose(rest.q("other.x")[-1], 1.0, rtol=1e-7)
-
-
-@pytest.mark.parametrize("method", ["energy", "settling"])
-def test_conditions_of_different_kinds_on_a_velocity_are_as_written_at_rest(
-    workshop: Path, method: Any
-) -> None:
-    """At v = 0 sign is 0 and neither v > 0 nor v < 0 holds: the springs alone hold both beads."""
-    model = Model(f"kinds_at_rest_{method}")
-    bead, other = model.particle("bead", mass=1.0), model.particle("other", mass=1.0)
-    for p in (bead, other):
-        model.absolute(f"rail_{p.name}", p, "y", 0)
-        model.spring(f"back_{p.name}", model.ground.at(-1, 0), p, 10.0, free_length=1.0)
-    model.force("rub", bead, fx=-5 * sign(bead.vx))
-    model.force("assist", bead, fx=2.0, when=bead.vx > 0)
-    model.force("forth", other, fx=2.0, when=other.vx > 0)
-    model.force("back", other, fx=-1.0, when=other.vx < 0)
-    model.force("steady", other, fx=3.0, when=other.vx >= 0)
-    machine = load(model, folder=workshop)
-    rest = machine.equilibrium(method=method)
-    assert rest.outcome is Outcome.OK
-    assert_allclose(rest.q("bead.x")[-1], 0.0, atol=1e-8)
-    assert_allclose(rest.q("other.x")[-1], 0.3, rtol=1e-7)
-
-
-def test_inverse_dynamics_at_a_turning_point_has_each_condition_as_written(workshop: Path) -> None:
-    model = Model("turns")
-    bead = model.particle("bead", mass=1.0)
-    model.absolute("rail", bead, "y", 0)
-    model.driver("drive", bead.x, 0.1 * t**2)
-    model.force("F", bead, fx=-5 * sign(bead.vx) + 2 * holds(bead.vx > 0) + 7 * holds(bead.vx >= 0))
-    run = load(model, folder=workshop).inverse_dynamics([0.0, 0.5], progress=False)
-    assert_allclose(run.reaction("drive", "fx"), [0.2 - 7.0, 0.2 - 4.0])
 
 
 @pytest.mark.parametrize("forward", [True, False])

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sympy import Piecewise
+from sympy import Abs, Piecewise, sqrt
 
 from codegen import Model, t
 from runtime import load
@@ -74,3 +74,17 @@ def test_an_end_that_moves_fast_in_a_piece_of_time_is_seen(workshop: Path) -> No
     pulled = 1 - exp(-0.02)  # of the speed of the end
     moved = -100 * (0.001 - pulled / 20) - 100 * pulled * 0.499
     assert run.q("block.x")[-1] == pytest.approx(moved, abs=1e-7)
+
+
+@pytest.mark.parametrize("method", ["dop853", "bdf"])
+def test_a_quantity_that_has_a_number_on_one_side_alone(workshop: Path, method: str) -> None:
+    """Pieces of |x - 1.3| make conditions of a root, which has none before."""
+    model = Model("pushed_by_a_root")
+    block = model.particle("block", mass=1.0)
+    model.absolute("guide", block, "y", 0.0)
+    beyond = block.x - 1.3
+    model.force("push", block, fx=0.7, when=beyond / sqrt(Abs(beyond)) > 0)
+    model.scene("s", ["push"], start={block.x: 0.0, block.vx: 1.0})
+    run = load(model, "s", folder=workshop).simulate(4.0, method=method, progress=False)
+    assert run.outcome is Outcome.OK
+    assert run.q("block.x")[-1] == pytest.approx(4.0 + 0.7 * 2.7**2 / 2, abs=1e-7)
