@@ -18,6 +18,7 @@ from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
 
 from codegen.numba_cache import checked_caches
+from codegen.termination_signals import SignalDeferral
 
 _numba: Any = numba  # its types are for its own use
 _types: Any = types
@@ -66,7 +67,8 @@ class KernelWithoutEntries(_Dispatcher):  # type: ignore[misc]
     @cached_property
     def _entry_from_c(self) -> Any:
         (result,) = self.overloads.values()
-        return _numba.cfunc(result.signature, error_model="numpy")(self.py_func)
+        with SignalDeferral(in_commands=False):  # LLVM would lose an interrupt
+            return _numba.cfunc(result.signature, error_model="numpy")(self.py_func)
 
 
 @cache

@@ -192,7 +192,7 @@ def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
     if run.outcome is Outcome.OK:
         return (
             f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps."
-            f"{_methods_note(run)}{_crossings_note(mechanism, run)}{run.note}"
+            f"{_methods_note(run)}{_crossings_note(mechanism, run)}{' ' if run.note else ''}{run.note}"
         )
     description = mechanism.description
     where = ""

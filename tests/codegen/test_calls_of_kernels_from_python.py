@@ -1,5 +1,6 @@
 """Kernels have no entries from Python and from C of their own, and are called as if they had."""
 
+import signal
 from pathlib import Path
 from types import ModuleType
 
@@ -103,6 +104,22 @@ def test_compiled_code_calls_them_by_name_and_as_values(module: ModuleType) -> N
     kind = types.FunctionType(f8(vector, f8))
     as_value = numba.njit(f8(kind, vector))(lambda kernel, p: kernel(p, 1.0))
     assert as_value(number, p) == 9.0
+
+
+def test_an_interrupt_waits_for_the_entry_from_c(
+    module: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compiled = []
+
+    def interrupted(*arguments: object, **options: object) -> object:
+        signal.raise_signal(signal.SIGINT)
+        compiled.append(arguments)
+        return lambda _: None
+
+    monkeypatch.setattr(numba, "cfunc", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        module.number.__wrapper_address__()
+    assert compiled
 
 
 def test_a_module_without_options_is_left_alone(tmp_path: Path) -> None:
