@@ -75,6 +75,7 @@ def test_kernels_of_one_signature_are_told_apart(tmp_path: Path, module: ModuleT
     [
         (np.zeros(4)[::2], 1.0),
         (np.zeros(2, np.int64), 1.0),
+        (np.ones(2, ">f8"), 1.0),
         (np.broadcast_to(0.0, 1), 1.0),
         (np.zeros((2, 2)), 1.0),
         (np.zeros(2),),
@@ -90,6 +91,7 @@ def test_other_arguments_are_refused(module: ModuleType, arguments: tuple[object
     assert module.nothing(0.0, np.ones(2), np.zeros(1, np.int64)) is None
     with pytest.raises(TypeError):
         module.number(*arguments)
+    assert module.number(np.ones(2), 1) == 1.0
 
 
 def test_what_has_no_signature_is_not_called(module: ModuleType) -> None:
