@@ -119,6 +119,12 @@ def unreal_part(expression: sympy.Basic) -> tuple[sympy.Basic, str] | None:
     return None
 
 
+def evaluated(number: sympy.Expr, digits: int = 25, most: int = 100) -> sympy.Expr:
+    """A number in floating point; a sum of which SymPy finds no digit within `most` is 0."""
+    value = number.evalf(digits, maxn=most)
+    return sympy.S.Zero if value.is_Float and value._prec == 1 else value
+
+
 def sympy_float(value: sympy.Basic) -> float:
     """The number that an expression of SymPy is; it may be infinite or nan."""
     if not isinstance(value, sympy.Expr) or value.is_Matrix:
@@ -130,13 +136,13 @@ def sympy_float(value: sympy.Basic) -> float:
     if found := unreal_part(value):  # also what is too large to be evaluated
         raise KindError(f"it {found[1]}")
     try:
-        exact = value.evalf(17, maxn=400)
+        exact = evaluated(value, 17, 400)
         both = complex(exact)
     except FAILURES as error:  # of a number that is not to be told from another one
         raise KindError(f"SymPy cannot evaluate it: {type(error).__name__}") from error
     if both.imag:
         raise KindError("it is not real")
-    if both == 0 and not exact.is_zero and exact._prec > 1:  # with one bit it is a sum that is 0
+    if both == 0 and not exact.is_zero:
         raise KindError(f"it is {TINY}")
     return both.real
 
@@ -144,7 +150,7 @@ def sympy_float(value: sympy.Basic) -> float:
 @lru_cache(maxsize=4096)
 def constant_value(number: sympy.Expr) -> float:
     """The float that an expression without symbols is; an error of SymPy's where it is none."""
-    return float(number.evalf(25))
+    return float(evaluated(number))
 
 
 def maximal_numbers(expression: sympy.Basic) -> list[sympy.Expr]:
@@ -185,7 +191,7 @@ def with_short_numbers(expression: sympy.Expr) -> sympy.Expr:
             if not odd and len(nodes) <= _NODES and not _is_high(nodes):
                 continue
             try:
-                values[number] = number.evalf(25)
+                values[number] = evaluated(number)
             except FAILURES:
                 return expression
     return expression.xreplace(values) if values else expression

@@ -13,6 +13,7 @@ import sympy
 from codegen.condition_evaluation import ConditionRow, violated_conditions
 from codegen.declare.element import Rigid, Sticking, label
 from codegen.declare.symbols import Parameter, ParameterDeclaration, kinds
+from codegen.real_range import constant_value
 
 Numbers = Mapping[sympy.Symbol, float]
 # accuracy: difference of two ratios of friction coefficients that rounding explains
@@ -128,7 +129,7 @@ def number_problems(element: Any) -> list[str]:
 def _number(value: sympy.Expr) -> float:
     """The value of an expression; NaN where it has none."""
     try:
-        return float(value)
+        return constant_value(value)
     except (TypeError, ValueError, ArithmeticError):
         return float("nan")
 

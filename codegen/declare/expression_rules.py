@@ -26,6 +26,7 @@ from codegen.real_range import (
     UNFINISHED,
     constant_value,
     distinct_nodes,
+    evaluated,
     maximal_numbers,
     unreal_part,
 )
@@ -69,7 +70,7 @@ def number_problem(expression: sympy.Basic) -> str | None:
     for number in maximal_numbers(expression):
         try:
             value = constant_value(number)
-            finite, lost = math.isfinite(value), value == 0.0 and number.evalf(25) != 0
+            finite, lost = math.isfinite(value), value == 0.0 and evaluated(number) != 0
         except FAILURES:  # it is complex, or not to be told from another number
             finite, lost = False, False
         if not finite:

@@ -11,54 +11,99 @@ import numpy as np
 from runtime.core.array_types import Integers, Matrix, Vector, i8, vector
 from runtime.core.jit import allocating, inner
 from runtime.linalg import cholesky
-from runtime.linalg.full_pivoting import factor_fully
 from runtime.linalg.leading_block_and_null_vectors import null_vectors
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.linalg.redundant_constraints_solve import SPARSE, solve_factored
 from runtime.linalg.row_elimination import Sparse
 from runtime.linalg.vectors import dot, multiply
 
-_LEAST = 1e-7  # accuracy: of the largest scale of a column; masses are 1e28 apart there
+_LEAST = 1e-7  # accuracy: of the largest scale of a column, where pivots are told from noise
+_CLOSED = 1e-9  # accuracy: part of a row's terms that may be left; rounding leaves 1e-12 at most
 
 
 @inner
-def scale_columns(mass: Sparse, scale: Vector) -> None:
-    """M_kk^(-1/4), so that light coordinates follow; ten times the largest without mass.
+def scale_columns(mass: Sparse, scale: Vector, weight: Vector) -> None:
+    """M_kk^(-1/4) and M_kk^(-1/2); ten times the largest without mass.
 
-    None is so small beside the largest that its column would count as zero.
+    The first tells pivots from noise: none is so small beside the largest that its column would
+    count as zero. The second chooses pivots, so that light coordinates follow heavy ones.
     """
     most = 0.0
-    scale[:] = 0.0
+    weight[:] = 0.0
     for k in range(mass.rows.size):
         if mass.rows[k] == mass.columns[k] and mass.values[k] > 0.0:
-            scale[mass.rows[k]] = mass.values[k] ** -0.25
-            most = max(most, scale[mass.rows[k]])
+            weight[mass.rows[k]] = mass.values[k] ** -0.5
+            most = max(most, weight[mass.rows[k]])
     for j in range(scale.size):
-        scale[j] = max(scale[j], _LEAST * most) if scale[j] > 0.0 else 10.0 * most
+        if not weight[j] > 0.0:
+            weight[j] = 100.0 * most
+        scale[j] = max(weight[j] ** 0.5, _LEAST * most**0.5)
 
 
 @inner
-def unbalanced_force(mass: Sparse, force: Vector, a: Vector, scale: Vector, out: Vector) -> None:
-    """Q - M a, scaled."""
+def factor_weighted(
+    dense: Matrix, unit: Vector, scale: Vector, weight: Vector, row_order: Integers,
+    column_order: Integers,
+) -> int:  # fmt: skip
+    """Eliminate as `factor_fully` does, with the pivots that are largest with their weights.
+
+    `dense` comes with rows times `unit` and columns times `scale`, and its factors leave without.
+    """
+    m, n = dense.shape
+    for i in range(m):
+        row_order[i] = i
+    for j in range(n):
+        column_order[j] = j
+    for step in range(m):
+        most, at_row, at_column = 0.0, -1, step
+        for i in range(step, m):
+            for j in range(step, n):
+                size, column = abs(dense[i, j]), column_order[j]
+                if size > NO_PIVOT and size * (weight[column] / scale[column]) > most:
+                    most = (1.0 + 1e-9) * size * (weight[column] / scale[column])
+                    at_row, at_column = i, j
+        if at_row < 0:
+            return step
+        for j in range(n):
+            dense[step, j], dense[at_row, j] = dense[at_row, j], dense[step, j]
+        for i in range(m):
+            dense[i, step], dense[i, at_column] = dense[i, at_column], dense[i, step]
+        row, column = row_order[at_row], column_order[at_column]
+        row_order[at_row], column_order[at_column] = row_order[step], column_order[step]
+        row_order[step], column_order[step] = row, column
+        for i in range(step + 1, m):
+            ratio = dense[i, step] / dense[step, step]
+            dense[i, step] = ratio
+            if ratio != 0.0:
+                for j in range(step + 1, n):
+                    dense[i, j] -= ratio * dense[step, j]
+    for i in range(m):
+        own = unit[row_order[i]]
+        for j in range(n):
+            other = unit[row_order[j]] / own if j < i else 1.0 / (own * scale[column_order[j]])
+            dense[i, j] *= other
+    return int(m)
+
+
+@inner
+def unbalanced_force(mass: Sparse, force: Vector, a: Vector, out: Vector) -> None:
+    """Q - M a."""
     for j in range(force.size):
         out[j] = force[j]
     for k in range(mass.rows.size):
         out[mass.rows[k]] -= mass.values[k] * a[mass.columns[k]]
-    for j in range(force.size):
-        out[j] *= scale[j]
 
 
 @inner
-def reduced_mass(mass: Sparse, scale: Vector, null: Matrix, unit: Vector, out: Matrix) -> bool:
+def reduced_mass(mass: Sparse, null: Matrix, unit: Vector, out: Matrix) -> bool:
     """The Cholesky factor of NᵀMN, its rows and columns scaled to a unit diagonal by `unit`."""
     count = null.shape[1]
     out[:, :] = 0.0
     for k in range(mass.rows.size):
         i, j = mass.rows[k], mass.columns[k]
-        entry = mass.values[k] * scale[i] * scale[j]
         for s in range(count):
             for r in range(s + 1):
-                out[s, r] += entry * null[i, s] * null[j, r]
+                out[s, r] += mass.values[k] * null[i, s] * null[j, r]
     for s in range(count):
         if not out[s, s] > 0.0:
             return False
@@ -89,25 +134,61 @@ def solve_transposed(
         x[row_order[s]] = y[s]
 
 
+@inner
+def is_solved(
+    jacobian: Sparse, mass: Sparse, force: Vector, gamma: Vector, a: Vector, lam: Vector,
+    left: Vector, terms: Vector,
+) -> bool:  # fmt: skip
+    """Whether the equations hold, each beside its own terms; `left` and `terms`: (n + m,), scratch.
+
+    The noise of an acceleration that is zero lies beside the largest one. Forces that are not
+    finite have a name of their own elsewhere.
+    """
+    n, m = force.size, gamma.size
+    most = 0.0
+    for j in range(n):
+        most = max(most, abs(a[j]))
+        left[j], terms[j] = -force[j], abs(force[j])
+        if not np.isfinite(force[j]):
+            return True
+    for i in range(m):
+        left[n + i], terms[n + i] = -gamma[i], abs(gamma[i])
+        if not np.isfinite(gamma[i]):
+            return True
+    for k in range(mass.rows.size):
+        i, j, value = mass.rows[k], mass.columns[k], mass.values[k]
+        left[i] += value * a[j]
+        terms[i] += abs(value) * (most if i == j else abs(a[j]))
+    for k in range(jacobian.rows.size):
+        i, j, value = jacobian.rows[k], jacobian.columns[k], jacobian.values[k]
+        left[j] += value * lam[i]
+        terms[j] += abs(value * lam[i])
+        left[n + i] += value * a[j]
+        terms[n + i] += abs(value) * most
+    for i in range(n + m):
+        if not abs(left[i]) <= _CLOSED * terms[i]:
+            return False
+    return True
+
+
 @allocating(i8(SPARSE, SPARSE, vector, vector, vector, vector))
 def solve_motion_by_null_space(
     jacobian: Sparse, mass: Sparse, force: Vector, gamma: Vector, a: Vector, lam: Vector
 ) -> int:
     """Solve M a + Φ_qᵀ λ = Q, Φ_q a = γ, for `a`, (n,), and `lam`, (m,).
 
-    Returns how many constraints follow from others; where there are any, or no mass resists a
-    motion, nothing is solved.
+    Returns how many constraints follow from others; where there are any, no mass resists a motion,
+    or numbers so far apart leave the equations unsolved, `a` and `lam` say nothing.
     """
     n, m = force.size, gamma.size
     count = n - m
     if count < 0:
         return int(m)
-    dense, scale, unit = np.zeros((m, n)), np.zeros(n), np.ones(m)
-    scale_columns(mass, scale)
+    dense, scale, weight, unit = np.zeros((m, n)), np.zeros(n), np.zeros(n), np.ones(m)
+    scale_columns(mass, scale, weight)
     for k in range(jacobian.rows.size):
         i, j = jacobian.rows[k], jacobian.columns[k]
         dense[i, j] += jacobian.values[k] * scale[j]
-    right = np.zeros(m)
     for i in range(m):
         largest = 0.0
         for j in range(n):
@@ -115,21 +196,22 @@ def solve_motion_by_null_space(
         unit[i] = 1.0 / largest if largest > 0.0 else 1.0
         for j in range(n):
             dense[i, j] *= unit[i]
-        right[i] = gamma[i] * unit[i]
     row_order, column_order = np.zeros(m, np.int64), np.zeros(n, np.int64)
-    rank = factor_fully(dense, row_order, column_order, NO_PIVOT)
+    rank = factor_weighted(dense, unit, scale, weight, row_order, column_order)
     if rank < m:
         return int(m - rank)
-    null, x, rest = np.zeros((n, count)), np.zeros(n), np.zeros(n)
+    null, rest = np.zeros((n, count)), np.zeros(n)
+    lam[:] = 0.0
     null_vectors(dense, m, column_order, null)
-    solve_factored(dense, rank, row_order, column_order, right, x)
-    for j in range(n):
-        a[j] = scale[j] * x[j]
+    for s in range(count):
+        for j in range(n):
+            null[j, s] *= weight[column_order[m + s]]  # against overflow
+    solve_factored(dense, rank, row_order, column_order, gamma, a)
     factor, even, z = np.zeros((count, count)), np.zeros(count), np.zeros(count)
-    if not reduced_mass(mass, scale, null, even, factor):
+    if not reduced_mass(mass, null, even, factor):
         return int(m)
     for _ in range(2):  # the second time for what rounding left
-        unbalanced_force(mass, force, a, scale, rest)
+        unbalanced_force(mass, force, a, rest)
         multiply(null.T, rest, z)
         for s in range(count):
             z[s] *= even[s]
@@ -137,9 +219,14 @@ def solve_motion_by_null_space(
         for s in range(count):
             z[s] *= even[s]
         for j in range(n):
-            a[j] += scale[j] * dot(null[j], z)
-    unbalanced_force(mass, force, a, scale, rest)
-    solve_transposed(dense, row_order, column_order, rest, right, lam)
-    for i in range(m):
-        lam[i] *= unit[i]
-    return 0
+            a[j] += dot(null[j], z)
+    scratch, correction = np.zeros(m), np.zeros(m)
+    for _ in range(2):  # the second time for small multipliers beside large ones
+        unbalanced_force(mass, force, a, rest)
+        for k in range(jacobian.rows.size):
+            rest[jacobian.columns[k]] -= jacobian.values[k] * lam[jacobian.rows[k]]
+        solve_transposed(dense, row_order, column_order, rest, scratch, correction)
+        for i in range(m):
+            lam[i] += correction[i]
+    left, terms = np.zeros(n + m), np.zeros(n + m)
+    return 0 if is_solved(jacobian, mass, force, gamma, a, lam, left, terms) else int(m)

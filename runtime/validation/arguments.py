@@ -122,8 +122,8 @@ _KINDS: dict[str, Reader] = {
     "quantities": optional(readers.texts('("crank.phi",)')),
     "correction": readers.text("the name of a correction"),
     **dict.fromkeys(("method", "formulation"), optional(readers.text("a name"))),
-    "max_steps": optional(readers.count(0)),
-    "max_bytes": readers.count(0),
+    "max_steps": optional(readers.count(1)),
+    "max_bytes": readers.count(1),
     "progress": readers.flag,
 }
 """Argument of an analysis → its reader."""

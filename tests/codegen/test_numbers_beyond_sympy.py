@@ -317,3 +317,19 @@ def test_a_condition_on_a_symbol_that_does_not_commute_is_refused_by_name() -> N
     model.torque("twist", body, 1.0, when=body.x > sympy.Symbol("A", commutative=False))
     with pytest.raises(ModelError, match=r"'twist'.*when="):
         raise ModelError(model.problems)
+
+
+ZEROS = [sin(1) ** 2 + cos(1) ** 2 - 1, sympy.log(6) - sympy.log(2) - sympy.log(3)]
+
+
+@pytest.mark.parametrize("zero", [sign * zero for zero in ZEROS for sign in (1, -1)], ids=str)
+def test_a_sum_that_is_zero_is_read_as_zero_wherever_it_stands(zero: sympy.Expr) -> None:
+    """SymPy finds no digit of it, and answers -3e-124 or the like."""
+    model = Model("m")
+    a = model.body("a", 1, 1)
+    model.spring("s", a.at(0, 1), model.ground.at(0, 0), stiffness=zero, free_length=1)
+    model.torque("t", on=a, value=zero * a.phi + 1)
+    assert texts(model)
+    model.body("b", zero, 1)
+    with pytest.raises(ModelError, match="mass of body 'b' is 0 kg; it must be positive"):
+        texts(model)
