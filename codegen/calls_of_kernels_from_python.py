@@ -6,6 +6,7 @@ signature, which takes the address and is made when it is first needed; all scen
 entry from C is made for a kernel that is handed to compiled code as a value.
 """
 
+import inspect
 import re
 from collections.abc import Iterable
 from functools import cache, cached_property
@@ -53,8 +54,19 @@ class KernelWithoutEntries(_Dispatcher):  # type: ignore[misc]
         caller, address = self._entry
         for argument in arguments:  # numba sees no order of bytes in what is packed for a caller
             if isinstance(argument, _Array) and not argument.dtype.isnative:
-                raise TypeError(f"{self.__name__}: {argument.dtype} is not in the machine's order.")
-        return caller(address, *arguments)
+                raise TypeError(self._mismatch(arguments))
+        try:
+            return caller(address, *arguments)
+        except TypeError as error:
+            raise TypeError(self._mismatch(arguments)) from error
+
+    def _mismatch(self, arguments: tuple[Any, ...]) -> str:
+        """A sentence: the parameters of the kernel, and what was given in their place."""
+        kinds = self.nopython_signatures[0].args
+        names = inspect.signature(self.py_func).parameters
+        wanted = ", ".join(f"{name}: {kind}" for name, kind in zip(names, kinds, strict=True))
+        given = ", ".join(map(_kind, arguments)) or "nothing"
+        return f"{self.__name__}({wanted}) is called with ({given})."
 
     @cached_property
     def _entry(self) -> tuple[Any, int]:
@@ -62,6 +74,12 @@ class KernelWithoutEntries(_Dispatcher):  # type: ignore[misc]
         if len(self.overloads) != 1:
             raise TypeError(f"{self.py_func.__module__}.{self.__name__} has no one signature.")
         (result,) = self.overloads.values()
+        if (kind := result.signature.return_type) not in _CALLERS:
+            known = ", ".join(map(str, _CALLERS))
+            raise TypeError(
+                f"{self.py_func.__module__}.{self.__name__} returns {kind}; Python calls kernels "
+                f"that return {known}."
+            )
         address = result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
         return _caller(result.signature), int(address)
 
@@ -74,6 +92,17 @@ class KernelWithoutEntries(_Dispatcher):  # type: ignore[misc]
         (result,) = self.overloads.values()
         with SignalDeferral(in_commands=False):  # LLVM would lose an interrupt
             return _numba.cfunc(result.signature, error_model="numpy")(self.py_func)
+
+
+def _kind(argument: Any) -> str:
+    """The kind of an argument, much as numba writes it."""
+    if not isinstance(argument, _Array):
+        return type(argument).__name__
+    order = "C" if argument.flags.c_contiguous else "F" if argument.flags.f_contiguous else "A"
+    more = "" if argument.flags.writeable else ", read-only"
+    if not argument.dtype.isnative:
+        more += ", not in the machine's order of bytes"
+    return f"array({argument.dtype.name}, {argument.ndim}d, {order}{more})"
 
 
 @cache

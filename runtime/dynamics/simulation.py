@@ -17,7 +17,7 @@ from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.switches_within_tolerance import describe_unresolved_switches
 from runtime.dynamics.work import integrate_works
-from runtime.integrate.problem import Correction, Formulation, Options
+from runtime.integrate.problem import MOST_STEPS, Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
@@ -37,9 +37,12 @@ def simulate(
     correction: Correction = "step", formulation: Formulation = "cartesian",
     time_scale: float | None = None, first_step: float | None = None,
     max_step: float | None = None, max_steps: int | None = None,
-    max_bytes: int = 2**30, progress: Progress = silent,
+    max_bytes: int = 2**30, progress: Progress = silent, step_limit: int = MOST_STEPS,
 ) -> Result:  # fmt: skip
-    """Integrate the equations of motion from the assembled start; see `Machine.simulate`."""
+    """Integrate the equations of motion from the assembled start; see `Machine.simulate`.
+
+    `step_limit` is that of a study, which is no wish to go on where steps get ever shorter.
+    """
     began = clock.perf_counter()
     ready = PreparedSimulation(
         mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
@@ -50,7 +53,7 @@ def simulate(
         method=method, rtol=rtol, atol_q=atol, atol_v=atol,
         t_eval=ready.instants(t_eval), correction=coordinates.correction,
         time_scale=time_scale, first_step=first_step, h_max=max_step,
-        max_steps=max_steps, max_bytes=max_bytes,
+        max_steps=max_steps, max_bytes=max_bytes, step_limit=step_limit,
     )  # fmt: skip
     return finish_simulation(ready, coordinates, options, began, progress, repeats=True)
 

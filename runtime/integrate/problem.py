@@ -95,8 +95,9 @@ class Options:
     h_max: float | None = None
     h_min: float | None = None
     fixed_step: float | None = None  # length of all steps, s; switches error control off
-    # trial steps; None: `MOST_STEPS`, and a run whose steps get ever shorter ends before
+    # trial steps; None: `step_limit`, and a run whose steps get ever shorter ends before
     max_steps: int | None = None
+    step_limit: int = MOST_STEPS
     max_bytes: int = 2**30  # of recorded states; those at `t_eval` take what was asked for
     max_events: int = 1_000_000  # changes of modes; more are taken for chattering without end
     # trial steps between two looks at the clock; None: chosen for about 50 ms

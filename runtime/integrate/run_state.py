@@ -13,7 +13,7 @@ from runtime.core.system import System
 from runtime.hybrid.rhs_with_sliding_or_stabilization import TIME_SCALE
 from runtime.integrate.loop import LOG_MARGIN
 from runtime.integrate.method import Method, find_method
-from runtime.integrate.problem import MOST_STEPS, Options, Problem, Stops
+from runtime.integrate.problem import Options, Problem, Stops
 from runtime.integrate.sampling import QUADRATURE, STEP_ENDS
 from runtime.integrate.step_accumulation import FIRST_LOOK
 from runtime.integrate.trajectory import Statistics
@@ -91,7 +91,8 @@ class RunState:
         if options.fixed_step is not None:
             r["fixed"], r["h"], r["h_max"] = 1, options.fixed_step, options.fixed_step
         r["rtol"] = options.rtol
-        r["max_steps"], r["max_events"] = options.max_steps or MOST_STEPS, options.max_events
+        r["max_steps"] = options.max_steps or options.step_limit
+        r["max_events"] = options.max_events
         r["automatic"], r["patience"] = int(options.method == "auto"), 1
         r["error_old"] = 1e-4
         r["pace_start"], r["limit"] = problem.t0, np.inf

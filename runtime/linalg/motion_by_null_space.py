@@ -165,10 +165,10 @@ def is_solved(
         terms[j] += abs(value * lam[i])
         left[n + i] += value * a[j]
         terms[n + i] += abs(value) * most
+    solved = True
     for i in range(n + m):
-        if not abs(left[i]) <= _CLOSED * terms[i]:
-            return False
-    return True
+        solved = solved and abs(left[i]) <= _CLOSED * terms[i]
+    return solved
 
 
 @allocating(i8(SPARSE, SPARSE, vector, vector, vector, vector))

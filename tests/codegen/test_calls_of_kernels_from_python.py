@@ -89,9 +89,27 @@ def test_other_arguments_are_refused(module: ModuleType, arguments: tuple[object
     """What is no array of that kind would be read as one."""
     assert module.number(np.ones(2), 1.0) == 1.0
     assert module.nothing(0.0, np.ones(2), np.zeros(1, np.int64)) is None
-    with pytest.raises(TypeError):
+    wanted = r"number\(p: array\(float64, 1d, C\), t: float64\) is called with "
+    with pytest.raises(TypeError, match=wanted):
         module.number(*arguments)
     assert module.number(np.ones(2), 1) == 1.0
+
+
+def test_what_was_given_is_named(module: ModuleType) -> None:
+    with pytest.raises(TypeError, match=r"with \(array\(float32, 1d, A\), str\)\.$"):
+        module.number(np.zeros(4, np.float32)[::2], "1")
+    with pytest.raises(TypeError, match="float64, 1d, C, not in the machine's order of bytes"):
+        module.number(np.ones(2, np.dtype(float).newbyteorder()), 1.0)
+    with pytest.raises(TypeError, match=r"with \(nothing\)\.$"):
+        module.number()
+
+
+def test_a_result_that_no_caller_has_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "truth.py"
+    text = TEXT.replace('"i8(f8[::1], f8)"', '"b1(f8[::1], f8)"')
+    path.write_text(text.replace("return 1 if p[0] > t else 0", "return p[0] > t"))
+    with pytest.raises(TypeError, match="integer returns bool; Python calls kernels that return"):
+        import_generated(path).integer(np.ones(1), 0.0)
 
 
 def test_what_has_no_signature_is_not_called(module: ModuleType) -> None:

@@ -42,7 +42,7 @@ class Runner:
         limit = TimeLimit(self.limit)
         result = simulate(
             self.machine.mechanism, float(self.instants[-1]), self.instants, t_start=self.begin.t,
-            rtol=rtol, parameters=self.parameters, start=self.begin, max_steps=self.steps,
+            rtol=rtol, parameters=self.parameters, start=self.begin, step_limit=self.steps,
             progress=limit, **asdict(setting),
         )  # fmt: skip
         if result.outcome is Outcome.INTERRUPTED and not limit.exceeded:

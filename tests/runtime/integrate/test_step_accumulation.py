@@ -90,6 +90,15 @@ def test_turns_that_crowd_and_then_do_not_are_followed_with_steps_of_ones_own():
     assert whole.statistics.steps > 1.5 * ended.statistics.steps
 
 
+def test_a_limit_of_a_study_is_no_wish_to_go_on_where_steps_crowd():
+    begun, settings = problem(1.1, 10.0, 1.0, 5e-8), Options(method="dopri5", t_eval=[0.0, 1.1])
+    free = integrate(CROWDED, begun, settings)
+    limited = integrate(CROWDED, begun, replace(settings, step_limit=1_000_000))
+    assert (limited.outcome, limited.note) == (free.outcome, free.note) != (Outcome.OK, "")
+    few = integrate(CROWDED, begun, replace(settings, step_limit=1000))
+    assert (few.outcome, few.note) == (Outcome.MAX_STEPS, "")
+
+
 def test_a_run_that_uses_up_steps_of_ones_own_says_where_they_crowd():
     settings = Options(method="dopri5", t_eval=[0.0, 1.1], max_steps=1_000_000)
     r = integrate(CROWDED, problem(1.1, 10.0, 1.0, 5e-8), settings)

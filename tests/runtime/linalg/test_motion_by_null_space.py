@@ -71,9 +71,7 @@ def test_masses_any_number_of_decades_apart_are_solved_or_refused(decades):
         if solve_motion_by_null_space(sparse(jacobian), sparse(mass), force, gamma, a, lam):
             continue
         solved += 1
-        for found, expected in zip(
-            (a, lam), exact(jacobian, mass, force, gamma, 400), strict=True
-        ):
+        for found, expected in zip((a, lam), exact(jacobian, mass, force, gamma, 400), strict=True):
             assert np.abs(found - expected).max() < 1e-9 * np.abs(expected).max()
     assert solved >= 0.9 * cases
 

@@ -13,7 +13,7 @@ from codegen.errors import InputError, LinkwrightError
 from runtime import accuracy, load
 from runtime.integrate.method import METHODS
 from runtime.results.result import Result
-from runtime.studies.work_precision import Setting, WorkPrecision
+from runtime.studies.work_precision import Setting, WorkPrecision, timed_runs
 from runtime.studies.work_precision import picture as accuracy_picture
 from runtime.studies.work_precision.diagram import FORMULATIONS, all_settings
 from runtime.studies.work_precision.interpretation import best_at, sentences
@@ -201,6 +201,25 @@ def test_tolerances_go_on_until_nine_digits(rig: str, folder: Path) -> None:
     assert [point.rtol for point in line.points] == [1e-2, 1e-3, 1e-6, 1e-11]
     worst = [point.errors.worst for point in line.points if point.errors]
     assert worst[2] > 1e-9 >= worst[3]
+
+
+def test_the_limit_of_steps_leaves_the_check_for_crowding_on(
+    rig: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A `max_steps` is a user's, and switches it off."""
+    machine, given = load(rig, "swing", folder=folder), []
+    real = timed_runs.simulate
+
+    def watched(*arguments: Any, **words: Any) -> Result:
+        given.append(words)
+        return real(*arguments, **words)
+
+    monkeypatch.setattr(timed_runs, "simulate", watched)
+    runner = Runner(machine, machine.assemble(), np.array([1.0, 2.0]), {}, 60.0, 5)
+    result = runner.run(Setting("dop853"), 1e-8)
+    assert result.outcome.name == "MAX_STEPS"
+    assert result.stats["steps"] <= 5
+    assert "max_steps" not in given[0]
 
 
 def test_after_two_timeouts_tighter_tolerances_are_not_tried(rig: str, folder: Path) -> None:
