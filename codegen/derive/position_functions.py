@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 import sympy
+from sympy.core.relational import Relational
 
 from codegen.declare.symbols import Coordinate, Parameter, Time, Velocity, kinds
 from codegen.declare.table_function import Interpolant
@@ -54,7 +55,7 @@ def _narrow_parts(expression: sympy.Basic, places: set[sympy.Basic]) -> Iterator
                 continue
         if _is_of_position(node, places) and _may_be_narrow(node, places):
             yield node
-        else:
+        elif not isinstance(node, Relational):  # that is a switching function, which runs follow
             stack += node.args[::-1]
 
 

@@ -148,10 +148,11 @@ def is_resolved(context: Context, end: float) -> bool:
 def find_resolved_part(context: Context) -> float:
     """The part of the step, at most 1, in which nothing hides."""
     r = run_record(context)
-    if r.length <= _FINEST * r.duration:
+    finest = _FINEST * r.duration
+    if r.length <= finest:
         return 1.0
     follow_motion(context, r.t, r.length)
     part = 1.0
     while part > _SHORTEST and not is_resolved(context, part):
         part *= 0.5
-    return part
+    return min(max(part, finest / r.length), 1.0)

@@ -159,3 +159,12 @@ def test_only_what_may_be_narrow_is_looked_at(workshop: Path) -> None:
     model.potential("wide", p.x**2 * sp.cos(p.y) + sp.sqrt(1 + p.x**2) + 1 / (6 - p.x))
     model.scene("runs", ["wide"], start={p.vx: 1.0})
     assert not load(model, folder=workshop).description.position_functions
+
+
+def test_a_direction_through_its_own_point_is_passed(particle: Callable[..., Machine]) -> None:
+    # x/|x| by a quotient, without pieces: its bounds are infinite near 0, however short the step.
+    machine = particle("direction", force=lambda x, v: (x - 0.5) / sp.sqrt((x - 0.5) ** 2 + 1e-30))
+    result = machine.simulate(1.5, progress=False)
+    assert result.outcome is Outcome.OK
+    energy = result.v("p.x")[-1] ** 2 / 2 - (abs(result.q("p.x")[-1] - 0.5) - 0.5)
+    assert_allclose(energy, 0.5, rtol=1e-6)
