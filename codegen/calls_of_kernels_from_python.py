@@ -12,17 +12,20 @@ from functools import cache, cached_property
 from typing import Any
 
 import numba
+import numpy as np
 from numba import types
 from numba.core import cgutils
 from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
 
 from codegen.numba_cache import checked_caches
+from codegen.termination_signals import SignalDeferral
 
 _numba: Any = numba  # its types are for its own use
 _types: Any = types
 _tools: Any = cgutils
 _Dispatcher: Any = CPUDispatcher
+_Array: Any = np.ndarray
 
 _OPTIONS = re.compile(r"^OPTIONS = \{.*(?=\}$)", re.MULTILINE)  # of a generated text
 _WITHOUT = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
@@ -48,6 +51,9 @@ class KernelWithoutEntries(_Dispatcher):  # type: ignore[misc]
     def __call__(self, *arguments: Any) -> Any:
         """Call it from Python; TypeError where the arguments are not those of its signature."""
         caller, address = self._entry
+        for argument in arguments:  # numba sees no order of bytes in what is packed for a caller
+            if isinstance(argument, _Array) and not argument.dtype.isnative:
+                raise TypeError(f"{self.__name__}: {argument.dtype} is not in the machine's order.")
         return caller(address, *arguments)
 
     @cached_property
@@ -66,7 +72,8 @@ class KernelWithoutEntries(_Dispatcher):  # type: ignore[misc]
     @cached_property
     def _entry_from_c(self) -> Any:
         (result,) = self.overloads.values()
-        return _numba.cfunc(result.signature, error_model="numpy")(self.py_func)
+        with SignalDeferral(in_commands=False):  # LLVM would lose an interrupt
+            return _numba.cfunc(result.signature, error_model="numpy")(self.py_func)
 
 
 @cache

@@ -136,7 +136,7 @@ def sympy_float(value: sympy.Basic) -> float:
         raise KindError(f"SymPy cannot evaluate it: {type(error).__name__}") from error
     if both.imag:
         raise KindError("it is not real")
-    if both == 0 and not exact.is_zero:
+    if both == 0 and not exact.is_zero and exact._prec > 1:  # with one bit it is a sum that is 0
         raise KindError(f"it is {TINY}")
     return both.real
 

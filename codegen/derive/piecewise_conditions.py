@@ -14,6 +14,7 @@ from sympy.core.relational import Relational
 from sympy.logic.boolalg import Boolean
 
 from codegen.declare.symbols import Parameter, Time
+from codegen.derive.poles_of_conditions import without_poles
 from codegen.errors import ModelError
 
 KINKED = (sympy.Abs, sympy.Max, sympy.Min, sympy.sign, sympy.Heaviside)
@@ -147,14 +148,14 @@ def _pieces(function: type[sympy.Function], *arguments: sympy.Expr) -> sympy.Exp
 
 
 def switching_function(condition: Relational) -> sympy.Expr:
-    """g with `condition` ⇔ g > 0; a condition and its negation give g and -g."""
+    """g with `condition` ⇔ g > 0, without poles; a condition and its negation give g and -g."""
     if isinstance(condition, sympy.Eq | sympy.Ne):
         raise ModelError(
             f"the condition {condition} is an equality, which no motion meets for a time; "
             "use an inequality."
         )
     g: sympy.Expr = condition.gts - condition.lts
-    return without_marks(g) if g.has(Mark) else g
+    return without_poles(without_marks(g) if g.has(Mark) else g)
 
 
 def is_known_beforehand(node: sympy.Basic) -> bool:

@@ -39,8 +39,8 @@ class Switch:
     @property
     def at_zero(self) -> str:
         """A word on a condition that is more than g > 0; empty for others, and friction alone."""
-        told = {Boundary.MIXED} if self.kind == "friction" else {*Boundary} - {Boundary.OPEN}
-        return self.boundary.name.lower() if self.boundary in told - {Boundary.INDIFFERENT} else ""
+        kinds = {Boundary.MIXED} if self.kind == "friction" else {*Boundary} - {Boundary.OPEN}
+        return self.boundary.name.lower() if self.boundary in kinds - {Boundary.INDIFFERENT} else ""
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,9 @@ from runtime.results.samples import Samples
 CLOSED = 1e-9  # accuracy: of a coordinate's size; to this the joints close, however fine rtol is
 # measured: tolerances; Baumgarte's method with dopri5 leaves 0.4 of one, each other return 1e-5
 RESIDUAL = 10.0
-SIDE = 1e-6  # safety: of a switching function's largest value; nearer to zero none is judged
+SIDE = 1e-6  # safety: of a switching function's typical value; nearer to zero none is judged
+# safety: values that count as such in the mean of logarithms; contacts touch for a time
+TINY, HUGE = 1e-9, 1e300
 APART = 1e-12  # accuracy: of the time; events and sides of kinks are nearer to their instants
 
 _BITS = _ORDER, _MODES, _REVERSALS = 1, 2, 4  # formula: bits of the answer
@@ -67,7 +69,7 @@ def screen_run(
         equations.table, equations.p, samples.t, samples.q, samples.v, samples.modes,
         APART * max(abs(run.first_t), abs(run.final_t)), bool(description.time_functions),
         run.first_t, run.final_t, log.t, log.q, log.v, log.index, log.direction, options.rtol,
-        options.absolute(sizes, options.rtol), np.zeros((4 + s, max(s, 2 * equations.n))),
+        options.absolute(sizes, options.rtol), np.zeros((5 + s, max(s, 2 * equations.n))),
         np.zeros((2, s), np.int64), reversed_event, reached, permitted,
     )  # fmt: skip
     order, modes, reversals = (bool(bits & bit) for bit in _BITS)
@@ -125,7 +127,10 @@ def _exceed_bound(
 def _contradict_modes(
     kernels: Any, t: Any, q: Any, v: Any, modes: Any, p: Any, way: Any, moves: Any, scratch: Any
 ) -> bool:
-    """Whether any g has a sign that its mode does not permit, beyond a part of its largest value.
+    """Whether any g has a sign that its mode does not permit, beyond a part of its typical value.
+
+    That is the geometric mean over the time off its surface. The largest value, as all that stand
+    before a pole, would let any other pass.
 
     States are (t, q, v), `modes`, (k, s), say which sign is right. Where functions of time move
     what they depend on, each state counts a second time, moved along v by the time `way`, s, with
@@ -134,15 +139,19 @@ def _contradict_modes(
     evaluate = switching_of(kernels)
     n, count, wrong = q.shape[1], modes.shape[1], False
     values, moved = scratch[0, :count], scratch[1, :n]
-    largest, opposed = scratch[2, :count], scratch[3, :count]
-    largest[:] = 0.0
+    logarithms, opposed, judged = scratch[2, :count], scratch[3, :count], scratch[4, :count]
+    logarithms[:] = 0.0
     opposed[:] = 0.0
+    judged[:] = 1e-300
     for i in range(t.size):
         evaluate(t[i], q[i], v[i], p, values)
+        lasts = abs(t[min(i + 1, t.size - 1)] - t[max(i - 1, 0)])
         for k in range(count):
             side = 0 if modes[i, k] == SLIDING else 2 * modes[i, k] - 1
-            largest[k] = max(largest[k], abs(values[k]))
-            opposed[k] = max(opposed[k], -side * values[k])
+            if side != 0 and not np.isnan(values[k]):
+                logarithms[k] += lasts * np.log(max(TINY, min(HUGE, abs(values[k]))))
+                judged[k] += lasts
+                opposed[k] = max(opposed[k], -side * values[k])
     for i in range(1, t.size if moves else 0):
         for j in range(n):
             moved[j] = q[i - 1, j] + way * v[i - 1, j]
@@ -151,7 +160,7 @@ def _contradict_modes(
             side = 0 if modes[i, k] == SLIDING else 2 * modes[i, k] - 1
             opposed[k] = max(opposed[k], -side * values[k])
     for k in range(count):
-        wrong = wrong or opposed[k] > SIDE * largest[k]
+        wrong = wrong or opposed[k] > SIDE * np.exp(logarithms[k] / judged[k])
     return wrong
 
 
@@ -229,7 +238,7 @@ def _screen(
 ) -> int:  # fmt: skip
     """Bits of what the samples (t, q, v, modes) and the log of events may show.
 
-    `scratch` has four rows and one for each switch, as long as g and (q, v) at least, all 0.
+    `scratch` has five rows and one for each switch, as long as g and (q, v) at least, all 0.
     """
     found, last = 0, first_t
     for i in range(event_t.size):
@@ -244,7 +253,7 @@ def _screen(
         found |= _MODES
     if _measure_reversals(
         kernels, event_t, event_q, event_v, index, direction, p, rtol, absolute, scratch,
-        scratch[4:], events, reversed_event, reached, permitted,
+        scratch[5:], events, reversed_event, reached, permitted,
     ):  # fmt: skip
         found |= _REVERSALS
     return found

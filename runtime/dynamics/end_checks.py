@@ -5,7 +5,15 @@ import numpy.typing as npt
 
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.end_check_screening import APART, CLOSED, RESIDUAL, SIDE, Suspicions
+from runtime.dynamics.end_check_screening import (
+    APART,
+    CLOSED,
+    HUGE,
+    RESIDUAL,
+    SIDE,
+    TINY,
+    Suspicions,
+)
 from runtime.dynamics.energy_balance_at_samples import describe_unexplained_energy
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
@@ -178,7 +186,11 @@ def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> Flo
 
     g = values(slice(None), 0.0)
     sides = np.where(modes == SLIDING, 0, 2 * modes - 1)
-    least = SIDE * np.abs(g).max(axis=0)
+    around = np.concatenate([samples.t[:1], samples.t, samples.t[-1:]])
+    aside = (sides == 0) | np.isnan(g)
+    lasts = np.where(aside, 0.0, np.abs(around[2:] - around[:-2])[:, None])
+    logarithms = lasts * np.log(np.where(aside, 1.0, np.clip(np.abs(g), TINY, HUGE)))
+    least = SIDE * np.exp(logarithms.sum(axis=0) / np.maximum(lasts.sum(axis=0), 1e-300))
     contradicts = sides * g < -least
     suspects = np.flatnonzero(contradicts.any(axis=1))
     wrong = np.where(contradicts, g, 0.0)

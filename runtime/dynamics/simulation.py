@@ -192,8 +192,8 @@ def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
     if run.outcome is Outcome.OK:
         return (
             f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps."
-            f"{_methods_note(run)}{_crossings_note(mechanism, run)}{run.note}"
-        )
+            f"{_methods_note(run)}{_crossings_note(mechanism, run)} {run.note}"
+        ).rstrip()
     description = mechanism.description
     where = ""
     if run.index >= 0 and run.outcome.of_switch:

@@ -45,11 +45,11 @@ def accumulation_note(record: Any) -> str:
 
 
 def passed_accumulation_note(record: Any) -> str:
-    """That steps got ever shorter up to an instant that the run has passed; empty: they did not."""
-    if not np.isfinite(record["limit"]):
+    """That steps got ever shorter towards an instant, and the run went on; empty: they did not."""
+    if record["unlimited"] == 0 or not np.isfinite(record["limit"]):
         return ""
     return (
-        f" Up to about t = {float(record['limit']):.6g} s its steps got ever shorter, as where a "
+        f"Towards about t = {float(record['limit']):.6g} s its steps got ever shorter, as where a "
         "motion turns or switches infinitely often, and only the number given as max_steps= let it "
         "go on: look at the motion about there."
     )

@@ -275,7 +275,7 @@ class Run:
             note = notes.energy_note(r)
         elif outcome is Outcome.INCONSISTENT and not note:
             note = notes.mode_search_note(state.switch_rows[BAND])
-        elif outcome is Outcome.OK:
+        elif outcome in {Outcome.OK, Outcome.MAX_STEPS}:
             note = notes.passed_accumulation_note(r)
         elif outcome in {Outcome.STEP_TOO_SMALL, Outcome.ZENO} and not note:
             note = notes.accumulation_note(r)

@@ -1,5 +1,6 @@
 """Kernels have no entries from Python and from C of their own, and are called as if they had."""
 
+import signal
 from pathlib import Path
 from types import ModuleType
 
@@ -74,6 +75,7 @@ def test_kernels_of_one_signature_are_told_apart(tmp_path: Path, module: ModuleT
     [
         (np.zeros(4)[::2], 1.0),
         (np.zeros(2, np.int64), 1.0),
+        (np.ones(2, ">f8"), 1.0),
         (np.broadcast_to(0.0, 1), 1.0),
         (np.zeros((2, 2)), 1.0),
         (np.zeros(2),),
@@ -89,6 +91,7 @@ def test_other_arguments_are_refused(module: ModuleType, arguments: tuple[object
     assert module.nothing(0.0, np.ones(2), np.zeros(1, np.int64)) is None
     with pytest.raises(TypeError):
         module.number(*arguments)
+    assert module.number(np.ones(2), 1) == 1.0
 
 
 def test_what_has_no_signature_is_not_called(module: ModuleType) -> None:
@@ -103,6 +106,22 @@ def test_compiled_code_calls_them_by_name_and_as_values(module: ModuleType) -> N
     kind = types.FunctionType(f8(vector, f8))
     as_value = numba.njit(f8(kind, vector))(lambda kernel, p: kernel(p, 1.0))
     assert as_value(number, p) == 9.0
+
+
+def test_an_interrupt_waits_for_the_entry_from_c(
+    module: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compiled = []
+
+    def interrupted(*arguments: object, **options: object) -> object:
+        signal.raise_signal(signal.SIGINT)
+        compiled.append(arguments)
+        return lambda _: None
+
+    monkeypatch.setattr(numba, "cfunc", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        module.number.__wrapper_address__()
+    assert compiled
 
 
 def test_a_module_without_options_is_left_alone(tmp_path: Path) -> None:

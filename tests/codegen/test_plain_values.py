@@ -131,3 +131,17 @@ def test_zero_is_a_number(zero: Any) -> None:
     assert plain_float(zero) == 0.0
     expression = sympy.Piecewise((sympy.Float(0.0), sympy.Symbol("x") < 1), (1.0, True))
     assert unreal_part(expression) is None
+
+
+@pytest.mark.parametrize(
+    "zero",
+    [
+        sympy.log(6) - sympy.log(2) - sympy.log(3),
+        sympy.cos(1) ** 2 + sympy.sin(1) ** 2 - 1,
+        sympy.sqrt(2) + sympy.sqrt(3) - sympy.sqrt(5 + 2 * sympy.sqrt(6)),
+    ],
+    ids=str,
+)
+def test_a_sum_that_is_zero_is_a_number(zero: sympy.Expr) -> None:
+    """SymPy finds no digit of it, and cannot tell it from a number that is very small."""
+    assert plain_float(zero) == 0.0

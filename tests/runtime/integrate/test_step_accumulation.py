@@ -86,8 +86,15 @@ def test_turns_that_crowd_and_then_do_not_are_followed_with_steps_of_ones_own():
     assert "max_steps=" in ended.note
     whole = integrate(CROWDED, begun, replace(settings, max_steps=6_000_000))
     assert whole.outcome == Outcome.OK
-    assert "Up to about t = 1.00" in whole.note
+    assert "Towards about t = 1.00" in whole.note
     assert whole.statistics.steps > 1.5 * ended.statistics.steps
+
+
+def test_a_run_that_uses_up_steps_of_ones_own_says_where_they_crowd():
+    settings = Options(method="dopri5", t_eval=[0.0, 1.1], max_steps=1_000_000)
+    r = integrate(CROWDED, problem(1.1, 10.0, 1.0, 5e-8), settings)
+    assert r.outcome == Outcome.MAX_STEPS
+    assert r.note.startswith("Towards about t = ")
 
 
 def test_turns_that_crowd_before_a_known_kink_are_followed_to_it():
