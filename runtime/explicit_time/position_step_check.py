@@ -155,4 +155,5 @@ def find_resolved_part(context: Context) -> float:
     part = 1.0
     while part > _SHORTEST and not is_resolved(context, part):
         part *= 0.5
-    return min(max(part, finest / r.length), 1.0)
+    least: float = finest / r.length
+    return max(part, least)
