@@ -15,14 +15,19 @@ from codegen.declare.symbols import Coordinate, Time, Velocity, kinds
 Facts = tuple[sympy.Expr, ...]
 """What is positive."""
 
+_INVERSES = {sympy.exp: sympy.log, sympy.sinh: sympy.asinh}
+"""The inverses of increasing functions without bounds: f(u) > c is u > f⁻¹(c)."""
+
 
 @cache
 def without_poles(g: sympy.Expr, positive: Facts = ()) -> sympy.Expr:
     """A function that has the sign of `g` wherever `g` has a number, and no pole in what moves.
 
-    It is `g` itself where this has none. Poles inside other functions, as of exp(1/x), stay. It
-    counts where each of the functions `positive` is.
+    It is `g` itself where this has none. A pole inside exp or sinh is seen where the comparison
+    is with a constant, exp(1/x) > 2; else poles inside other functions stay. It counts where each
+    of the functions `positive` is.
     """
+    g = _with_inverse(g)
     if not _has_pole(g):
         return g
     if not isinstance(g, sympy.Piecewise) and any(map(_has_pole, _pieces(g))):
@@ -32,6 +37,18 @@ def without_poles(g: sympy.Expr, positive: Facts = ()) -> sympy.Expr:
     top, bottom = sympy.fraction(sympy.together(_with_fractions(g)))
     signs = (_sign(factor, positive, top) for factor in sympy.Mul.make_args(bottom))
     return sympy.Mul(top, *signs)
+
+
+def _with_inverse(g: sympy.Expr) -> sympy.Expr:
+    """k (u - f⁻¹(c)) for k (f(u) - c) with a pole in u, and any other function itself."""
+    symbols = kinds(g, Coordinate, Velocity, Time)
+    constant, rest = g.as_independent(*symbols, as_Add=True)
+    factor, increasing = rest.as_independent(*symbols, as_Add=False)
+    inverse = _INVERSES.get(increasing.func)
+    if inverse is None or factor.is_nonzero is not True or not _has_pole(increasing.args[0]):
+        return g
+    level = inverse(-constant / factor)
+    return factor * (increasing.args[0] - level) if level.is_extended_real else g
 
 
 def _has_pole(node: sympy.Basic) -> bool:

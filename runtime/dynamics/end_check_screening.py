@@ -31,7 +31,8 @@ CLOSED = 1e-9  # accuracy: of a coordinate's size; to this the joints close, how
 # measured: tolerances; Baumgarte's method with dopri5 leaves 0.4 of one, each other return 1e-5
 RESIDUAL = 10.0
 SIDE = 1e-6  # safety: of a switching function's typical value; nearer to zero none is judged
-TINY, HUGE = 1e-300, 1e300  # safety: values that count as such in the mean of logarithms
+# safety: values that count as such in the mean of logarithms; contacts touch for a time
+TINY, HUGE = 1e-9, 1e300
 APART = 1e-12  # accuracy: of the time; events and sides of kinks are nearer to their instants
 
 _BITS = _ORDER, _MODES, _REVERSALS = 1, 2, 4  # formula: bits of the answer
@@ -141,7 +142,7 @@ def _contradict_modes(
     logarithms, opposed, judged = scratch[2, :count], scratch[3, :count], scratch[4, :count]
     logarithms[:] = 0.0
     opposed[:] = 0.0
-    judged[:] = TINY
+    judged[:] = 1e-300
     for i in range(t.size):
         evaluate(t[i], q[i], v[i], p, values)
         lasts = abs(t[min(i + 1, t.size - 1)] - t[max(i - 1, 0)])

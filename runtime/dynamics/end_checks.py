@@ -190,7 +190,7 @@ def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> Flo
     aside = (sides == 0) | np.isnan(g)
     lasts = np.where(aside, 0.0, np.abs(around[2:] - around[:-2])[:, None])
     logarithms = lasts * np.log(np.where(aside, 1.0, np.clip(np.abs(g), TINY, HUGE)))
-    least = SIDE * np.exp(logarithms.sum(axis=0) / np.maximum(lasts.sum(axis=0), TINY))
+    least = SIDE * np.exp(logarithms.sum(axis=0) / np.maximum(lasts.sum(axis=0), 1e-300))
     contradicts = sides * g < -least
     suspects = np.flatnonzero(contradicts.any(axis=1))
     wrong = np.where(contradicts, g, 0.0)

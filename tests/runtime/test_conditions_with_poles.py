@@ -53,10 +53,17 @@ CONDITIONS: dict[str, tuple[Callable[[Any], Boolean], tuple[float, ...], bool]] 
     "broken_power": (lambda x: 2 / Abs(x - 2) ** 1.5 > 2, (1.0, 3.0), False),
     "kink_of_a_pole": (lambda x: Max(1 / (x - 1), 0) > 0.5, (1.0, 3.0), False),
     "size_of_a_pole": (lambda x: Abs(tan(x)) < 1, (pi / 4, 0.75 * pi, 1.25 * pi, 1.75 * pi), True),
+    "exponential": (lambda x: exp(1 / (x - 2)) > 1, (2.0,), False),
+    "exponential_of_tangent": (
+        lambda x: exp(tan(x)) > 1,
+        tuple(k * pi / 2 for k in range(1, 6)),
+        True,
+    ),
+    "hyperbolic_sine": (lambda x: sinh(1 / (x - 2)) > 0.2, (2.0, 2 + 1 / asinh(0.2)), False),
 }
 
 
-@pytest.mark.parametrize("method", ["dop853", "bdf"])
+@pytest.mark.parametrize("method", ["dop853", "bdf", "dopri5"])
 @pytest.mark.parametrize("name", CONDITIONS)
 def test_a_condition_changes_at_its_poles(workshop: Path, name: str, method: str) -> None:
     condition, places, begins = CONDITIONS[name]
@@ -126,7 +133,8 @@ def test_a_pole_inside_a_function_is_not_passed_without_a_word(workshop: Path, n
 
     def push(model: Model, block: Any) -> None:
         x = block.x
-        g = exp(tan(x)) - 1 if name == "tangent" else sinh(1 / (x - 2)) - 0.2
+        one = x / 1000 + 1
+        g = one * exp(tan(x)) - one if name == "tangent" else one * sinh(1 / (x - 2)) - 0.2 * one
         model.force("push", block, fx=PUSH, when=g > 0)
 
     run = _run(workshop, f"inside_{name}", push, "dop853")
