@@ -27,9 +27,9 @@ from codegen.real_range import (
     constant_value,
     distinct_nodes,
     evaluated,
-    maximal_numbers,
     unreal_part,
 )
+from codegen.values_of_long_numbers import maximal_numbers
 
 INTERNAL = (Given, Side, Speed, Multiplier, Acceleration)
 """Symbols of the equations of elements, which mean nothing in a declaration."""

@@ -33,7 +33,7 @@ from codegen.plain_values import (
     shown,
 )
 from codegen.public_callables import failure, unreadable
-from codegen.real_range import with_short_numbers
+from codegen.values_of_long_numbers import with_short_numbers
 
 Names = Iterable["str | Body | Constraint | Effect"]
 Values = Mapping["str | sympy.Symbol", Any]

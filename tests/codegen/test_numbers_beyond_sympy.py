@@ -19,7 +19,8 @@ from codegen import Constraint, LinkwrightError, Model, ModelError, Statement
 from codegen.declare.body import Body, Curve, Point
 from codegen.declare.element import I
 from codegen.declare.symbols import ModelSymbol, alpha, coordinate, t
-from codegen.real_range import constant_value, with_short_numbers
+from codegen.real_range import constant_value
+from codegen.values_of_long_numbers import with_short_numbers
 from tests.fuzz.campaign import OverTimeError, limited
 from tests.fuzz.declarations import _build as texts
 

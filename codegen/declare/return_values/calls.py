@@ -16,7 +16,7 @@ from codegen.declare.units import known_unit
 from codegen.errors import FAILURES, LinkwrightError, ModelError
 from codegen.plain_values import InvalidName, genuine, plain_name, shown
 from codegen.public_callables import errors_at, failure
-from codegen.real_range import with_short_numbers
+from codegen.values_of_long_numbers import with_short_numbers
 
 WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
 Rows = tuple[tuple[Any, ...], ...]
