@@ -14,7 +14,6 @@ from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
 from codegen.derive.effect_terms import EffectTerms, effect_terms
 from codegen.derive.inertia import inertia
-from codegen.derive.position_functions import position_functions
 from codegen.derive.scene_conditions import (
     ElementCondition,
     Profile,
@@ -82,11 +81,6 @@ class Equations:
     def time_functions(self) -> tuple[TimeFunction, ...]:
         """The explicit functions of time."""
         return time_functions(self.constraints, self.effects)
-
-    @property
-    def position_functions(self) -> tuple[sympy.Expr, ...]:
-        """The functions of the position that may be narrow."""
-        return position_functions(self.constraints, self.effects)
 
     def with_effects(self, effects: tuple[EffectEquations, ...]) -> "Equations":
         """These equations with other effects, their switching functions and their conditions."""

@@ -88,7 +88,6 @@ def operation_table(program: Program) -> tuple[tuple[str, int], ...]:
 OPTIONAL = (
     *("folded", "unused", "rigid", "stiction", "shares", "time_functions", "conditions"),
     "profiles",
-    "position_functions",
 )
 
 NAMES = (

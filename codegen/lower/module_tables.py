@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from codegen.derive.switching_functions import Switch
-from codegen.lower.position_programs import PositionProgram, position_program
 from codegen.lower.scene_graph import Reaction, SceneGraph
 from codegen.lower.time_programs import TimeProgram, time_programs
 
@@ -62,8 +61,6 @@ class Description:
     # neutral pose is not at zero
     start: tuple[tuple[str, float, str], ...]
     time_functions: tuple[TimeProgram, ...]  # those that a run looks at before its first step
-    # the narrow functions of the position, at which a run looks in each step; () without any
-    position_functions: PositionProgram | tuple[()]
     # (element, sentence, least, whether that is too small, largest, count of numbers) of what is
     # asked of parameters, and (curve, whether it is convex) of profiles that depend on them
     conditions: tuple[tuple[Any, ...], ...]
@@ -119,7 +116,6 @@ def describe(
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=start,
         time_functions=time_programs(equations),
-        position_functions=position_program(equations),
         conditions=tuple((*one.condition.row(one.element),) for one in equations.conditions),
         profiles=tuple((curve.element, curve.convex) for curve in equations.profiles),
         jacobian=Pattern.of(scene.jacobian),

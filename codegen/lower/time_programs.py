@@ -16,7 +16,7 @@ from codegen.lower.graph import Graph
 from codegen.lower.program import LOGICAL, Input, Lookup, Op, dependencies
 from codegen.lower.sympy_translation import Translator
 
-Row = tuple[Any, ...]  # (operation, numbers of the rows that it takes ..., literal): see `row_of`
+Row = tuple[Any, ...]  # (operation, numbers of the rows that it takes ..., literal): see `_row`
 # (element, role, numbers of the rows that may bend sharply, rows; the last row is f). Of a place
 # there follow the rows of each scalar that it is in and those of the force along this.
 TimeProgram = tuple[Any, ...]
@@ -64,7 +64,7 @@ def _rows(graph: Graph, root: int) -> tuple[Row, ...]:
     """The operations that a value takes, which is the last of them."""
     needed = sorted(dependencies(graph.values, [root]))
     places = {number: place for place, number in enumerate(needed)}
-    return tuple(row_of(graph, k, places) for k in needed)
+    return tuple(_row(graph, k, places) for k in needed)
 
 
 def _watched(graph: Graph, needed: list[int]) -> list[int]:
@@ -106,7 +106,7 @@ def _degree(graph: Graph, number: int) -> int:
     return sum(_degree(graph, a) for a in value.args) if value.op is Op.MUL else 99
 
 
-def row_of(graph: Graph, number: int, places: dict[int, int]) -> Row:
+def _row(graph: Graph, number: int, places: dict[int, int]) -> Row:
     """An operation, the rows that it takes, and the literal of a constant, parameter or table."""
     value = graph.values[number]
     literal, args = value.literal, tuple(places[a] for a in value.args)

@@ -38,12 +38,6 @@ STOPS = TABLE.number("stop_count")  # instants, known beforehand, at which steps
 MODIFIED = TABLE.number("modified")  # not 0: the right-hand side is not the kernel's alone
 SLIDING_COUNT = TABLE.number("sliding_count")  # functions in sliding mode
 STABILIZED = TABLE.number("stabilized")  # 1: constraints are stabilized by Baumgarte's terms
-POSITION_ROWS = TABLE.number("position_row_count")  # of narrow functions of the position
-WATCHED_ROWS = TABLE.number("watched_row_count")
-POSITION_BOX = TABLE.number("position_box_size")
-ALL_COORDINATES = TABLE.number("all_coordinate_count")  # those that are not integrated included
-EXPANDED = TABLE.number("expanded")  # not 0: the coordinates are reduced ones
-EXPANDED_ANGLES = TABLE.number("expanded_angle_count")  # in closed form
 EACH_STAGE = TABLE.number("each_stage")  # 1: every stage returns onto the constraints
 CORRECTING = TABLE.number("correcting")  # how a step returns onto them
 
@@ -83,8 +77,6 @@ FRICTION_MARGIN = f8(integers, f8, vector, vector, i8)  # context t q v k
 MARGINS = none(integers, f8, i8, i8)  # context t state slot
 VANISHING = f8(integers, f8, f8, i8)  # context t h state
 GUARD_BRANCHES = i8(integers, f8, f8, i8)  # context t h taken
-RESOLVED_PART = f8(integers)  # context; of a step, at most 1
-EXPAND = none(f8, *[vector] * 6)  # t q v p turns all_q all_v
 BALANCE = i8(integers)  # context; 1: energy is not balanced
 correct_of = TABLE.function("correct", CORRECT)
 trial_step_of = TABLE.function("trial_step", TRIAL_STEP)
@@ -107,10 +99,6 @@ vanishing_of = TABLE.function("vanishing", VANISHING)
 guard_branches_of = TABLE.function("guard_branches", GUARD_BRANCHES)
 balance_step_of = TABLE.function("balance_step", BALANCE)
 balance_event_of = TABLE.function("balance_event", BALANCE)
-
-# Of runs with narrow functions of the position alone: see `explicit_time.position_functions`.
-resolved_part_of = TABLE.function("resolved_part", RESOLVED_PART)
-expand_of = TABLE.function("expand", EXPAND)
 
 # The run: see `workspace_rows` for the rows of the first two.
 TABLE.floats("workspace", WORKSPACE_SIZE)
@@ -171,18 +159,6 @@ TABLE.integers("crossed", (1, None))
 # Instants at which steps end, and whether the run is left there; see `integrate.problem.Stops`.
 TABLE.floats("stop_times", STOPS, allotted=False)
 TABLE.integers("stop_kinds", STOPS, allotted=False)
-
-# Narrow functions of the position.
-TABLE.integer_matrix("position_code", POSITION_ROWS, (4, None), allotted=False)
-TABLE.floats("position_numbers", POSITION_ROWS, allotted=False)
-TABLE.floats("position_box", POSITION_BOX, allotted=False)  # parameters, bounds of coordinates
-TABLE.integers("position_watched", WATCHED_ROWS, allotted=False)
-TABLE.floats("position_scales", WATCHED_ROWS, allotted=False)
-TABLE.matrix("position_work", (16, None), POSITION_ROWS, allotted=False)
-TABLE.matrix("position_motion", ALL_COORDINATES, (4, None), allotted=False)
-TABLE.matrix("position_ends", (4, None), ALL_COORDINATES, allotted=False)  # q, v, q, v
-TABLE.integers("position_angles", EXPANDED_ANGLES, allotted=False)
-TABLE.floats("position_turns", EXPANDED_ANGLES, allotted=False)
 
 # Samples and events, made by `recording`.
 TABLE.floats("sample_times", SAMPLE_TIMES, allotted=False)

@@ -69,9 +69,8 @@ class CartesianCoordinates(Coordinates):
         """In the machine's own coordinates."""
         ready, q, v = self.ready, np.ascontiguousarray(q), np.ascontiguousarray(v)
         return Problem(
-            t, ready.t_end, q, v, ready.p, self.mobility, ready.sizes, self.spreads, ready.stops,
-            ready.position_entries(),
-        )  # fmt: skip
+            t, ready.t_end, q, v, ready.p, self.mobility, ready.sizes, self.spreads, ready.stops
+        )
 
 
 class ReducedCoordinates(Coordinates):
@@ -96,10 +95,7 @@ class ReducedCoordinates(Coordinates):
         kept, p = reduced.kept, reduced.parameters(ready.p, t, q)
         sizes = ready.sizes[kept]
         scale = _mobility(reduced.inertia(t, q[kept], p), sizes)
-        return Problem(
-            t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops,
-            ready.position_entries(reduced),
-        )  # fmt: skip
+        return Problem(t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops)
 
     def run(self, options: Options, progress: Progress) -> Trajectory:
         """One integration from the start, past dead centres in all coordinates."""

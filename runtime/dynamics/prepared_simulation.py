@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from codegen.errors import AssemblyError
 from runtime.assembly.assemble import assemble
-from runtime.integrate.problem import Options, Stops, TableEntries
+from runtime.integrate.problem import Options, Stops
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
@@ -23,7 +23,6 @@ from runtime.validation.scene_support import refuse_massless, refuse_structure
 if TYPE_CHECKING:
     from runtime.dynamics.formulations import Coordinates
     from runtime.explicit_time.passage import Passages
-    from runtime.mechanism.reduced_kernels import Reduced
 
 
 def passages_of(
@@ -75,17 +74,6 @@ class PreparedSimulation:
     def stops(self) -> Stops | None:
         """Instants at which the steps of a run end, known before it gets there."""
         return None if self.passages is None else self.passages.stops()
-
-    def position_entries(self, reduced: "Reduced | None" = None) -> TableEntries | None:
-        """The narrow functions of the position, as a run looks at them; None: there are none."""
-        description = self.mechanism.description
-        if not description.position_functions:
-            return None
-        from runtime.explicit_time.position_functions import position_entries  # as above
-
-        return position_entries(
-            description, self.p, self.sizes, (self.begin.t, self.t_end), reduced
-        )
 
     def instants(self, t_eval: ArrayLike | None) -> FloatArray | None:
         """The instants of the samples, s: what is asked for at the start, where that begins."""

@@ -52,7 +52,7 @@ class FunctionArrays:
                 pieces += [_derivative(row, order) for row in table] + [(0.0,) * 4]
             elif args:
                 self.code[k, 1 : 1 + len(args)] = np.add(args, begin.get(name, 0))
-                self.code[k, 1 + len(args) :] = self.code[k, 1]
+                self.code[k, 1 + len(args) :] = args[0]
         self.knots = np.array(knots)
         self.pieces = np.array(pieces, dtype=np.float64).reshape(-1, 4)
         self.watched = np.array(watched, dtype=np.int64)

@@ -64,10 +64,10 @@ def enclose(
     """Bounds of all values of a function for t from t0 to t1, in `low` and `high`.
 
     `code` has a row (operation, a, b, c) a value: the rows that it takes, or of a parameter its
-    slot in p twice, of a coordinate those of its bounds, of a table the row, its first piece and
-    how many these are; `numbers` the constants, of a table its period or 0. Values without any, and
-    those of a branch that is certainly not taken, are not a number. `steps` is scratch,
-    (values,). Returns 0, or the sum of CHOICE and BREAK for what is undecided.
+    slot in p, of a table the row, its first piece and how many these are; `numbers` the constants,
+    of a table its period or 0. Values without any, and those of a branch that is certainly not
+    taken, are not a number. `steps` is scratch, (values,). Returns 0, or the sum of CHOICE and
+    BREAK for what is undecided.
     """
     for k in range(low.size):
         op, a, b, c = code[k, 0], code[k, 1], code[k, 2], code[k, 3]
@@ -75,7 +75,7 @@ def enclose(
         if op == CONST:
             low[k] = high[k] = numbers[k]
         elif op == P:
-            low[k], high[k] = p[a], p[b]
+            low[k] = high[k] = p[a]
         elif op == T:
             low[k], high[k] = t0, t1
         elif op == SELECT:

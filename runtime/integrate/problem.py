@@ -1,8 +1,8 @@
 """The input of an integration: start and end, and how to solve the equations."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -49,13 +49,6 @@ class Stops(NamedTuple):
     further: Callable[[], "Stops | None"] | None = None
 
 
-class TableEntries(NamedTuple):
-    """What a run has in its function table beside that of every run."""
-
-    numbers: Mapping[int, int]  # by their slots, addresses of functions among them
-    arrays: Mapping[str, Any]  # by name
-
-
 @dataclass(frozen=True)
 class Problem:
     """An initial-value problem."""
@@ -72,7 +65,6 @@ class Problem:
     """(s,): how far switching functions go when all that they are made of is changed by its size,
     where that is more than the coordinates' own changes do."""
     stops: Stops | None = None  # None: the run ends its steps where it likes
-    position: TableEntries | None = None  # of narrow functions of the position, where there are any
 
 
 @dataclass(frozen=True)

@@ -63,11 +63,6 @@ class RunState:
         self._take(find_method(options.method))
         self._choose_return(problem)
         self.set_stops(problem.stops)
-        if problem.position is not None:
-            for slot, number in problem.position.numbers.items():
-                self.table[slot] = number
-            for name, array in problem.position.arrays.items():
-                place(self.table, arrays, name, array)
 
     @property
     def y(self) -> Matrix:

@@ -63,8 +63,6 @@ class Description(NamedTuple):
     shares: tuple[int, ...] = ()  # switches of which the share of both modes stands in `p`
     weak_pivot: float = 0.0  # part of its reference below which a pivot is weak; 0: none is watched
     time_functions: tuple[TimeFunction, ...] = ()
-    # rows to watch, and rows as those of a function of time, with ("q", slot); () without any
-    position_functions: tuple[Any, ...] = ()
     conditions: tuple[ConditionRow, ...] = ()  # on parameters, judged before each run
     profiles: tuple[ProfileRow, ...] = ()
 

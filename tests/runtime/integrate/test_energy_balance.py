@@ -15,7 +15,6 @@ from codegen import Model, t
 from runtime import load
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.machine_facade import Machine
 
 SCENES = ("loaded", "swinging")
@@ -29,12 +28,6 @@ def machines(workshop: Path) -> dict[str, Machine]:
     """The scenes of `unbalanced.py`."""
     file = Path(__file__).with_name("unbalanced.py")
     return {scene: load(file, scene, folder=workshop) for scene in ALL}
-
-
-@pytest.fixture
-def blind(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Runs step over what is narrow, as they would a law that nothing encloses."""
-    monkeypatch.setattr(PreparedSimulation, "position_entries", lambda *_: None)
 
 
 def changed(machine: Machine, kernel: str, make: Callable[[Any], Any]) -> Machine:
@@ -197,7 +190,6 @@ def test_fault_above_the_rounding_is_found(machines: dict[str, Machine]) -> None
     assert changed(machines["gusty"], "potential", lifted).simulate(2.0).t[-1] == 0.0
 
 
-@pytest.mark.usefixtures("blind")
 @pytest.mark.parametrize("scene", WAVES)
 @pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10])
 def test_shape_of_a_potential_is_no_rounding(
@@ -299,7 +291,6 @@ def test_checks_change_no_number(machines: dict[str, Machine], scene: str) -> No
     assert runs[1].stats["balance_rhs"] == 0
 
 
-@pytest.mark.usefixtures("blind")
 @pytest.mark.parametrize("rtol", [1e-6, 1e-9])
 @pytest.mark.parametrize("instants", [None, [0.0, 1.0]])
 def test_energy_of_reduced_coordinates_is_judged(
