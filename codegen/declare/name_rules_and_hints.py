@@ -7,7 +7,8 @@ from collections.abc import Iterable
 
 from codegen.plain_values import WIDEST, InvalidName, shown
 
-LONGEST = 32
+LONGEST = 32  # safety: characters of a name in formulas
+_LONGEST_OF_FILES = 80  # safety: of a model's or a scene's; file systems allow 255 for all parts
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
 
 
@@ -20,6 +21,8 @@ def name_problem(kind: str, name: object) -> str | None:
         reason = "has two underscores in a row, which separate model and scene in file names"
     elif len(text) > LONGEST and kind not in ("model", "scene"):
         reason = f"has {len(text)} characters; formulas stay readable with up to {LONGEST}"
+    elif len(text) > _LONGEST_OF_FILES:
+        reason = f"has {len(text)} characters; names of files may have up to {_LONGEST_OF_FILES}"
     else:
         return None
     return f"{kind} name {shown(name)} {reason}."

@@ -13,7 +13,7 @@ from codegen.elements.forces.joint_friction import JointFriction
 from codegen.elements.forces.rigid_contact import RigidContact
 from codegen.elements.forces.spring_damper_contact import Contact, gap_between
 from codegen.model.base import Declarations, Ends, Pair, Place
-from codegen.plain_values import shown
+from codegen.plain_values import is_a, shown
 
 FrictionLaw = Literal["sticking", "regularised"]
 
@@ -187,8 +187,11 @@ class Contacts(Declarations):
         return self._friction_law(where, law, fidelity)
 
     def _law_word(self, word: Any, allowed: tuple[str, ...], where: str) -> str:
-        """One of the words, or None, which is the empty text."""
-        return "" if word is None else self._read.choice(word, ("", *allowed), where)
+        """One of the words; the empty text for None, and for what is none of them."""
+        if word is None:
+            return ""
+        chosen = self._read.choice(word, allowed, where)
+        return chosen if is_a(word, str) and word in allowed else ""
 
     def _chosen_form(self, where: str, word: str, forms: dict[str, Effect | str]) -> Effect:
         """Declare an effect of several fidelities, of which `word` is the default."""

@@ -209,6 +209,11 @@ from tests.codegen.complaints import check, complaints
         ),
         ("model.scene('s')\nmodel.scene('s')", ["scene 's' is declared twice"]),
         ("model.body('x' * 50, mass=1, inertia=1)", ["has 50 characters; .* up to 32"]),
+        ("model.scene('x' * 99)", ["scene name .* has 99 characters; names of files .* up to 80"]),
+        (
+            "model.dry_friction('rub', slip=a.vx, normal=1, coefficient=0.1, fidelity='')",
+            ["fidelity: '' is none of 'sticking', 'regularised'"],
+        ),
         (
             "model.body('two__parts', mass=1, inertia=1)",
             ["body name 'two__parts' has two underscores"],
