@@ -53,12 +53,16 @@ def checked_call(
             about.bind(*arguments, **words)
         except TypeError as mismatch:
             given = arguments[1:] if next(iter(about.parameters), "") == "self" else arguments
-            owner = [type(of).__name__ for of in arguments[:1]]
+            owner = () if title else map(_class_name, arguments[:1])
             name = title or ".".join([*owner, function.__name__])
             raise error(wrong_call(name, function, mismatch, given, words)) from None
         return function(*map(genuine, arguments), **{w: genuine(v) for w, v in words.items()})
 
     return call
+
+
+def _class_name(of: Any) -> str:
+    return str(type.__getattribute__(type(of), "__name__"))
 
 
 def error_boundary(method: Callable[..., Any], owner: str) -> Callable[..., Any]:

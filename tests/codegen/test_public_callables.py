@@ -75,6 +75,27 @@ def test_a_wrong_call_says_what_is_taken_and_what_was_given(title: str) -> None:
     assert "was given (" in str(caught.value)
 
 
+class _Mute(type):
+    """A class of classes that do not say what they are called."""
+
+    def __getattribute__(cls, word: str) -> Any:
+        if word == "__name__":
+            raise RuntimeError(word)
+        return type.__getattribute__(cls, word)
+
+
+class _Nameless(metaclass=_Mute):
+    pass
+
+
+@pytest.mark.parametrize("function", [coordinate, Model.scene, build])
+def test_a_wrong_call_with_an_object_of_a_class_that_says_nothing(
+    function: Callable[..., Any],
+) -> None:
+    with pytest.raises(LinkwrightError, match="it takes"):
+        function(_Nameless(), *range(20))
+
+
 NONSENSE: dict[str, Callable[[Model], Any]] = {
     "LinkwrightError": lambda m: LinkwrightError(7),  # type: ignore[arg-type]
     "ModelError: problems of type list": lambda m: ModelError([7]),  # type: ignore[list-item]

@@ -102,7 +102,9 @@ def _call(
     spoilt = len(odd)
     if method not in NO_NAME:
         if random.random() < 0.05:
-            name, spoilt = random.choice(BAD_NAMES), spoilt + 1
+            name = random.choice(BAD_NAMES)
+            # A scene may have the name of a body or a joint.
+            spoilt += not (method == "scene" and type(name) is str and name in ("ground", "pin"))
         values = {"name": name, **values}
     shown = {w: v for w, v in values.items() if w in odd or w == "name"}
     words = f"{method}({', '.join(f'{w}={_short(v)}' for w, v in shown.items())}, ...)"

@@ -144,7 +144,7 @@ def _of_joints(body: Body, odd: Any, random: Random) -> list[tuple[str, Any]]:
         ("near", {coordinate("mine", "alpha"): odd}),
         ("instead_of", odd),
         # Any text is a sentence.
-        ("conditions", (Condition(7 if isinstance(odd, str) else odd, (body.x,)),)),
+        ("conditions", (Condition(7 if issubclass(type(odd), str) else odd, (body.x,)),)),
         ("conditions", (Condition("{:g}", (sympy.S.One,), low=odd),)),
         ("conditions", (Condition("{:g}", odd),)),
         ("statement", lambda: _statement(body, phi=(1,))),
