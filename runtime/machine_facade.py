@@ -74,10 +74,9 @@ class Machine(MachineStates):
             `runtime.integrate.problem.Options`; τ of Baumgarte's accelerations in s, by default a
             thousandth of the run.
         first_step, max_step, max_steps, max_bytes, progress
-            Lengths in s, chosen by default; trial steps, 1e8 by default, or the run ends with
-            `Outcome.MAX_STEPS`, and before where steps get ever shorter towards an instant, if no
-            number is given; memory of the states that are recorded at steps and events, 1 GiB by
-            default, or `Outcome.MEMORY`; whether a bar shows, once it has taken a second.
+            Lengths in s, chosen by default; trial steps (`Outcome.MAX_STEPS`), by default 1e8, or
+            fewer where they get ever shorter towards an instant; bytes of recorded states
+            (`Outcome.MEMORY`), 1 GiB by default; whether a bar shows, once it has taken a second.
 
         Returns
         -------

@@ -134,7 +134,7 @@ def _contradict_modes(
 
     States are (t, q, v), `modes`, (k, s), say which sign is right. Where functions of time move
     what they depend on, each state counts a second time, moved along v by the time `way`, s, with
-    the modes of the next. `scratch` has four rows, as long as g and q at least.
+    the modes of the next. `scratch` has five rows, as long as g and q at least.
     """
     evaluate = switching_of(kernels)
     n, count, wrong = q.shape[1], modes.shape[1], False

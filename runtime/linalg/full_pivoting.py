@@ -23,6 +23,18 @@ def largest_column(dense: Matrix, row: int, first: int) -> int:
     return at
 
 
+@inner
+def eliminate_below(dense: Matrix, step: int) -> None:
+    """Take multiples of row `step` from those below, and leave the ratios in its column."""
+    m, n = dense.shape
+    for i in range(step + 1, m):
+        ratio = dense[i, step] / dense[step, step]
+        dense[i, step] = ratio
+        if ratio != 0.0:
+            for j in range(step + 1, n):
+                dense[i, j] -= ratio * dense[step, j]
+
+
 @compiled(i8(matrix, integers, integers, f8))
 def factor_fully(dense: Matrix, row_order: Integers, column_order: Integers, least: float) -> int:
     """Eliminate with full pivoting until no pivot is larger than `least`; count the pivots.
@@ -58,14 +70,10 @@ def factor_fully(dense: Matrix, row_order: Integers, column_order: Integers, lea
             taken = column_order[at_column]
             column_order[at_column] = column_order[step]
             column_order[step] = taken
+        eliminate_below(dense, step)
         for i in range(step + 1, m):
-            ratio = dense[i, step] / dense[step, step]
-            dense[i, step] = ratio
-            if ratio != 0.0:
-                for j in range(step + 1, n):
-                    dense[i, j] -= ratio * dense[step, j]
             # The column that was exchanged stands further back now.
-            if ratio != 0.0 or row_order[i] // m == step:
+            if dense[i, step] != 0.0 or row_order[i] // m == step:
                 row_order[i] = row_order[i] % m + m * largest_column(dense, i, step + 1)
     for i in range(m):
         row_order[i] %= m

@@ -11,6 +11,7 @@ import numpy as np
 from runtime.core.array_types import Integers, Matrix, Vector, i8, vector
 from runtime.core.jit import allocating, inner
 from runtime.linalg import cholesky
+from runtime.linalg.full_pivoting import eliminate_below
 from runtime.linalg.leading_block_and_null_vectors import null_vectors
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.linalg.redundant_constraints_solve import SPARSE, solve_factored
@@ -71,12 +72,7 @@ def factor_weighted(
         row, column = row_order[at_row], column_order[at_column]
         row_order[at_row], column_order[at_column] = row_order[step], column_order[step]
         row_order[step], column_order[step] = row, column
-        for i in range(step + 1, m):
-            ratio = dense[i, step] / dense[step, step]
-            dense[i, step] = ratio
-            if ratio != 0.0:
-                for j in range(step + 1, n):
-                    dense[i, j] -= ratio * dense[step, j]
+        eliminate_below(dense, step)
     for i in range(m):
         own = unit[row_order[i]]
         for j in range(n):
@@ -118,7 +114,7 @@ def reduced_mass(mass: Sparse, null: Matrix, unit: Vector, out: Matrix) -> bool:
 def solve_transposed(
     a: Matrix, row_order: Integers, column_order: Integers, right: Vector, y: Vector, x: Vector
 ) -> None:
-    """x with Aᵀ x = `right` in the columns that have a pivot, A as `factor_fully` left it.
+    """x with Aᵀ x = `right` in the columns that have a pivot, A as `factor_weighted` left it.
 
     `y`, (m,), is scratch.
     """
