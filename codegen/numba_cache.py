@@ -95,8 +95,8 @@ class CheckedCache(_Function):  # type: ignore[misc]
     def __init__(self, function: Any) -> None:
         super().__init__(function)
         name = f"{self._impl.filename_base}.{_OURS}"
-        source = (self._cache_file._source_stamp, function.__module__)
-        self._cache_file = _CheckedFiles(self._cache_path, name, source)
+        source = (self._impl.locator.get_source_stamp(), function.__module__)
+        self._cache_file: Any = _CheckedFiles(self._cache_path, name, source)
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Machine code from the disk; None where there is none that can be trusted."""
