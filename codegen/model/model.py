@@ -18,7 +18,13 @@ from codegen.model.forces import Forces
 from codegen.model.parameters_and_tables import Values
 from codegen.model.scene_variations import Variations
 from codegen.plain_values import shown
-from codegen.public_callables import error_boundary, error_boundary_class, failure, immutable
+from codegen.public_callables import (
+    error_boundary,
+    error_boundary_class,
+    failure,
+    immutable,
+    named_attributes,
+)
 
 
 class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
@@ -66,5 +72,5 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
         return element
 
 
-immutable(error_boundary_class(Scene, "scene"))
+immutable(named_attributes(error_boundary_class(Scene, "scene")))
 Model.__init__ = error_boundary(Model.__init__, "Model")  # type: ignore[method-assign]

@@ -92,7 +92,8 @@ class JointFriction(el.Effect):
         where, joint = el.label(self), self.joint
         if not isinstance(joint, JOINTS):
             name = f"'{joint.name}'" if isinstance(joint, el.Constraint) else repr(joint)
-            advice = "give a revolute, a translational or a revolute-translational joint."
+            advice = "give a revolute, a translational or a revolute-translational joint"
+            advice += " itself, not its name." if isinstance(joint, str) else "."
             return [f"{where}: {name} is no joint that rubs; {advice}"]
         pin = isinstance(joint, Revolute)
         problems = angle_problems(self, *joint.bodies) if pin else []
