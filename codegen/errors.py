@@ -29,6 +29,11 @@ class LinkwrightError(Exception):
             raise InputError(f"{type(self).__name__}: problems of type {kind}; {needed}.") from None
         super().__init__(text, *values)
 
+    def locate(self, place: str) -> None:
+        """Let each sentence begin with the place where the error was raised."""
+        self.problems = tuple(f"{place}: {problem}" for problem in self.problems)
+        self.args = ("\n".join(self.problems), *self.args[1:])
+
 
 class InputError(LinkwrightError):
     """The user's input is wrong; the command line answers it with exit status 2."""

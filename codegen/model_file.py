@@ -21,8 +21,9 @@ from codegen.declare.name_rules_and_hints import nearest
 from codegen.errors import InputError, ModelFileError
 from codegen.generated_module_signature_and_import import is_signed
 from codegen.model import Model
-from codegen.plain_values import shown
+from codegen.plain_values import one_line, shown
 
+_LONGEST_PATH = 1000  # layout: characters of a path in a message
 _IN_USE = {
     *("codegen", "runtime", "filelock", "llvmlite", "matplotlib", "mpmath", "netCDF4", "numba"),
     *("numpy", "pandas", "pint", "pyarrow", "rich", "scipy", "sympy", "typer", "xarray"),
@@ -64,15 +65,17 @@ def find_model_file(model: str | Path) -> Path:
     if given.suffix == ".py":
         candidates = [given]
     else:
-        candidates = [given, *named] if len(given.parts) > 1 else named
-    for path in candidates:
-        if path.is_file():
-            return path.resolve()
-    folder = candidates[-1].parent
-    stems = [p.stem for p in folder.glob("[!_]*.py")] if folder.is_dir() else []
-    raise ModelFileError(
-        f"no model file {' or '.join(str(c) for c in candidates)}; {nearest(given.stem, stems)}"
-    )
+        candidates = [given, *named] if len(given.parts) > 1 or given.is_absolute() else named
+    try:
+        for path in candidates:
+            if path.is_file():
+                return path.resolve()
+        folder = candidates[-1].parent
+        stems = [p.stem for p in folder.glob("[!_]*.py")] if folder.is_dir() else []
+    except OSError as error:
+        raise ModelFileError(f"no file can be {shown(str(model))}: {error.strerror}.") from error
+    tried = " or ".join(one_line(c, _LONGEST_PATH) for c in candidates)
+    raise ModelFileError(f"no model file {tried}; {nearest(given.stem, stems)}")
 
 
 def read_model(model: str | Path | Model) -> ModelFile:
@@ -206,11 +209,15 @@ def _execute(path: Path) -> tuple[dict[str, object], list[Path]]:
         with _fresh_imports(path.parent), contextlib.redirect_stdout(_Output()):
             spec.loader.exec_module(module)
             files = local_files(path)
-    except (InputError, KeyboardInterrupt):
+    except KeyboardInterrupt:
         raise
     except BaseException as error:
         frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
         line = f", line {frames[-1].lineno}" if frames else ""
+        if isinstance(error, InputError):
+            if frames:
+                error.locate(f"{path}{line}")
+            raise
         if isinstance(error, SyntaxError) and error.filename == str(path):
             line = f", line {error.lineno}" if error.lineno else ""
         try:

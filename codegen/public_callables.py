@@ -6,6 +6,7 @@ wish to stop and passes everywhere; all else that a user's own code raises is an
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from difflib import get_close_matches
 from functools import wraps
 from inspect import Parameter, isfunction, signature
 from typing import Any, TypeVar
@@ -159,6 +160,28 @@ def immutable(
 
     for special in ("__setattr__", "__delattr__"):
         setattr(cls, special, refuse)
+    return cls
+
+
+def named_attributes(cls: Class) -> Class:
+    """The class whose objects name themselves, and what they have, where an attribute is none."""
+
+    def miss(of: Any, word: str) -> Any:
+        if word.startswith("_"):
+            raise AttributeError(word)
+        if any(word in vars(base) for base in type(of).__mro__):
+            return object.__getattribute__(of, word)  # it exists, and fails with its own error
+        known = {w for w in dir(type(of)) if not w.startswith("_")}
+        known |= {w for w in vars(of) if not w.startswith("_")}
+        near = get_close_matches(word, sorted(known), n=3)
+        hint = (
+            f"did you mean {' or '.join(near)}?" if near else f"it has {', '.join(sorted(known))}."
+        )
+        name = vars(of).get("name")
+        what = _class_name(of) + ("" if name is None else f" '{plain_name(name)}'")
+        raise NoAttributeError(f"{what} has no {one_line(word)!r}; {hint}")
+
+    cls.__getattr__ = miss
     return cls
 
 

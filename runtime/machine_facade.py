@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy.typing as npt
 
-from codegen.public_callables import checked_class, immutable
+from codegen.public_callables import checked_class, immutable, named_attributes
 from runtime.machine_states import MachineStates
 from runtime.mechanism.mechanism_tables_and_kernels import Values
 from runtime.progress_bar import bar
@@ -229,4 +229,4 @@ class Machine(MachineStates):
             return equilibrium(self.mechanism, **given, progress=report)
 
 
-immutable(Machine, why="settings are arguments of its methods")
+immutable(named_attributes(Machine), why="settings are arguments of its methods")

@@ -19,6 +19,7 @@ from codegen.generated_module_signature_and_import import (
     read_generated,
     text_hash,
 )
+from codegen.plain_values import one_line, shown
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 _LIBRARY = Path(__file__).resolve().parent.parent  # the folder of the library's own packages
 _ATTEMPTS = 5
+_LONGEST_PATH = 1000  # layout: characters of a path in a message
 _FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 
@@ -81,7 +83,9 @@ def load(
 def _locate(model: str, folder: Path) -> tuple[Path, Path]:
     """Model file and the folder of its generated modules, from what the user wrote."""
     models, generated = (_LIBRARY / package for package in ("models", "generated"))
-    tried = [folder / model] if model.endswith(".py") or len(Path(model).parts) > 1 else []
+    given = Path(model)
+    is_path = model.endswith(".py") or len(given.parts) > 1 or given.is_absolute()
+    tried = [folder / model] if is_path else []
     if not (model.endswith(".py") or Path(model).is_absolute()):
         tried.append(folder / "models" / f"{model}.py")
         if models.is_dir():
@@ -89,7 +93,8 @@ def _locate(model: str, folder: Path) -> tuple[Path, Path]:
     found = next((path.resolve() for path in tried if path.is_file()), None)
     if found is None:
         raise ModelFileError(
-            f"There is no model {model!r}: looked for {' and '.join(map(str, tried))}."
+            f"There is no model {shown(model)}: looked for "
+            f"{' and '.join(one_line(path, _LONGEST_PATH) for path in tried)}."
             + _models_nearby(model, [path.parent for path in tried])
         )
     of_library = generated.is_dir() and found.is_relative_to(models.resolve())

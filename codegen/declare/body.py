@@ -14,10 +14,15 @@ import sympy
 from codegen.declare.expression_rules import is_costly
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate, rate
-from codegen.declare.units import plain_length
+from codegen.declare.units import is_quantity, plain_length
 from codegen.errors import FAILURES, ModelError
-from codegen.plain_values import members, one_line, plain_name, shown
-from codegen.public_callables import error_boundary, error_boundary_class, immutable
+from codegen.plain_values import KindError, members, one_line, plain_name, shown
+from codegen.public_callables import (
+    error_boundary,
+    error_boundary_class,
+    immutable,
+    named_attributes,
+)
 from codegen.real_range import unreal_part
 
 
@@ -170,12 +175,12 @@ class Body(Pose):
     def circle(self, radius: Any, center: tuple[Any, Any] = (0, 0)) -> "Curve":
         """A circle in this body, m, run through counter-clockwise."""
         try:
-            x, y = (plain_expression(plain_length(c)) for c in members(center, 2))
+            x, y = map(_length, members(center, 2))
         except FAILURES:  # reported with its joint
             return Curve(self, center, center)
         r = plain_length(radius)
         try:
-            size = plain_expression(r)
+            size = _length(r)
             for part in filter(unreal_part, (size, x, y)):  # which SymPy would multiply out
                 return Curve(self, part, part)
             return Curve(self, x + size * sympy.cos(alpha), y + size * sympy.sin(alpha))
@@ -272,13 +277,21 @@ class Curve:
         return sympy.Matrix([x.subs(alpha, at), y.subs(alpha, at)])
 
 
+def _length(value: Any) -> sympy.Expr:
+    """A length as an expression, m; KindError for any other quantity, as one in rad or %."""
+    metres = plain_length(value)
+    if is_quantity(metres):  # which is a number where a pure number is meant
+        raise KindError
+    return plain_expression(metres)
+
+
 def _lengths(word: str, body: object, x: Any, y: Any) -> tuple[sympy.Expr, sympy.Expr]:
     """Two lengths of a point or curve as expressions; ModelError where it has none."""
     if not isinstance(body, Body):
         raise ModelError(f"{word} of {shown(body)}, which is no body; write body.at(x, y).")
     where = f"{word} of body '{plain_name(body.name)}'"
     try:
-        both = plain_expression(x), plain_expression(y)
+        both = _length(x), _length(y)
         found = next(filter(None, (unreal_part(e) for e in both if not e.is_Float)), None)
     except FAILURES:
         raise ModelError(
@@ -292,6 +305,6 @@ def _lengths(word: str, body: object, x: Any, y: Any) -> tuple[sympy.Expr, sympy
 
 for _word in ("__init__", "at", "curve", "circle", "polar", "torque"):
     setattr(Body, _word, error_boundary(getattr(Body, _word), "body"))
-immutable(Body)
+immutable(named_attributes(Body))
 for _class in (Point, Curve):
-    immutable(error_boundary_class(_class, _class.__name__))
+    immutable(named_attributes(error_boundary_class(_class, _class.__name__)))

@@ -15,7 +15,9 @@ IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
 def name_problem(kind: str, name: object) -> str | None:
     """Why `name` cannot be the name of a `kind`, or None if it can."""
     text = "" if isinstance(name, InvalidName) or not isinstance(name, str) else name
-    if not IDENTIFIER.match(text) or keyword.iskeyword(text):
+    if keyword.iskeyword(text):
+        reason = "is no identifier, but a word of Python's own; put an underscore behind it"
+    elif not IDENTIFIER.match(text):
         reason = "is no identifier: use ASCII letters, digits and underscores, a letter first"
     elif "__" in text:
         reason = "has two underscores in a row, which separate model and scene in file names"

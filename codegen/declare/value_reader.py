@@ -6,6 +6,7 @@ of another kind is noted, one sentence each, and a value of the kind stands in f
 """
 
 from collections.abc import Callable, Iterable, Mapping
+from inspect import isfunction
 from math import isfinite
 from typing import Any
 
@@ -30,6 +31,7 @@ from codegen.plain_values import (
     members,
     one_line,
     plain_float,
+    plain_name,
     shown,
 )
 from codegen.public_callables import failure, unreadable
@@ -46,6 +48,19 @@ CONDITIONS = (Relational, sympy.And, sympy.Or, sympy.Not)
 def dotted(symbol: sympy.Symbol) -> str:
     """``crank_phi`` → ``crank.phi``."""
     return ".".join(symbol.name.rsplit("_", 1))
+
+
+def _advice(value: object) -> str:
+    """What to write in place of a value of another kind, for those that are given most."""
+    if is_a(value, str):
+        return "; text is never evaluated, so write it without quotes"
+    if is_a(value, Body):
+        name = plain_name(value.name)
+        turning = f" or {name}.phi" if value.turns else ""
+        return f"; a body is none, but its coordinates are, {name}.x, {name}.y{turning}"
+    if isfunction(value):
+        return "; write what it computes, an expression, in place of the function"
+    return "; give one value" if is_a(value, tuple) or is_a(value, list) else ""
 
 
 class Reader:
@@ -71,7 +86,7 @@ class Reader:
             problem = unreadable(error)
         except FAILURES as error:
             why = f" ({one_line(error)})" if str(error) else ""
-            problem = f"{shown(value)} is neither a number nor an expression{why}."
+            problem = f"{shown(value)} is neither a number nor an expression{why}{_advice(value)}."
         if problem is None:
             if read.free_symbols and not profile:
                 self.symbols.append((where, frozenset(read.free_symbols)))
@@ -141,7 +156,7 @@ class Reader:
             return plain_float(in_unit(value, unit, where, self.problems))
         except FAILURES as error:
             why = f" ({one_line(error)})" if str(error) else ""
-            self.note(f"{where}: {shown(value)} is not a number{why}.")
+            self.note(f"{where}: {shown(value)} is not a number{why}{_advice(value)}.")
             return 1.0
 
     def finite(self, value: Any, unit: str, where: str) -> float:
@@ -227,12 +242,17 @@ class Reader:
         return chosen
 
     def elements(
-        self, names: Names, known: Mapping[str, Any], kind: str, where: str
-    ) -> tuple[str, ...]:
-        """The known elements among `names`, in the order of their declaration."""
+        self, names: Names, known: Mapping[str, Any], kind: str, where: str,
+        others: Mapping[str, str] | None = None,
+    ) -> tuple[str, ...]:  # fmt: skip
+        """The known elements among `names`, in the order of their declaration.
+
+        `others` says what names of other kinds stand for.
+        """
         chosen = self.names(names, kind, where, known)
         for name in (n for n in chosen if n not in known):
-            self.note(f"{where}: no {kind} '{name}'; {nearest(name, known)}")
+            hint = (others or {}).get(name) or nearest(name, known)
+            self.note(f"{where}: no {kind} '{name}'; {hint}")
         return tuple(name for name in known if name in chosen)
 
     def states(
@@ -248,7 +268,9 @@ class Reader:
             if name in units:
                 numbers[name] = self.finite(value, units[name], f"{where}, {name}")
             else:
-                hint = nearest(name, units)
+                owner = name.rpartition(".")[0]
+                own = [known for known in units if known.rpartition(".")[0] == owner]
+                hint = f"did you mean {' or '.join(own)}?" if own else nearest(name, units)
                 self.note(f"{where}: '{name}' is no coordinate or velocity; {hint}")
         return tuple(numbers.items())
 

@@ -45,11 +45,12 @@ def _marked(method: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
-TABLES = (
-    *("bodies", "parameters", "joints", "drivers", "effects", "scenes"),
-    *("fidelities", "groups", "couplers"),
-)
-"""Attributes of a model that list what is declared, by name."""
+TABLES: dict[str, type[Any]] = {
+    "bodies": Body, "parameters": sy.ParameterDeclaration, "joints": Constraint,
+    "drivers": Constraint, "effects": Effect, "scenes": Scene, "fidelities": dict, "groups": dict,
+    "couplers": tuple,
+}  # fmt: skip
+"""Attributes of a model that list what is declared, by name, and the kind of their entries."""
 
 
 class Declarations:
@@ -121,14 +122,19 @@ class Declarations:
         vars(self)[table].declare(name, entry)
 
     @partial(error_boundary, owner="model")
-    def altered(self, **tables: Mapping[str, Any]) -> Self:
+    def altered(self, **tables: Any) -> Self:
         """A copy with other entries in some tables."""
         copied = copy(self)
         for table, entries in tables.items():
-            if table not in TABLES or not isinstance(entries, Mapping):
+            kind = TABLES.get(table)
+            if (
+                kind is None
+                or not isinstance(entries, Mapping)
+                or not all(is_a(n, str) and is_a(entry, kind) for n, entry in entries.items())
+            ):
                 raise ModelError(
                     f"model.altered: {one_line(table)}={shown(entries)}; give mappings of the "
-                    f"tables {', '.join(TABLES)}."
+                    f"tables {', '.join(TABLES)}, each from names to entries of its kind."
                 )
             vars(copied)[table] = DeclaredTable(f"model.{table}", entries)
         return copied
@@ -166,6 +172,7 @@ class Declarations:
         """The same of a value that may be left out, None."""
         return None if value is None else self._value(value, unit, where, sign)
 
+    @partial(error_boundary, owner="model")
     def kind(self, name: str) -> str:
         """The role of a declared name: ``"body"``, ``"joint"``, ``"driver"`` and so on."""
         return self._kinds.get(name, "element")

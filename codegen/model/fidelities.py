@@ -7,8 +7,9 @@ from codegen.declare.element import Effect
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import Scene, name_of
 from codegen.declare.value_reader import Reader
+from codegen.errors import ModelError
 from codegen.model.bodies import FORMS, Bodies
-from codegen.plain_values import InvalidName, plain_name, shown
+from codegen.plain_values import InvalidName, is_a, plain_name, shown
 
 NONE = "none"  # the fidelity of an effect that a scene does without
 
@@ -56,12 +57,20 @@ class Fidelities(Bodies):
 
     def acting(self, scene: Scene) -> dict[str, Effect]:
         """Name → the effects of a scene, in the fidelity that it asks for."""
+        self._require_scene("acting", scene)
         how = dict(scene.fidelity)
         effects = {}
         for name in scene.effects:
             form = self.fidelities.get(name, {}).get(how.get(name, ""))
             effects[name] = self.effects[name] if form is None or isinstance(form, str) else form
         return effects
+
+    def _require_scene(self, method: str, scene: object) -> None:
+        if not is_a(scene, Scene):
+            raise ModelError(
+                f"model.{method}: {shown(scene)} is no scene; give one that model.scene(...) "
+                "returned."
+            )
 
     def _read_fidelities(
         self, read: Reader, where: str, fidelity: Any, couplers: Any
@@ -112,7 +121,12 @@ class Fidelities(Bodies):
 
     def choice(self, group: str, how: Mapping[str, str], effects: Iterable[str]) -> str:
         """The alternative of a scene, by its fidelities `how` or by the effects that it names."""
-        choices = self.groups[group]
+        choices = self.groups.get(plain_name(group), {})
+        if not choices or not isinstance(how, Mapping):
+            raise ModelError(
+                f"model.choice({shown(group)}, {shown(how)}, ...): give the name of a group of "
+                "alternatives, and the fidelities of a scene by name."
+            )
         named = [word for word, names in choices.items() if {*effects}.intersection(names)]
         return how.get(group) or (named[0] if len(named) == 1 else next(iter(choices)))
 

@@ -9,6 +9,7 @@ from typing import Any
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect, label
 from codegen.declare.scene import Scene
+from codegen.elements.registry import ACTIONS
 from codegen.errors import FAILURES, ModelError
 from codegen.model.base import Declared
 from codegen.model.cams import Cams
@@ -18,7 +19,13 @@ from codegen.model.forces import Forces
 from codegen.model.parameters_and_tables import Values
 from codegen.model.scene_variations import Variations
 from codegen.plain_values import shown
-from codegen.public_callables import error_boundary, error_boundary_class, failure, immutable
+from codegen.public_callables import (
+    error_boundary,
+    error_boundary_class,
+    failure,
+    immutable,
+    named_attributes,
+)
 
 
 class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
@@ -58,6 +65,10 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
                 f"{label(element)}: one of its properties fails with {failure(error)}."
             ) from error
         if known:
+            kind: Any = type(element)
+            own = (a for a in ACTIONS if getattr(kind, a, None) is not getattr(Effect, a, None))
+            if Effect in kind.__mro__ and not any(own):
+                self._note(f"{label(element)} has none of {', '.join(ACTIONS)}; write one.")
             return self._declare(element)
         self._note(
             f"model.add({shown(element)}): neither a Body, a Constraint nor an Effect; it needs "
@@ -66,5 +77,5 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
         return element
 
 
-immutable(error_boundary_class(Scene, "scene"))
+immutable(named_attributes(error_boundary_class(Scene, "scene")))
 Model.__init__ = error_boundary(Model.__init__, "Model")  # type: ignore[method-assign]

@@ -30,6 +30,7 @@ class Variations(Scenes):
 
         Elements are named or given as objects; `fidelity` and `changes` are as in `scene`.
         """
+        self._require_scene("varied", scene)
         read, root = Reader(), scene.root or scene
         where, known = f"scene '{scene.name}', varied", self.elements
         removed = read.names(out, "elements", where, known)
@@ -117,6 +118,7 @@ class Variations(Scenes):
 
     def recompose(self, scene: Scene) -> Scene:
         """The same scene of this model, where `scene` is that of another of the same names."""
+        self._require_scene("recompose", scene)
         if scene.owner is self:
             return scene
         read = Reader()

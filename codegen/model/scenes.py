@@ -104,8 +104,8 @@ class Scenes(Fidelities, Outputs):
         explicit = {key: words[key] for key in DEFAULTS if words[key] is not None}
         chosen = DEFAULTS | explicit
         request = Request(
-            effects=read.elements(effects, self.effects, "effect", where),
-            drivers=read.elements(drivers, self.drivers, "driver", where),
+            effects=read.elements(effects, self.effects, "effect", where, self._roles()),
+            drivers=read.elements(drivers, self.drivers, "driver", where, self._roles()),
             without=read.elements(words["without"], self.elements, "body or joint", where),
             fidelity=self._read_fidelities(read, where, words["fidelity"], words["couplers"]),
             start=read.states(words["start"], coordinates, "start", where),
@@ -116,6 +116,18 @@ class Scenes(Fidelities, Outputs):
             outputs=self._read_outputs(read, where, chosen["outputs"]),
         )
         return request, frozenset(explicit)
+
+    def _roles(self) -> dict[str, str]:
+        """What a name that stands in the wrong list of a scene stands for."""
+        always = "which takes part unless without= names it; leave it out of the list."
+        gravity = "declare it, as Model(..., gravity=(0, -9.81)) does."
+        return (
+            {"gravity": gravity}
+            | dict.fromkeys(self.bodies, f"it is a body, {always}")
+            | dict.fromkeys(self.joints, f"it is a joint, {always}")
+            | dict.fromkeys(self.drivers, "it is a driver; name it in drivers=.")
+            | dict.fromkeys(self.effects, "it is an effect; name it in effects=.")
+        )
 
     def _extend(
         self,

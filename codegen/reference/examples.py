@@ -19,6 +19,7 @@ from codegen.declare.symbols import alpha, t
 from codegen.elements.registry import kinds_of_elements
 from codegen.errors import ModelError
 from codegen.model import Model
+from codegen.plain_values import shown
 
 JOINTS = """
 absolute
@@ -134,7 +135,7 @@ def example_of(kind: str, model: Model | None = None) -> Example:
     """The library's example of a kind, or the first in `model`; ModelError if there is none."""
     registered = kinds_of_elements()
     if kind not in registered:
-        raise ModelError(f"there is no element '{kind}'; {nearest(kind, registered)}")
+        raise ModelError(f"there is no element {shown(kind)}; {nearest(kind, registered)}")
     if model is not None:
         for element in _elements(model):
             if element.kind == kind:

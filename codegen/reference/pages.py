@@ -15,6 +15,7 @@ from codegen.generated_files.generated_file import Written, write_folder
 from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.operation_count import by_element
 from codegen.model import Model
+from codegen.plain_values import shown
 from codegen.reference.equations import constraint_sections, effect_sections
 from codegen.reference.examples import Example, example_of
 
@@ -58,7 +59,7 @@ def find_kind(name: str) -> str:
     for kind in known:
         if slug(name) == slug(kind):
             return kind
-    raise ModelError(f"there is no element '{name}'; {nearest(name, known)}")
+    raise ModelError(f"there is no element {shown(name)}; {nearest(name, known)}")
 
 
 def chosen_kinds(model: Model | None = None, only: str | None = None) -> dict[str, Kind]:

@@ -82,7 +82,8 @@ def _change_of_switch(
 ) -> float:
     """By how much g of the switch number k changes with all of (q, v) in turn.
 
-    The state and what each of its numbers changes by are (2n,); `g`, (s,), is written over.
+    The state and what each of its numbers changes by are (2n,); `g`, (s,), is written over. At the
+    edge of its domain g changes as on the side where it has a number.
     """
     evaluate = switching_of(kernels)
     n, total = state.size // 2, 0.0
@@ -93,7 +94,10 @@ def _change_of_switch(
         before = state[j]
         state[j] = before + change[j]
         evaluate(t, q, v, p, g)
-        total += abs(g[k] - here)
+        if np.isnan(g[k]):
+            state[j] = before - change[j]
+            evaluate(t, q, v, p, g)
+        total += 0.0 if np.isnan(g[k]) else abs(g[k] - here)
         state[j] = before
     return float(total)
 

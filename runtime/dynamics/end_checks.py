@@ -154,14 +154,21 @@ def _sides_of_modes(
 def _change_of_switch(
     equations: Equations, k: int, t: float, q: FloatArray, v: FloatArray, change: FloatArray
 ) -> float:
-    """By how much g of the switch number k changes with each of (q, v), (2n,), in turn."""
+    """By how much g of the switch number k changes with each of (q, v), (2n,), in turn.
+
+    At the edge of its domain, as of √x, it changes as on the side where it has a number.
+    """
     state, n = np.concatenate([q, v]), equations.n
 
     def value(state: FloatArray) -> float:
         return float(equations.switching(t, state[:n], state[n:])[k])
 
-    here = value(state)
-    return sum(abs(value(state + part) - here) for part in np.diag(change))
+    here, total = value(state), 0.0
+    for part in np.diag(change):
+        both = np.abs([value(state + part) - here, value(state - part) - here])
+        numbers = both[~np.isnan(both)]
+        total += float(numbers[0]) if len(numbers) else 0.0
+    return total
 
 
 def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> FloatArray:

@@ -61,7 +61,8 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
         return replace(run, outcome=ended, index=-1, note=locked)
     a, _, _ = equations.motion(t, q, v, run.final_modes)
     a = np.where(np.isfinite(a), a, 0.0)
-    later = [(t + h, q + h * (v + 0.5 * h * a), v + h * a) for h in _CLOSE * duration * _AHEAD]
+    with np.errstate(over="ignore", invalid="ignore"):  # of a run of 1e300 s
+        later = [(t + h, q + h * (v + 0.5 * h * a), v + h * a) for h in _CLOSE * duration * _AHEAD]
     for there in later:
         ahead, _, weak = equations.motion(*there, run.final_modes)
         if weak > 0 and not np.isfinite(ahead).all():

@@ -2,10 +2,12 @@
 
 import numpy as np
 
+from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context
 from runtime.core.jit import inner
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.hybrid import mode_consistency as consistency
+from runtime.hybrid.redundant_sliding import rests
 from runtime.linalg.vectors import copy_vector
 
 MOST_COMBINED = 10  # safety: functions of which all combinations of modes are tried
@@ -31,8 +33,13 @@ def choose_mode(rigid: int, preferred: int, choice: int) -> int:
 def flip_mode(context: Context, k: int, mode: int, preferred: int) -> int:
     """The next mode of function `k`, whose `mode` is contradicted.
 
-    From sliding mode it goes to the side of the bound that its share exceeds.
+    From sliding mode it goes to the side of the bound that its share exceeds; one that rests has no
+    share, and goes where the look ahead saw it go.
     """
+    if mode == SLIDING and rests(context, k):
+        for i in range(context[ft.SWITCHES]):
+            if context.members[i] == k:
+                return 1 if context.signs[i] > 0 else 0
     if mode == SLIDING:
         if context.rigid[k] >= 0 or not np.isfinite(context.share[k]):
             return 1

@@ -260,7 +260,10 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
             evaluate_accelerations(context, t, context.q1, context.v1, modes, context.first_scratch)
             if rests(context, crossing):
                 evaluate_now(context, t)
-                context.preferred[crossing] = 1 if context.now[crossing] > 0.0 else 0
+                side, now = (1 if context.now[crossing] > 0.0 else 0), context.now[crossing]
+                away = now * context.rate_now[crossing] > 0.0
+                # It is so little off that a short look ahead would see no change.
+                context.preferred[crossing] = consistency.decided_entry(side) if away else side
             else:
                 prefer_release(context, t, crossing)
         prefer_released(context, crossing, t)

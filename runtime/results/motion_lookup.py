@@ -125,6 +125,11 @@ class MotionSeries:
         for index, row in enumerate(table):
             if name == row.name or (velocity and name == row.velocity):
                 return array[:, index]
+            if name == row.velocity:
+                raise InputError(
+                    f"{self.description.title}: There is no coordinate {name!r}: it is a velocity; "
+                    f"ask for v({name!r})."
+                )
         names = [*table.names, *(row.velocity for row in table if velocity)]
         raise self._unknown("coordinate", name, names)
 

@@ -14,7 +14,7 @@ from codegen import __version__
 from codegen import argument_readers as readers
 from codegen.errors import InputError
 from codegen.plain_values import shown
-from codegen.public_callables import checked_class, declared_attributes
+from codegen.public_callables import checked_class, declared_attributes, named_attributes
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
 from runtime.results.accuracy_target_record import ReachedAccuracy
@@ -30,6 +30,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 @declared_attributes
+@named_attributes
 @checked_class
 class Result(TimeSeries):
     """Motion of a machine at the instants `t`.

@@ -35,7 +35,10 @@ def parameter_values(
         row = table[name]
         finite = finite_float(value)
         if finite is None:
-            problems.append(f"Parameter {name} is {shown(value)}; it must be a finite number.")
+            unit = row.unit and f" in {row.unit}"
+            problems.append(
+                f"Parameter {name} is {shown(value)}; it must be a finite number{unit}."
+            )
             continue
         if row.sign == "positive" and finite <= 0.0:
             problems.append(

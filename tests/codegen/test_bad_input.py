@@ -174,6 +174,13 @@ from tests.codegen.complaints import check, complaints
         # parameters, quantities
         ("model.parameter('c', float('nan'))", ["parameter 'c' is nan; give a finite number"]),
         ("model.parameter('c', 'five')", ["parameter 'c': 'five' is not a number"]),
+        ("model.driver('d', a, t)", ["driver 'd': Body.* its coordinates are, a.x, a.y or a.phi"]),
+        ("model.driver('d', a.x, '2*t')", ["law of driver 'd': '2.t' .* it without quotes"]),
+        (
+            "model.driver('d', a.x, lambda t: t)",
+            ["law of driver 'd': .*, in place of the function"],
+        ),
+        ("model.force('f', on=a, fx=(1, 0))", [r"force 'f': \(1, 0\) .*; give one value"]),
         (
             "model.parameter('c', -1.0, unit='m', sign='positive')",
             ["parameter 'c' is -1 m, but must be positive"],
@@ -224,6 +231,16 @@ from tests.codegen.complaints import check, complaints
             ["scene 's': no effect 'gravitty'; did you mean 'gravity'?"],
         ),
         ("model.scene('s', effects='gravitty')", ["scene 's': no effect 'gravitty'"]),
+        (
+            "model.driver('d', a.x, t)\nmodel.scene('s', effects=['d'])",
+            ["scene 's': no effect 'd'; it is a driver; name it in drivers="],
+        ),
+        (
+            "model.revolute('pin', a.at(0, 0), b.at(0, 0))\nmodel.scene('s', effects=['pin'])",
+            ["scene 's': no effect 'pin'; it is a joint, which takes part unless without= names"],
+        ),
+        ("model.scene('s', drivers=['gravity'])", ["no driver 'gravity'; it is an effect; name"]),
+        ("model.scene('s', start={'a.theta': 1})", ["'a.theta' is no .*; did you mean .*a.phi"]),
         ("model.scene('s', drivers=['motor'])", ["scene 's': no driver 'motor'; there are none"]),
         ("model.scene('s', without=['aa'])", ["scene 's': no body or joint 'aa'; .*'a'"]),
         ("model.scene('s', without=['a', 'b'])", ["scene 's': no body takes part"]),

@@ -85,6 +85,28 @@ def test_model_file_that_is_not_there(tmp_path: Path, monkeypatch: pytest.Monkey
         assert not (tmp_path / "generated").exists()
 
 
+@pytest.mark.parametrize("path", ["/", "x" * 300 + ".py", "x" * 300])
+@pytest.mark.parametrize("words", [["build"], ["elements", "gear", "--model"]])
+def test_path_of_no_file(words: list[str], path: str) -> None:
+    answer = CliRunner().invoke(app, [*words, path])
+    assert answer.exit_code == 2
+    assert answer.stderr.startswith("error: ")
+
+
+def test_message_about_a_path_is_one_line() -> None:
+    answer = CliRunner().invoke(app, ["build", "a\nb.py"])
+    assert len(answer.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("text", ["model.pin('p', a, b)", "model.torque('T', a, 1, 2, 3)", "a.psi"])
+def test_wrong_call_has_its_line(tmp_path: Path, text: str) -> None:
+    path = write_model(tmp_path, HEAD + text)
+    line = path.read_text().splitlines().index(text) + 1
+    answer = CliRunner().invoke(app, ["build", str(path)])
+    assert answer.exit_code == 2
+    assert f"{path.name}, line {line}: " in answer.stderr
+
+
 def test_explain_answers_errors_alike(tmp_path: Path) -> None:
     path = write_model(tmp_path, HEAD + "model.torque('k', on=a, value=1)")
     answer = CliRunner().invoke(app, ["explain", str(path), "--json"])

@@ -1,10 +1,11 @@
 """Names and units come out of a model as they went in, or not at all."""
 
+from copy import copy
 from pathlib import Path
 
 import pytest
 
-from codegen import InputError, build
+from codegen import Body, InputError, Model, ModelError, build
 from tests.codegen.complaints import HEAD, complaints
 from tests.codegen.workbench import write_model
 
@@ -40,3 +41,35 @@ def test_names_are_identifiers(tmp_path: Path, declare: str, name: object) -> No
 def test_units_reach_the_text_only_when_pint_knows_them(tmp_path: Path, unit: str) -> None:
     (found,) = complaints(tmp_path, f"model.parameter('c', 1.0, unit={unit!r})")
     assert found.startswith("parameter 'c': the unit ")
+
+
+def test_word_of_python_is_said_to_be_one(tmp_path: Path) -> None:
+    (found,) = complaints(tmp_path, "model.parameter('lambda', 1.0)")
+    assert found.startswith("parameter name 'lambda' is no identifier, but a word of Python's own")
+
+
+def test_what_a_part_does_not_have_is_said_by_its_name() -> None:
+    model = Model("m")
+    rod, bead = model.body("rod", mass=1.0, inertia=1.0), model.particle("bead", mass=1.0)
+    scene = model.scene("s")
+    for part, word, told in (
+        (rod, "theta", "Body 'rod' has no 'theta'; it has angle, .*phi"),
+        (bead, "fi", "Particle 'bead' has no 'fi'"),
+        (rod.at(0, 0), "s", "Point has no 's'; did you mean .*sx"),
+        (rod.circle(1), "radius", "Curve has no 'radius'"),
+        (scene, "effect", "Scene 's' has no 'effect'; did you mean effects"),
+    ):
+        with pytest.raises(ModelError, match=told):
+            getattr(part, word)
+        assert not hasattr(part, word)
+    assert copy(rod.at(1, 0)).sx == 1
+
+
+def test_a_property_that_fails_keeps_its_own_error() -> None:
+    class Odd(Body):
+        @property
+        def length(self) -> float:
+            return self.name.half  # type: ignore[attr-defined, no-any-return]
+
+    with pytest.raises(AttributeError, match="'str' object has no attribute 'half'"):
+        _ = Odd("rod", None, None, None).length

@@ -63,6 +63,7 @@ WRONG: dict[str, Callable[[Model], Any]] = {
     "given": lambda m: given(),  # type: ignore[call-arg]
     "element": lambda m: element(1, 2),  # type: ignore[call-overload]
     "model.altered": lambda m: m.altered(1),
+    "model.kind": lambda m: m.kind(),
 }
 
 
@@ -115,6 +116,11 @@ NONSENSE: dict[str, Callable[[Model], Any]] = {
     "Coordinate takes": lambda m: Coordinate("a_x", real=[1]),
     "model.altered: scenes=3": lambda m: m.altered(scenes=3),
     "model.altered: zz={}": lambda m: m.altered(zz={}),
+    "model.altered: bodies={'q': 3}": lambda m: m.altered(bodies={"q": 3}),
+    "model.acting: None is no scene": lambda m: m.acting(None),
+    "model.recompose: 'x' is no scene": lambda m: m.recompose("x"),
+    "model.varied: 3 is no scene": lambda m: m.varied(3, out=(), taken=()),
+    "model.choice('zz', {}, ...)": lambda m: m.choice("zz", {}, ()),
     "model 'm': 'spring'": lambda m: setattr(m, "spring", 3),
     "model 'm': 'torque'": lambda m: delattr(m, "torque"),
     "Particle 'p': 'at'": lambda m: delattr(m.bodies["p"], "at"),
@@ -145,6 +151,10 @@ def test_nonsense_is_named_where_it_stands(start: str) -> None:
     with pytest.raises(LinkwrightError) as caught:
         NONSENSE[start](machine())
     assert str(caught.value).startswith(start)
+
+
+def test_what_is_no_name_has_no_role() -> None:
+    assert machine().kind(["a"]) == machine().kind({}) == "element"  # type: ignore[arg-type]
 
 
 def test_a_models_own_table_lists_its_effects() -> None:

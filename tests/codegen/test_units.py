@@ -88,6 +88,21 @@ def test_every_way_in_tells_them_apart() -> None:
         assert "counts" in line
 
 
+@pytest.mark.parametrize("pure", [2 * u.rad, 50 * u.percent, u.Quantity(2, "")])
+def test_a_pure_number_is_no_length(pure: Any) -> None:
+    model = Model("curves")
+    cam, tip = (model.body(name, mass=1.0, inertia=1.0) for name in ("cam", "tip"))
+    model.point_follower("round", cam.circle(pure), tip)
+    model.point_follower("polar", cam.polar(pure), tip)
+    model.point_follower("aside", cam.circle(1, (0, pure)), tip)
+    told = problems_of(model)
+    assert "curve of 'round' on body 'cam': " in told
+    assert "curve of 'polar' on body 'cam': " in told
+    assert "curve of 'aside' on body 'cam': " in told
+    with pytest.raises(ModelError, match="are no lengths"):
+        _ = cam.at(pure, 0).x
+
+
 def test_units_of_sympy_are_refused_by_name() -> None:
     model = Model("sympy_units")
     ball = model.particle("ball", mass=5 * of_sympy.kg)

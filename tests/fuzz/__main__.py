@@ -4,7 +4,7 @@ import sys
 
 from tests.fuzz import campaign
 
-GENERATORS = ("declarations", "calls", "model_files")
+GENERATORS = ("declarations", "calls", "model_files", "command_lines")
 
 if __name__ == "__main__":
     if len(sys.argv) < 2 or sys.argv[1] not in GENERATORS:

@@ -194,7 +194,7 @@ def _curve(s: Scenery, random: Random) -> Any:
 
 
 def _bad_curve(s: Scenery, random: Random) -> Any:
-    odd = of_scalar(random, lambda: None, lambda: s.a.x * alpha)
+    odd = of_scalar(random, lambda: None, lambda: s.a.x * alpha, lambda: 2 * u.rad)
     while is_pair(odd) or (issubclass(type(odd), sympy.Expr) and odd.free_symbols == {alpha}):
         odd = of_scalar(random)
     return random.choice(

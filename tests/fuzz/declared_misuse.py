@@ -18,6 +18,9 @@ from tests.fuzz.declared_arguments import Scenery, is_pair
 from tests.fuzz.declared_methods import METHODS
 from tests.fuzz.declared_nonsense import of_object, of_scalar
 
+ROLES = {"kind": 1, "acting": 1, "recompose": 1, "choice": 3, "place_of": 2, "varied": 1}
+"""Methods of a model that tell what is declared → the most positional arguments."""
+
 
 class Misuse(NamedTuple):
     """A call in words, the call, a name that its error must say, and whether it may be right."""
@@ -47,6 +50,7 @@ def _callables(s: Scenery) -> list[tuple[str, Callable[..., Any], int]]:
         ("model.add", s.model.add, 1), ("curve", s.a.circle(1).at, 1), ("frame", I.bind, 1),
         ("ConjugateReaction", codegen.ConjugateReaction, 1), ("build", codegen.build, 3),
         ("JointReaction", codegen.JointReaction, 4), ("model.scene", s.model.scene, 3),
+        *((f"model.{n}", getattr(s.model, n), k) for n, k in ROLES.items()),
     ]  # fmt: skip
 
 

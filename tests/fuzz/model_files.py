@@ -155,15 +155,15 @@ def written(folder: Path, name: str, text: bytes | str) -> str:
 
 
 @cache
-def _folder() -> Path:
+def folder() -> Path:
     """A folder for the files of a campaign."""
-    folder = tempfile.mkdtemp()
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return Path(folder)
+    path = tempfile.mkdtemp()
+    atexit.register(shutil.rmtree, path, ignore_errors=True)
+    return Path(path)
 
 
 def judge(random: Random) -> str | None:
     """What is wrong about the answer to one file; None: nothing."""
     text = changed(random)
-    found = written(_folder(), "changed.py", text)
+    found = written(folder(), "changed.py", text)
     return f"{found}\n{text}" if found else None

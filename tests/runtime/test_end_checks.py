@@ -104,6 +104,27 @@ def test_run_whose_modes_contradict_their_functions_is_not_ok(
     assert gas.description.switches[0].title.partition(":")[0] in run.message
 
 
+def test_a_mode_is_judged_at_the_edge_of_its_functions_domain(
+    workshop: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """(-x)^2.5 has a number at x = 0 and none beyond."""
+    model = Model("edge_of_a_domain")
+    bead = model.particle("bead", mass=1.0)
+    model.force("push", bead, fy=1.0, when=(-bead.x) ** 2.5 + 1 - bead.y > 0)
+    machine = load(model, folder=workshop)
+    moving, recorded = {"bead.vy": 0.1}, Recording.samples
+    assert machine.simulate(0.5, guess=moving).outcome is Outcome.OK
+
+    def missed(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        times, y, modes = recorded(recording)
+        return times, y, 1 - modes
+
+    monkeypatch.setattr(Recording, "samples", missed)
+    run = machine.simulate(0.5, guess=moving)
+    assert run.outcome is Outcome.CONTRADICTED
+    assert "contradicts its switching function" in run.message
+
+
 def test_one_sample_that_contradicts_its_function_is_an_event_missed(
     gas: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -106,3 +106,13 @@ def test_friction_without_forces_beside_what_sticks_is_named(
     run = rod_that_rubs(tmp_path, weight=True, creep=creep).simulate(0.3, progress=False)
     assert run.outcome is Outcome.NOT_FINITE
     assert "Friction rub slides and pad keeps still, and no forces were found" in run.message
+
+
+def test_a_run_beyond_all_numbers_ends_by_name(tmp_path: Path) -> None:
+    """States a millionth of 1e300 s ahead overflow, where a jam is looked for."""
+    model = Model("drop", gravity=(0, -9.81))
+    ball = model.particle("ball", mass=1.0)
+    model.contact("floor", gap=ball.y, restitution=0.5)
+    model.scene("fall", ["gravity", "floor"], start={ball.y: 1.0, ball.x: 0.0})
+    run = load(model, folder=tmp_path).simulate(1e300)
+    assert run.outcome is Outcome.STEP_TOO_SMALL

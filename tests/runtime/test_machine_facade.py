@@ -49,7 +49,12 @@ def test_all_problems_with_parameters_are_told_at_once(free: Machine) -> None:
     assert "no parameter 'J11'; nearest: J1" in problems[0]
     assert problems[1] == "Parameter m1 is 0 kg; it must be greater than zero."
     assert "gx is inf; it must be a finite number" in problems[2]
-    assert "l is 'long'" in problems[3]
+    assert problems[3] == "Parameter l is 'long'; it must be a finite number in m."
+
+
+def test_method_that_there_is_not_has_hints(free: Machine) -> None:
+    with pytest.raises(AttributeError, match=r"Machine has no 'simulat'; did you mean simulate"):
+        free.simulat(1.0)
 
 
 def test_modes_follow_the_motion(gas: Machine) -> None:

@@ -50,8 +50,12 @@ def test_scene_without_masses_has_no_forces(make, tmp_path: Path) -> None:  # ty
 def test_unknown_names_meet_the_nearest(result: Result) -> None:
     with pytest.raises(InputError, match=r"no coordinate 'crank\.fi'; nearest: crank\.phi"):
         result.q("crank.fi")
-    with pytest.raises(InputError, match=r"no coordinate 'slider\.vx'"):
+    with pytest.raises(InputError, match=r"'slider\.vx': it is a velocity; ask for v\("):
         result.q("slider.vx")
+    with pytest.raises(InputError, match=r"no coordinate 'slider\.vxx'"):
+        result.q("slider.vxx")
+    with pytest.raises(AttributeError, match=r"Result has no 'outcom'; did you mean outcome"):
+        _ = result.outcom
     with pytest.raises(InputError, match="joint A has no reaction 'fz'; it has fx, fy"):
         result.reaction("A", "fz")
     with pytest.raises(InputError, match="no reaction of 'guid'; nearest: guide"):
