@@ -10,7 +10,7 @@ from runtime.core.array_types import IntegerMatrix, Matrix, Vector, integers, ma
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.modes_and_event_kinds import MIXED, OPEN, SLIDING
 from runtime.linalg.vectors import largest_magnitude
-from runtime.mechanism.dense_equations import KEPT
+from runtime.mechanism.dense_equations import KEPT, Equations
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.samples import Samples
 
@@ -69,9 +69,13 @@ def _find_modes(kernels: Any, s: Any, p: Any, bands: Any, work: Any, at_zero: An
 
 
 def _find_bands(mechanism: Mechanism, p: Vector, samples: Samples) -> Matrix:
-    """Of g and dg/dt, (2, s): joints and drivers keep both at zero so closely where they do."""
+    """Of g and dg/dt, (2, s): joints and drivers keep both at zero so closely where they do.
+
+    A machine that stands has a trace of a speed, and accelerations as rounded as its forces.
+    """
     rates, n, s = mechanism.kernels.switching_rates, samples.q.shape[1], samples.modes.shape[1]
     size, speed = np.abs(samples.q).max(axis=0), np.abs(samples.v).max(axis=0)
+    speed = np.maximum(speed, KEPT * max(1.0, float(size.max(initial=0.0))))
 
     def rates_at(v: Vector, a: Vector) -> Vector:
         out = np.zeros(s)
@@ -85,7 +89,25 @@ def _find_bands(mechanism: Mechanism, p: Vector, samples: Samples) -> Matrix:
         spread += np.abs(rates_at(still, by_velocity) - rest)
     per_second = float((speed[size > 0.0] / size[size > 0.0]).max(initial=0.0))
     bands: Matrix = KEPT * np.nan_to_num(np.outer([1.0, per_second], spread))
+    if mechanism.description.has_masses:
+        for by_acceleration in np.diag(_free_accelerations(mechanism, p, samples)):
+            change = np.abs(rates_at(still, by_acceleration) - rest)
+            bands[1] += KEPT * np.nan_to_num(change, posinf=0.0)
     return bands
+
+
+def _free_accelerations(mechanism: Mechanism, p: Vector, samples: Samples) -> Vector:
+    """Sizes of what the forces alone would give, (n,), at the ends of the samples."""
+    equations, most = Equations(mechanism, p), np.zeros(samples.q.shape[1])
+    for row in (0, -1):
+        t, q, v = float(samples.t[row]), samples.q[row], samples.v[row]
+        masses = np.abs(np.diag(equations.mass(q)))
+        for modes in (np.zeros_like(samples.modes[0]), np.ones_like(samples.modes[0])):
+            forces = np.abs(np.nan_to_num(equations.forces(t, q, v, modes), posinf=0.0, neginf=0.0))
+            most = np.maximum(
+                most, np.divide(forces, masses, np.zeros_like(most), where=masses > 0.0)
+            )
+    return most
 
 
 def evaluate(

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core import function_table_slots as ft
+from runtime.core import workspace_rows as ws
 from runtime.core.array_types import integers, matrix, none, vector
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.kernel_abi import powers_of
@@ -15,6 +16,7 @@ from runtime.hybrid.filippov_shares import mix_reactions
 from runtime.hybrid.mode_consistency import count_sliding
 from runtime.hybrid.stiction_force import is_prescribed, set_unit
 from runtime.integrate.wiring import wire
+from runtime.mechanism.dense_equations import Equations, magnitudes
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.samples import Samples
 
@@ -57,6 +59,29 @@ def _mix_rows(context: Any, kernels: Any, rows: Any, s: Any, p: Any, powers: Any
                 s.power[row, i] += context.share[k] * (other[i] - base[i])
 
 
+def _sizes(
+    mechanism: Mechanism, p: npt.NDArray[np.float64], samples: Samples, row: int
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Of coordinates, (n,), and of the rates of switching functions, (s,), at sample `row`.
+
+    By these it is judged whether a response is more than rounding, as in a run.
+    """
+    t, q, n = float(samples.t[row]), samples.q[row], samples.q.shape[1]
+    size, count = magnitudes(Equations(mechanism, p), t, q), samples.modes.shape[1]
+
+    def rates(v: npt.NDArray[np.float64], a: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        out = np.zeros(count)
+        mechanism.kernels.switching_rates(t, q, v, a, p, out)
+        return out
+
+    still = np.zeros(n)
+    rest, spread = rates(still, still), np.zeros(count)
+    for change in np.diag(size):
+        for moved in rates(change, still), rates(still, change):
+            spread += np.nan_to_num(np.abs(moved - rest), posinf=0.0)
+    return size, spread
+
+
 def overwrite_sliding(mechanism: Mechanism, p: npt.NDArray[np.float64], samples: Samples) -> None:
     """Overwrite accelerations, multipliers, reactions and powers where a function is in mode 2.
 
@@ -65,5 +90,9 @@ def overwrite_sliding(mechanism: Mechanism, p: npt.NDArray[np.float64], samples:
     """
     rows = np.flatnonzero((samples.modes == SLIDING).any(axis=1))
     wiring = wire(mechanism.system, "dopri5", p, 1)
+    size, spread = _sizes(mechanism, p, samples, int(rows[0]))
+    wiring.arrays["workspace"].reshape(ws.ROWS, 2, len(size))[ws.SIZE] = size
+    sizes = wiring.arrays["switching_rows"].reshape(ws.SWITCH_ROWS, len(spread))
+    sizes[ws.LARGEST], sizes[ws.RESERVE] = spread, spread
     powers = np.zeros((2, samples.power.shape[1]))
     _mix_rows(wiring.table, mechanism.kernel_table, rows, samples, p, powers)

@@ -200,6 +200,15 @@ def follow_jumps(context: Context, t: float) -> bool:
     return any_jumped
 
 
+@inner
+def comes_to_rest(context: Context, k: int) -> bool:
+    """Whether function `k` is at zero in Y0 and stays there: a drive that stops has no crossing."""
+    if context.rigid[k] >= 0 or context.sticks[k] != 0 or context.modes[k] == SLIDING:
+        return False
+    least, ahead = ON_SURFACE * context.largest[k], LOOK_AHEAD * run_record(context).h
+    return bool(abs(context.g0[k]) <= least and abs(ahead * context.r0[k]) <= least)
+
+
 @compiled(i8(ADDRESSES))
 def start_anew(context: Context) -> int:
     """Go on from the state in row Y0 under other laws of time: accelerations, modes, first step.
@@ -219,7 +228,7 @@ def start_anew(context: Context) -> int:
     for k in range(context[ft.SWITCHES]):
         evaluate_switching_and_rates(context, t, Y0, K, ws.G0)
         side = 1.0 if context.modes[k] != 0 else -1.0
-        if side * context.g0[k] < -context.band[k]:
+        if side * context.g0[k] < -context.band[k] or comes_to_rest(context, k):
             copy_end(context, 0, 1)
             ft.transition_of(context)(context, k, t, r.h)
             copy_end(context, 1, 0)
