@@ -9,6 +9,7 @@ from codegen.real_range import constant_value, distinct_nodes, evaluated, unreal
 
 _NODES = 30  # safety: parts of a number that is kept as it is written
 _TERMS = 150  # safety: of a power of a sum of numbers that is kept as it is written
+_ROOTS = (sympy.CRootOf, sympy.RootSum)  # which no function of numbers is made of
 _SMOOTH = (
     sympy.sin,
     sympy.cos,
@@ -56,7 +57,7 @@ def with_short_numbers(expression: sympy.Expr) -> sympy.Expr:
         if few and all(a.is_Atom for a in number.args):
             continue
         nodes = distinct_nodes(number)
-        odd = any(n.is_Function and n.func not in _SMOOTH for n in nodes)
+        odd = any((n.is_Function and n.func not in _SMOOTH) or n.func in _ROOTS for n in nodes)
         if odd or len(nodes) > _NODES or any(n.is_Pow and n.base.is_Add for n in nodes):
             if unreal_part(number):
                 return expression  # which is refused for it

@@ -75,6 +75,13 @@ def in_ground(curve: Curve, numbers: Mapping[sympy.Symbol, float]) -> Samples:
     return points
 
 
+def compared(lengths: Samples) -> Samples:
+    """Lengths without the digits, m, that rounding leaves to chance."""
+    with np.errstate(over="ignore"):  # from 1e299 m on
+        rounded: Samples = np.round(lengths, 9)
+    return rounded
+
+
 def outward(points: Samples) -> Samples:
     """Unit normals of a closed curve at its points, pointing out of it, samples × 2."""
     points = np.ldexp(points, -np.frexp(np.abs(points).max())[1])  # no square leaves the floats

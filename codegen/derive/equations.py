@@ -14,6 +14,7 @@ from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
 from codegen.derive.effect_terms import EffectTerms, effect_terms
 from codegen.derive.inertia import inertia
+from codegen.derive.peaked_functions import PeakedFunction, peaked_functions
 from codegen.derive.scene_conditions import (
     ElementCondition,
     Profile,
@@ -81,6 +82,11 @@ class Equations:
     def time_functions(self) -> tuple[TimeFunction, ...]:
         """The explicit functions of time."""
         return time_functions(self.constraints, self.effects)
+
+    @property
+    def peaked_functions(self) -> tuple[PeakedFunction, ...]:
+        """The functions of the position that may peak between the ends of a step."""
+        return peaked_functions(self.constraints, self.effects, self.switches)
 
     def with_effects(self, effects: tuple[EffectEquations, ...]) -> "Equations":
         """These equations with other effects, their switching functions and their conditions."""

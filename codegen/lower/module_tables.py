@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from codegen.derive.peaked_functions import PeakedFunction
 from codegen.derive.switching_functions import Switch
 from codegen.lower.scene_graph import Reaction, SceneGraph
 from codegen.lower.time_programs import TimeProgram, time_programs
@@ -61,6 +62,8 @@ class Description:
     # neutral pose is not at zero
     start: tuple[tuple[str, float, str], ...]
     time_functions: tuple[TimeProgram, ...]  # those that a run looks at before its first step
+    # (element, kind, exponent) of each function of the position that may peak within a step
+    peaks: tuple[tuple[str, str, float], ...]
     # (element, sentence, least, whether that is too small, largest, count of numbers) of what is
     # asked of parameters, and (curve, whether it is convex) of profiles that depend on them
     conditions: tuple[tuple[Any, ...], ...]
@@ -71,9 +74,9 @@ class Description:
 
 def describe(
     scene: SceneGraph, powers: list[tuple[str, str, int]], reported: Sequence[Reaction],
-    recovered: tuple[int, ...],
+    recovered: tuple[int, ...], peaks: tuple[PeakedFunction, ...] = (),
 ) -> Description:  # fmt: skip
-    """The tables of a scene, with its powers, its reported reactions and recovered multipliers."""
+    """The tables of a scene, with its powers, reported reactions, recovered multipliers, peaks."""
     equations, named = scene.equations, scene.equations.scene
     coordinates, constraints = equations.coordinates, equations.constraints
     fixed = dict(named.start)
@@ -116,6 +119,7 @@ def describe(
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=start,
         time_functions=time_programs(equations),
+        peaks=tuple(peak[:3] for peak in peaks),
         conditions=tuple((*one.condition.row(one.element),) for one in equations.conditions),
         profiles=tuple((curve.element, curve.convex) for curve in equations.profiles),
         jacobian=Pattern.of(scene.jacobian),

@@ -117,13 +117,13 @@ class Contacts(Declarations):
             a declaration may give the numbers of both.
         """
         where = f"friction '{name}'"
-        unit = "rad/s" if getattr(joint, "kind", "") == "revolute" else "m/s"
+        given: object = joint
+        unit = "rad/s" if isinstance(given, Constraint) and given.kind == "revolute" else "m/s"
         mu, mu_s, speed = self._coefficients(where, coefficient, static, creep, unit)
         pin, bearing = (
             self._optional(size, "m", f"{word} of {where}", "positive")
             for size, word in ((radius, "radius"), (length, "length"))
         )
-        given: object = joint
         if isinstance(given, Constraint) and self.joints.get(joint.name) is not joint:
             what = shown(joint.name)
             self._note(f"{where}: joint {what} is not declared in '{self.name}'; give one that is.")

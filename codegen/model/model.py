@@ -9,6 +9,7 @@ from typing import Any
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect, label
 from codegen.declare.scene import Scene
+from codegen.elements.registry import ACTIONS
 from codegen.errors import FAILURES, ModelError
 from codegen.model.base import Declared
 from codegen.model.cams import Cams
@@ -64,6 +65,10 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
                 f"{label(element)}: one of its properties fails with {failure(error)}."
             ) from error
         if known:
+            kind: Any = type(element)
+            own = (a for a in ACTIONS if getattr(kind, a, None) is not getattr(Effect, a, None))
+            if Effect in kind.__mro__ and not any(own):
+                self._note(f"{label(element)} has none of {', '.join(ACTIONS)}; write one.")
             return self._declare(element)
         self._note(
             f"model.add({shown(element)}): neither a Body, a Constraint nor an Effect; it needs "

@@ -19,7 +19,10 @@ from codegen.reduce.explicit_coordinates import ExplicitCoordinates, Rates, comb
 
 _FAR = 0.16  # measured: of the largest ρ²; nearer to a dead centre no run returns to the angle
 _MOSTLY = 0.5  # measured: share of positions; 0.65 at least of 36 loops that serve, 0 of one
-EVENT_KERNELS = ("switching", "switching_rates", "gap_accelerations", "holds", "restitution")
+EVENT_KERNELS = (
+    *("switching", "switching_rates", "gap_accelerations", "holds", "restitution"),
+    "peak_arguments",
+)
 """Kernels that are repeated in the coordinates that are kept."""
 
 

@@ -38,6 +38,7 @@ STOPS = TABLE.number("stop_count")  # instants, known beforehand, at which steps
 MODIFIED = TABLE.number("modified")  # not 0: the right-hand side is not the kernel's alone
 SLIDING_COUNT = TABLE.number("sliding_count")  # functions in sliding mode
 STABILIZED = TABLE.number("stabilized")  # 1: constraints are stabilized by Baumgarte's terms
+PEAKS = TABLE.number("peaks")  # functions of the position that may peak within a step
 EACH_STAGE = TABLE.number("each_stage")  # 1: every stage returns onto the constraints
 CORRECTING = TABLE.number("correcting")  # how a step returns onto them
 
@@ -76,6 +77,7 @@ TRANSITION = i8(integers, i8, f8, f8)  # context crossing t h
 FRICTION_MARGIN = f8(integers, f8, vector, vector, i8)  # context t q v k
 MARGINS = none(integers, f8, i8, i8)  # context t state slot
 VANISHING = f8(integers, f8, f8, i8)  # context t h state
+RESOLVED_PART = f8(integers)  # context; of a step, at most 1
 GUARD_BRANCHES = i8(integers, f8, f8, i8)  # context t h taken
 BALANCE = i8(integers)  # context; 1: energy is not balanced
 correct_of = TABLE.function("correct", CORRECT)
@@ -99,6 +101,9 @@ vanishing_of = TABLE.function("vanishing", VANISHING)
 guard_branches_of = TABLE.function("guard_branches", GUARD_BRANCHES)
 balance_step_of = TABLE.function("balance_step", BALANCE)
 balance_event_of = TABLE.function("balance_event", BALANCE)
+
+# Of runs with peaks alone.
+resolved_part_of = TABLE.function("resolved_part", RESOLVED_PART)
 
 # The run: see `workspace_rows` for the rows of the first two.
 TABLE.floats("workspace", WORKSPACE_SIZE)
@@ -151,6 +156,11 @@ TABLE.floats("base_response response_column response_rates right_side", SWITCHES
 TABLE.integers("response_pivots", SWITCHES)
 TABLE.floats("response_gaps", RIGID_COUNT)
 TABLE.floats("reaction base_reaction unit_reaction", REACTION_ROWS)  # the first is mixed
+
+# Functions of the position that may peak within a step: see `hybrid.peak_step_limit`.
+TABLE.integers("peak_kinds", PEAKS)
+TABLE.floats("peak_exponents", PEAKS)
+TABLE.matrix("peak_rows", (8, None), PEAKS)  # u, du/dt at both ends, between
 
 # The search for consistent modes; the function of the event that was located.
 TABLE.integers("candidate_modes members signs former_modes", SWITCHES)

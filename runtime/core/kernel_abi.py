@@ -97,6 +97,7 @@ class Kernels:
     `switched_reactions` fills the rows of REACTIONS that modes decide, `reactions` the others of
     the same array; between modes they mix as q̈ and λ do. A switch in STICTION has a mode 2: its
     friction exerts the force that stands in p behind the parameters, in the order of STICTION.
+    `peak_arguments` are the arguments of the functions in PEAKS and their rates.
     `dead_centres` are x² of each loop in closed form, its rate, and the largest that it may be.
     """
 
@@ -116,6 +117,7 @@ class Kernels:
     reactions: Kernel = _kernel("reactions", "t q v p lam out", _skip_6)
     switching: Kernel = _kernel("switching", "t q v p g", _skip_5)
     switching_rates: Kernel = _kernel("switching_rates", "t q v a p rate", _skip_6)
+    peak_arguments: Kernel = _kernel("peak_arguments", "t q v p modes u rate", _skip_7)
     holds: Kernel = _kernel("holds", "p low high", _full_shares)
     gap_accelerations: Kernel = _kernel("gap_accelerations", "t q v a p out", _skip_6)
     restitution: Kernel = _kernel("restitution", "p out", _skip_2)
@@ -161,6 +163,7 @@ powers_of = _fetcher("powers")
 reactions_of = _fetcher("reactions")
 switching_of = _fetcher("switching")
 switching_rates_of = _fetcher("switching_rates")
+peak_arguments_of = _fetcher("peak_arguments")
 gap_accelerations_of = _fetcher("gap_accelerations")
 switched_reactions_of = _fetcher("switched_reactions")
 accelerations_tangent_of = _fetcher("accelerations_tangent")

@@ -32,6 +32,8 @@ class System(Kernels):
     stiction: tuple[tuple[int, int], ...] = ()
     # the same of contacts and frictions whose share of modes 0 and 1 the kernels take in mode 2
     shares: tuple[tuple[int, int], ...] = ()
+    # (kind, exponent) of the functions of the position that may peak within a step
+    peaks: tuple[tuple[int, float], ...] = ()
     # whether forces that keep functions at zero add up: no friction follows from them
     superposes: bool = True
     linear_reactions: bool = True  # in multipliers: no friction follows from them

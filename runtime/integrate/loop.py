@@ -15,6 +15,7 @@ from runtime.core.loop_record import Plan, run_record
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import Y0, Y1
 from runtime.hybrid.event_location import INSTANT
+from runtime.hybrid.event_step_limit import UNRESOLVED
 from runtime.integrate.step import Signal, TrialStep, reject
 from runtime.integrate.step_acceptance_and_zeno_check import accept_step, judge_events
 from runtime.integrate.step_to_event import end_at_event
@@ -89,6 +90,10 @@ def try_step(context: Integers) -> int:
             r.rejected += 1
             return Signal.LEAVE
     if code == TrialStep.DONE:
+        if context[ft.PEAKS] != 0 and r.fixed == 0 and r.plan != Plan.CROSSING:
+            part = ft.resolved_part_of(context)(context)
+            if part < 1.0:
+                return reject(context, UNRESOLVED, part * h)
         return Signal.PROCEED
     if code == TrialStep.TOO_LARGE:
         h *= max(r.shrink, r.safety / r.error**r.exponent)

@@ -201,6 +201,8 @@ class Run:
         passage = self._passage(ahead[0])
         if passage.outcome is not Outcome.OK:
             return passage.outcome
+        if not passage.function:  # it has no value at the first instant
+            return code
         self.note = (
             f"At t = {r['t'] + way:.9g} s, {way:.3g} s later, a function of time in "
             f"'{passage.function}' bends or ends: its derivatives may grow without bound there."

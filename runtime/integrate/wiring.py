@@ -79,6 +79,14 @@ def function_table(name: str) -> Integers:
     return addresses(getattr(method, part) for part in list(ft.TABLE.slots)[METHOD_SLOTS])
 
 
+@cache
+def _resolved_part() -> int:
+    """The address of what watches peaks, which other machines do without."""
+    from runtime.hybrid.peak_step_limit import find_resolved_part
+
+    return int(addresses([find_resolved_part])[0])
+
+
 _kernels = cache(System.table)  # addresses of a machine's kernels, in the order of the table
 
 
@@ -110,9 +118,12 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         ft.SWITCHING_SIZE: s * ws.SWITCH_ROWS,
         ft.METHOD_FLOATS_SIZE: floats,
         ft.METHOD_INTEGERS_SIZE: integers,
+        ft.PEAKS: len(system.peaks),
         ft.LOG_ROWS: log_rows,
         ft.CORRECTING: ConstraintReturn.BY_PARTITION,
     }
+    if system.peaks:
+        numbers[ft.TABLE.slots["resolved_part"]] = _resolved_part()
     table[list(numbers)] = list(numbers.values())
     arrays = ft.TABLE.allot(table)
     place(table, arrays, "parameters", p)
@@ -122,6 +133,8 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     table[ft.RECORD] = arrays["record"].ctypes.data
     arrays["row_order"][:], arrays["column_order"][:] = np.arange(m), np.arange(n)
     arrays["recent_events"][:] = -np.inf
+    for k, (kind, exponent) in enumerate(system.peaks):
+        arrays["peak_kinds"][k], arrays["peak_exponents"][k] = kind, exponent
     if s:
         _describe_switches(system, p, arrays)
     return Wiring(table, arrays)

@@ -63,6 +63,8 @@ class Description(NamedTuple):
     shares: tuple[int, ...] = ()  # switches of which the share of both modes stands in `p`
     weak_pivot: float = 0.0  # part of its reference below which a pivot is weak; 0: none is watched
     time_functions: tuple[TimeFunction, ...] = ()
+    # (element, kind, exponent) of functions of the position that may peak within a step
+    peaks: tuple[tuple[str, str, float], ...] = ()
     conditions: tuple[ConditionRow, ...] = ()  # on parameters, judged before each run
     profiles: tuple[ProfileRow, ...] = ()
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from runtime.core.array_types import Integers, Kernel
 from runtime.core.kernel_abi import Kernels
+from runtime.core.peak_kinds import PeakKind
 from runtime.core.system import System
 from runtime.mechanism.module_tables import Description
 
@@ -42,4 +43,5 @@ def common_system(
         rigid=tuple(contact.switch for contact in description.rigid),
         sticking=tuple(k for k, row in enumerate(description.switches) if row.sticks),
         boundaries=tuple(description.boundaries.tolist()),
+        peaks=tuple((PeakKind[kind.upper()], exponent) for _, kind, exponent in description.peaks),
     )

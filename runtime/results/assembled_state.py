@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import UnknownNameError
-from codegen.public_callables import checked_class
+from codegen.public_callables import checked_class, named_attributes
 from runtime.mechanism.table_rows import Coordinate, Table, unknown
 
 FloatArray = npt.NDArray[np.float64]
@@ -41,6 +41,7 @@ class Redundant(NamedTuple):
         return f"Constraint {self.name} is redundant and consistent: it {origin}."
 
 
+@named_attributes
 @checked_class
 @dataclass(frozen=True)
 class Assembly:

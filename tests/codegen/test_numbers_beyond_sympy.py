@@ -121,6 +121,18 @@ def test_long_numbers_count_as_their_values(use: str, number: str) -> None:
     _declared(use, make)
 
 
+def test_a_root_of_a_polynomial_is_a_value() -> None:
+    x = sympy.Symbol("x")
+    root = sympy.CRootOf(x**5 - x - 1, 0)
+    assert float(with_short_numbers(root * x).subs(x, 1)) == 1.1673039782614187
+    model = Model("roots")
+    cam, other = model.body("cam", 1, 1), model.body("other", 1, 1)
+    model.point_follower("pin", cam.polar(root), other)
+    model.potential("well", sympy.Piecewise((root * cam.x**2, cam.x > 0), (0, True)))
+    model.scene("run", ["well"])
+    assert "CRootOf" not in texts(model)
+
+
 def test_short_numbers_stay_as_they_are_written() -> None:
     for number in (sympy.pi / 3, sqrt(2) / 2, 2 * sin(1), Rational(1, 3), sympy.Float(0.1)):
         assert with_short_numbers(number * sympy.Symbol("x")) == number * sympy.Symbol("x")

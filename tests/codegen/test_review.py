@@ -8,7 +8,7 @@ import pytest
 import sympy
 from sympy import Abs
 
-from codegen import InputError, Model, build
+from codegen import Effect, InputError, Model, build
 from codegen.declare.element import ConjugateReaction, Statement
 from codegen.driver import valid_scenes, with_settings
 from codegen.errors import ModelError
@@ -154,6 +154,18 @@ def test_what_is_no_element_is_a_problem_and_no_traceback() -> None:
     model = Model("m")
     model.add("a joint")  # type: ignore[arg-type]
     assert model.problems[0].startswith("model.add('a joint'): neither a Body, a Constraint nor an")
+
+
+def test_effect_that_exerts_nothing_is_a_problem() -> None:
+    class Idle(Effect):
+        kind = "idle"
+
+        def __init__(self, name: str) -> None:
+            self.name = name
+
+    model = Model("m")
+    model.add(Idle("drag"))  # type: ignore[abstract]
+    assert model.problems[0].startswith("idle 'drag' has none of potential, forces, pulls")
 
 
 def test_all_local_files_are_sources(tmp_path: Path) -> None:

@@ -28,6 +28,8 @@ def _slider(phi: float, rod: float = 3.5) -> float:
 
 def test_driven_position_of_the_book(driven: Machine) -> None:
     start = driven.assemble()
+    with pytest.raises(AttributeError, match=r"Assembly has no .x.; it has .*degrees_of_freedom"):
+        _ = start.x  # type: ignore[attr-defined]
     assert start["crank.phi"] == pytest.approx(np.pi / 4, abs=1e-15)
     assert start["slider.x"] == pytest.approx(_slider(np.pi / 4), abs=1e-14)
     assert start["rod.phi"] == pytest.approx(-0.41595, abs=5e-6)

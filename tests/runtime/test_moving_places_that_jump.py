@@ -172,3 +172,14 @@ def test_every_place_that_jumps_at_an_instant_is_judged(workshop: Path) -> None:
     result = load(model, "run", folder=workshop).simulate(1.5)
     assert result.outcome is Outcome.DISCONTINUOUS
     assert "in 'link' jumps by 0.1 at t = 1 s, where its rate acts" in result.message
+
+
+def test_a_place_without_a_value_at_the_start_is_named(workshop: Path) -> None:
+    model = Model("place_of_a_pole")
+    block = model.body("block", mass=2.0, inertia=1.0)
+    model.force("push", block.at(1 / t, 0), 1, 1)
+    model.scene("run", ["push"])
+    run = load(model, "run", folder=workshop).simulate(0.1)
+    assert run.outcome is Outcome.NOT_FINITE
+    assert "The force of 'push' along block.phi is not finite at t = 0 s" in run.message
+    assert "''" not in run.message

@@ -14,6 +14,7 @@ from codegen.elements.joints.revolute import Revolute
 from codegen.elements.joints.revolute_translational import RevoluteTranslational
 from codegen.elements.joints.translational import Translational
 from codegen.elements.registry import element
+from codegen.plain_values import shown
 
 JOINTS = (Revolute, Translational, RevoluteTranslational)
 
@@ -91,7 +92,7 @@ class JointFriction(el.Effect):
         """Joints that do not rub, and numbers that no friction has."""
         where, joint = el.label(self), self.joint
         if not isinstance(joint, JOINTS):
-            name = f"'{joint.name}'" if isinstance(joint, el.Constraint) else repr(joint)
+            name = f"'{joint.name}'" if isinstance(joint, el.Constraint) else shown(joint)
             advice = "give a revolute, a translational or a revolute-translational joint"
             advice += " itself, not its name." if isinstance(joint, str) else "."
             return [f"{where}: {name} is no joint that rubs; {advice}"]

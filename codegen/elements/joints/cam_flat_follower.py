@@ -8,7 +8,7 @@ import sympy
 
 from codegen.condition_evaluation import ALPHAS
 from codegen.declare.body import Curve, Point
-from codegen.declare.cam_profile_checks import places
+from codegen.declare.cam_profile_checks import compared, places
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.element_conditions import Condition, number_problems
 from codegen.declare.symbols import Coordinate, alpha, coordinate, given, own_coordinate
@@ -60,7 +60,7 @@ class CamFlatFollower(Constraint):
         ux, uy = (float(a.subs(numbers)) for a in self.axis)
         towards = np.array([-uy * cos(tilt) - ux * sin(tilt), ux * cos(tilt) - uy * sin(tilt)])
         reach = places(self.cam.at(alpha).subs(numbers)) @ towards
-        return {self.alpha: ALPHAS[int(np.argmax(np.round(reach, 9)))]}
+        return {self.alpha: ALPHAS[int(np.argmax(compared(reach)))]}
 
     def problems(self) -> list[str]:
         """A face needs a direction."""

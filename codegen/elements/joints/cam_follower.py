@@ -7,7 +7,7 @@ import sympy
 
 from codegen.condition_evaluation import ALPHAS
 from codegen.declare.body import Curve
-from codegen.declare.cam_profile_checks import in_ground, outward
+from codegen.declare.cam_profile_checks import compared, in_ground, outward
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, coordinate, own_coordinate
 from codegen.elements.registry import element
@@ -72,5 +72,5 @@ class CamFollower(Constraint):
         gap = np.einsum("ijk,ik->ij", apart, out_one)
         sideways = np.hypot(*np.moveaxis(apart - gap[..., None] * out_one[:, None], 2, 0))
         score = np.where(out_one @ out_other.T < FACING, gap - AWAY * sideways, -np.inf)
-        on_cam, on_follower = divmod(int(np.argmax(np.round(score, 9))), len(other))
+        on_cam, on_follower = divmod(int(np.argmax(compared(score))), len(other))
         return {self.alpha: ALPHAS[4 * on_cam], self.beta: ALPHAS[4 * on_follower]}

@@ -7,7 +7,7 @@ import sympy
 
 from codegen.condition_evaluation import ALPHAS
 from codegen.declare.body import Curve, Point
-from codegen.declare.cam_profile_checks import in_ground
+from codegen.declare.cam_profile_checks import compared, in_ground
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, coordinate, own_coordinate
 from codegen.elements.registry import element
@@ -52,5 +52,6 @@ class PointFollower(Constraint):
         """The place on the curve for a rough pose: the nearest one to the point."""
         curve = in_ground(self.curve, numbers)
         point = np.array([float(c.subs(numbers)) for c in (self.point.x, self.point.y)])
-        apart = np.linalg.norm(curve - point, axis=1)
-        return {self.alpha: ALPHAS[int(np.nanargmin(np.round(apart, 9)))]}
+        with np.errstate(over="ignore"):  # of lengths from 1e154 m on
+            apart = np.linalg.norm(curve - point, axis=1)
+        return {self.alpha: ALPHAS[int(np.nanargmin(compared(apart)))]}

@@ -8,6 +8,7 @@ from codegen.lower.kernels.accelerations import accelerations
 from codegen.lower.kernels.condition_kernels import condition_kernels
 from codegen.lower.kernels.corrections import correction
 from codegen.lower.kernels.inverse_mass_ratio import inverse_mass_ratio, weak_pivot
+from codegen.lower.kernels.peak_arguments import peak_arguments
 from codegen.lower.kernels.rigid_contact_and_stiction import hold_kernels, reaction_outputs
 from codegen.lower.kernels.selection_by_outputs import Selection
 from codegen.lower.linear.factorization import Strategy
@@ -67,12 +68,15 @@ def lower(equations: Equations) -> Lowered:
     if equations.switches:
         kernels += _switching_kernels(scene, resting)
         kernels += hold_kernels(scene, reported)
+    peaks = equations.peaked_functions if equations.mass and selection.moves else ()
+    if peaks:
+        kernels.append(peak_arguments(scene, peaks))
     kernels += condition_kernels(scene)
     _note_weights(scene)
     program = with_constants(
         scene.graph, tuple(kernels), len(equations.parameters), weak_pivot(spread)
     )
-    description = describe(scene, powers, reported, recovered)
+    description = describe(scene, powers, reported, recovered, peaks)
     return Lowered(program, description, strategy, scene)
 
 

@@ -364,3 +364,14 @@ def test_quantity_that_is_no_length_is_named() -> None:
     assert "but m is needed" in text
     text = problems(lambda m, i, j: m.cam_flat_follower("lift", i.circle(1), j, axis=None))
     assert "axis of 'lift': None is no pair" in text
+
+
+@pytest.mark.parametrize("size", [1e160, 1e300])
+def test_a_profile_of_any_size_is_searched_without_a_warning(size: float) -> None:
+    model = Model("huge")
+    cam, other = (model.body(name, mass=1.0, inertia=1.0) for name in ("cam", "other"))
+    model.point_follower("pin", cam.circle(size), other)
+    model.cam_flat_follower("flat", cam.circle(size), other)
+    model.cam_follower("disc", cam.circle(size), other.circle(size))
+    places = dict(model.scene("run").guess)
+    assert places.keys() == {"pin.alpha", "flat.alpha", "disc.alpha", "disc.beta"}

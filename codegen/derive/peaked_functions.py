@@ -1,0 +1,174 @@
+"""Peaked functions of the position in a scene: a barrier, a magnet, a detent, a bump of a cam.
+
+The length of a step follows the error of the motion, which feels nothing of a peak between the
+places at which a method looks. A run therefore watches the arguments of these functions in each
+step (`runtime.hybrid.peak_step_limit`): they change slowly where the functions do not.
+"""
+
+from collections.abc import Iterable, Iterator
+from itertools import combinations
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import sympy
+
+from codegen.declare.symbols import Coordinate, Parameter, Time
+from codegen.declare.table_function import Interpolant
+from codegen.derive.piecewise_conditions import (
+    STEPS,
+    as_pieces,
+    boundary,
+    conditions,
+    is_known_beforehand,
+    switching_function,
+)
+from codegen.derive.switching_functions import Switch, find_switch
+from codegen.real_range import powers_with_number_outside
+
+if TYPE_CHECKING:
+    from codegen.derive.equations import ConstraintEquations, EffectEquations
+
+Kind = Literal["exponential", "step", "power"]
+
+_STEPS = (sympy.tanh, sympy.atan)
+_PARTS_OF_STEPS = (sympy.cosh, sympy.sinh)  # below a fraction's line
+_HIGH = 16  # measured: (1 - x²)^8 has a width of 0.3, which the error of a step shows
+
+
+class PeakedFunction(NamedTuple):
+    """A function that may peak where the motion takes its argument u to an extremum, or to zero.
+
+    It is e^u, a "step" such as tanh u, or |u|^exponent.
+    """
+
+    element: str
+    kind: Kind
+    exponent: float  # of a power, else 0
+    argument: sympy.Expr
+
+
+def peaked_functions(
+    constraints: Iterable["ConstraintEquations"],
+    effects: Iterable["EffectEquations"],
+    switches: tuple[Switch, ...],
+) -> tuple[PeakedFunction, ...]:
+    """The functions of constraints, potentials and forces that may peak, each argument once."""
+    found: dict[tuple[Kind, bool, sympy.Expr], PeakedFunction] = {}
+    for element, expression in _expressions(constraints, effects):
+        for function in _functions(element, expression):
+            if not _is_translatable(function.argument, switches):
+                continue
+            key = function.kind, function.exponent > 0.0, function.argument
+            known = found.get(key)
+            if known is None or abs(known.exponent) < abs(function.exponent):
+                found[key] = function
+    return tuple(found.values())
+
+
+def _expressions(
+    constraints: Iterable["ConstraintEquations"], effects: Iterable["EffectEquations"]
+) -> Iterator[tuple[str, sympy.Expr]]:
+    """The expressions in which peaks are looked for, by coordinates, each with its element."""
+    for constraint in constraints:
+        bindings = constraint.statement.bindings
+        for expression in (*constraint.terms.phi, *bindings.values()):
+            if expression.has(sympy.Pow, sympy.log, *_STEPS, *_PARTS_OF_STEPS, sympy.exp):
+                yield constraint.name, expression.xreplace(bindings)
+    for effect in effects:
+        terms = effect.terms
+        forces = (*(f for pair in terms.pulls for f in pair), *(f for _, f in terms.loads))
+        for expression in (*forces, *([] if terms.potential is None else [terms.potential])):
+            yield effect.name, expression
+
+
+def _functions(element: str, expression: sympy.Basic) -> Iterator[PeakedFunction]:
+    """The functions in an expression that may peak, in the order of the text."""
+    stack = [(expression, False)]
+    while stack:
+        node, divides = stack.pop()
+        if not any(isinstance(s, Coordinate) for s in node.free_symbols):
+            continue
+        if isinstance(node, sympy.Expr) and _is_of_position(node):
+            yield from _function(element, node, divides)
+        below = divides or (isinstance(node, sympy.Pow) and _is_negative(node.exp))
+        stack += [(a, below) for a in node.args[::-1]]
+
+
+def _function(element: str, node: sympy.Expr, divides: bool) -> Iterator[PeakedFunction]:
+    """A node as a function that may peak; it is below a fraction's line if it `divides`."""
+    if isinstance(node, _STEPS) or (divides and isinstance(node, _PARTS_OF_STEPS)):
+        yield PeakedFunction(element, "step", 0.0, node.args[0])
+    elif isinstance(node, sympy.log) and not _is_linear(node.args[0]):
+        yield PeakedFunction(element, "power", -1.0, node.args[0])
+    elif isinstance(node, sympy.Add) and divides:
+        # 1 / (1 + e^u) is a step, where one of two terms takes over from the other.
+        for one, other in combinations(_logarithms(node), 2):
+            yield PeakedFunction(element, "step", 0.0, one - other)
+    elif (u := _logarithm(node)) is not None:
+        if not _is_linear(u):
+            yield PeakedFunction(element, "exponential", 0.0, u)
+    elif isinstance(node, sympy.Pow) and node.exp.is_number:
+        x = float(node.exp)
+        if (x < 0.0 or x >= _HIGH) and not _is_linear(node.base):
+            yield PeakedFunction(element, "power", x, node.base)
+
+
+def _logarithm(node: sympy.Expr) -> sympy.Expr | None:
+    """log|b^x| of a power whose exponent moves, or of a product of such and numbers, else None."""
+    base, exponent = node.as_base_exp()
+    if not exponent.is_number:
+        return exponent * sympy.log(base)
+    if isinstance(node, sympy.Mul) and powers_with_number_outside(node):
+        return _logarithm_of_product(node)
+    return None
+
+
+def _logarithm_of_product(node: sympy.Expr) -> sympy.Expr | None:
+    """log of a product of numbers and at least one power whose exponent moves, else None."""
+    factors = sympy.Mul.make_args(node)
+    numbers = [factor for factor in factors if factor.is_number]
+    powers = [factor.as_base_exp() for factor in factors if not factor.is_number]
+    if not powers or any(exponent.is_number for _, exponent in powers):
+        return None
+    exponents = (exponent * sympy.log(base) for base, exponent in powers)
+    return sympy.Add(*exponents, *(sympy.log(abs(number)) for number in numbers))
+
+
+def _logarithms(node: sympy.Add) -> list[sympy.Expr]:
+    """Logarithms of the exponential terms of a sum, and of its number, or of 1 without any."""
+    found = [u for u in map(_logarithm_of_product, node.args) if u is not None]
+    number, _ = node.as_coeff_Add()
+    if len(found) == 1 or number != 0:
+        found.append(sympy.log(abs(number)) if number != 0 else sympy.S.Zero)
+    return found if len(found) > 1 else []
+
+
+def _is_negative(exponent: sympy.Expr) -> bool:
+    return bool(exponent.is_number and exponent < 0)
+
+
+def _is_linear(expression: sympy.Expr) -> bool:
+    """Whether an expression changes with the position, and nothing else, at a constant rate."""
+    moving = {s for s in expression.free_symbols if not isinstance(s, Parameter)}
+    return not any(moving & sympy.diff(expression, s).free_symbols for s in moving)
+
+
+def _is_of_position(node: sympy.Basic) -> bool:
+    """Whether an expression has coordinates, among them one, the time and parameters in it alone.
+
+    Tables have their knots, and jumps their events.
+    """
+    known = (Coordinate, Time, Parameter)
+    if not all(isinstance(s, known) for s in node.free_symbols):
+        return False
+    moving = any(isinstance(s, Coordinate) for s in node.free_symbols)
+    return moving and not node.has(Interpolant, *STEPS)
+
+
+def _is_translatable(argument: sympy.Expr, switches: tuple[Switch, ...]) -> bool:
+    """Whether modes of the scene choose the pieces of an argument, where it has some."""
+    for condition in conditions([as_pieces(argument)]):
+        if is_known_beforehand(condition):
+            return False
+        if find_switch(switching_function(condition), boundary(condition), switches) is None:
+            return False
+    return True
