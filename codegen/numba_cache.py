@@ -5,8 +5,11 @@ an index and of its data, old machine code is taken for new; both are pickles, w
 they hold. Here each file ends with a hash of its content, its name and, for machine code, its
 source, which is checked before anything is unpickled. A source is known by its date and by its
 module, whose name has the hash of a generated text. What does not agree is thrown away and compiled
-anew, with a note; a folder that cannot be written costs a note, too, and no more. Files of another
-format, numba's own above all, are no damage, and are replaced without a note.
+anew, with a note; a folder that cannot be written costs a note, too, and no more. Files of an older
+format are no damage, and are replaced without a note.
+
+The names of these files are none of numba's own. So a generated file can also be imported by plain
+Python, in which numba keeps its own files in the same folder: neither reads or removes the other's.
 
 Processes may write and read one cache at once. The name of a file of machine code follows from its
 content, and it is written before the index that names it, so that no index names machine code of
@@ -46,6 +49,7 @@ _numba: Any = dispatcher
 _Identity: Any = FunctionIdentity
 
 _FORMAT = b"sealed machine code, kernels without entries\n"  # every file begins with it
+_OURS = "lw"  # code: in a file's name, pendulum.masses-12.py311.lw.nbi; the longest has 253 letters
 _SEAL = hashlib.sha256().digest_size
 _WAIT = 0.5  # safety: s, for other writers of a folder, who need some milliseconds each
 _one_at_a_time = threading.RLock()
@@ -90,9 +94,9 @@ class CheckedCache(_Function):  # type: ignore[misc]
 
     def __init__(self, function: Any) -> None:
         super().__init__(function)
-        files = self._cache_file
-        files.__class__ = _CheckedFiles
-        files._source_stamp = (files._source_stamp, function.__module__)
+        name = f"{self._impl.filename_base}.{_OURS}"
+        source = (self._impl.locator.get_source_stamp(), function.__module__)
+        self._cache_file: Any = _CheckedFiles(self._cache_path, name, source)
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Machine code from the disk; None where there is none that can be trusted."""

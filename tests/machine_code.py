@@ -41,7 +41,7 @@ def compile_apart(name: str, path: Path, text: str, kept: Path) -> None:
 
 def _has_fresh_cache(path: Path) -> bool:
     written = path.stat().st_mtime
-    indices = (path.parent / "__pycache__").glob(f"{path.stem}.*.nbi")
+    indices = (path.parent / "__pycache__").glob(f"{path.stem}.*.lw.nbi")
     return any(index.stat().st_mtime >= written for index in indices)
 
 

@@ -15,10 +15,10 @@ from codegen.generated_module_signature_and_import import import_generated
 def compile_modules(paths: Sequence[Path]) -> list[float]:
     """Compile the kernels of each file; returns the seconds that each took.
 
-    Files without a trace in numba's cache are compiled in processes of their own, as many at a
+    Files without a trace in the checked cache are compiled in processes of their own, as many at a
     time as there are processors; the others are only imported.
     """
-    caches = {path: (path.parent / "__pycache__").glob(f"{path.stem}.*.nbi") for path in paths}
+    caches = {path: (path.parent / "__pycache__").glob(f"{path.stem}.*.lw.nbi") for path in paths}
     cold = [path for path, cache in caches.items() if not any(cache)]
     seconds: dict[Path, float] = {}
     if len(cold) > 1:

@@ -77,7 +77,7 @@ def screen_run(
 
 
 @inner
-def _change_of_switch(
+def change_of_switch(
     kernels: Any, k: Any, t: Any, state: Any, change: Any, p: Any, g: Any
 ) -> float:
     """By how much g of the switch number k changes with all of (q, v) in turn.
@@ -212,7 +212,7 @@ def _measure_reversals(
                 state[j], state[n + j] = q[first[k], j], v[first[k], j]
             for j in range(2 * n):
                 change[j] = absolute[j] + rtol * largest[k, j]
-            permitted[k] = _change_of_switch(kernels, k, t[first[k]], state, change, p, g)
+            permitted[k] = change_of_switch(kernels, k, t[first[k]], state, change, p, g)
     for i in range(t.size):
         b = reversed_event[i]
         if b < 0:

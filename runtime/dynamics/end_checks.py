@@ -130,7 +130,10 @@ def _sides_of_modes(
 
     By more than the tolerances of coordinates and velocities explain: an event was missed.
     """
-    switches = equations.description.switches
+    # compiled: almost no run comes here
+    from runtime.dynamics.switching_values import measure_change_of_switch
+
+    switches, g = equations.description.switches, np.zeros(len(equations.description.switches))
     wrong = _wrong_sides(equations, samples, run)
     t, q, v = samples.t, samples.q, samples.v
     largest = np.concatenate([np.abs(q).max(axis=0), np.abs(v).max(axis=0)])
@@ -140,7 +143,9 @@ def _sides_of_modes(
         worst = rows[np.argmax(np.abs(wrong[rows, k]))]
         # Beside a place where it jumps the tolerances explain anything.
         for row in (worst, *rows[:: 1 + len(rows) // _JUDGED]):
-            permitted = _change_of_switch(equations, int(k), t[row], q[row], v[row], change)
+            permitted = measure_change_of_switch(
+                equations.table, k, t[row], np.concatenate([q[row], v[row]]), change, equations.p, g
+            )
             missed = np.flatnonzero(np.abs(wrong[:, k]) > _SIDE_TOLERANCES * permitted)
             if abs(wrong[row, k]) > _SIDE_TOLERANCES * permitted:
                 return (
@@ -149,26 +154,6 @@ def _sides_of_modes(
                     "an event was missed."
                 )
     return ""
-
-
-def _change_of_switch(
-    equations: Equations, k: int, t: float, q: FloatArray, v: FloatArray, change: FloatArray
-) -> float:
-    """By how much g of the switch number k changes with each of (q, v), (2n,), in turn.
-
-    At the edge of its domain, as of √x, it changes as on the side where it has a number.
-    """
-    state, n = np.concatenate([q, v]), equations.n
-
-    def value(state: FloatArray) -> float:
-        return float(equations.switching(t, state[:n], state[n:])[k])
-
-    here, total = value(state), 0.0
-    for part in np.diag(change):
-        both = np.abs([value(state + part) - here, value(state - part) - here])
-        numbers = both[~np.isnan(both)]
-        total += float(numbers[0]) if len(numbers) else 0.0
-    return total
 
 
 def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> FloatArray:

@@ -101,19 +101,71 @@ def test_nothing_is_unpickled_that_was_not_written_here(
     assert not mark.exists()
 
 
-def test_a_cache_of_numba_itself_is_replaced_without_a_note(tmp_path: Path) -> None:
-    """As a version of the project that had no seals left it, with machine code and broken files."""
-    path, cache = tmp_path / "scaled.py", tmp_path / "__pycache__"
+def _plain_python(path: Path) -> str:
+    """What a process prints that imports a file with nothing but numba."""
+    code = (
+        f"import sys; sys.path.insert(0, {str(path.parent)!r}); from {path.stem} import scaled; "
+        "assert 'codegen' not in sys.modules; "
+        "print(scaled(1.0), sum(scaled.stats.cache_hits.values()))"
+    )
+    return subprocess.run(
+        [sys.executable, "-c", code], check=True, env={}, stdout=subprocess.PIPE, text=True
+    ).stdout
+
+
+def _machine_code(path: Path) -> dict[str, bytes]:
+    return {file.name: file.read_bytes() for file in path.parent.glob("__pycache__/*.nb*")}
+
+
+def test_plain_python_imports_a_file_beside_its_checked_cache(source: Path) -> None:
+    ours = _machine_code(source)
+    assert [_plain_python(source) for _ in range(2)] == ["2.0 0\n", "2.0 1\n"]
+    both = _machine_code(source)
+    assert {name: both[name] for name in ours} == ours
+    assert len(both) == 2 * len(ours)
+    module = _execute(source)
+    assert (module.scaled(1.0), _hits(module)) == (2.0, 1)
+
+
+def test_a_cache_of_numba_itself_is_neither_read_nor_removed(tmp_path: Path) -> None:
+    """Nor are its files where they run code, and where the source has become another."""
+    path, mark = tmp_path / "scaled.py", tmp_path / "ran"
     path.write_text(TEXT.format(factor=2.0))
-    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import scaled"
-    subprocess.run([sys.executable, "-c", code], check=True, env={})
-    (old,) = cache.glob("*.nbc")
-    (cache / f"{old.name}.tmp.0123").touch()
-    for hits in (0, 1):
+    assert _plain_python(path) == "2.0 0\n"
+    for name in _machine_code(path):
+        (tmp_path / "__pycache__" / name).write_bytes(pickle.dumps(_Trap(mark)))
+    before = _machine_code(path)
+    for factor, hits in ((2.0, 0), (2.0, 1), (3.0, 0)):
+        path.write_text(TEXT.format(factor=factor))
         module = _execute(path)  # without a warning, which would be an error
-        assert (module.scaled(1.0), _hits(module)) == (2.0, hits)
-    (new,) = cache.glob("*.nbc*")
-    assert new != old
+        assert (module.scaled(1.0), _hits(module)) == (factor, hits)
+    assert before.items() <= _machine_code(path).items()
+    assert not mark.exists()
+    sys.modules.pop("scaled", None)
+
+
+def test_broken_files_of_a_writer_are_removed(source: Path) -> None:
+    (old,) = source.parent.glob("__pycache__/*.nbc")
+    half = old.with_name(f"{old.name}.tmp.0123")
+    half.touch()
+    source.write_text(TEXT.format(factor=3.0))
+    assert _execute(source).scaled(1.0) == 3.0
+    (new,) = source.parent.glob("__pycache__/*.nbc*")
+    assert new not in (old, half)
+
+
+def test_machine_code_is_kept_under_the_longest_names(
+    tmp_path: Path, recwarn: pytest.WarningsRecorder
+) -> None:
+    """Of a model, a scene and a companion, of a kernel far down in its file."""
+    names = f"{'m' * 80}__{'s' * 80}__tangents"
+    path = tmp_path / f"{names}.py"
+    text = TEXT.format(factor=2.0).replace("scaled", "accelerations_tangent")
+    path.write_text("\n" * 99_000 + text)
+    for hits in (0, 1):
+        kernel = _execute(path).accelerations_tangent
+        assert (kernel(1.0), sum(kernel.stats.cache_hits.values())) == (2.0, hits)
+    assert not recwarn.list
     sys.modules.pop("scaled", None)
 
 
