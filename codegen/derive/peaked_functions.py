@@ -89,7 +89,7 @@ def _functions(element: str, expression: sympy.Basic) -> Iterator[PeakedFunction
             continue
         if isinstance(node, sympy.Expr) and _is_of_position(node):
             yield from _function(element, node, divides)
-        below = divides or (isinstance(node, sympy.Pow) and _is_negative(node.exp))
+        below = divides or _may_divide(node)
         stack += [(a, below) for a in node.args[::-1]]
 
 
@@ -116,34 +116,53 @@ def _logarithm(node: sympy.Expr) -> sympy.Expr | None:
     """log|b^x| of a power whose exponent moves, or of a product of such and numbers, else None."""
     base, exponent = node.as_base_exp()
     if not exponent.is_number:
-        return exponent * sympy.log(base)
+        return _logarithm_of_power(base, exponent)
     if isinstance(node, sympy.Mul) and powers_with_number_outside(node):
         return _logarithm_of_product(node)
     return None
 
 
+def _logarithm_of_power(base: sympy.Expr, exponent: sympy.Expr) -> sympy.Expr | None:
+    """log|b^x|; None for powers of 0."""
+    if base.is_number:
+        return None if base == 0 else exponent * _logarithm_of_constant(base)
+    return exponent * sympy.log(base)
+
+
 def _logarithm_of_product(node: sympy.Expr) -> sympy.Expr | None:
-    """log of a product of numbers and at least one power whose exponent moves, else None."""
+    """log of a product of constants and at least one power whose exponent moves, else None."""
     factors = sympy.Mul.make_args(node)
-    numbers = [factor for factor in factors if factor.is_number]
-    powers = [factor.as_base_exp() for factor in factors if not factor.is_number]
+    constants = [factor for factor in factors if _is_constant(factor)]
+    powers = [factor.as_base_exp() for factor in factors if not _is_constant(factor)]
     if not powers or any(exponent.is_number for _, exponent in powers):
         return None
-    exponents = (exponent * sympy.log(base) for base, exponent in powers)
-    return sympy.Add(*exponents, *(sympy.log(abs(number)) for number in numbers))
+    logarithms = [_logarithm_of_power(*power) for power in powers]
+    if None in logarithms:
+        return None
+    return sympy.Add(*logarithms, *map(_logarithm_of_constant, constants))
 
 
 def _logarithms(node: sympy.Add) -> list[sympy.Expr]:
-    """Logarithms of the exponential terms of a sum, and of its number, or of 1 without any."""
+    """Logarithms of the exponential terms of a sum, and of its constant, or of 1 without any."""
     found = [u for u in map(_logarithm_of_product, node.args) if u is not None]
-    number, _ = node.as_coeff_Add()
-    if len(found) == 1 or number != 0:
-        found.append(sympy.log(abs(number)) if number != 0 else sympy.S.Zero)
+    constant = sympy.Add(*filter(_is_constant, node.args))
+    if len(found) == 1 or constant != 0:
+        found.append(_logarithm_of_constant(constant) if constant != 0 else sympy.S.Zero)
     return found if len(found) > 1 else []
 
 
-def _is_negative(exponent: sympy.Expr) -> bool:
-    return bool(exponent.is_number and exponent < 0)
+def _logarithm_of_constant(constant: sympy.Expr) -> sympy.Expr:
+    """log|c|, for parameters of any sign without a kink."""
+    return sympy.log(abs(constant)) if constant.is_number else sympy.log(constant**2) / 2
+
+
+def _is_constant(node: sympy.Expr) -> bool:
+    return all(isinstance(s, Parameter) for s in node.free_symbols)
+
+
+def _may_divide(node: sympy.Basic) -> bool:
+    """Whether a node is a power of which parameters or the motion may make a quotient."""
+    return isinstance(node, sympy.Pow) and not (node.exp.is_number and node.exp >= 0)
 
 
 def _is_linear(expression: sympy.Expr) -> bool:

@@ -115,9 +115,15 @@ def rest_mixed(context: Context) -> bool:
 def is_driven(context: Context, c: int, way: float) -> bool:
     """Whether its modes move the `c`-th function in sliding mode, `way` -1 onto, 1 off, 0 either.
 
-    A response that is the rounding of accelerations moves nothing.
+    A response that is the rounding of accelerations moves nothing, nor does a condition move what a
+    closed contact keeps.
     """
     k = context.sliding_functions[c]
+    for j in range(context[ft.SLIDING_COUNT]):
+        other = context.sliding_functions[j]
+        kept = context.rigid[other] >= 0 and context.sticks[k] == 0
+        if kept and share_freedom(context, k, other):
+            return False
     response = context.response[c * context[ft.SLIDING_COUNT] + c]
     response = abs(response) if way == 0.0 else way * response
     if response <= 0.0:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from numpy.testing import assert_allclose
-from sympy import Heaviside, Max, Piecewise, sign
+from sympy import Heaviside, Max, Piecewise, sign, sin
 
 from codegen import Model, t
 from runtime import load
@@ -66,3 +66,18 @@ def test_a_position_that_leaves_slowly_leaves_once(workshop: Path, method: Any) 
     assert [event.what for event in run.events if "bead_y" in event.name] == ["began"]
     assert_allclose(run.q("bead.y"), [0.0, 1 / 6], atol=1e-6)
     assert_allclose(run.v("bead.x"), [0.0, 5.0], rtol=1e-4)
+
+
+def test_a_brake_along_the_normal_lets_a_ball_settle(workshop: Path) -> None:
+    """On the floor the contact keeps the velocity at 0, whatever the sign's share is."""
+    model = Model("settles_with_a_brake")
+    ball = model.particle("ball", mass=1.0)
+    model.contact("floor", gap=ball.y, restitution=0.5)
+    push = 13.73 * sin(5.99 * t - 2.62) - 13.27
+    model.force("brake", ball, fx=2 + sign(ball.vy), fy=push - 4.5 * sign(ball.vy))
+    start = {ball.x: 0, ball.y: 1.21, ball.vx: 0, ball.vy: 0}
+    model.scene("run", ["floor", "brake"], start=start)
+    run = load(model, "run", folder=workshop).simulate(1.5, [1.4, 1.5], rtol=1e-9, progress=False)
+    assert run.outcome is Outcome.OK
+    assert_allclose(run.a("ball.x"), 2.0)
+    assert_allclose(run.v("ball.y"), 0.0)

@@ -120,6 +120,35 @@ def test_a_window_between_two_logistic_functions(
     assert_allclose(result.v("p.x")[-1], sqrt(1 + 2 * 10 * 0.05), rtol=1e-6)
 
 
+@pytest.mark.parametrize("place", ["factor", "exponent"])
+def test_a_window_between_two_steps_of_parameters(workshop: Path, place: str) -> None:
+    model = Model(f"narrow_window_of_a_{place}")
+    p = model.particle("p", mass=1.0)
+    model.absolute("rail", p, "y", 0.0)
+    k = model.parameter("k", 2.0, sign="positive")
+    rises: dict[str, Callable[[sp.Expr], sp.Expr]] = {
+        "factor": lambda u: 1 / (1 + k * sp.exp(-u)),
+        "exponent": lambda u: (1 + sp.exp(-u)) ** (-k),
+    }
+    rise, width = rises[place], 1e-3
+    model.force("act", p, fx=30 * (rise((p.x - 5) / width) - rise((p.x - 5.01) / width)))
+    model.scene("runs", ["act"], start={p.x: 0.0, p.vx: 1.0})
+    machine = load(model, folder=workshop)
+    speed = sqrt(1 + 2 * 30 * 0.01)
+    for method in ("dop853", "dopri5"):
+        result = machine.simulate(8.0, method=method, rtol=1e-9, progress=False)
+        assert_allclose(result.v("p.x")[-1], speed, rtol=1e-6)
+
+
+def test_powers_of_a_number_below_zero_do_not_stop_a_build(workshop: Path) -> None:
+    # (-2)^x is real where x is whole, and the other term keeps the sum from a pole.
+    model = Model("narrow_below_zero")
+    p = model.particle("p", mass=1.0)
+    model.force("act", p, fx=1 / (3 + sp.Integer(-2) ** p.x))
+    model.scene("rests", ["act"], start={p.x: 2.0})
+    assert load(model, folder=workshop).description.peaks
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_every_notch_of_a_ratchet(particle: Callable[..., Machine], method: str) -> None:
     # A first step would span many notches, in each of which the particle is faster.
