@@ -97,7 +97,7 @@ def _function(element: str, node: sympy.Expr, divides: bool) -> Iterator[PeakedF
     """A node as a function that may peak; it is below a fraction's line if it `divides`."""
     if isinstance(node, _STEPS) or (divides and isinstance(node, _PARTS_OF_STEPS)):
         yield PeakedFunction(element, "step", 0.0, node.args[0])
-    elif isinstance(node, sympy.log) and not _is_linear(node.args[0]):
+    elif isinstance(node, sympy.log) and _may_dip(node.args[0]):
         yield PeakedFunction(element, "power", -1.0, node.args[0])
     elif isinstance(node, sympy.Add) and divides:
         # 1 / (1 + e^u) is a step, where one of two terms takes over from the other.
@@ -108,8 +108,21 @@ def _function(element: str, node: sympy.Expr, divides: bool) -> Iterator[PeakedF
             yield PeakedFunction(element, "exponential", 0.0, u)
     elif isinstance(node, sympy.Pow) and node.exp.is_number:
         x = float(node.exp)
-        if (x < 0.0 or x >= _HIGH) and not _is_linear(node.base):
+        if (x < 0.0 or x >= _HIGH) and _may_dip(node.base):
             yield PeakedFunction(element, "power", x, node.base)
+
+
+def _may_dip(base: sympy.Expr) -> bool:
+    """Whether the base of a power may come near to an extremum without another function's help.
+
+    A sum of exponentials and a constant does so where one takes over from another, which is a step.
+    """
+    moving = [term for term in sympy.Add.make_args(base) if not _is_constant(term)]
+    exponential = all(
+        isinstance(term, _PARTS_OF_STEPS) or _logarithm_of_product(term) is not None
+        for term in moving
+    )
+    return not exponential and not _is_linear(base)
 
 
 def _logarithm(node: sympy.Expr) -> sympy.Expr | None:

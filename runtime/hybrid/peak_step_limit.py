@@ -25,11 +25,13 @@ _RISE = 4.0  # measured: logarithm of a peak over both ends which the error of a
 _IN_FRONT = 0.4  # measured: of that; how far below the peak the step ends
 _SLOW = 1.0  # safety: change of a power's argument times its exponent, in parts of the argument
 _NEGLIGIBLE = -40.0  # accuracy: logarithm of what is nothing beside what acts elsewhere
+_POLE = 1e-14  # accuracy: of an argument at the ends; a power of less between them has a pole
 _TRUSTED = 2.0  # safety: times the difference of cubic and values; how far u may be from the cubic
 _CERTAIN = 0.25  # measured: of the rise; what that may add to it where the cubic says where to end
 _RESOLVED = 0.1  # measured: of the variation of u; largest difference of cubic and values
 _ROUNDING = 1e-13  # accuracy: of the largest |u|; such a difference is rounding
 _FINEST = 1e-12  # safety: of the run; shorter steps are taken as they are
+_LONGEST = 0.9  # safety: part of a step; a longer one might be stretched to a stop again
 _POINTS = 16  # measured: parts of the cubic, at whose ends its peak is looked for
 _ZOOMS = 14  # safety: 8 times closer each, which is a fraction of 2e-13 of the step
 _HALVINGS = 45  # safety: 3e-14 of the step
@@ -165,13 +167,14 @@ def resolved_part_for(context: Context, k: int, h: float) -> float:
     top = largest_height(kind, exponent, low - apart, high + apart)
     if not top - ends > _RISE or (kind != POWER and top < _NEGLIGIBLE):
         return 1.0
-    if kind == POWER and exponent < 0.0 and min(u0, u1) < 0.0 < max(u0, u1):
-        return 1.0  # a pole
+    least = _POLE * max(abs(u0), abs(u1))
+    if kind == POWER and exponent < 0.0 and low < least and high > -least:
+        return 1.0  # a pole, which no step shows
     seen = largest_height(kind, exponent, low, high)
     if seen - ends > _RISE and top - seen <= _CERTAIN * (seen - ends):
         x = front_of_peak(kind, exponent, u0, change, leave, arrive, _IN_FRONT * _RISE)
-        if 0.0 < x < 1.0:
-            return x
+        if x > 0.0:
+            return min(x, _LONGEST)
     resolved: float = (_RESOLVED * (high - low) / max(difference, 1e-300)) ** (1.0 / 3.0)
     return max(0.1, min(0.5, resolved))
 

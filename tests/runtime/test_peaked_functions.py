@@ -261,3 +261,13 @@ def test_a_direction_through_its_own_point_is_passed(particle: Callable[..., Mac
     assert result.outcome is Outcome.OK
     energy = result.v("p.x")[-1] ** 2 / 2 - (abs(result.q("p.x")[-1] - 0.5) - 0.5)
     assert_allclose(energy, 0.5, rtol=1e-6)
+
+
+def test_steps_of_exponentials_are_cheap_to_pass(particle: Callable[..., Machine]) -> None:
+    # Below the line stands a number that grows to e^1000, which no cubic follows.
+    machine = particle(
+        "sech", force=lambda x, v: 1 / (sp.exp((x - 5) / 1e-2) + sp.exp((5 - x) / 1e-2))
+    )
+    result = machine.simulate(10.0, rtol=1e-9, progress=False)
+    assert_allclose(result.v("p.x")[-1], sqrt(1 + 2 * 0.5e-2 * pi), rtol=1e-8)
+    assert result.stats["steps"] + result.stats["rejected"] < 150  # 48; by its power 1342
