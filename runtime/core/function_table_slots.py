@@ -155,6 +155,8 @@ TABLE.floats("response response_copy response_secant", SWITCHES, SWITCHES)
 TABLE.floats("base_response response_column response_rates right_side", SWITCHES)
 TABLE.integers("response_pivots", SWITCHES)
 TABLE.floats("response_gaps", RIGID_COUNT)
+TABLE.floats("forces", COORDINATES)
+TABLE.floats("force_rates", SWITCHES)  # of each change, see `measure_forces`
 TABLE.floats("reaction base_reaction unit_reaction", REACTION_ROWS)  # the first is mixed
 
 # Functions of the position that may peak within a step: see `hybrid.peak_step_limit`.

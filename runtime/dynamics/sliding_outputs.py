@@ -91,7 +91,10 @@ def overwrite_sliding(mechanism: Mechanism, p: npt.NDArray[np.float64], samples:
     rows = np.flatnonzero((samples.modes == SLIDING).any(axis=1))
     wiring = wire(mechanism.system, "dopri5", p, 1)
     size, spread = _sizes(mechanism, p, samples, int(rows[0]))
-    wiring.arrays["workspace"].reshape(ws.ROWS, 2, len(size))[ws.SIZE] = size
+    workspace = wiring.arrays["workspace"].reshape(ws.ROWS, 2, len(size))
+    workspace[ws.SIZE] = size
+    masses = np.diag(Equations(mechanism, p).mass(samples.q[rows[0]]))
+    np.divide(1.0, masses, workspace[ws.PROJECTION, 0], where=masses > 0.0)
     sizes = wiring.arrays["switching_rows"].reshape(ws.SWITCH_ROWS, len(spread))
     sizes[ws.LARGEST], sizes[ws.RESERVE] = spread, spread
     powers = np.zeros((2, samples.power.shape[1]))

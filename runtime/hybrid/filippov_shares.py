@@ -24,7 +24,12 @@ from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.modes_and_event_kinds import FREE, SLIDING
 from runtime.core.unit_roundoff import EPS
-from runtime.hybrid.redundant_sliding import keep_resting, rest_mixed, solve_least
+from runtime.hybrid.redundant_sliding import (
+    keep_resting,
+    measure_forces,
+    rest_mixed,
+    solve_least,
+)
 from runtime.hybrid.stiction_force import (
     choose_units,
     enlarge_unit,
@@ -81,7 +86,9 @@ def evaluate_unit(context: Context, t: float, q: Vector, v: Vector, c: int) -> N
     a, lam = context.unit_accelerations[c], context.unit_multipliers[c]
     set_unit(context, k, 1)
     abi.accelerations_of(context)(t, q, v, context.parameters, context.kernel_modes, a, lam)
+    with_unit = measure_forces(context, t, q, v, k)
     set_unit(context, k, 0)
+    context.force_rates[c] = max(with_unit, measure_forces(context, t, q, v, k))
     evaluate_response(context, t, q, v, a, context.response_column)
     for i in range(count):
         context.response[i * count + c] = context.response_column[i] - context.base_response[i]

@@ -3,8 +3,9 @@
 import numpy as np
 
 from runtime.core import function_table_slots as ft
+from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context
+from runtime.core.array_types import Context, Vector
 from runtime.core.jit import inner
 from runtime.core.modes_and_event_kinds import BALANCED, MIXED, SLIDING
 from runtime.core.unowned_array_views import view
@@ -13,6 +14,7 @@ from runtime.linalg.rank_policy import SAME_HOLD
 from runtime.linalg.vectors import axpy, copy_vector, dot, largest_ratio
 
 _DRIVEN = 1e-12  # accuracy: of a size and all accelerations; a smaller response is rounding
+_FORCED = 1e-14  # accuracy: of a size and all F/m; a response of what stands, below it, is rounding
 
 
 @inner
@@ -115,8 +117,8 @@ def rest_mixed(context: Context) -> bool:
 def is_driven(context: Context, c: int, way: float) -> bool:
     """Whether its modes move the `c`-th function in sliding mode, `way` -1 onto, 1 off, 0 either.
 
-    A response that is the rounding of accelerations moves nothing, nor does a condition move what a
-    closed contact keeps.
+    A response that is the rounding of accelerations moves nothing, nor does that of forces which a
+    machine that stands bears, nor does a condition move what a closed contact keeps.
     """
     k = context.sliding_functions[c]
     for j in range(context[ft.SLIDING_COUNT]):
@@ -132,7 +134,25 @@ def is_driven(context: Context, c: int, way: float) -> bool:
     per_second = largest_ratio(context.base_accelerations, speeds)
     per_second += largest_ratio(context.unit_accelerations[c], speeds)
     largest = context.reserve[k] if context.modes[k] == SLIDING else context.largest[k]
-    return not response <= _DRIVEN * largest * per_second
+    per_second = max(_DRIVEN * per_second, _FORCED * context.force_rates[c])
+    return not response <= largest * per_second
+
+
+@inner
+def measure_forces(context: Context, t: float, q: Vector, v: Vector, k: int) -> float:
+    """Largest |F|/m beside the typical speed of its coordinate, in 1/s, under `kernel_modes`.
+
+    0 where function `k` cannot rest.
+    """
+    if context.boundary[k] != BALANCED and context.boundary[k] != MIXED:
+        return 0.0
+    force, size = context.forces, ws.row_of(context, ws.SIZE)
+    per_mass, n, largest = ws.row_of(context, ws.PROJECTION), context[ft.COORDINATES], 0.0
+    abi.applied_forces_of(context)(t, q, v, context.parameters, context.kernel_modes, force)
+    for j in range(n):
+        rate = abs(force[j]) * per_mass[j] / size[n + j]
+        largest = max(largest, rate if np.isfinite(rate) else 0.0)
+    return float(largest)
 
 
 @inner
