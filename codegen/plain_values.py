@@ -198,7 +198,7 @@ def genuine(value: Any, depth: int = 3) -> Any:
 
 def is_flag(value: Any) -> bool:
     """Whether it is True or False, of Python or numpy."""
-    return isinstance(value, bool) or _class_name(type(value)) in {"bool_", "bool"}
+    return _class_name(type(value)) in {"bool_", "bool"}
 
 
 def members(value: Any, count: int | None = None) -> list[Any]:

@@ -143,6 +143,8 @@ class Body(Pose):
     def rotation(self) -> tuple[sympy.Expr, sympy.Expr]:
         """(cos φ, sin φ), the first column of A, from the body's frame to the global one."""
         angle = plain_expression(self.angle)  # SymPy's functions would evaluate text in a tuple
+        if not angle.is_Symbol and (found := unreal_part(angle)) and is_costly(found[0]):
+            raise ModelError(f"the angle {one_line(found[1])}; give finite real numbers.")
         return sympy.cos(angle), sympy.sin(angle)
 
     @property

@@ -42,6 +42,14 @@ def test_objects_that_hide_their_class_are_refused_where_they_stand() -> None:
         )
 
 
+@pytest.mark.parametrize("word", ["frozen", "effects", "outputs", "analysis"])
+def test_a_scene_made_anew_is_read_as_one_that_is_declared(word: str) -> None:
+    model = machine()
+    scene = replace(model.scene("s"), **{word: Hidden()})  # type: ignore[arg-type]
+    with pytest.raises(LinkwrightError, match="scene 's'"):
+        valid_scenes(model, scene)
+
+
 class Meta(type):
     """A class of classes that say nothing of themselves."""
 

@@ -113,6 +113,23 @@ def test_numbers_that_are_not_to_be_evaluated_are_refused_by_name(use: str, numb
     assert len(text) < 2000
 
 
+@pytest.mark.parametrize("number", REFUSED)
+def test_an_angle_of_a_body_of_ones_own_is_read_before_its_sine_is_taken(number: str) -> None:
+    model, one = Model("m"), sympy.S.One
+    made = type("Turned", (Body,), {"angle": property(lambda _: REFUSED[number]())})
+
+    def declared() -> None:
+        with limited(SECONDS):
+            model.add(made("mine", one, one, model.token))
+            texts(model)
+
+    try:
+        with pytest.raises(LinkwrightError, match="'mine'"):
+            declared()
+    except OverTimeError:
+        pytest.fail(f"takes more than {SECONDS} s")
+
+
 @pytest.mark.parametrize("number", READ)
 @pytest.mark.parametrize("use", ["mass", "torque", "driver", "condition"])
 def test_long_numbers_count_as_their_values(use: str, number: str) -> None:

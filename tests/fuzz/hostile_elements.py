@@ -9,7 +9,7 @@ from codegen import ConjugateReaction, Constraint, Effect, JointReaction, Model,
 from codegen.declare.body import Body
 from codegen.declare.element import FrictionLaw, I, Rigid, Sticking
 from codegen.declare.element_conditions import Condition
-from codegen.declare.symbols import coordinate
+from codegen.declare.symbols import SPEED, coordinate
 from codegen.errors import FAILURES
 from codegen.plain_values import shown
 from tests.fuzz.declared_nonsense import CODE, Raises, of_object, of_scalar
@@ -196,7 +196,7 @@ def _of_forces(body: Body, odd: Any, random: Random) -> list[tuple[str, Any]]:
         ("pulls", odd),
         ("pulls", _raise),
         ("pulls", ((1, 2, 3),)),
-        ("pulls", ((body.x, scalar),)),
+        ("pulls", ((body.x, "s" if scalar is SPEED else scalar),)),
         ("hold", odd),
         ("hold", _raise),
         ("hold", 7),
