@@ -45,16 +45,22 @@ def cubic(x: float, y0: float, change: float, leave: float, arrive: float) -> fl
 
 
 @inner
-def sample_at(context: Context, x: float, t: float, h: float, slot: int, joined: bool) -> None:
-    """Fill row `slot` of `sw` with g on the cubic of the motion at the fraction x.
-
-    Where it is `joined`, that is returned onto the constraints.
-    """
+def write_motion_between(context: Context, x: float, h: float) -> None:
+    """Fill row SAMPLE with the cubic of the motion at the fraction x of the step."""
     last = run_record(context).last
     y0, y1, z = ws.row_of(context, ws.Y0), ws.row_of(context, ws.Y1), ws.row_of(context, ws.SAMPLE)
     k0, k1 = ws.row_of(context, ws.K), ws.row_of(context, ws.K + last)
     for j in range(2 * context[ft.COORDINATES]):
         z[j] = cubic(x, y0[j], y1[j] - y0[j], h * k0[j], h * k1[j])
+
+
+@inner
+def sample_at(context: Context, x: float, t: float, h: float, slot: int, joined: bool) -> None:
+    """Fill row `slot` of `sw` with g on the cubic of the motion at the fraction x.
+
+    Where it is `joined`, that is returned onto the constraints.
+    """
+    write_motion_between(context, x, h)
     if joined:
         ft.correct_of(context)(context, t + x * h, ws.SAMPLE, ws.PROJECTION)
     evaluate_switching(context, t + x * h, ws.SAMPLE, slot)

@@ -19,7 +19,7 @@ from runtime.core.kernel_abi import peak_arguments_of
 from runtime.core.loop_record import run_record
 from runtime.core.peak_kinds import EXPONENTIAL, POWER, STEP
 from runtime.core.unowned_array_views import view
-from runtime.hybrid.event_step_limit import X1, X2, X3, cubic
+from runtime.hybrid.event_step_limit import X1, X2, X3, cubic, write_motion_between
 
 _RISE = 4.0  # measured: logarithm of a peak over both ends which the error of a step shows
 _IN_FRONT = 0.4  # measured: of that; how far below the peak the step ends
@@ -51,12 +51,9 @@ def evaluate_arguments(context: Context, t: float, row: int, u: Vector, rate: Ve
 @inner
 def evaluate_between(context: Context, t: float, h: float) -> None:
     """Arguments on the cubic of the motion, between both ends of the step."""
-    rows, n, last = context.peak_rows, context[ft.COORDINATES], run_record(context).last
-    y0, y1, z = ws.row_of(context, ws.Y0), ws.row_of(context, ws.Y1), ws.row_of(context, ws.SAMPLE)
-    k0, k1 = ws.row_of(context, ws.K), ws.row_of(context, ws.K + last)
+    rows = context.peak_rows
     for index, x in enumerate((X1, X2, X3)):
-        for j in range(2 * n):
-            z[j] = cubic(x, y0[j], y1[j] - y0[j], h * k0[j], h * k1[j])
+        write_motion_between(context, x, h)
         evaluate_arguments(context, t + x * h, ws.SAMPLE, rows[_A1 + index], rows[_RATES_BETWEEN])
 
 
