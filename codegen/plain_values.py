@@ -24,7 +24,7 @@ WIDEST = 160  # layout: characters of a value in a message
 
 
 # what a class says of itself, and no metaclass of a user's can change
-_class_name, _bases = (type.__dict__[word].__get__ for word in ("__name__", "__mro__"))
+class_name, _bases = (type.__dict__[word].__get__ for word in ("__name__", "__mro__"))
 
 
 class _Short(reprlib.Repr):
@@ -57,9 +57,7 @@ class Impostor:
     """It stands for an object that hides its class or claims another one."""
 
     def __init__(self, value: object) -> None:
-        self.text = (
-            f"an object of {_class_name(type(value))} that hides its class or claims another"
-        )
+        self.text = f"an object of {class_name(type(value))} that hides its class or claims another"
 
     def __repr__(self) -> str:
         return self.text
@@ -81,7 +79,7 @@ def shown(value: object, widest: int = WIDEST) -> str:
     except KeyboardInterrupt:
         raise
     except BaseException:  # of a user's __repr__, of a number of too many digits
-        text = f"a {_class_name(type(value))}"
+        text = f"a {class_name(type(value))}"
     return one_line(text, widest)
 
 
@@ -92,7 +90,7 @@ def one_line(text: object, widest: int = WIDEST) -> str:
     except KeyboardInterrupt:
         raise
     except BaseException:
-        words = f"a {_class_name(type(text))}"
+        words = f"a {class_name(type(text))}"
     line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in words)
     return line if len(line) <= widest else f"{line[: widest - 3]}..."
 
@@ -174,7 +172,7 @@ def genuine(value: Any, depth: int = 3) -> Any:
     """
     kind: Any = type(value)
     try:
-        honest = value.__class__ is kind and kind.__name__ == _class_name(kind)
+        honest = value.__class__ is kind and kind.__name__ == class_name(kind)
         honest = honest and kind.__mro__ is _bases(kind)
     except KeyboardInterrupt:
         raise
@@ -198,7 +196,7 @@ def genuine(value: Any, depth: int = 3) -> Any:
 
 def is_flag(value: Any) -> bool:
     """Whether it is True or False, of Python or numpy."""
-    return _class_name(type(value)) in {"bool_", "bool"}
+    return class_name(type(value)) in {"bool_", "bool"}
 
 
 def members(value: Any, count: int | None = None) -> list[Any]:

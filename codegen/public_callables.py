@@ -12,7 +12,7 @@ from inspect import Parameter, isfunction, signature
 from typing import Any, TypeVar
 
 from codegen.errors import FAILURES, InputError, LinkwrightError, ModelError, NoAttributeError
-from codegen.plain_values import genuine, one_line, plain_name, shown
+from codegen.plain_values import class_name, genuine, one_line, plain_name, shown
 
 Class = TypeVar("Class", bound=type[Any])
 _SHOWN = 40  # layout: characters of an argument in a message
@@ -54,16 +54,12 @@ def checked_call(
             about.bind(*arguments, **words)
         except TypeError as mismatch:
             given = arguments[1:] if next(iter(about.parameters), "") == "self" else arguments
-            owner = () if title else map(_class_name, arguments[:1])
+            owner = () if title else (class_name(type(of)) for of in arguments[:1])
             name = title or ".".join([*owner, function.__name__])
             raise error(wrong_call(name, function, mismatch, given, words)) from None
         return function(*map(genuine, arguments), **{w: genuine(v) for w, v in words.items()})
 
     return call
-
-
-def _class_name(of: Any) -> str:
-    return str(type.__getattribute__(type(of), "__name__"))
 
 
 def error_boundary(method: Callable[..., Any], owner: str) -> Callable[..., Any]:
@@ -178,7 +174,7 @@ def named_attributes(cls: Class) -> Class:
             f"did you mean {' or '.join(near)}?" if near else f"it has {', '.join(sorted(known))}."
         )
         name = vars(of).get("name")
-        what = _class_name(of) + ("" if name is None else f" '{plain_name(name)}'")
+        what = class_name(type(of)) + ("" if name is None else f" '{plain_name(name)}'")
         raise NoAttributeError(f"{what} has no {one_line(word)!r}; {hint}")
 
     cls.__getattr__ = miss
