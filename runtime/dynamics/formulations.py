@@ -10,9 +10,10 @@ from runtime.assembly.masses_far_apart import suited_to_masses
 from runtime.core.system import System
 from runtime.dynamics.changes_of_coordinates import Changes
 from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.integrate.checkpoints import Checkpoint, Checkpoints, Until, restore
 from runtime.integrate.method import IMPLICIT
 from runtime.integrate.problem import Correction, Formulation, Options, Problem
-from runtime.integrate.run import Progress, integrate
+from runtime.integrate.run import Progress, Run, integrate
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
@@ -43,8 +44,25 @@ class Coordinates:
 
     def run(self, options: Options, progress: Progress) -> Trajectory:
         """One integration from the start; its run in all coordinates."""
+        begin, made = self.begin, Checkpoints()
+        problem = self.problem(begin.t, begin.q, begin.v)
+        path = integrate(self.system, problem, options, progress, made)
+        return replace(path, checkpoints=made)
+
+    def retaken(
+        self, options: Options, kept: Checkpoint | None, last: float,
+        known: tuple[float, FloatArray] | None = None,
+    ) -> Trajectory:  # fmt: skip
+        """The run from a checkpoint, None: its start, to the end of the step that contains `last`.
+
+        It takes samples of its own, at instants behind the checkpoint, and the same steps. `known`
+        is a state that it passed, in all coordinates: angles are followed from there.
+        """
         begin = self.begin
-        return integrate(self.system, self.problem(begin.t, begin.q, begin.v), options, progress)
+        run = Run(self.system, self.problem(begin.t, begin.q, begin.v), options)
+        if kept is not None:
+            restore(run, kept.state)
+        return run.execute(None, Until(last), started=kept is not None)
 
 
 class CartesianCoordinates(Coordinates):
@@ -100,6 +118,13 @@ class ReducedCoordinates(Coordinates):
     def run(self, options: Options, progress: Progress) -> Trajectory:
         """One integration from the start, past dead centres in all coordinates."""
         return Changes(self, options).run(progress)
+
+    def retaken(
+        self, options: Options, kept: Checkpoint | None, last: float,
+        known: tuple[float, FloatArray] | None = None,
+    ) -> Trajectory:  # fmt: skip
+        """As of all coordinates; a state `known` is from where angles are followed."""
+        return Changes(self, options).retaken(kept, last, known)
 
     def cartesian(self, method: str) -> CartesianCoordinates:
         """The machine's own coordinates, in which a run passes dead centres."""

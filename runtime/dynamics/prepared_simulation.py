@@ -14,8 +14,8 @@ from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly
-from runtime.validation.arguments import instants
 from runtime.validation.masses import require_masses
+from runtime.validation.output_instants import instants, uniform
 from runtime.validation.parameters import parameter_values
 from runtime.validation.requirements_of_contact_and_stiction import require_apart
 from runtime.validation.scene_support import refuse_massless, refuse_structure
@@ -75,11 +75,19 @@ class PreparedSimulation:
         """Instants at which the steps of a run end, known before it gets there."""
         return None if self.passages is None else self.passages.stops()
 
-    def instants(self, t_eval: ArrayLike | None) -> FloatArray | None:
-        """The instants of the samples, s: what is asked for at the start, where that begins."""
-        if t_eval is None:
+    def instants(self, t_eval: ArrayLike | int | str | None) -> FloatArray | None:
+        """The instants of the samples, s, those asked for at the start where that begins.
+
+        So many, by default 501, or those of an array; None: the end of every step.
+        """
+        if isinstance(t_eval, str):  # "steps"
             return None
-        times = instants(t_eval)
+        if t_eval is None or isinstance(t_eval, int):
+            if self.t_end < self.given_t:
+                return None  # the run is refused
+            times = uniform(self.given_t, self.t_end, t_eval)
+        else:
+            times = instants(t_eval)
         return np.where(times == self.given_t, self.begin.t, times)
 
     def run(self, taken: "Coordinates", options: Options, progress: Progress) -> Trajectory:

@@ -13,6 +13,7 @@ from runtime.dynamics.end_check_screening import screen_run
 from runtime.dynamics.end_checks import check_result
 from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formulate
 from runtime.dynamics.friction_jam import describe_jam, end_at_jam
+from runtime.dynamics.motion_at_instants import SimulatedMotion
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.switches_within_tolerance import describe_unresolved_switches
@@ -31,7 +32,7 @@ from runtime.validation.scene_support import driven_note
 
 
 def simulate(
-    mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | None = None, *,
+    mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | int | str | None = None, *,
     t_start: float = 0.0, method: str = "dop853", rtol: float = 1e-8, atol: float | None = None,
     parameters: Values | None = None, guess: Values | None = None, start: Assembly | None = None,
     correction: Correction = "step", formulation: Formulation = "cartesian",
@@ -75,6 +76,9 @@ def finish_simulation(
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
     run = end_at_jam(mechanism, run, ready.p, ready.t_end - begin.t)
     result = _result(mechanism, run, ready, began)
+    if run.checkpoints is not None:
+        end = run.final_t
+        result._motion = SimulatedMotion(ready, coordinates, options, run.checkpoints, end)
     if works:
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility

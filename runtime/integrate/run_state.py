@@ -63,6 +63,7 @@ class RunState:
         self._take(find_method(options.method))
         self._choose_return(problem)
         self.set_stops(problem.stops)
+        self.part = 0  # of the instants known beforehand
 
     @property
     def y(self) -> Matrix:
@@ -139,6 +140,13 @@ class RunState:
         self.record["next_stop"] = 0
         self.record["stop"] = times[0] if len(times) else np.inf
 
+    def set_further_stops(self) -> None:
+        """Go on to the next part of the instants known beforehand."""
+        assert self.stops is not None
+        assert self.stops.further is not None
+        self.set_stops(self.stops.further())
+        self.part += 1
+
     def leave_kink(self) -> None:
         """Stand behind the kink before which the run stands."""
         assert self.stops is not None
@@ -157,6 +165,7 @@ class RunState:
         r, theirs, arrays = self.record, other.record, self.wiring.arrays
         if other.stops is not self.stops:
             self.set_stops(other.stops)
+        self.part = other.part
         counted = {name: r[name] for name in (*COUNTS, *_OF_ENERGY)}
         arrays["record"][0] = fresh
         for name, count in counted.items():
@@ -184,10 +193,15 @@ class RunState:
             self.record[name] = getattr(method, name)
         self.record["exponent"] = 1.0 / method.estimate_order
 
+    def set_functions(self, name: str) -> None:
+        """Write the functions of the method `name` into the table."""
+        self.method = find_method(name)
+        self.table[METHOD_SLOTS] = function_table(name)
+
     def use_method(self, name: str) -> None:
         """Take the next steps with the method `name`, for which nothing is to be remembered."""
-        self._take(find_method(name))
-        self.table[METHOD_SLOTS] = function_table(name)
+        self.set_functions(name)
+        self._take(self.method)
         self.wiring.arrays["method_integers"][:] = 0
         self.method.restart(self.table, self.record["t"], self.record["h"])
 

@@ -5,7 +5,7 @@ import os
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
 from runtime.results.accuracy_target_record import ReachedAccuracy
 from runtime.results.event_records import Event, SingularPosition
+from runtime.results.motion_at_instants import Motion, at
 from runtime.results.samples import Partition, Samples, plain
 from runtime.results.series_lookup import TimeSeries
 
@@ -76,6 +77,7 @@ class Result(TimeSeries):
     singular: tuple[SingularPosition, ...]
     accuracy: ReachedAccuracy | None
     parameters: dict[str, float]
+    _motion: Motion | None  # behind the samples; None: of an analysis without one
 
     def __init__(
         self, description: Description, samples: Samples, p: FloatArray, *, analysis: str,
@@ -99,6 +101,7 @@ class Result(TimeSeries):
         self.events, self.partitions = tuple(events), tuple(partitions)
         self.not_unique, self.singular = tuple(not_unique), tuple(singular)
         self.works, self.accuracy, self.contradiction = {}, None, ""
+        self._motion = None
         self.parameters = {
             row.name: float(value) for row, value in zip(description.parameters, p, strict=False)
         }
@@ -139,8 +142,36 @@ class Result(TimeSeries):
 
         return save(self, Path(path))
 
+    def at(
+        self, t: float | npt.ArrayLike, side: Literal["before", "after"] | None = None
+    ) -> "Result":
+        """The motion at any instant: a result like this one, with its samples at `t`.
+
+        The run is taken again from a checkpoint shortly before, with the same steps, so that a
+        quantity is what it is with `t` among the instants of `t_eval`, to the last digit.
+
+        Parameters
+        ----------
+        t
+            An instant in s or several, in any order, from the start of the run to its end.
+        side
+            "before" or "after": the side on which the state is taken where `t` is the instant of
+            one of `events`; unless given, that of a sample: before a change of modes.
+
+        Returns
+        -------
+        Result
+            Of one instant, shape (1,), or of as many as there are in `t`.
+
+        Raises
+        ------
+        InputError
+            If `t` are no instants of the result, or it is that of an equilibrium.
+        """
+        return at(self, self._motion, t, side)
+
     def plot(self, *names: str) -> "Figure":
-        """Draw series over time, those of one unit in one panel.
+        """Draw series over time, those of one unit in one panel, as `at` has them.
 
         Parameters
         ----------

@@ -12,10 +12,11 @@ import numpy.typing as npt
 
 from codegen import argument_readers as readers
 from codegen.argument_readers import Reader, optional
-from codegen.errors import AnalysisError, InputError
-from codegen.plain_values import KindError, shown
+from codegen.errors import InputError
+from codegen.plain_values import KindError
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.assembled_state import Assembly
+from runtime.validation.output_instants import read_instants
 
 
 def check(mechanism: Mechanism, **given: Any) -> dict[str, Any]:
@@ -26,29 +27,6 @@ def check(mechanism: Mechanism, **given: Any) -> dict[str, Any]:
     if problems:
         raise InputError(problems)
     return values
-
-
-def instants(t_eval: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """The output instants as an array, checked."""
-    try:
-        given = np.asarray(None if np.ma.is_masked(t_eval) else t_eval)
-    except KeyboardInterrupt:
-        raise
-    except BaseException:
-        given = np.asarray(None)
-    if given.dtype.kind not in "iuf":
-        raise AnalysisError(f"t_eval is {shown(t_eval)}; it must be instants in s.")
-    times = np.atleast_1d(given.astype(np.float64))
-    if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all():
-        raise AnalysisError("t_eval must be at least one finite instant in s, in one dimension.")
-    backwards = np.flatnonzero(np.diff(times) <= 0.0)
-    if len(backwards):
-        place = int(backwards[0])
-        raise AnalysisError(
-            f"t_eval must increase: instant {place + 1} is {times[place + 1]:g} s "
-            f"after {times[place]:g} s. Sort it and drop repetitions."
-        )
-    return times
 
 
 def _contradictions(given: Mapping[str, Any]) -> list[str]:
@@ -116,7 +94,7 @@ _KINDS: dict[str, Reader] = {
     **dict.fromkeys(("rtol", "accuracy"), optional(_tolerance)),
     **dict.fromkeys(("first_step", "max_step", "time_scale"), _length),
     "atol": optional(_tolerances),
-    "t_eval": optional(instants),
+    "t_eval": optional(read_instants),
     "parameters": optional(readers.values('{"mass": 2.0}')),
     "guess": optional(readers.values('{"crank.phi": 0.5}')),
     "quantities": optional(readers.texts('("crank.phi",)')),

@@ -44,7 +44,7 @@ def test_run_with_broken_joints_is_not_ok(pendulum: Machine) -> None:
     begin = pendulum.assemble()
     turns = np.where(pendulum.description.is_length, 0.0, 1e12)
     start = replace(begin, q=begin.q + turns)
-    assert pendulum.simulate(0.5, start=start).outcome is Outcome.CONTRADICTED
+    assert pendulum.simulate(0.5, "steps", start=start).outcome is Outcome.CONTRADICTED
     # With Baumgarte's method no balance of energy is kept that would end it before.
     run = pendulum.simulate(0.5, start=start, correction="baumgarte")
     assert run.outcome is Outcome.CONTRADICTED
@@ -160,7 +160,7 @@ def test_what_is_not_suspected_is_not_contradicted(
     given: list[tuple[Any, ...]] = []
     check = simulation.check_result
     monkeypatch.setattr(simulation, "check_result", lambda *args, **_: given.append(args))
-    gas.simulate(1.0, guess={"crank.omega": 30.0})
+    gas.simulate(1.0, "steps", guess={"crank.omega": 30.0})
     result, equations, sizes, options, run, *_ = given[0]
     rng, verdicts = np.random.default_rng(1), []
 

@@ -228,7 +228,7 @@ def stepped_high(potential: Any) -> Any:
 
 def test_one_look_does_not_end_a_run(machines: dict[str, Machine]) -> None:
     """An energy that is wrong at the end of one step, and right where it is taken again."""
-    plain = machines["loaded"].simulate(2.0)
+    plain = machines["loaded"].simulate(2.0, "steps")
     spot = float(plain.samples.q[5, 0])
 
     def glitch(potential: Any) -> Any:
@@ -236,7 +236,7 @@ def test_one_look_does_not_end_a_run(machines: dict[str, Machine]) -> None:
             potential(t, q, p, modes) + (3.0 if abs(q[0] - spot) < 1e-9 else 0.0)
         )
 
-    run = changed(machines["loaded"], "potential", glitch).simulate(2.0)
+    run = changed(machines["loaded"], "potential", glitch).simulate(2.0, "steps")
     assert run.outcome is Outcome.OK
     assert not np.isclose(run.t, plain.t[5], rtol=1e-6).any()
 
