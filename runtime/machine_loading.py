@@ -19,13 +19,14 @@ from codegen.generated_module_signature_and_import import (
     read_generated,
     text_hash,
 )
+from codegen.library_layout import LIBRARY as _LIBRARY
+from codegen.library_layout import models_folder
 from codegen.plain_values import one_line, shown
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
     from runtime.machine_facade import Machine
 
-_LIBRARY = Path(__file__).resolve().parent.parent  # the folder of the library's own packages
 _ATTEMPTS = 5
 _LONGEST_PATH = 1000  # layout: characters of a path in a message
 _FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
@@ -82,13 +83,13 @@ def load(
 
 def _locate(model: str, folder: Path) -> tuple[Path, Path]:
     """Model file and the folder of its generated modules, from what the user wrote."""
-    models, generated = (_LIBRARY / package for package in ("models", "generated"))
+    models, generated = models_folder(_LIBRARY), _LIBRARY / "generated"
     given = Path(model)
     is_path = model.endswith(".py") or len(given.parts) > 1 or given.is_absolute()
     tried = [folder / model] if is_path else []
     if not (model.endswith(".py") or Path(model).is_absolute()):
         tried.append(folder / "models" / f"{model}.py")
-        if models.is_dir():
+        if models is not None:
             tried.append(models / f"{model}.py")
     found = next((path.resolve() for path in tried if path.is_file()), None)
     if found is None:
@@ -97,8 +98,8 @@ def _locate(model: str, folder: Path) -> tuple[Path, Path]:
             f"{' and '.join(one_line(path, _LONGEST_PATH) for path in tried)}."
             + _models_nearby(model, [path.parent for path in tried])
         )
-    of_library = generated.is_dir() and found.is_relative_to(models.resolve())
-    return found, generated if of_library else folder / "generated"
+    of_library = models is not None and found.is_relative_to(models.resolve())
+    return found, generated if of_library and generated.is_dir() else folder / "generated"
 
 
 def _models_nearby(model: str, folders: list[Path]) -> str:
