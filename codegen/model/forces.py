@@ -1,6 +1,7 @@
 """The effects of a declaration: everything that pushes, pulls or turns."""
 
 from collections.abc import Callable, Mapping
+from inspect import isfunction
 from typing import Any, Literal
 
 import sympy
@@ -12,6 +13,7 @@ from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.forces.applied import AppliedForce, AppliedTorque
 from codegen.elements.forces.bushing import AXES, Bushing, Triple
 from codegen.elements.forces.gravity import Gravity
+from codegen.elements.forces.line_force import LineForce
 from codegen.elements.forces.spring import Spring
 from codegen.elements.forces.torsion_spring import TorsionSpring
 from codegen.elements.forces.user_expression import GeneralizedForce, Potential
@@ -31,20 +33,74 @@ class Forces(Declarations):
 
     def force(
         self, name: str, on: Place, fx: Any = 0, fy: Any = 0, when: Any = None,
-        frame: Literal["ground", "body"] = "ground",
+        frame: Literal["ground", "body"] = "ground", from_: Body | None = None,
     ) -> Effect:  # fmt: skip
-        """A force (fx, fy) in N at a point, while the condition `when` holds."""
-        fx, fy = (self._read.gated(f, "N", f"force '{name}'", when) for f in (fx, fy))
-        point = self._point(name, on)
-        frame = self._read.choice(frame, ("ground", "body"), f"force '{name}', frame")
-        return self._declare(AppliedForce(name, point, fx, fy, frame))
+        """A force (fx, fy) in N at a point, while the condition `when` holds.
 
-    def torque(self, name: str, on: Body, value: Any, when: Any = None) -> Effect:
-        """A torque in N m on a body, while the condition `when` holds."""
+        Parameters
+        ----------
+        on
+            The point at which it acts; a body means its centre of mass.
+        fx, fy
+            In N, any expressions of t, q, q̇ and parameters.
+        when
+            A condition, while which the force acts; None: always.
+        frame
+            ``"ground"`` for global axes, ``"body"`` for those of the body of `on`.
+        from_
+            The body that exerts the force, on which (-fx, -fy) acts at the same place; None: none.
+        """
+        where = f"force '{name}'"
+        fx, fy = (self._read.gated(f, "N", where, when) for f in (fx, fy))
+        point = self._point(name, on)
+        frame = self._read.choice(frame, ("ground", "body"), f"{where}, frame")
+        advice = "from_ is the body that exerts the force, wherever it acts."
+        other = None if from_ is None else self._body(where, from_, advice)
+        return self._declare(AppliedForce(name, point, fx, fy, frame, other))
+
+    def torque(
+        self, name: str, on: Body, value: Any, when: Any = None, from_: Body | None = None
+    ) -> Effect:
+        """A torque in N m on a body, while the condition `when` holds.
+
+        Parameters
+        ----------
+        on
+            The body that it turns.
+        value
+            In N m, counter-clockwise positive, any expression of t, q, q̇ and parameters.
+        when
+            A condition, while which the torque acts; None: always.
+        from_
+            The body that exerts the torque, on which the opposite acts; None: none.
+        """
         where = f"torque '{name}'"
         gated = self._read.gated(value, "N m", where, when)
-        body = self._body(where, on, "a torque turns a body as a whole, wherever it acts.")
-        return self._declare(AppliedTorque(name, body, gated))
+        advice = "a torque turns a body as a whole, wherever it acts."
+        body = self._body(where, on, advice)
+        other = None if from_ is None else self._body(where, from_, advice)
+        return self._declare(AppliedTorque(name, body, gated, other))
+
+    def line_force(self, name: str, i: Place, j: Place, value: Any, when: Any = None) -> Effect:
+        """A force along the line of two points: a cylinder, a cable, a magnet.
+
+        Parameters
+        ----------
+        i, j
+            Points of two bodies; a body means its centre of mass.
+        value
+            In N, positive where it pulls the points together: an expression of t, q, q̇, tables and
+            parameters, or a function of the length ℓ, m, and its rate ℓ̇, m/s, that answers one.
+        when
+            A condition, while which the force acts; None: always.
+        """
+        where = f"line force '{name}'"
+        ends = self._pair(name, i, j)
+        if isfunction(value):
+            length = measures.distance(*ends), measures.distance_rate(*ends)
+            value = self._read.answer(value, length, "N", f"value of {where}")
+        gated = self._read.gated(value, "N", f"value of {where}", when)
+        return self._declare(LineForce(name, *ends, gated))
 
     def potential(self, name: str, energy: Any) -> Effect:
         """A potential energy V(q) in J, as a plain expression."""

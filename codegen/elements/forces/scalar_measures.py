@@ -5,7 +5,7 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Element, Pulls, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
-from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
+from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds, rate
 
 
 def span(i: Point, j: Point) -> tuple[sympy.Expr, sympy.Expr]:
@@ -54,6 +54,49 @@ def angle_problems(element: Element, *bodies: Body) -> list[str]:
         for body in bodies
         if body.angle is None or not body.turns
     ]
+
+
+class SpanMeasures:
+    """The length between two points and its rate, as expressions for other elements and outputs."""
+
+    i: Point
+    j: Point
+
+    @property
+    def length(self) -> sympy.Expr:
+        """ℓ, m."""
+        return distance(self.i, self.j)
+
+    @property
+    def rate(self) -> sympy.Expr:
+        """ℓ̇, m/s."""
+        return distance_rate(self.i, self.j)
+
+
+class TurnMeasures:
+    """The angle between two bodies and its rate, as expressions for other elements and outputs."""
+
+    i: Body
+    j: Body
+
+    @property
+    def angle(self) -> sympy.Expr:
+        """θ = φ_j - φ_i, rad."""
+        return relative_angle(self.i, self.j)
+
+    @property
+    def rate(self) -> sympy.Expr:
+        """θ̇, rad/s."""
+        return rate(self.angle)
+
+
+def line_problems(element: Element, i: Point, j: Point) -> list[str]:
+    """Two points of one body, which keep their distance."""
+    if i.body is not j.body:
+        return []
+    reason = "coincide" if distance(i, j) == 0 else "keep their distance"
+    where = f"{label(element)}: both ends, ({i.sx}, {i.sy}) and ({j.sx}, {j.sy}), are on body"
+    return [f"{where} '{i.body.name}' and {reason}; connect two bodies."]
 
 
 class SpringDamper(Effect):

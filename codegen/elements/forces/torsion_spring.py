@@ -10,7 +10,7 @@ from codegen.elements.registry import element
 
 
 @element
-class TorsionSpring(measures.SpringDamper):
+class TorsionSpring(measures.TurnMeasures, measures.SpringDamper):
     """n = k (θ - θ0) + c θ̇ + N with θ = φ_j - φ_i; n acts on body i, -n on body j.
 
     The elastic part has the potential V = k (θ - θ0)² / 2; the damper and the actuator are forces.
@@ -29,7 +29,7 @@ class TorsionSpring(measures.SpringDamper):
     @property
     def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
         """θ and θ0."""
-        return measures.relative_angle(self.i, self.j), self.free_angle
+        return self.angle, self.free_angle
 
     def problems(self) -> list[str]:
         """A body against itself, and numbers that no spring has."""

@@ -24,6 +24,7 @@ FORMULAS = {
     "test_given_load_friction": ("dry friction",),
     "test_joint_friction": ("friction",),
     "test_rigid_contact": ("rigid contact",),
+    "test_exerted_by_bodies": ("line force", "motor"),
 }
 """File of this folder → the kinds whose formulas it writes by hand."""
 
