@@ -34,11 +34,12 @@ _FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 @readers.reads(
     model=readers.model, scene=readers.optional(readers.scene),
-    folder=readers.optional(readers.path),
+    folder=readers.optional(readers.path), generated=readers.optional(readers.path),
 )  # fmt: skip
 def load(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     folder: str | os.PathLike[str] | None = None,
+    generated: str | os.PathLike[str] | None = None,
 ) -> "Machine":  # fmt: skip
     """Load a machine, building its kernels where they are missing or older than the model.
 
@@ -54,14 +55,18 @@ def load(
     folder
         The folder one works in: `models/` is looked for there, and a user's own models are
         generated into its `generated/`. The current directory unless given.
+    generated
+        The folder of the generated modules, as `build(out=...)` names it, relative to `folder`; by
+        default `generated/` in `folder`, and for a model of the library the library's own.
     """
     here = (Path(folder) if folder is not None else Path.cwd()).resolve()
     for attempt in range(_ATTEMPTS):
         if isinstance(model, str | os.PathLike):
-            file, generated = _locate(os.fspath(model), here)
-            path, digest = _fresh_module(file, generated, scene)
+            file, modules = _locate(os.fspath(model), here)
+            modules = modules if generated is None else here / generated
+            path, digest = _fresh_module(file, modules, scene)
         else:
-            path, digest = _build(model, scene, here / "generated")
+            path, digest = _build(model, scene, here / (generated or "generated"))
         try:
             module = import_generated(path, digest)
             break
