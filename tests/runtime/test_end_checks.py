@@ -193,10 +193,10 @@ def test_what_is_not_suspected_is_not_contradicted(
     assert 20 < sum(map(bool, verdicts)) < 100
 
 
-@pytest.mark.parametrize("t_eval", [None, [0.501, 1.0], [0.5, 1.0]])
+@pytest.mark.parametrize("t_eval", ["steps", [0.501, 1.0], [0.5, 1.0]])
 @pytest.mark.parametrize("method", ["dop853", "bdf"])
 def test_modes_that_stay_past_a_jump_are_events_missed(
-    workshop: Path, monkeypatch: pytest.MonkeyPatch, t_eval: list[float] | None, method: str
+    workshop: Path, monkeypatch: pytest.MonkeyPatch, t_eval: list[float] | str, method: str
 ) -> None:
     """A sawtooth jumps at ends of steps, beside which either mode may be right."""
     model = Model("pushed_by_a_sawtooth")
