@@ -91,6 +91,8 @@ class Scene(Choices):
         The effects and drivers that act; joints act where all their bodies take part.
     inactive_joints
         Joints that do not act although their bodies take part.
+    states
+        The states that take part, of first order or sampled.
     fidelity
         Effect or coupler → how it is taken, where it has more than one fidelity and the scene says.
     start
@@ -114,6 +116,7 @@ class Scene(Choices):
     name: str
     bodies: tuple[str, ...]
     inactive_joints: tuple[str, ...]
+    states: tuple[str, ...] = ()
     request: Request = field(default=Request(), repr=False, compare=False)
     owner: Owner | None = field(default=None, repr=False, compare=False)
     expression: str = field(default="", repr=False, compare=False)

@@ -128,8 +128,9 @@ class Forces(Declarations):
     def spring(
         self, name: str, i: Place, j: Place, stiffness: Any = 0, free_length: Any = None,
         damping: Any = 0, actuator: Any = 0, force: Characteristic | None = None,
+        preload: Any = 0,
     ) -> Effect:  # fmt: skip
-        """A spring, damper and actuator between two points: f = k (ℓ - ℓ0) + c ℓ̇ + F (Haug 6.1).
+        """A spring, damper and actuator of two points: f = k (ℓ - ℓ0) + F0 + c ℓ̇ + F (Haug 6.1).
 
         Parameters
         ----------
@@ -143,11 +144,16 @@ class Forces(Declarations):
         force
             Any other characteristic: a function of the length ℓ and its rate ℓ̇ that answers a
             force in N, positive in tension; added to the rest. ``lambda l, v: 5 * (l - 1) ** 3``.
+        preload
+            F0 in N, the force of the spring at the length ℓ0, positive in tension; a spring that is
+            pressed between its ends has a negative one. It needs `free_length`, the length ℓ0.
         """
         where = f"spring '{name}'"
         stiff = self._value(stiffness, "N/m", f"stiffness of {where}")
-        if free_length is None and stiff != 0:
-            self._note(f"{where} has a stiffness but no free length; give free_length= in m.")
+        loaded = self._value(preload, "N", f"preload of {where}")
+        if free_length is None and (stiff != 0 or loaded != 0):
+            has = "stiffness" if stiff != 0 else "preload"
+            self._note(f"{where} has a {has} but no free length; give free_length= in m.")
         ends = self._pair(name, i, j)
         pull = self._value(actuator, "N", f"actuator of {where}")
         length = measures.distance(*ends), measures.distance_rate(*ends)
@@ -155,13 +161,14 @@ class Forces(Declarations):
         rest = 0 if free_length is None else free_length
         free = self._value(rest, "m", f"free length of {where}")
         damp = self._value(damping, "N s/m", f"damping of {where}")
-        return self._declare(Spring(name, *ends, stiff, free, damp, pull))
+        return self._declare(Spring(name, *ends, stiff, free, damp, pull, loaded))
 
     def torsion_spring(
         self, name: str, i: Body, j: Body, stiffness: Any = 0, free_angle: Any = 0,
         damping: Any = 0, actuator: Any = 0, torque: Characteristic | None = None,
+        preload: Any = 0,
     ) -> Effect:  # fmt: skip
-        """A spring, damper and actuator about the normal: n = k (θ - θ0) + c θ̇ + N (Haug 6.1).
+        """A spring, damper and actuator about the normal: n = k (θ - θ0) + N0 + c θ̇ + N (Haug 6.1).
 
         Parameters
         ----------
@@ -174,6 +181,8 @@ class Forces(Declarations):
         torque
             Any other characteristic: a function of the angle θ and its rate θ̇ that answers a
             torque in N m on body `i`; added to the rest.
+        preload
+            N0 in N m, the torque of the spring on body `i` at the angle θ0.
         """
         where = f"torsion spring '{name}'"
         advice = "a torsion spring turns two bodies."
@@ -185,7 +194,8 @@ class Forces(Declarations):
         stiff = self._value(stiffness, "N m/rad", f"stiffness of {where}")
         free = self._value(free_angle, "rad", f"free angle of {where}")
         damp = self._value(damping, "N m s/rad", f"damping of {where}")
-        return self._declare(TorsionSpring(name, first, second, stiff, free, damp, turning))
+        loaded = self._value(preload, "N m", f"preload of {where}")
+        return self._declare(TorsionSpring(name, first, second, stiff, free, damp, turning, loaded))
 
     def bushing(
         self, name: str, i: Place, j: Place, stiffness: tuple[Any, Any, Any] = (0, 0, 0),

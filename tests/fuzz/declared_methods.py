@@ -71,6 +71,7 @@ METHODS: dict[str, dict[str, Kind]] = {
         "damping?": SCALAR,
         "actuator?": SCALAR,
         "force?": CALLABLE,
+        "preload?": SCALAR,
     },
     "torsion_spring": {
         "i": BODY,
@@ -80,6 +81,7 @@ METHODS: dict[str, dict[str, Kind]] = {
         "damping?": SCALAR,
         "actuator?": SCALAR,
         "torque?": CALLABLE,
+        "preload?": SCALAR,
     },
     "bushing": {
         "i": PLACE,

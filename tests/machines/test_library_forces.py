@@ -81,3 +81,18 @@ def test_line_force_swings_two_particles_as_a_spring_does(tmp_path: Path) -> Non
     assert_allclose(length, 1 + 0.2 * np.cos(w * result.t), atol=1e-9)
     assert_allclose(result.a("watch.x"), length, atol=1e-8)
     assert_allclose(result.a("watch.y"), -0.2 * w * np.sin(w * result.t), atol=1e-8)
+
+
+def test_preload_moves_the_middle_of_a_swing(tmp_path: Path) -> None:
+    """A valve's spring, pressed by 40 N at 0.3 m: x = 0.3 + (1 - cos(w t)) 40/k."""
+    model = Model("valve")
+    valve = model.body("valve", mass=0.5, inertia=1.0)
+    model.translational("guide", model.ground, valve)
+    model.spring("coil", model.ground, valve, 800.0, 0.3, preload=-40.0)
+    model.scene("run", ["coil"], start={valve.x: 0.3, valve.vx: 0.0})
+    result = run(model, tmp_path)
+    x = 0.3 + 40 / 800 * (1 - np.cos(np.sqrt(800 / 0.5) * result.t))
+    assert_allclose(result.q("valve.x"), x, atol=1e-8)
+    assert_allclose(result.energy(), result.energy()[0], atol=1e-8)
+    rest = load(model, folder=tmp_path).equilibrium()
+    assert_allclose(rest.q("valve.x"), 0.35, atol=1e-9)

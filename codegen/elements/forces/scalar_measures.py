@@ -100,11 +100,12 @@ def line_problems(element: Element, i: Point, j: Point) -> list[str]:
 
 
 class SpringDamper(Effect):
-    """f = k (s - s0) + c ṡ + F along a scalar s; V exists where k and s0 are constant."""
+    """f = F0 + k (s - s0) + c ṡ + F along a scalar s; V exists where k, s0 and F0 are constant."""
 
     stiffness: sympy.Expr
     damping: sympy.Expr
     actuator: sympy.Expr
+    preload: sympy.Expr
 
     @property
     def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
@@ -112,24 +113,29 @@ class SpringDamper(Effect):
         raise NotImplementedError
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
-        """V = k (s - s0)² / 2 of the elastic part."""
+        """V = k (s - s0)² / 2 + F0 (s - s0) of the elastic part."""
         s, free = self.scalar
-        if self.stiffness == 0 or not is_constant(self.stiffness, free):
+        if not self._conservative or (self.stiffness == 0 and self.preload == 0):
             return None
-        return self.stiffness * (s - free) ** 2 / 2
+        return self.stiffness * (s - free) ** 2 / 2 + self.preload * (s - free)
 
     def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
         """The force of the damper and the actuator, and of a spring that varies."""
         s, free = self.scalar
         force = self.damping * SPEED + self.actuator
-        if not is_constant(self.stiffness, free):
-            force += self.stiffness * (s - free)
+        if not self._conservative:
+            force += self.stiffness * (s - free) + self.preload
         return () if force == 0 else ((s, force),)
+
+    @property
+    def _conservative(self) -> bool:
+        return is_constant(self.stiffness, self.scalar[1], self.preload)
 
     def characteristic_problems(self, keyword: str) -> list[str]:
         """A law that exerts nothing, and numbers that no spring has."""
-        idle = self.stiffness == 0 and self.damping == 0 and self.actuator == 0
-        advice = f"give it a stiffness, a damping, an actuator or a {keyword}."
+        acting = (self.stiffness, self.damping, self.actuator, self.preload)
+        idle = all(value == 0 for value in acting)
+        advice = f"give it a stiffness, a damping, a preload, an actuator or a {keyword}."
         problems = [f"{label(self)} does nothing; {advice}"] if idle else []
         return problems + number_problems(self)
 

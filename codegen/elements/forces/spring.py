@@ -10,11 +10,12 @@ from codegen.elements.registry import element
 
 @element
 class Spring(measures.SpanMeasures, measures.SpringDamper):
-    """f = k (ℓ - ℓ0) + c ℓ̇ + F along the line of two points, N, positive in tension.
+    """f = k (ℓ - ℓ0) + F0 + c ℓ̇ + F along the line of two points, N, positive in tension.
 
-    The elastic part has the potential V = k (ℓ - ℓ0)² / 2, so that equilibrium and the balance of
-    energy see it; the damper and the actuator are forces, whose power is booked. Where k or ℓ0
-    varies in a run, the elastic part has no potential and is booked with them.
+    F0 is the preload, the force at the length ℓ0: the spring is free of force at ℓ0 - F0/k.
+    The elastic part has the potential V = k (ℓ - ℓ0)² / 2 + F0 (ℓ - ℓ0), so that equilibrium and
+    the balance of energy see it; the damper and the actuator are forces, whose power is booked.
+    Where k, ℓ0 or F0 varies in a run, the elastic part has no potential and is booked with them.
 
     At ℓ = 0 the line has no direction. A run that starts there stops as not finite, and one that
     goes straight through it meets a force that turns about in an instant, which no event locates.
@@ -30,6 +31,7 @@ class Spring(measures.SpanMeasures, measures.SpringDamper):
     free_length: sympy.Expr
     damping: sympy.Expr
     actuator: sympy.Expr
+    preload: sympy.Expr = sympy.S.Zero
 
     @property
     def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:

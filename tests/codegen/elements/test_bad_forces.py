@@ -35,6 +35,11 @@ def test_contact_of_a_body_with_itself_is_one_problem(tmp_path: Path) -> None:
         ),
         ("model.spring('s', a, b)", ["spring 's' does nothing; give it a stiffness"]),
         ("model.spring('s', a, b, 3)", ["spring 's' has a stiffness but no free length; give"]),
+        ("model.spring('s', a, b, preload=3)", ["spring 's' has a preload but no free length; gi"]),
+        (
+            "model.spring('s', a, b, 3, 1, preload=2 * units().Quantity(1, 'm'))",
+            ["preload of spring 's': 2 meter has the dimension .length., but N is needed"],
+        ),
         (
             "model.spring('s', a, b, -3, -1, -2)",
             ["the stiffness is -3 N/m", "the free length is -1 m", "the damping is -2 N s/m"],
