@@ -24,6 +24,7 @@ import numpy.typing as npt
 from codegen.errors import InputError
 from codegen.termination_signals import SignalDeferral
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.controllers import Functions
 from runtime.dynamics.formulations import formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import finish_simulation, note_repetition
@@ -63,7 +64,7 @@ def simulate_to(
     parameters: Values | None, guess: Values | None, start: Assembly | None,
     correction: Correction, formulation: Formulation | None, time_scale: float | None,
     first_step: float | None, max_step: float | None, max_steps: int | None, max_bytes: int,
-    progress: Progress,
+    progress: Progress, controllers: Functions | None = None,
 ) -> Result:  # fmt: skip
     """Integrate with a global error below `accuracy` at the output instants.
 
@@ -78,7 +79,13 @@ def simulate_to(
     """
     began = clock.perf_counter()
     ready = PreparedSimulation(
-        mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
+        mechanism,
+        t_end,
+        t_start=t_start,
+        parameters=parameters,
+        guess=guess,
+        start=start,
+        controllers=controllers,
     )
     if isinstance(t_eval, str):
         raise InputError(
