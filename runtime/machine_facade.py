@@ -16,7 +16,7 @@ from runtime.validation.scene_support import refuse_states, require_energy, requ
 if TYPE_CHECKING:
     from runtime.dynamics.controllers import Functions
     from runtime.integrate.problem import Correction, Formulation
-    from runtime.results.assembled_state import Assembly
+    from runtime.results.assembled_state import Assembly, State
     from runtime.results.result import Result
     from runtime.statics.equilibrium import Equilibrium
 
@@ -34,7 +34,7 @@ class Machine(MachineStates):
         accuracy: float | None = None, quantities: Sequence[str] | None = None,
         t_start: float = 0.0, method: str | None = None, rtol: float | None = None,
         atol: float | None = None, parameters: Values | None = None,
-        guess: Values | None = None, start: "Assembly | None" = None,
+        guess: Values | None = None, start: "Assembly | State | Result | Values | None" = None,
         controllers: "Functions | None" = None, correction: "Correction" = "step",
         formulation: "Formulation | None" = None,
         time_scale: float | None = None, first_step: float | None = None,
@@ -54,9 +54,12 @@ class Machine(MachineStates):
             tolerances, and method and formulation unless they are given; `Result.accuracy` says
             what was reached.
         t_start, guess, start
-            First instant in s, by default that of `start` or 0; start values by name of coordinate
-            (m, rad) or velocity (m/s, rad/s), over those of the scene; or an assembled state, in
-            place of the scene's start.
+            First instant in s, by default that of `start` or 0. `start` sets values by name of
+            coordinate (m, rad) or velocity (m/s, rad/s), over those of the scene, and is refused
+            where the joints do not allow them; or it is a state in place of the scene's start: an
+            assembled one, a result's end or `Result.state(t)`, an equilibrium. `guess` has values
+            with which the search for a start begins, over those of the scene; a name that the scene
+            fixes stays fixed, at the new value. `Result.message` says what became of them.
         method
             "dop853" (default), of order 8, "dopri5" and "tsit5", of order 5, are explicit.
             "radau5" and "bdf" are implicit, for stiff equations: contacts and springs much stiffer

@@ -23,7 +23,7 @@ from runtime.integrate.checkpoints import (
     Checkpoint,
     Checkpoints,
     Snapshot,
-    Until,
+    Watch,
     restore,
     snapshot,
 )
@@ -53,7 +53,7 @@ _FAILED = {
 _ALIKE = {Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED}  # in all coordinates too
 
 
-class _Snapshot(NamedTuple):
+class RunsSnapshot(NamedTuple):
     """Where the runs of a change of coordinates stand."""
 
     less: Snapshot | None
@@ -70,6 +70,18 @@ class _Snapshot(NamedTuple):
     def nbytes(self) -> int:
         """Bytes that it takes."""
         return sum(kept.nbytes for kept in (self.less, self.whole) if kept is not None)
+
+    def plain(self) -> "RunsSnapshot":
+        """The same without what is found again."""
+        less, whole = (None if kept is None else kept.plain() for kept in (self.less, self.whole))
+        return self._replace(less=less, whole=whole)
+
+    @property
+    def longest(self) -> float:
+        """Length of the last step and of the next one, the larger, s."""
+        present = self.less if self.reduced else self.whole
+        assert present is not None
+        return present.longest
 
 
 @dataclass(frozen=True)
@@ -111,12 +123,13 @@ class Changes:
         return self.present
 
     def retaken(
-        self, kept: Checkpoint | None, last: float, known: tuple[float, Vector] | None
-    ) -> Trajectory:
-        """The run from a checkpoint to an instant; see `Coordinates.retaken`."""
+        self, kept: Checkpoint | None, watched: Watch, known: tuple[float, Vector] | None,
+        progress: Progress | None,
+    ) -> Trajectory:  # fmt: skip
+        """The run from a checkpoint; see `Coordinates.retaken`."""
         if kept is None:
-            return self._joined(self._begin().execute(None, Until(last, self)))
-        place: _Snapshot = kept.state
+            return self._joined(self._begin().execute(progress, watched(self)))
+        place: RunsSnapshot = kept.state
         self.start = known if known is not None and known[0] >= place.start[0] else place.start
         self.free, self.largest = place.free, place.largest.copy()
         self.until, self.patience = place.until, place.patience
@@ -127,12 +140,12 @@ class Changes:
         run = self.less if place.reduced else self.whole
         assert run is not None
         self.present = run
-        return self._joined(run.execute(None, Until(last, self), started=True))
+        return self._joined(run.execute(progress, watched(self), started=True))
 
-    def snapshot(self) -> _Snapshot:
+    def snapshot(self) -> RunsSnapshot:
         """Where the runs stand."""
         less, whole = (None if run is None else snapshot(run) for run in (self.less, self.whole))
-        return _Snapshot(
+        return RunsSnapshot(
             less, whole, self.present is self.less, self.made, self.start, self.free,
             self.largest.copy(), self.until, self.patience,
         )  # fmt: skip

@@ -13,9 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError
-from runtime.assembly.assemble import assemble, start_values
+from runtime.assembly.assemble import assemble
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
 from runtime.assembly.masses_far_apart import suited_to_masses
+from runtime.assembly.start_values import start_values
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.driven_motion_past_kinks import follow_past_kinks

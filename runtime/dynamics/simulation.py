@@ -24,7 +24,7 @@ from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
-from runtime.results.assembled_state import Assembly
+from runtime.results.assembled_state import Assembly, State
 from runtime.results.event_records import Event
 from runtime.results.result import Result
 from runtime.results.samples import Partition
@@ -35,7 +35,8 @@ from runtime.validation.scene_support import driven_note
 def simulate(
     mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | int | str | None = None, *,
     t_start: float = 0.0, method: str = "dop853", rtol: float = 1e-8, atol: float | None = None,
-    parameters: Values | None = None, guess: Values | None = None, start: Assembly | None = None,
+    parameters: Values | None = None, guess: Values | None = None,
+    start: Assembly | State | Values | None = None,
     controllers: Functions | None = None,
     correction: Correction = "step", formulation: Formulation = "cartesian",
     time_scale: float | None = None, first_step: float | None = None,
@@ -163,7 +164,8 @@ def _result(
     ]
     result = Result(
         mechanism.description, samples, p, analysis="simulation", outcome=run.outcome,
-        message=_message(mechanism, run, p) + redundancy_note(begin), stats=stats, events=events,
+        message=_message(mechanism, run, p) + redundancy_note(begin) + ready.note, stats=stats,
+        events=events,
         partitions=partitions, not_unique=begin.not_unique,
     )  # fmt: skip
     if run.outcome is Outcome.CONTRADICTED:

@@ -7,7 +7,7 @@ any instant is then the run from the checkpoint before it, with the samples that
 
 import time
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol
 
 from runtime.core import function_table_slots as ft
@@ -19,7 +19,13 @@ from runtime.integrate.step import Signal
 
 _SPACING = 0.02  # measured: s of computing between two; what a look at an instant may take
 _MOST_BYTES = 2**25  # safety: of all; where they are more, every second is dropped
+_FREE = 10.0  # safety: steps before the end of a run, on which that does not show
 _GOING, _OK = int(Signal.GOING), int(Outcome.OK)
+# What a run says for itself, of the samples and of its end.
+_OWN = (
+    "every_step", "samples", "next_sample", "t_end", "duration", "h_max", "h_min", "max_steps",
+    "unlimited",
+)  # fmt: skip
 _NUMBERS = [ft.MODIFIED, ft.SLIDING_COUNT, ft.STABILIZED, ft.EACH_STAGE, ft.CORRECTING]
 
 
@@ -31,13 +37,21 @@ class Snapshot(NamedTuple):
     numbers: Integers  # of the table, those that change
     p: Vector  # parameters, with what the kernels take from them in sliding modes
     methods: tuple[tuple[float, str], ...]
-    part: int  # of the instants known beforehand
     crossings: tuple[Any, ...]
 
     @property
     def nbytes(self) -> int:
         """Bytes that it takes."""
         return int(self.block.nbytes + self.record.nbytes + self.p.nbytes)
+
+    def plain(self) -> "Snapshot":
+        """The same without orders of pivots, which are found again."""
+        return self._replace(crossings=(*self.crossings[:-1], ()))
+
+    @property
+    def longest(self) -> float:
+        """Length of the last step and of the next one, the larger, s."""
+        return float(max(self.record["h"][0], self.record["usual"][0]))
 
 
 def snapshot(run: Run) -> Snapshot:
@@ -46,23 +60,27 @@ def snapshot(run: Run) -> Snapshot:
     found = crossings.note, crossings.tries, crossings.began
     return Snapshot(
         state.wiring.arrays["record"].copy(), state.wiring.block.copy(), state.table[_NUMBERS],
-        state.p.copy(), tuple(state.methods), state.part,
+        state.p.copy(), tuple(state.methods),
         (*found, tuple(crossings.passed), crossings.positions.orders.known),
     )  # fmt: skip
 
 
 def restore(run: Run, kept: Snapshot) -> None:
-    """Put a fresh run of the same problem where another stood; it writes its own samples."""
-    state, crossings, sampling = run.state, run.crossings, int(run.state.record["every_step"])
-    for _ in range(kept.part):
-        state.set_further_stops()
+    """Put a fresh run of the same problem, perhaps with another end, where another stood.
+
+    It writes its own samples.
+    """
+    state, crossings = run.state, run.crossings
+    own = {name: state.record[name].item() for name in _OWN}
     state.wiring.arrays["record"][:] = kept.record
     state.wiring.block[:] = kept.block
     state.table[_NUMBERS], state.p[:] = kept.numbers, kept.p
     state.methods = list(kept.methods)
     state.set_functions(state.methods[-1][1])
     r = state.record
-    r["every_step"], r["samples"], r["next_sample"] = sampling, 0, 0
+    for name, number in own.items():
+        r[name] = number
+    state.find_stop(float(r["t"]))
     crossings.note, crossings.tries, crossings.began, passed, known = kept.crossings
     crossings.passed = list(passed)
     crossings.positions.orders.known = known
@@ -82,16 +100,17 @@ class Keeper(Protocol):
         """A `Change`."""
 
     def snapshot(self) -> Any:
-        """The state of all its runs, which tells its `nbytes`."""
+        """The state of all its runs, which tells its `nbytes`, and its `longest` step."""
 
 
 class Checkpoints:
     """The checkpoints of one run, in order of time; the `Change` that makes them."""
 
-    def __init__(self, change: Keeper | None = None) -> None:
-        self.change = change
-        self.rows: list[Checkpoint] = []
-        self.spacing, self.bytes = _SPACING, 0
+    def __init__(
+        self, change: Keeper | None = None, rows: Sequence[Checkpoint] = (), spacing: float = 0.0
+    ) -> None:
+        self.change, self.rows = change, list(rows)
+        self.spacing, self.bytes = max(spacing, _SPACING), sum(row.state.nbytes for row in rows)
         self.due = time.perf_counter() + self.spacing
 
     def __call__(self, run: Run, code: int) -> tuple[Run, int]:
@@ -113,10 +132,23 @@ class Checkpoints:
             self.bytes = sum(kept.state.nbytes for kept in self.rows)
         self.due = time.perf_counter() + self.spacing
 
+    def few(self, most: int) -> "list[Checkpoint]":
+        """The last of them, and of the others every so many, within some bytes.
+
+        Orders of pivots that singular positions were looked for with are left out.
+        """
+        every = max(1, -(-self.bytes // most))
+        rows = self.rows[::-1][::every][::-1]
+        return [row._replace(state=row.state.plain()) for row in rows]
+
     def before(self, t: float) -> Checkpoint | None:
         """The last checkpoint before the instant `t`, s; None: only the start of the run is."""
         place = bisect_left(self.rows, t, key=lambda row: row.t)
         return self.rows[place - 1] if place else None
+
+    def until(self, t: float) -> "list[Checkpoint]":
+        """Those on whose steps nothing shows yet of a run that ends at `t`, s."""
+        return [row for row in self.rows if row.t + _FREE * row.state.longest < t]
 
     def groups(self, times: Sequence[float]) -> list[tuple[Checkpoint | None, slice]]:
         """Ascending instants, by the checkpoints before them."""
@@ -124,6 +156,10 @@ class Checkpoints:
         cuts = [k for k in range(len(times)) if k == 0 or starts[k] is not starts[k - 1]]
         ends = [*cuts[1:], len(times)]
         return [(starts[a], slice(a, b)) for a, b in zip(cuts, ends, strict=True)]
+
+
+Watch = Callable[[Keeper | None], Change]
+"""Makes the `Change` of a run that is taken again, around its change of coordinates, if any."""
 
 
 class Until:

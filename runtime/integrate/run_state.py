@@ -65,7 +65,6 @@ class RunState:
         self._take(find_method(options.method))
         self._choose_return(problem)
         self.set_stops(problem.stops)
-        self.part = 0  # of the instants known beforehand
         if system.sampled:
             clocks = arrays["sample_clocks"].reshape(-1, 2)
             set_clocks(float(problem.t0), clocks, arrays["ticks"])
@@ -150,7 +149,16 @@ class RunState:
         assert self.stops is not None
         assert self.stops.further is not None
         self.set_stops(self.stops.further())
-        self.part += 1
+
+    def find_stop(self, t: float) -> None:
+        """Look for the next of the instants known beforehand, where the run stands at `t`, s."""
+        arrays, r = self.wiring.arrays, self.record
+        self.set_stops(self.stops)
+        while self.stops is not None and self.stops.further and self.stops.times[-1] < t:
+            self.set_further_stops()
+        times = arrays["stop_times"]
+        r["next_stop"] = np.searchsorted(times, t)
+        r["stop"] = times[r["next_stop"]] if r["next_stop"] < len(times) else np.inf
 
     def leave_kink(self) -> None:
         """Stand behind the kink before which the run stands."""
@@ -170,7 +178,6 @@ class RunState:
         r, theirs, arrays = self.record, other.record, self.wiring.arrays
         if other.stops is not self.stops:
             self.set_stops(other.stops)
-        self.part = other.part
         counted = {name: r[name] for name in (*COUNTS, *_OF_ENERGY)}
         arrays["record"][0] = fresh
         for name, count in counted.items():

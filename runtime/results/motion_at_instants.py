@@ -9,6 +9,7 @@ import numpy.typing as npt
 from codegen.errors import InputError
 from codegen.plain_values import shown
 from runtime.core.unit_roundoff import EPS
+from runtime.results.assembled_state import State
 from runtime.results.samples import Samples
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ _SHOWN = 6  # layout: instants that a message names
 
 
 class Motion(Protocol):
-    """What a result asks for its motion at any instant."""
+    """What a result asks for its motion at other instants than its own."""
 
     @property
     def span(self) -> tuple[float, float]:
@@ -33,6 +34,14 @@ class Motion(Protocol):
 
     def at(self, result: Any, times: FloatArray) -> tuple[Samples, dict[str, FloatArray]]:
         """Samples, and works by name, at ascending instants, (k,), s."""
+
+    def saved(self) -> dict[str, Any]:
+        """What a file keeps of it, as `packed_values` takes it."""
+
+    def resumed(
+        self, result: Any, t_end: Any, t_eval: Any, max_steps: int | None, progress: bool
+    ) -> Any:
+        """The result of going on to another end; see `Result.resume`."""
 
 
 def at(result: "Result", motion: Motion | None, t: Any, side: Side | None) -> "Result":
@@ -143,3 +152,31 @@ def _on_side(result: "Result", times: FloatArray, side: Side | None) -> FloatArr
         elif reach:
             moved[here] = event.time - reach
     return moved
+
+
+def state(result: "Result", t: float | None, side: Side | None) -> State:
+    """See `Result.state`."""
+    title = result.description.title
+    if t is not None:
+        times = _instants(title, t)
+        if len(times) != 1:
+            raise InputError(f"{title}: a state is that of one instant; t has {len(times)}.")
+        result = at(result, result._motion, t, side)
+    elif not len(result.t):
+        raise InputError(f"{title}: the result has no sample, and no state to start from.")
+    q, v = result.samples.q[-1].copy(), result.samples.v[-1].copy()
+    return State(float(result.t[-1]), q, v, result.description.coordinates)
+
+
+def resume(
+    result: "Result", motion: Motion | None, t_end: Any, t_eval: Any, max_steps: int | None,
+    progress: bool,
+) -> "Result":  # fmt: skip
+    """See `Result.resume`."""
+    if motion is None:
+        raise InputError(
+            f"{result.description.title}: a simulation goes on, and this is a result of "
+            f"{result.analysis}. Simulate from it, start=result."
+        )
+    found: Result = motion.resumed(result, t_end, t_eval, max_steps, progress)
+    return found

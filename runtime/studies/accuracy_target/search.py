@@ -33,7 +33,7 @@ from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.wiring import function_table
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
-from runtime.results.assembled_state import Assembly
+from runtime.results.assembled_state import Assembly, State
 from runtime.results.result import Result
 from runtime.studies.accuracy_target import run_difference as runs
 from runtime.studies.accuracy_target.choice_of_coordinates import (
@@ -61,7 +61,7 @@ _SAMPLED = 1e-3  # safety: longest step, of the whole time, where runs agree to 
 def simulate_to(
     mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | int | str | None, *,
     accuracy: float, quantities: Sequence[str] | None, t_start: float, method: str | None,
-    parameters: Values | None, guess: Values | None, start: Assembly | None,
+    parameters: Values | None, guess: Values | None, start: Assembly | State | Values | None,
     correction: Correction, formulation: Formulation | None, time_scale: float | None,
     first_step: float | None, max_step: float | None, max_steps: int | None, max_bytes: int,
     progress: Progress, controllers: Functions | None = None,
