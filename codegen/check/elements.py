@@ -22,6 +22,7 @@ from codegen.declare.return_values.constraints import (
 )
 from codegen.declare.return_values.effects import (
     forces_of,
+    measures_of,
     optional_terms,
     potential_of,
     weights_of,
@@ -82,6 +83,7 @@ def effect_problems(
         known |= {side(effect.name)}
     terms = effect_expressions(effect, bodies)
     along = [f for _, f in answers.pulls]
+    along += [m.value for m in measures_of(effect, bodies) or () if m.along is not None]
     yield from _unknown_symbols(model, effect, along, known | {SPEED})
     yield from _unknown_symbols(model, effect, [e for e in terms if e not in along], known)
     yield from all_problems(el.label(effect), terms, may_switch=True)
@@ -216,6 +218,8 @@ def effect_expressions(effect: el.Effect, bodies: tuple[Body, ...]) -> list[symp
     law, hold, pulls, reported = optional_terms(effect, bodies)
     expressions += chain.from_iterable(pulls)
     expressions += [value for _, _, value in reported]
+    for measure in measures_of(effect, bodies) or ():
+        expressions += (measure.value, measure.along)
     expressions += vars(hold).values() if hold else ()
     if law:
         loads = (f for load in law.contacts for entry in load for _, f in entry)

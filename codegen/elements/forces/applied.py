@@ -5,7 +5,7 @@ from typing import Literal
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, label
+from codegen.declare.element import Effect, Measure, label
 from codegen.declare.symbols import Coordinate
 from codegen.elements.registry import element
 
@@ -32,6 +32,10 @@ class AppliedForce(Effect):
             torque = (self.point.x - x) * fy - (self.point.y - y) * fx
         return {body.x: fx, body.y: fy, **({} if torque == 0 else body.torque(torque))}
 
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """F, in the axes in which it is given."""
+        return Measure("force", "fx", "N", self.fx), Measure("force", "fy", "N", self.fy)
+
     def problems(self) -> list[str]:
         """The ground cannot be pushed."""
         if self.point.body.fixed:
@@ -51,6 +55,10 @@ class AppliedTorque(Effect):
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
         """Q_φ, or the generalized forces that do the same work."""
         return self.body.torque(self.value)
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """The torque."""
+        return (Measure("torque", "", "N m", self.value),)
 
     def problems(self) -> list[str]:
         """The ground cannot be turned, and a particle has nothing to turn."""

@@ -1,9 +1,11 @@
 """Scalars s(q, t) along which forces act, such as lengths, angles and gaps, and their checks."""
 
+from typing import ClassVar
+
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Element, Pulls, label
+from codegen.declare.element import Effect, Element, Measure, Pulls, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
 
@@ -56,9 +58,27 @@ def angle_problems(element: Element, *bodies: Body) -> list[str]:
     ]
 
 
+WORDS = {"m": ("length", "force", "N"), "rad": ("angle", "torque", "N m")}
+"""Unit of a scalar → what it is called, and the force along it with its unit."""
+
+
+def along_scalar(
+    s: sympy.Expr, unit: str, force: sympy.Expr, *, named: str | None = None
+) -> tuple[Measure, ...]:
+    """A scalar, its rate and the force along it, which may contain `SPEED`, as outputs."""
+    word, exerted, force_unit = WORDS[unit]
+    return (
+        Measure(named or word, "", unit, s),
+        Measure("rate", "", f"{unit}/s", SPEED, s),
+        Measure(exerted, "", force_unit, force, s),
+    )
+
+
 class SpringDamper(Effect):
     """f = k (s - s0) + c ṡ + F along a scalar s; V exists where k and s0 are constant."""
 
+    unit: ClassVar[str] = "m"
+    """Of s."""
     stiffness: sympy.Expr
     damping: sympy.Expr
     actuator: sympy.Expr
@@ -82,6 +102,13 @@ class SpringDamper(Effect):
         if not is_constant(self.stiffness, free):
             force += self.stiffness * (s - free)
         return () if force == 0 else ((s, force),)
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """s, its rate, s - s0, and f."""
+        s, free = self.scalar
+        force = self.stiffness * (s - free) + self.damping * SPEED + self.actuator
+        found = along_scalar(s, self.unit, force)
+        return (*found, Measure("deflection", "", self.unit, s - free))
 
     def characteristic_problems(self, keyword: str) -> list[str]:
         """A law that exerts nothing, and numbers that no spring has."""

@@ -3,10 +3,15 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Pulls, label
+from codegen.declare.element import Effect, Measure, Pulls, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
-from codegen.elements.forces.scalar_measures import distance, is_constant, same_body
+from codegen.elements.forces.scalar_measures import (
+    along_scalar,
+    distance,
+    is_constant,
+    same_body,
+)
 from codegen.elements.registry import element
 
 
@@ -72,13 +77,15 @@ class Contact(Effect):
 
     def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
         """The damper along the gap, and a spring that varies."""
-        push = self.stiffness * self.gap
-        drag = self.damping * SPEED
-        if not self.may_pull and drag != 0:
-            # Where the damper would pull it takes back what the spring pushes, and no more.
-            drag = sympy.Piecewise((drag, push + drag < 0), (-push, True))
+        push, drag = self._push_and_drag
         force = drag if self._conservative else push + drag
         return () if force == 0 else ((self.gap, self._closed(force)),)
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """The gap, its rate, the penetration, and the force, positive where it pushes."""
+        force = -self._closed(sympy.Add(*self._push_and_drag))
+        found = along_scalar(self.gap, "m", force, named="gap")
+        return (*found, Measure("penetration", "", "m", self._closed(-self.gap)))
 
     def problems(self) -> list[str]:
         """A gap that never changes or that is no position, and numbers that no contact has."""
@@ -94,6 +101,15 @@ class Contact(Effect):
         return sign_conditions(
             ("stiffness", self.stiffness, "N/m"), ("damping", self.damping, "N s/m")
         )
+
+    @property
+    def _push_and_drag(self) -> tuple[sympy.Expr, sympy.Expr]:
+        push = self.stiffness * self.gap
+        drag = self.damping * SPEED
+        if not self.may_pull and drag != 0:
+            # Where the damper would pull it takes back what the spring pushes, and no more.
+            drag = sympy.Piecewise((drag, push + drag < 0), (-push, True))
+        return push, drag
 
     @property
     def _conservative(self) -> bool:

@@ -18,6 +18,7 @@ class TorsionSpring(measures.SpringDamper):
     """
 
     kind = "torsion spring"
+    unit = "rad"
     name: str
     i: Body
     j: Body
