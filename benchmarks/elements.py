@@ -216,6 +216,18 @@ FORCES = (
     _force("torque", lambda m, i, j: m.torque("e", j.body, 20 - 3 * j.body.omega), forces.torque),
     _force("spring", lambda m, i, j: m.spring("e", i, j, 120, 0.8, 9, 5), forces.spring),
     _force(
+        "line force",
+        lambda m, i, j: m.line_force("e", i, j, lambda length, rate: 40 * length + 3),
+        forces.line_force,
+    ),
+    _force(
+        "motor",
+        lambda m, i, j: m.motor(
+            "e", j.body, i.body, stall_torque=0.8, no_load_speed=300, voltage=0.5
+        ),
+        forces.motor,
+    ),
+    _force(
         "torsion spring",
         lambda m, i, j: m.torsion_spring("e", i.body, j.body, 12, 0.2, 0.6, 1.5),
         forces.torsion_spring,

@@ -10,9 +10,10 @@ from runtime.machine_states import MachineStates
 from runtime.mechanism.mechanism_tables_and_kernels import Values
 from runtime.progress_bar import bar
 from runtime.validation.arguments import check
-from runtime.validation.scene_support import require_energy, require_motion
+from runtime.validation.scene_support import refuse_states, require_energy, require_motion
 
 if TYPE_CHECKING:
+    from runtime.dynamics.controllers import Functions
     from runtime.integrate.problem import Correction, Formulation
     from runtime.results.assembled_state import Assembly
     from runtime.results.result import Result
@@ -31,7 +32,8 @@ class Machine(MachineStates):
         quantities: Sequence[str] | None = None, t_start: float = 0.0, method: str | None = None,
         rtol: float | None = None, atol: float | None = None, parameters: Values | None = None,
         guess: Values | None = None, start: "Assembly | None" = None,
-        correction: "Correction" = "step", formulation: "Formulation | None" = None,
+        controllers: "Functions | None" = None, correction: "Correction" = "step",
+        formulation: "Formulation | None" = None,
         time_scale: float | None = None, first_step: float | None = None,
         max_step: float | None = None, max_steps: int | None = None,
         max_bytes: int = 2**30, progress: bool = True,
@@ -68,6 +70,11 @@ class Machine(MachineStates):
             but not more than 1 m; the same a second for velocities.
         parameters
             Values by name, in the declared units; the others keep their defaults.
+        controllers
+            Sampled value that is declared without an expression → a function of yours that computes
+            it at each of its samples, ``lambda sample: -4.0 * sample.q("arm.phi")``, from
+            `Sample.t`, `q`, `v` and `y`. A call takes some microseconds, where an expression takes
+            one; `accuracy` calls the function in several runs.
         correction, time_scale
             States return onto the constraints once a "step" (dependent coordinates from independent
             ones), at every "stage", by "projection", "baumgarte" or "hybrid", for which see
@@ -97,7 +104,8 @@ class Machine(MachineStates):
         require_motion(self.mechanism, "simulate")
         given = check(
             self.mechanism, t_end=t_end, t_eval=t_eval, t_start=t_start, parameters=parameters,
-            guess=guess, start=start, correction=correction, time_scale=time_scale,
+            guess=guess, start=start, controllers=controllers, correction=correction,
+            time_scale=time_scale,
             first_step=first_step, max_step=max_step, max_steps=max_steps, max_bytes=max_bytes,
             progress=progress, accuracy=accuracy, rtol=rtol, atol=atol, quantities=quantities,
             method=method, formulation=formulation,
@@ -178,6 +186,7 @@ class Machine(MachineStates):
         """The motion that the drivers prescribe, analysed."""
         word = analyse.__name__
         require_motion(self.mechanism, word)
+        refuse_states(self.mechanism, word)
         given = check(
             self.mechanism, parameters=parameters, guess=guess, t_start=t_start, progress=progress
         )
@@ -225,6 +234,7 @@ class Machine(MachineStates):
         if method == "settling":
             require_motion(self.mechanism, 'equilibrium(method="settling")')
         require_energy(self.mechanism)
+        refuse_states(self.mechanism, "equilibrium")
         with bar(f"equilibrium of {self.mechanism.title}", given.pop("progress")) as report:
             return equilibrium(self.mechanism, **given, progress=report)
 

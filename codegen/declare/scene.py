@@ -90,6 +90,8 @@ class Scene(Choices):
         The effects and drivers that act; joints act where all their bodies take part.
     inactive_joints
         Joints that do not act although their bodies take part.
+    states
+        The states that take part, of first order or sampled.
     fidelity
         Effect or coupler → how it is taken, where it has more than one fidelity and the scene says.
     start
@@ -113,6 +115,7 @@ class Scene(Choices):
     name: str
     bodies: tuple[str, ...]
     inactive_joints: tuple[str, ...]
+    states: tuple[str, ...] = ()
     request: Request = field(default=Request(), repr=False, compare=False)
     owner: Owner | None = field(default=None, repr=False, compare=False)
     expression: str = field(default="", repr=False, compare=False)

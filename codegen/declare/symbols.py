@@ -41,8 +41,13 @@ KINDS = {
     "phi": CoordinateKind("omega", "rad"),
     "alpha": CoordinateKind("alphadot", "rad"),
     "beta": CoordinateKind("betadot", "rad"),
+    "integral": CoordinateKind("value", "1"),
 }
-"""Letter of a coordinate → its kind; α and β are contact parameters of elements."""
+"""Letter of a coordinate → its kind.
+
+α and β are contact parameters of elements; the rate of an integral is a state, which has a unit of
+its own.
+"""
 
 
 def declare_letter(letter: str, kind: CoordinateKind) -> None:

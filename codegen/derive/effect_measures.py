@@ -48,6 +48,8 @@ def terms_in_scene(effect: el.Effect, scene: Scene, bodies: tuple[Body, ...]) ->
     """
     outputs, kinematic = {*(scene.outputs or ())}, scene.analysis == "kinematics"
     asked = {q for q in el.QUANTITIES if outputs & {f"{q}s", f"{q}({effect.name})"}}
+    if effect.name in scene.states:  # the rate of a state, which no result calls a force
+        asked = set()
     if kinematic and not asked - {*el.EXERTED}:
         return None
     terms = effect_terms(effect, bodies)

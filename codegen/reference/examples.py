@@ -90,6 +90,13 @@ generalized force
     model.generalized_force("friction", {j.phi: -0.1 * (j.omega - i.omega)})
 gravity
     model.gravity("weight", (0, -9.81))
+line force
+    p = model.table("p", [0, 1, 2, 3, 4], [9e3, 4e3, 2e3, 1e3, 5e2], units=("m", "N"))
+    model.line_force("cylinder", P, Q, lambda length, rate: -p(length) + 30 * rate)
+motor
+    T_s = model.parameter("T_s", 0.8, unit="N m")
+    omega_0 = model.parameter("omega_0", 300.0, unit="rad/s")
+    model.motor("motor", on=j, from_=i, stall_torque=T_s, no_load_speed=omega_0)
 potential
     model.potential("pendulum", 20 * (1 - cos(i.phi)))
 rigid contact

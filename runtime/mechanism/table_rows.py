@@ -74,6 +74,7 @@ class Coordinate(NamedTuple):
     name: str
     velocity: str
     unit: str
+    state_unit: str | None = None  # of the velocity, where that is a state
 
     @property
     def is_angle(self) -> bool:
@@ -88,12 +89,21 @@ class Coordinate(NamedTuple):
     @property
     def velocity_unit(self) -> str:
         """Unit of its velocity."""
-        return f"{self.unit}/s"
+        return f"{self.unit}/s" if self.state_unit is None else self.state_unit or "1"
 
     @property
     def acceleration_unit(self) -> str:
         """Unit of its acceleration."""
-        return f"{self.unit}/s^2"
+        return f"{self.unit}/s^2" if self.state_unit is None else f"{self.state_unit or 1}/s"
+
+
+class State(NamedTuple):
+    """A state of first order or a sampled value: the velocity of the coordinate `column`."""
+
+    name: str
+    column: int
+    unit: str
+    nominal: float
 
 
 class Constraint(NamedTuple):

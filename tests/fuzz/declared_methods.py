@@ -50,8 +50,17 @@ METHODS: dict[str, dict[str, Kind]] = {
         "fy?": SCALAR,
         "when?": CONDITION,
         "frame?": words("ground", "body"),
+        "from_?": BODY,
     },
-    "torque": {"on": BODY, "value": SCALAR, "when?": CONDITION},
+    "torque": {"on": BODY, "value": SCALAR, "when?": CONDITION, "from_?": BODY},
+    "line_force": {"i": PLACE, "j": PLACE, "value": SCALAR, "when?": CONDITION},
+    "motor": {
+        "on": BODY,
+        "from_?": BODY,
+        "stall_torque": NUMBER,
+        "no_load_speed": NUMBER,
+        "voltage?": SCALAR,
+    },
     "potential": {"energy": NUMBER},
     "generalized_force": {"components": COMPONENTS, "when?": CONDITION},
     "spring": {
@@ -62,6 +71,7 @@ METHODS: dict[str, dict[str, Kind]] = {
         "damping?": SCALAR,
         "actuator?": SCALAR,
         "force?": CALLABLE,
+        "preload?": SCALAR,
     },
     "torsion_spring": {
         "i": BODY,
@@ -71,6 +81,7 @@ METHODS: dict[str, dict[str, Kind]] = {
         "damping?": SCALAR,
         "actuator?": SCALAR,
         "torque?": CALLABLE,
+        "preload?": SCALAR,
     },
     "bushing": {
         "i": PLACE,
