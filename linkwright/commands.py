@@ -8,6 +8,7 @@ import typer
 from codegen import __version__
 from codegen.cli import app as compiler
 from runtime.cli.app import app as analyses
+from runtime.cli.common import exit_on_error
 
 app = typer.Typer(
     name="linkwright",
@@ -25,6 +26,21 @@ def _add(commands: typer.Typer, panel: str) -> None:
 
 
 _add(compiler, "Compile")
+
+
+@app.command(rich_help_panel="Compile")
+def precompile(
+    methods: Annotated[
+        list[str] | None, typer.Argument(help="Integration methods; all unless given.")
+    ] = None,
+) -> None:
+    """Compile the runtime ahead of the first run, in several processes."""
+    from runtime.precompile import precompile as compile_ahead
+
+    with exit_on_error(as_json=False):
+        compile_ahead(*(methods or ()))
+
+
 _add(analyses, "Analyse")
 
 

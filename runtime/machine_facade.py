@@ -8,7 +8,7 @@ import numpy.typing as npt
 from codegen.public_callables import checked_class, immutable, named_attributes
 from runtime.machine_states import MachineStates
 from runtime.mechanism.mechanism_tables_and_kernels import Values
-from runtime.progress_bar import bar
+from runtime.progress_bar import bar, shows_compilation
 from runtime.validation.arguments import check
 from runtime.validation.scene_support import refuse_states, require_energy, require_motion
 
@@ -27,8 +27,9 @@ _SETTINGS = ("accuracy", "rtol", "atol", "quantities", "method", "formulation")
 class Machine(MachineStates):
     """A mechanism in one scene, ready to be analysed; `runtime.load` makes one."""
 
+    @shows_compilation
     def simulate(
-        self, t_end: float, t_eval: npt.ArrayLike | None = None, *, accuracy: float | None = None,
+        self, t_end: float, t_eval: "npt.ArrayLike | None" = None, *, accuracy: float | None = None,
         quantities: Sequence[str] | None = None, t_start: float = 0.0, method: str | None = None,
         rtol: float | None = None, atol: float | None = None, parameters: Values | None = None,
         guess: Values | None = None, start: "Assembly | None" = None,
@@ -115,8 +116,9 @@ class Machine(MachineStates):
         with bar(f"simulate {self.mechanism.title}", given.pop("progress")) as report:
             return analyse(**given, progress=report)
 
+    @shows_compilation
     def kinematics(
-        self, t_eval: npt.ArrayLike, *, parameters: Values | None = None,
+        self, t_eval: "npt.ArrayLike", *, parameters: Values | None = None,
         guess: Values | None = None, t_start: float = 0.0, progress: bool = True,
     ) -> "Result":  # fmt: skip
         """Positions, velocities and accelerations of a machine whose drivers leave no freedom.
@@ -151,8 +153,9 @@ class Machine(MachineStates):
 
         return self._prescribed_motion(kinematics, t_eval, parameters, guess, t_start, progress)
 
+    @shows_compilation
     def inverse_dynamics(
-        self, t_eval: npt.ArrayLike, *, parameters: Values | None = None,
+        self, t_eval: "npt.ArrayLike", *, parameters: Values | None = None,
         guess: Values | None = None, t_start: float = 0.0, progress: bool = True,
     ) -> "Result":  # fmt: skip
         """Forces and torques that a prescribed motion takes, and the reactions in the joints.
@@ -180,7 +183,7 @@ class Machine(MachineStates):
         )
 
     def _prescribed_motion(
-        self, analyse: Callable[..., "Result"], t_eval: npt.ArrayLike, parameters: Values | None,
+        self, analyse: Callable[..., "Result"], t_eval: "npt.ArrayLike", parameters: Values | None,
         guess: Values | None, t_start: float, progress: bool,
     ) -> "Result":  # fmt: skip
         """The motion that the drivers prescribe, analysed."""
@@ -194,6 +197,7 @@ class Machine(MachineStates):
         with bar(title, given.pop("progress")) as report:
             return analyse(self.mechanism, t_eval, **given, progress=report)
 
+    @shows_compilation
     def equilibrium(
         self, method: str = "energy", *, guess: Values | None = None,
         parameters: Values | None = None, t: float = 0.0, progress: bool = True,

@@ -22,6 +22,7 @@ from codegen.generated_module_signature_and_import import (
 from codegen.library_layout import LIBRARY as _LIBRARY
 from codegen.library_layout import models_folder
 from codegen.plain_values import one_line, shown
+from runtime.progress_bar import compilation_shown
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
@@ -68,16 +69,18 @@ def load(
         else:
             path, digest = _build(model, scene, here / (generated or "generated"))
         try:
-            module = import_generated(path, digest)
+            with compilation_shown():
+                module = import_generated(path, digest)
             break
         except SupersededError:
             if attempt == _ATTEMPTS - 1:
                 raise
-    from runtime.core.kernel_abi import gather
-    from runtime.machine_facade import Machine
-    from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
-    from runtime.mechanism.module_tables import describe
-    from runtime.mechanism.tangents_and_reduced_modules import Origin
+    with compilation_shown():
+        from runtime.core.kernel_abi import gather
+        from runtime.machine_facade import Machine
+        from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+        from runtime.mechanism.module_tables import describe
+        from runtime.mechanism.tangents_and_reduced_modules import Origin
 
     description = describe(module)
     declared = None if scene is None or isinstance(scene, str) else scene

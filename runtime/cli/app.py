@@ -163,7 +163,7 @@ def _run(
         saved = None if out is None else _save(result, out)
     failed = result.failed or saved != out
     error = [] if result.accuracy is None else result.accuracy.sentences()[1:]
-    for line in (repr(result), *(f"  {sentence}" for sentence in error), *_event_lines(result)):
+    for line in (result.headline, *(f"  {sentence}" for sentence in error), *_event_lines(result)):
         common.write_line(line)
     if saved is not None:
         count = len(result.t)

@@ -33,8 +33,9 @@ class EffectSeries(MotionSeries):
         Of a spring, damper or actuator the tension, positive where it pulls its ends together; of a
         contact the force that pushes its bodies apart, positive; of a friction the force along its
         slip; of an applied force its components "fx" and "fy" in the axes in which it is given; of
-        a bushing "fx" and "fy" on its second body, in the axes of the first; of any other effect
-        the generalized forces by coordinate, "bob.x".
+        a bushing "fx" and "fy" on its second body, in the axes of the first; of gears with backlash
+        and of elastic belts "first" and "second" for each flank or strand; of any other effect the
+        generalized forces by coordinate, "bob.x".
 
         Parameters
         ----------
@@ -93,14 +94,17 @@ class EffectSeries(MotionSeries):
         return self._measure("deflection", effect, component)
 
     @by_names
-    def gap(self, effect: str) -> FloatArray:
-        """Gap of a contact over time, in m, negative where it is penetrated; ``gap(NAME)``."""
-        return self._measure("gap", effect)
+    def gap(self, effect: str, component: str = "") -> FloatArray:
+        """Gap of a contact over time, in m, negative where it is penetrated; ``gap(NAME)``.
+
+        Gears with backlash and elastic belts have two, "first" and "second".
+        """
+        return self._measure("gap", effect, component)
 
     @by_names
-    def penetration(self, effect: str) -> FloatArray:
+    def penetration(self, effect: str, component: str = "") -> FloatArray:
         """Penetration of a contact that yields, in m, 0 where it is open; ``penetration(NAME)``."""
-        return self._measure("penetration", effect)
+        return self._measure("penetration", effect, component)
 
     @by_names
     def potential(self, effect: str) -> FloatArray:

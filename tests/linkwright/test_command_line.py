@@ -36,7 +36,7 @@ def commands(of: object) -> set[str]:
 
 
 def test_the_command_has_the_commands_of_both_programs() -> None:
-    assert commands(app) == commands(compiler) | commands(analyses)
+    assert commands(app) == commands(compiler) | commands(analyses) | {"precompile"}
     assert not commands(compiler) & commands(analyses)
     assert {"build", "explain", "elements", "simulate", "kinematics", "report"} < commands(app)
 
@@ -71,6 +71,12 @@ def test_wrong_input_ends_with_two(tmp_path: Path) -> None:
     done = run(str(PROGRAM), "simulate", "stoone.py", "--t-end", "1", folder=tmp_path)
     assert done.returncode == 2
     assert done.stderr.startswith("error: There is no model 'stoone.py'")
+
+
+def test_an_unknown_method_is_refused_before_anything_compiles() -> None:
+    done = CliRunner().invoke(app, ["precompile", "dop85"])
+    assert done.exit_code == 2
+    assert "error: no such method: dop85; there are dop853" in done.stderr
 
 
 def test_an_analysis_imports_no_compiler(root: Path) -> None:

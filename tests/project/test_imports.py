@@ -45,7 +45,8 @@ def test_an_import_loads_no_more_than_it_needs(
 
 COMPILER = {
     *("codegen.argument_readers", "codegen.damaged_byte_code", "codegen.errors"),
-    *("codegen.library_layout", "codegen.plain_values", "codegen.public_callables"),
+    *("codegen.library_layout", "codegen.object_display", "codegen.plain_values"),
+    *("codegen.public_callables", "codegen.readable_signatures"),
     *("codegen.numba_cache", "codegen.condition_evaluation", "codegen.termination_signals"),
     *("codegen.generated_module_signature_and_import", "codegen.calls_of_kernels_from_python"),
 }

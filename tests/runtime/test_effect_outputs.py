@@ -332,3 +332,23 @@ def test_frictions_and_rigid_contacts_say_force_normal_and_slip(folder: Path) ->
         "rub.force", "rub.normal", "rub.rate", "brake.force", "brake.rate", "brake.normal",
         "table.force", "table.gap",
     }  # fmt: skip
+
+
+def test_flanks_of_gears_with_backlash_and_rotor_of_a_motor(folder: Path) -> None:
+    """Two flanks, of which one bears; the line of the motor's torque."""
+    model = Model("geared_outputs")
+    small, large = (model.body(name, mass=1.0, inertia=0.01) for name in ("small", "large"))
+    model.revolute("small_pin", model.ground.at(0, 0), small)
+    model.revolute("large_pin", model.ground.at(0.3, 0), large)
+    model.gear_with_backlash("teeth", small, large, 0.1, 0.2, backlash=1e-3, stiffness=1e4)
+    model.motor("drive", small, stall_torque=0.5, no_load_speed=20.0)
+    start = {small.phi: 0.0, large.phi: 0.0, small.omega: 0.0, large.omega: 0.0}
+    model.scene("run", ["teeth", "drive"], start=start, outputs="all")
+    found = load(model, folder=folder).simulate(0.3, INSTANTS * 0.3, rtol=1e-9)
+    moved = 0.1 * found.q("small.phi") + 0.2 * found.q("large.phi")
+    assert_allclose(found.gap("teeth", "first"), 5e-4 - moved, atol=1e-12)
+    first = 1e4 * np.maximum(moved - 5e-4, 0.0)
+    assert_allclose(found.force("teeth", "first"), first, atol=1e-9)
+    assert first.max() > 1.0
+    torque = 0.5 * (1 - found.v("small.omega") / 20.0)
+    assert_allclose(found.torque("drive"), torque, atol=1e-12)

@@ -33,6 +33,11 @@ def relative_angle(i: Body, j: Body) -> sympy.Expr:
     return phi_j - phi_i
 
 
+def rim_travel(i: tuple[Body, sympy.Expr], j: tuple[Body, sympy.Expr], carrier: Body) -> sympy.Expr:
+    """R_i (φ_i - φ_c) + R_j (φ_j - φ_c), m, of two wheels with radii of either sign."""
+    return sympy.Add(*(radius * relative_angle(carrier, wheel) for wheel, radius in (i, j)))
+
+
 def is_constant(*expressions: sympy.Expr) -> bool:
     """Whether the expressions are numbers or parameters, the same throughout a run."""
     return not any(kinds(e, Coordinate, Velocity, Time) for e in expressions)

@@ -112,6 +112,8 @@ LAWS: dict[str, tuple[Build, list[tuple[Callable[..., Number], Callable[..., Num
 
 FIXED = {
     "motor",
+    "elastic belt",
+    "gear with backlash",
     "torsion spring",
     "gravity",
     "torque",

@@ -15,6 +15,7 @@ from runtime.cli.app import app
 from runtime.machine_facade import Machine
 
 IN_ANOTHER_FORM = {"t_end", "t_eval", "parameters", "start", "max_bytes", "progress", "self"}
+IN_ANOTHER_FORM |= {"controllers"}  # functions
 """Words of `Machine.simulate` that no option gives, or one of another name."""
 
 
