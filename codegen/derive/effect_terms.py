@@ -20,6 +20,9 @@ from codegen.derive.piecewise_conditions import as_pieces
 from codegen.derive.power_continuation import continue_powers
 
 
+Measure = el.Measure
+
+
 @dataclass(frozen=True)
 class FrictionTerms:
     """A force -grip · N along a slip s, N from the reaction of a joint."""

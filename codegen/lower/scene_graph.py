@@ -4,9 +4,8 @@ from typing import NamedTuple
 
 import sympy
 
-from codegen.declare.element import Measure
 from codegen.declare.symbols import SPEED, Acceleration, Parameter, t
-from codegen.derive.effect_terms import EffectTerms, FrictionTerms
+from codegen.derive.effect_terms import EffectTerms, FrictionTerms, Measure
 from codegen.derive.equations import Equations
 from codegen.derive.piecewise_conditions import Boundary
 from codegen.errors import ModelError

@@ -63,7 +63,11 @@ def angle_problems(element: Element, *bodies: Body) -> list[str]:
     ]
 
 
-WORDS = {"m": ("length", "force", "N"), "rad": ("angle", "torque", "N m")}
+WORDS = {
+    "m": ("length", "force", "N"),
+    "rad": ("angle", "torque", "N m"),
+    "": ("length", "force", ""),
+}
 """Unit of a scalar → what it is called, and the force along it with its unit."""
 
 
@@ -74,7 +78,7 @@ def along_scalar(
     word, exerted, force_unit = WORDS[unit]
     return (
         Measure(named or word, "", unit, s),
-        Measure("rate", "", f"{unit}/s", SPEED, s),
+        Measure("rate", "", f"{unit or 1}/s", SPEED, s),
         Measure(exerted, "", force_unit, force, s),
     )
 

@@ -70,6 +70,11 @@ class GapSprings(Effect):
         """The gaps, which only a negative value closes."""
         raise NotImplementedError
 
+    @property
+    def gap_unit(self) -> str:
+        """Their unit: "m", "rad", or none where it is not known."""
+        return "m"
+
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
         """V of the springs."""
         if not self._conservative or self.stiffness == 0:
@@ -85,8 +90,8 @@ class GapSprings(Effect):
         found: tuple[Measure, ...] = ()
         for side, gap in zip(SIDES if len(self.gaps) > 1 else ("",), self.gaps, strict=True):
             force = -_closed(sympy.Add(*self._push_and_drag(gap)), gap)
-            rows = along_scalar(gap, "m", force, named="gap")
-            rows += (Measure("penetration", "", "m", _closed(-gap, gap)),)
+            rows = along_scalar(gap, self.gap_unit, force, named="gap")
+            rows += (Measure("penetration", "", self.gap_unit, _closed(-gap, gap)),)
             found += tuple(row._replace(component=side) for row in rows)
         return found
 
