@@ -19,7 +19,6 @@ from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import as_pieces
 from codegen.derive.power_continuation import continue_powers
 
-
 Measure = el.Measure
 
 
