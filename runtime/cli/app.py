@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from codegen.errors import InputError
+from codegen.object_display import counted
 from codegen.termination_signals import finish, keep_results
 from runtime.cli import common, studies
 from runtime.cli.common import (
@@ -171,7 +172,7 @@ def _run(
         count = len(result.t)
         until = f" up to t = {result.t[-1]:g} s" if failed and count else ""
         subject = "What was computed" if failed else "Saved"
-        common.write_line(f"  {subject}: {count} instants{until} in {saved}")
+        common.write_line(f"  {subject}: {counted(count, 'instant')}{until} in {saved}")
     elif failed:
         common.write_line("  Nothing was saved; give --out FILE to keep what was computed.")
     if as_json:

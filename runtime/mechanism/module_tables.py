@@ -79,6 +79,18 @@ class Description(NamedTuple):
         """`model/scene`, as messages name it."""
         return f"{self.model}/{self.scene}"
 
+    def need_masses(self, asked: str, instead: str = "") -> str:
+        """Sentences on what needs masses and forces, in a scene without, and how to have it."""
+        if self.analysis == "kinematics":
+            return (
+                f"{self.title}: {asked} needs masses and forces, which a scene with "
+                f"analysis='kinematics' leaves out. Load scene.with_(analysis='dynamics'){instead}."
+            )
+        return (
+            f"{self.title}: {asked} needs masses, and this scene has a body without. Give every "
+            f"body a mass and an inertia{instead}."
+        )
+
     def suggest_output(self, output: str) -> str:
         """Sentence on an output that the scene does not ask for, and how to have it."""
         before = ("reactions", "energy", "powers") if self.outputs is None else self.outputs

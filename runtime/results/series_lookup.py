@@ -112,11 +112,10 @@ class TimeSeries(EffectSeries):
         InputError
             If there is no such part, bodies have no mass, or the scene was declared without it.
         """
-        title = self.description.title
         if part not in ENERGIES:
             raise InputError(unknown("energy", part, ENERGIES))
         if not self.description.has_masses:
-            raise InputError(f"{title} has bodies without mass, so there is no energy.")
+            raise InputError(self.description.need_masses("energy"))
         self._require_output("energy")
         energies = self.samples.energy
         return energies.sum(axis=1) if part == "total" else energies[:, ENERGIES.index(part)]
