@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
+from codegen.declare.condition import WatchedCondition
 from codegen.errors import FAILURES, SceneError
 from codegen.object_display import html_of, listed
 from codegen.plain_values import InvalidName, is_a, plain_name, shown
@@ -26,6 +27,7 @@ class Choices:
     frozen: bool = False
     analysis: Analysis = "dynamics"
     outputs: tuple[str, ...] | None = None
+    until: tuple[WatchedCondition, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,6 +56,7 @@ class Request(Choices):
         changes |= {k: tuple(dict.fromkeys(both(k))) for k in ("effects", "drivers")}
         for key in ("fidelity", "start", "guess", "parameters"):
             changes[key] = tuple(dict(both(key)).items())
+        changes["until"] = tuple({one.name: one for one in both("until")}.values())
         return replace(self, **changes)
 
 
@@ -107,6 +110,8 @@ class Scene(Choices):
         ``"kinematics"`` compiles no mass and no force, ``"equilibrium"`` nothing of motion.
     outputs
         The outputs computed in addition to the motion; None means all.
+    until
+        The conditions that end a run.
     request, owner
         The request that the scene resolves, and the model that declared it.
     expression, root, problems

@@ -5,7 +5,10 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any, cast
 
+from sympy import S
+
 from codegen.declare.body import Body
+from codegen.declare.condition import WatchedCondition
 from codegen.declare.element import Constraint
 from codegen.declare.name_rules_and_hints import name_problem, nearest
 from codegen.declare.return_values.constraints import own_coordinates, place_near
@@ -23,7 +26,7 @@ from codegen.plain_values import plain_name, shown
 
 DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
 """Keywords of a scene that an extension inherits unless it names them."""
-UNCHANGED = ("start", "parameters", *DEFAULTS)
+UNCHANGED = ("start", "parameters", "until", *DEFAULTS)
 """Fields that a scene takes from its request as they are."""
 
 
@@ -36,7 +39,8 @@ class Scenes(Fidelities, Outputs):
         couplers: Mapping[str | Body, Form] | None = None,
         fidelity: Mapping[Any, str] | None = None, start: Values | None = None,
         guess: Values | None = None, parameters: Values | None = None, frozen: bool | None = None,
-        analysis: Analysis | None = None, outputs: Names | None = None
+        analysis: Analysis | None = None, outputs: Names | None = None,
+        until: Mapping[str, Any] | None = None,
     ) -> Scene:  # fmt: skip
         """Declare a scene: the elements that take part in a question.
 
@@ -70,6 +74,9 @@ class Scenes(Fidelities, Outputs):
         analysis
             ``"dynamics"`` unless given. ``"kinematics"`` compiles neither masses nor forces,
             ``"equilibrium"`` nothing that only a motion needs.
+        until
+            Conditions that end a run, by name: ``{"landed": ball.y < 0}``. A run ends at the
+            instant at which one begins to hold, located as events are.
         outputs
             Outputs in addition to the motion: ``"reactions"``, ``"energy"``, ``"powers"``, or
             those of one element, ``"reaction(A)"``, ``"power(gas)"``; all unless given, which
@@ -78,14 +85,14 @@ class Scenes(Fidelities, Outputs):
         """
         base = self.scenes.get(name)
         values = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)
-        bare = all(map(_is_empty, values)) and _none_of(frozen, analysis, outputs)
+        bare = all(map(_is_empty, (*values, until))) and _none_of(frozen, analysis, outputs)
         if bare and base is not None and base.request != Request():
             return base
         where, read = f"scene '{name}'", self._read
         request, explicit = self._read_request(
             read, where, effects, drivers, without=without, couplers=couplers, fidelity=fidelity,
             start=start, guess=guess, parameters=parameters, frozen=frozen, analysis=analysis,
-            outputs=outputs,
+            outputs=outputs, until=until,
         )  # fmt: skip
         if extends is not None:
             request = self._extend(read, where, extends, request, explicit)
@@ -116,8 +123,33 @@ class Scenes(Fidelities, Outputs):
             frozen=read.flag(chosen["frozen"], f"{where}: frozen"),
             analysis=read.choice(chosen["analysis"], ANALYSES, f"{where}, analysis"),
             outputs=self._read_outputs(read, where, chosen["outputs"]),
+            until=self._read_until(read, where, words.get("until")),
         )
         return request, frozenset(explicit)
+
+    def _read_until(self, read: Reader, where: str, until: Any) -> tuple[WatchedCondition, ...]:
+        """The conditions that end a run, each with a name that nothing else has."""
+        read_conditions = []
+        for key, when in read.mapping(until, "until", "{'landed': ball.y < 0}", where).items():
+            place = f"{where}, until"
+            if problem := name_problem("condition", key):
+                read.note(f"{place}: {problem}")
+                continue
+            if key in self._kinds:
+                read.note(f"{place}: '{key}' is the name of a {self._kinds[key]}; give another.")
+            if when is None:
+                read.note(f"{place}: '{key}' is None; give a condition, such as ball.y < 0.")
+                continue
+            indicator = read.gated(S.One, "", f"{place}, '{key}'", when)
+            read_conditions.append(WatchedCondition(key, indicator, "until"))
+        return tuple(read_conditions)
+
+    def watched(self, scene: Scene) -> tuple[WatchedCondition, ...]:
+        """The conditions that a run in a scene watches."""
+        if scene.analysis != "dynamics":
+            return ()
+        of_states = (one for name in scene.states for one in self.states[name].conditions)
+        return (*scene.until, *of_states)
 
     def _roles(self) -> dict[str, str]:
         """What a name that stands in the wrong list of a scene stands for."""
@@ -213,6 +245,7 @@ class Scenes(Fidelities, Outputs):
         for effect in self.acting(scene).values():
             with suppress(*FAILURES):  # reported by `build`
                 found |= states_in(*effect_expressions(effect, bodies))
+        found |= states_in(*(one.indicator for one in scene.until))
         pending = found & {*self.states}
         while pending:
             parts = (e for name in pending for e in self.states[name].expressions)

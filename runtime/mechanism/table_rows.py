@@ -124,6 +124,14 @@ class State(NamedTuple):
     nominal: float
 
 
+class Watched(NamedTuple):
+    """A condition that a run watches, and what it does to its target."""
+
+    name: str
+    action: str
+    target: str
+
+
 class Constraint(NamedTuple):
     """One scalar equation of a joint or a driver."""
 
