@@ -24,8 +24,8 @@ class WatchedCondition(Effect):
     action
         What follows where it begins to hold: the run ends, a value is sampled, a joint is released
         or engaged.
-    target
-        Name of the value or joint.
+    target, scene
+        Name of the value or joint; of the scene in which a run goes on with other joints.
     """
 
     kind = WATCHED
@@ -33,3 +33,4 @@ class WatchedCondition(Effect):
     indicator: sympy.Expr
     action: Action
     target: str = ""
+    scene: str = ""

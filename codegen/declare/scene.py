@@ -35,10 +35,12 @@ class Request(Choices):
     """The request of a scene, by name and unresolved; an extension builds on it.
 
     `without` names bodies, joints, effects and drivers that do not take part; `fidelity` may name
-    groups of alternatives too.
+    groups of alternatives too. `connected` are the joints that act of those that come and go;
+    None: those at the start of a run.
     """
 
     without: tuple[str, ...] = ()
+    connected: tuple[str, ...] | None = None
 
     def extended(self, by: "Request", explicit: frozenset[str]) -> "Request":
         """The request, overridden by that of an extension.
@@ -96,6 +98,8 @@ class Scene(Choices):
         Joints that do not act although their bodies take part.
     states
         The states that take part, of first order or sampled.
+    connected
+        The joints that act of those that come and go in a run.
     fidelity
         Effect or coupler → how it is taken, where it has more than one fidelity and the scene says.
     start
@@ -122,6 +126,7 @@ class Scene(Choices):
     bodies: tuple[str, ...]
     inactive_joints: tuple[str, ...]
     states: tuple[str, ...] = ()
+    connected: tuple[str, ...] = ()
     request: Request = field(default=Request(), repr=False, compare=False)
     owner: Owner | None = field(default=None, repr=False, compare=False)
     expression: str = field(default="", repr=False, compare=False)

@@ -72,8 +72,8 @@ class Description:
     states: tuple[tuple[str, int, str, float], ...]
     sampled: tuple[str, ...]  # the states that a clock renews
     triggers: tuple[int, ...]  # of each of SAMPLED its condition in WATCHED, -1: a clock
-    # (name, action, target) of the conditions that a run watches
-    watched: tuple[tuple[str, str, str], ...]
+    # (name, action, target, scene) of the conditions that a run watches
+    watched: tuple[tuple[str, str, str, str], ...]
     controllers: tuple[str, ...]  # those whose samples a run brings
     jacobian: Pattern  # pattern of Φ_q
     mass: Pattern  # pattern of M
@@ -137,7 +137,7 @@ def describe(
         ),
         sampled=tuple(s.name for s in equations.sampled),
         triggers=triggers if any(k >= 0 for k in triggers) else (),
-        watched=tuple((one.name, one.action, one.target) for one in equations.watched),
+        watched=tuple((one.name, one.action, one.target, one.scene) for one in equations.watched),
         controllers=tuple(s.name for s in equations.sampled if s.sample is None),
         jacobian=Pattern.of(scene.jacobian),
         mass=Pattern.of(scene.mass),

@@ -125,11 +125,17 @@ class State(NamedTuple):
 
 
 class Watched(NamedTuple):
-    """A condition that a run watches, and what it does to its target."""
+    """A condition that a run watches, what it does to its target, and the scene that follows."""
 
     name: str
     action: str
     target: str
+    scene: str
+
+    @property
+    def reconnects(self) -> bool:
+        """Whether a joint is released or engages."""
+        return self.action in {"release", "engage"}
 
 
 class Constraint(NamedTuple):
