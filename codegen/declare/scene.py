@@ -78,6 +78,9 @@ class Owner(Protocol):
     def name(self) -> str:
         """Of the machine."""
 
+    def reconnected(self, scene: "Scene", connected: tuple[str, ...]) -> "Scene":
+        """The scene in which other joints act of those that come and go."""
+
     def varied(self, scene: "Scene", *, out: Any, taken: Any, **changes: Any) -> "Scene":
         """The scene with elements out and in, and other words changed."""
 

@@ -126,6 +126,7 @@ class Scenes(Fidelities, Outputs, Connections):
     def reconnected(self, scene: Scene, connected: tuple[str, ...]) -> Scene:
         """The scene in which a run goes on where other joints act of those that come and go."""
         self._require_scene("reconnected", scene)
+        connected = tuple(name for name in self.connections if name in connected)
         request = replace(scene.request, connected=connected)
         first = self._connected_name("", scene.connected)
         name = self._connected_name(scene.name.removesuffix(first), connected)

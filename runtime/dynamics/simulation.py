@@ -122,7 +122,9 @@ def _result(
     """Outputs at the samples; a run that stopped early gets its last state as one more."""
     p, begin = ready.p, ready.begin
     t, q, v, modes = run.t, run.q, run.v, run.modes
-    early = run.outcome is not Outcome.OK or run.stopped_by >= 0
+    watched = mechanism.description.watched
+    ended = run.stopped_by >= 0 and not watched[run.stopped_by].reconnects
+    early = run.outcome is not Outcome.OK or ended
     if early and (len(t) == 0 or run.final_t > t[-1]):
         t = np.append(t, run.final_t)
         q, v = np.vstack([q, run.final_q]), np.vstack([v, run.final_v])
@@ -169,6 +171,11 @@ def _result(
         events=events,
         partitions=partitions, not_unique=begin.not_unique,
     )  # fmt: skip
+    if ended:
+        result.ended_by = watched[run.stopped_by].name
+    elif run.stopped_by >= 0:
+        table = mechanism.description.coordinates
+        result.reconnection = run.stopped_by, State(run.final_t, run.final_q, run.final_v, table)
     if run.outcome is Outcome.CONTRADICTED:
         result.contradiction = f"At t = {run.final_t:.9g} s it stopped. {run.note}"
     return result

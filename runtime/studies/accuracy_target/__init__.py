@@ -23,7 +23,7 @@ def accuracy_or_tolerances(
     tolerances = {name: value for name, value in settings.items() if value is not None}
     chosen: dict[str, Any] = {"method": method, "formulation": formulation}
     if accuracy is None and quantities is None:
-        from runtime.dynamics.simulation import simulate
+        from runtime.dynamics.connected_simulation import simulate
 
         chosen = {name: value for name, value in chosen.items() if value is not None}
         return partial(simulate, mechanism, **tolerances, **chosen)
