@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from codegen.argument_readers import number, read_arguments
+from codegen.argument_readers import count, flag, number, optional, read_arguments
 from codegen.errors import AnalysisError, InputError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import formulate
@@ -28,11 +28,13 @@ _LIMITS = {Outcome.OK, Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED}
 
 
 def resume(
-    result: Result, motion: SimulatedMotion, t_end: Any, t_eval: Any, max_steps: int | None,
-    progress: bool,
-) -> Result:  # fmt: skip
+    result: Result, motion: SimulatedMotion, t_end: Any, t_eval: Any, max_steps: Any, progress: Any
+) -> Result:
     """See `Result.resume`."""
     began, title = clock.perf_counter(), result.description.title
+    others = {"max_steps": optional(count(1)), "progress": flag}
+    given = read_arguments(title, others, {"max_steps": max_steps, "progress": progress})
+    max_steps, progress = given["max_steps"], given["progress"]
     last, times = _read(result, motion, t_end, t_eval)
     ready = motion.ready.until(last)
     old = motion.options
@@ -74,7 +76,7 @@ def _read(
 ) -> tuple[float, FloatArray | None]:
     """The new end, s, and the instants of the samples; None: the ends of steps."""
     title = result.description.title
-    readers = {"t_end": number("a finite number of seconds"), "t_eval": _optional_instants}
+    readers = {"t_end": number("a finite number of seconds"), "t_eval": optional(read_instants)}
     given = read_arguments(title, readers, {"t_end": t_end, "t_eval": t_eval})
     last, chosen = given["t_end"], given["t_eval"]
     if result.accuracy is not None:
@@ -101,10 +103,6 @@ def _read(
             f"lies between t = {motion.end:.9g} s and {last:g} s."
         )
     return last, times
-
-
-def _optional_instants(t_eval: Any) -> Any:
-    return None if t_eval is None else read_instants(t_eval)
 
 
 def _behind(

@@ -72,7 +72,9 @@ def test_a_resumed_run_has_the_bits_of_one_that_went_through(
     assert end.stats["steps"] == whole.stats["steps"]
     assert end.message.startswith(f"Resumed at t = {second:.9g} s. Reached t = {last:g} s")
     events = [*begun.events, *then.events, *end.events]
-    assert [event.time for event in events] == [event.time for event in whole.events]
+    times = [event.time for event in whole.events]  # in a step that an end has cut, by rounding
+    assert [event.time for event in events] == pytest.approx(times, abs=1e-12)
+    assert [event.time for event in end.events] == times[len(times) - len(end.events) :]
     inside = np.linspace(0.0, last, 23)
     _same(whole.at(inside), end.at(inside))
 
