@@ -42,6 +42,8 @@ def simulate(mechanism: Mechanism, t_end: float, t_eval: Any = None, **settings:
         if none_left and run.outcome is Outcome.OK:
             run.samples = Samples._make(array[:0] for array in run.samples)
             run.works = {name: work[:0] for name, work in run.works.items()}
+        if changes:
+            run.message = run.message.partition(" It starts from a state")[0]
         results.append(run)
         if run.reconnection is None or run.outcome is not Outcome.OK:
             break

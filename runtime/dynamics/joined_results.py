@@ -14,6 +14,7 @@ from runtime.results.motion_at_instants import Motion
 from runtime.results.reconnection import Reconnection
 from runtime.results.result import Result
 from runtime.results.samples import Samples
+from runtime.results.saved_result import saved_fields
 
 _TABLES = (
     "coordinates", "constraints", "parameters", "effects", "switches", "reactions", "powers"
@@ -144,8 +145,9 @@ class JoinedMotion:
         return Samples._make(map(np.concatenate, zip(*parts, strict=True))), joined_works
 
     def saved(self) -> dict[str, Any]:
-        """Nothing: a file keeps the samples of such a run."""
-        return {}
+        """What a file keeps of each of them."""
+        source = self._motions[0].saved()["source"]
+        return {"source": source, "parts": [saved_fields(one) for one in self.results]}
 
     def resumed(self, result: Result, *_: Any) -> Result:
         """None: the run that goes on is the last of several."""

@@ -9,6 +9,7 @@ from runtime.integrate.problem import Formulation
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
+from runtime.validation.scene_support import refuse_early_ends
 
 FINEST = 1e-12  # accuracy: tightest target; rounding shows below it
 COARSEST = 0.1  # accuracy: loosest target
@@ -44,6 +45,7 @@ def accuracy_or_tolerances(
         problems += _unknown_quantities(mechanism.description, quantities or ())
     if accuracy is None or problems:
         raise InputError(f"{mechanism.title}: {text}" for text in problems)
+    refuse_early_ends(mechanism, "accuracy=")
     from runtime.studies.accuracy_target.search import simulate_to
 
     return partial(simulate_to, mechanism, accuracy=accuracy, quantities=quantities, **chosen)
