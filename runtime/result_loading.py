@@ -10,7 +10,7 @@ import numpy as np
 from codegen import argument_readers as readers
 from codegen.errors import FAILURES, InputError
 from codegen.plain_values import KindError
-from runtime.results.saved_result import GROUP, KINDS
+from runtime.results.saved_result import GROUP, KINDS, events_of, partitions_of
 
 if TYPE_CHECKING:
     from runtime.machine_facade import Machine
@@ -135,7 +135,7 @@ def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     result = Result(
         mechanism.description, samples, p, analysis=saved["analysis"],
         outcome=Outcome[saved["outcome"]], message=saved["message"], stats=saved["stats"],
-        events=saved["events"], partitions=saved["partitions"],
+        events=events_of(saved["events"]), partitions=partitions_of(saved["partitions"]),
         not_unique=saved["not_unique"], singular=saved["singular"],
     )  # fmt: skip
     result.works, result.accuracy = saved["works"], saved["accuracy"]

@@ -20,6 +20,8 @@ from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import as_pieces
 from codegen.derive.power_continuation import continue_powers
 
+Measure = el.Measure
+
 
 @dataclass(frozen=True)
 class FrictionTerms:
@@ -47,6 +49,8 @@ class EffectTerms:
     friction: FrictionTerms | None = None  # the force that follows from a joint's reaction
     hold: el.Sticking | el.Rigid | None = None  # how it keeps its switching function at zero
     reported: tuple[tuple[str, str, sympy.Expr], ...] = ()  # (component, unit, value) of its forces
+    # the quantities of the effect that the scene names among its outputs
+    measures: tuple[el.Measure, ...] = ()
     # (body, mass, acceleration) of the products that stand in V as one number
     weights: tuple[tuple[str, sympy.Expr, sympy.Expr], ...] = ()
     watched: sympy.Expr | None = None  # 1 where a condition holds that a run watches, else 0
@@ -87,7 +91,14 @@ def effect_terms(effect: el.Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     friction = None if law is None else _friction(effect.name, law, hold)
     watched = _pieces(effect.indicator) if isinstance(effect, WatchedCondition) else None
     return EffectTerms(
-        potential, loads, pulls, friction, hold, components, weights_of(effect, bodies), watched
+        potential,
+        loads,
+        pulls,
+        friction,
+        hold,
+        components,
+        weights=weights_of(effect, bodies),
+        watched=watched,
     )
 
 
@@ -103,6 +114,13 @@ def _pull(s: sympy.Expr, f: sympy.Expr) -> sympy.Expr:
     pieces = continue_powers(as_pieces(f))
     turns = pieces.atoms(Relational)
     return pieces.xreplace({c: c.xreplace({SPEED: rate(s)}) for c in turns if c.has(SPEED)})
+
+
+def measured(measure: el.Measure) -> el.Measure:
+    """A measure with its kinks as pieces, by the conditions of the forces."""
+    if measure.along is None:
+        return measure._replace(value=_pieces(measure.value))
+    return measure._replace(value=_pull(measure.along, measure.value))
 
 
 def _friction(

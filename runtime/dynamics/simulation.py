@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from codegen.object_display import counted
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.outcomes import Outcome
@@ -219,7 +220,7 @@ def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
         return f"Ended at t = {run.final_t:.9g} s, where '{name}' began to hold. {note}".rstrip()
     if run.outcome is Outcome.OK:
         return (
-            f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps."
+            f"Reached t = {run.final_t:g} s in {counted(run.statistics.steps, 'step')}."
             f"{_methods_note(run)}{_crossings_note(mechanism, run)} {run.note}"
         ).rstrip()
     description = mechanism.description

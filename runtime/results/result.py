@@ -13,7 +13,7 @@ import numpy.typing as npt
 from codegen import __version__
 from codegen import argument_readers as readers
 from codegen.errors import InputError
-from codegen.object_display import html_of, html_table, listed
+from codegen.object_display import counted, html_of, html_table, listed
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class, declared_attributes, named_attributes
 from runtime.core.outcomes import Outcome
@@ -274,9 +274,14 @@ class Result(TimeSeries):
         """The headline, and what there is to look up."""
         rows = self.description.coordinates
         lines = [self.headline, f"  coordinates  {listed(f'{r.name} ({r.unit})' for r in rows)}"]
-        if self.samples.reaction.shape[-1]:
-            joints = dict.fromkeys(row.element for row in self.description.reactions)
+        effects = self.description.effects.names
+        parts = dict.fromkeys(row.element for row in self.description.reactions)
+        if joints := [name for name in parts if name not in effects]:
             lines.append(f"  reactions    {listed(joints)} (N, N m)")
+        if acting := [n for n in parts if n in effects and n not in self.description.tracked]:
+            lines.append(f"  effects      {listed(acting)}")
+        if points := self.description.tracked:
+            lines.append(f"  points       {listed(points)} (m)")
         if self.events:
             lines.append(f"  events       {len(self.events)}, in .events")
         return "\n".join(lines)
@@ -302,6 +307,6 @@ class Result(TimeSeries):
         span = f"t = {self.t[0]:g}{ends} s" if count else "nothing computed"
         return (
             f"{self.description.title}, {self.analysis}: "
-            f"{count} instant{'' if count == 1 else 's'}, {span}\n"
+            f"{counted(count, 'instant')}, {span}\n"
             f"  {self.outcome.name}: {self.message}"
         )

@@ -1,6 +1,9 @@
 """What a .nc file keeps of a result beside its series, so that `load_result` gives it back."""
 
+from collections.abc import Sequence
 from typing import Any
+
+import numpy as np
 
 from runtime.results.accuracy_target_record import Estimate, ReachedAccuracy, Trial
 from runtime.results.event_records import Event, SingularPosition
@@ -13,7 +16,7 @@ GROUP = "linkwright"
 """Name of the group in a file, and of its only variable."""
 
 KINDS: tuple[type[Any], ...] = (
-    Estimate, ReachedAccuracy, Trial, Event, SingularPosition, Partition, Reconnection
+    Estimate, ReachedAccuracy, Trial, SingularPosition, Reconnection
 )  # fmt: skip
 """Records of a result that are packed as they are."""
 
@@ -36,8 +39,8 @@ def saved_fields(result: Result) -> dict[str, Any]:
         "stats": result.stats,
         "samples": {name: getattr(samples, name) for name in ("t", "q", "v", "modes")},
         "works": result.works,
-        "events": list(result.events),
-        "partitions": list(result.partitions),
+        "events": _event_columns(result.events),
+        "partitions": _partition_columns(result.partitions),
         "not_unique": result.not_unique,
         "singular": list(result.singular),
         "accuracy": result.accuracy,
@@ -45,3 +48,42 @@ def saved_fields(result: Result) -> dict[str, Any]:
         "ended_by": result.ended_by,
         "reconnections": list(result.reconnections),
     }
+
+
+def _event_columns(events: Sequence[Event]) -> dict[str, Any]:
+    """Many events in few arrays; they have states of the same shape."""
+    names = list(dict.fromkeys(event.name for event in events))
+    return {
+        "names": names,
+        "name": np.array([names.index(event.name) for event in events], np.int64),
+        "time": np.array([event.time for event in events]),
+        "direction": np.array([event.direction for event in events], np.int64),
+        "q": np.array([event.q for event in events]),
+        "v": np.array([event.v for event in events]),
+    }
+
+
+def events_of(columns: dict[str, Any]) -> list[Event]:
+    """The events again."""
+    names = [columns["names"][k] for k in columns["name"]]
+    times, directions = columns["time"].tolist(), columns["direction"].tolist()
+    return [
+        Event(*row)
+        for row in zip(names, times, directions, columns["q"], columns["v"], strict=True)
+    ]
+
+
+def _partition_columns(partitions: Sequence[Partition]) -> dict[str, Any]:
+    """Many partitions, of which few differ."""
+    sets = list(dict.fromkeys(one.independent for one in partitions))
+    return {
+        "sets": sets,
+        "set": np.array([sets.index(one.independent) for one in partitions], np.int64),
+        "time": np.array([one.time for one in partitions]),
+    }
+
+
+def partitions_of(columns: dict[str, Any]) -> list[Partition]:
+    """The partitions again."""
+    times = columns["time"].tolist()
+    return [Partition(t, columns["sets"][k]) for t, k in zip(times, columns["set"], strict=True)]

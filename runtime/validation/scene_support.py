@@ -71,10 +71,7 @@ def refuse_massless(mechanism: Mechanism) -> NoReturn:
             f"analysis='kinematics' leaves out, so there is nothing to integrate. Ask for "
             f"kinematics, or load scene.with_(analysis='dynamics')."
         )
-    raise AnalysisError(
-        f"{description.title}: a simulation needs masses, and this scene has a body without. Give "
-        f"every body a mass and an inertia, or ask for kinematics."
-    )
+    raise AnalysisError(description.need_masses("a simulation", ", or ask for kinematics"))
 
 
 def driven_note(mechanism: Mechanism, freedom: int) -> str:
