@@ -17,6 +17,7 @@ from codegen.errors import InputError
 from codegen.whole_files import whole_file
 from runtime.results.dataset import dataset
 from runtime.results.result import Result
+from runtime.results.saved_result import GROUP, saved_result
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -108,6 +109,10 @@ def _write_netcdf(result: Result, path: Path) -> None:
 
     file = netCDF4.Dataset(path.name, mode="w", format="NETCDF4", memory=1 << 16)
     dataset(result).dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
+    content = np.frombuffer(saved_result(result), np.uint8)
+    group = file.createGroup(GROUP)
+    group.createDimension("byte", len(content))
+    group.createVariable(GROUP, "u1", ("byte",))[:] = content
     path.write_bytes(file.close())
 
 

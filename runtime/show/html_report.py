@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from codegen.figures_and_html import finish_axes, html_figure, html_page, new_figure
+from runtime.results.motion_at_instants import for_curves
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -104,6 +105,7 @@ def _last(result: "Result") -> Iterator[tuple[str, object]]:
 
 def _figures(result: "Result") -> Iterator["Figure"]:
     """Coordinates and velocities by unit, then reactions by unit, a picture each."""
+    result = for_curves(result)
     description = result.description
     if len(result.t) < 2:
         return

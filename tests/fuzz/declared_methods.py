@@ -169,6 +169,21 @@ METHODS: dict[str, dict[str, Kind]] = {
         "may_pull?": FLAG,
         "fidelity?": words("penalty", None),
     },
+    "stop": {
+        "of": JOINT,
+        "lower": NUMBER,
+        "upper?": NUMBER,
+        "stiffness": NUMBER,
+        "damping?": NUMBER,
+    },
+    "clearance_joint": {
+        "bearing": PLACE,
+        "journal": PLACE,
+        "clearance": NUMBER,
+        "stiffness": NUMBER,
+        "damping?": NUMBER,
+        "radius?": NUMBER,
+    },
     "friction": {
         "joint": JOINT,
         "coefficient": NUMBER,
