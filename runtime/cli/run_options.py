@@ -6,11 +6,15 @@ from inspect import Parameter, signature
 from typing import Annotated, Any
 
 from codegen.errors import InputError
-from runtime.cli.common import option
+from runtime.cli.common import option, start_values
 from runtime.integrate.method import METHODS, alternatives
 
 
 def _options(
+    start: Annotated[
+        list[str] | None,
+        option("NAME=VALUE: a start value that holds, in SI units; again for more."),
+    ] = None,
     accuracy: Annotated[
         float | None,
         option("Relative global error that the result may have, in place of tolerances; the "
@@ -49,7 +53,7 @@ def _options(
                            "the run before, unless given.", min=1)
     ] = None,
 ) -> None:  # fmt: skip
-    """Words of `Machine.simulate` but instants and start values; `quantity` is `quantities`."""
+    """Words of `Machine.simulate` but instants and guesses; `quantity` is `quantities`."""
 
 
 _PARAMETERS = signature(_options).parameters
@@ -74,7 +78,9 @@ def with_run_options(command: Callable[..., None]) -> Callable[..., None]:
 
 def words(run: dict[str, Any]) -> dict[str, Any]:
     """The words of `Machine.simulate` for options."""
-    return {"quantities" if name == "quantity" else name: value for name, value in run.items()}
+    of_option = {"quantities" if name == "quantity" else name: x for name, x in run.items()}
+    start = start_values(None, None, of_option.pop("start"))
+    return {**of_option, **{name: x for name, x in start.items() if name == "start"}}
 
 
 def refuse_run_options(run: dict[str, Any], title: str) -> None:

@@ -58,7 +58,7 @@ class Table(tuple[RowT, ...]):
         """Names of the columns in which something stands, and the rows, which are named tuples."""
         rows: list[Any] = [*self]
         fields = rows[0]._fields if rows else ()
-        used = [k for k in range(len(fields)) if any(row[k] != "" for row in rows)]
+        used = [k for k in range(len(fields)) if any(row[k] not in ("", None) for row in rows)]
         return tuple(fields[k] for k in used), [tuple(row[k] for k in used) for row in rows]
 
     @overload

@@ -14,7 +14,7 @@ from runtime import load, matters
 from runtime.cli.app import app
 from runtime.machine_facade import Machine
 
-IN_ANOTHER_FORM = {"t_end", "t_eval", "parameters", "start", "max_bytes", "progress", "self"}
+IN_ANOTHER_FORM = {"t_end", "t_eval", "parameters", "max_bytes", "progress", "self"}
 IN_ANOTHER_FORM |= {"controllers"}  # functions
 """Words of `Machine.simulate` that no option gives, or one of another name."""
 
@@ -59,6 +59,14 @@ def test_options_reach_the_run(run, tmp_path: Path) -> None:  # type: ignore[no-
         assert answer["stats"]["steps"] == 7
         assert 1.0 <= answer["t"][1] <= 1.07
     assert page.is_file()
+
+
+def test_a_start_value_holds(run) -> None:  # type: ignore[no-untyped-def]
+    words = ("simulate", "rod_pendulum", "--t-end", "0", "--start", "bar.phi=0.25")
+    assert json.loads(run(*words, "--json").stdout)["q"]["bar.phi"] == pytest.approx(0.25)
+    done = run(*words[:-1], "bar.phi")
+    assert done.exit_code == 2
+    assert "--start bar.phi: write NAME=VALUE with a number." in done.stderr
 
 
 def test_a_report_to_an_accuracy(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
