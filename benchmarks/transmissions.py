@@ -46,4 +46,9 @@ TRANSMISSIONS = (
         lambda m, i, j: m.clearance_joint("e", i, j, 0.1, 700, exponent=2, damping=0.3),
         transmissions.clearance,
     ),
+    force(
+        "one-way clutch",
+        lambda m, i, j: m.one_way_clutch("e", i.body, j.body, 40 + 5 * j.body.x**2 + 3 * j.body.y),
+        transmissions.one_way_clutch,
+    ),
 )

@@ -112,3 +112,15 @@ def clearance(t, q, v, p, modes, Q):
     Q[3] = -fx
     Q[4] = -fy
     Q[5] = jy * fx - jx * fy
+
+
+@force
+def one_way_clutch(t, q, v, p, modes, Q):
+    """T_c = 40 + 5 x_j² + 3 y_j on j and its opposite on i while j is slower."""
+    n = 40.0 + 5.0 * (q[3] * q[3]) + 3.0 * q[4] if modes[0] else 0.0
+    Q[0] = 0.0
+    Q[1] = 0.0
+    Q[2] = -n
+    Q[3] = 0.0
+    Q[4] = 0.0
+    Q[5] = n

@@ -8,6 +8,7 @@ from sympy.core.relational import Relational
 
 from codegen.declare import element as el
 from codegen.declare.body import Body
+from codegen.declare.condition import WatchedCondition
 from codegen.declare.return_values.effects import (
     forces_of,
     optional_terms,
@@ -18,6 +19,8 @@ from codegen.declare.symbols import SPEED, Coordinate, Time, kinds, rate, side, 
 from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import as_pieces
 from codegen.derive.power_continuation import continue_powers
+
+Measure = el.Measure
 
 
 @dataclass(frozen=True)
@@ -46,8 +49,11 @@ class EffectTerms:
     friction: FrictionTerms | None = None  # the force that follows from a joint's reaction
     hold: el.Sticking | el.Rigid | None = None  # how it keeps its switching function at zero
     reported: tuple[tuple[str, str, sympy.Expr], ...] = ()  # (component, unit, value) of its forces
+    # the quantities of the effect that the scene names among its outputs
+    measures: tuple[el.Measure, ...] = ()
     # (body, mass, acceleration) of the products that stand in V as one number
     weights: tuple[tuple[str, sympy.Expr, sympy.Expr], ...] = ()
+    watched: sympy.Expr | None = None  # 1 where a condition holds that a run watches, else 0
 
     @cached_property
     def gradient(self) -> tuple[tuple[Coordinate, sympy.Expr], ...]:
@@ -83,8 +89,16 @@ def effect_terms(effect: el.Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     pulls = tuple((s, _pull(s, f)) for s, f in along_scalars if f != 0) + elastic
     components = tuple((part, unit, _pieces(value)) for part, unit, value in reported)
     friction = None if law is None else _friction(effect.name, law, hold)
+    watched = _pieces(effect.indicator) if isinstance(effect, WatchedCondition) else None
     return EffectTerms(
-        potential, loads, pulls, friction, hold, components, weights_of(effect, bodies)
+        potential,
+        loads,
+        pulls,
+        friction,
+        hold,
+        components,
+        weights=weights_of(effect, bodies),
+        watched=watched,
     )
 
 
@@ -100,6 +114,13 @@ def _pull(s: sympy.Expr, f: sympy.Expr) -> sympy.Expr:
     pieces = continue_powers(as_pieces(f))
     turns = pieces.atoms(Relational)
     return pieces.xreplace({c: c.xreplace({SPEED: rate(s)}) for c in turns if c.has(SPEED)})
+
+
+def measured(measure: el.Measure) -> el.Measure:
+    """A measure with its kinks as pieces, by the conditions of the forces."""
+    if measure.along is None:
+        return measure._replace(value=_pieces(measure.value))
+    return measure._replace(value=_pull(measure.along, measure.value))
 
 
 def _friction(

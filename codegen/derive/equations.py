@@ -6,6 +6,7 @@ from typing import NamedTuple
 import sympy
 
 from codegen.declare.body import Body
+from codegen.declare.condition import WATCHED, WatchedCondition
 from codegen.declare.element import Constraint, Effect, Element, Statement, label
 from codegen.declare.return_values.calls import name_errors
 from codegen.declare.return_values.elements import bodies_of, replaced_body
@@ -14,6 +15,7 @@ from codegen.declare.state import State
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration, Velocity
 from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
+from codegen.derive.effect_measures import terms_in_scene
 from codegen.derive.effect_terms import EffectTerms, effect_terms
 from codegen.derive.inertia import inertia
 from codegen.derive.peaked_functions import PeakedFunction, peaked_functions
@@ -58,6 +60,7 @@ class SampledValue(NamedTuple):
     sample: sympy.Expr | None  # None: a run brings it
     every: sympy.Expr  # s
     delay: sympy.Expr  # s
+    watched: int = -1  # number of the condition that renews it, in place of a clock
 
 
 MassEntry = tuple[int, int, sympy.Expr]  # (row, column, entry) of M
@@ -90,15 +93,22 @@ class Equations:
     conditions: tuple[ElementCondition, ...] = ()  # on parameters, in terms of `parameters` alone
     profiles: tuple[Profile, ...] = ()
     states: tuple[State, ...] = ()
+    watched: tuple[WatchedCondition, ...] = ()
 
     @property
     def sampled(self) -> tuple[SampledValue, ...]:
         """The states that a clock renews."""
-        return tuple(
-            SampledValue(s.name, s.symbol, s.sample, s.clock.every, s.clock.delay)
-            for s in self.states
-            if s.clock
-        )
+        one, zero = sympy.S.One, sympy.S.Zero
+        values, numbers = list[SampledValue](), dict[str, list[int]]()
+        for k, condition in enumerate(self.watched):
+            numbers.setdefault(condition.target, []).append(k)
+        for s in self.states:
+            if s.clock:
+                clock = s.clock
+                values.append(SampledValue(s.name, s.symbol, s.sample, clock.every, clock.delay))
+            for k, trigger in zip(numbers.get(s.name, ()), s.triggers, strict=True):
+                values.append(SampledValue(s.name, s.symbol, trigger.sample, one, zero, k))
+        return tuple(values)
 
     @property
     def time_functions(self) -> tuple[TimeFunction, ...]:
@@ -168,9 +178,18 @@ def _constraint_equations(element: Constraint, driver: bool) -> ConstraintEquati
         return ConstraintEquations(element.name, element.kind, driver, *terms)
 
 
-def _effect_equations(name: str, effect: Effect, bodies: tuple[Body, ...]) -> EffectEquations:
-    with name_errors(effect):
-        return EffectEquations(name, effect.kind, effect_terms(effect, bodies))
+def _effect_equations(
+    effects: dict[str, Effect], scene: Scene, bodies: tuple[Body, ...]
+) -> tuple[EffectEquations, ...]:
+    """The equations of the effects that act in a scene, or whose geometry it asks for."""
+    found = []
+    for name, effect in effects.items():
+        with name_errors(effect):
+            if effect.kind == TRACKED:
+                found.append(EffectEquations(name, effect.kind, effect_terms(effect, bodies)))
+            elif (terms := terms_in_scene(effect, scene, bodies)) is not None:
+                found.append(EffectEquations(name, effect.kind, terms))
+    return tuple(found)
 
 
 def derive(model: Model, scene: Scene) -> Equations:
@@ -189,10 +208,10 @@ def derive(model: Model, scene: Scene) -> Equations:
         *(q for c in constraints for _, q in c.statement.own),
     )
     dynamic = scene.analysis != "kinematics"
-    effects = tuple(
-        _effect_equations(name, effect, bodies)
-        for name, effect in model.acting(scene).items()
-        if dynamic or effect.kind == TRACKED
+    watched = model.watched(scene)
+    effects = _effect_equations(model.acting(scene), scene, bodies)
+    effects += tuple(
+        EffectEquations(one.name, one.kind, effect_terms(one, bodies)) for one in watched
     )
     overrides = dict(scene.parameters)
     mass, force = inertia(bodies, states, coordinates) if dynamic else ((), ())
@@ -202,7 +221,7 @@ def derive(model: Model, scene: Scene) -> Equations:
         for p in model.parameters.values()
         if p.name in used
     )
-    taking_part = {*joints, *drivers, *(e.name for e in effects)}
+    taking_part = {*joints, *drivers, *(e.name for e in effects if e.kind != WATCHED)}
     everything: list[Element] = [*model.joints.values(), *model.drivers.values()]
     everything += model.effects.values()
     equations = Equations(
@@ -217,6 +236,7 @@ def derive(model: Model, scene: Scene) -> Equations:
         left_out=tuple((e.name, e.kind) for e in everything if e.name not in taking_part),
         unused=tuple(name for name in model.parameters if name not in used),
         states=states,
+        watched=watched,
     )
     if parameters and not scene.frozen:
         acting = acting_elements(model, scene)

@@ -6,15 +6,11 @@ from inspect import Parameter, signature
 from typing import Annotated, Any
 
 from codegen.errors import InputError
-from runtime.cli.common import option, start_values
+from runtime.cli.common import option
 from runtime.integrate.method import METHODS, alternatives
 
 
 def _options(
-    start: Annotated[
-        list[str] | None,
-        option("NAME=VALUE: a start value that holds, in SI units; again for more."),
-    ] = None,
     accuracy: Annotated[
         float | None,
         option("Relative global error that the result may have, in place of tolerances; the "
@@ -78,9 +74,7 @@ def with_run_options(command: Callable[..., None]) -> Callable[..., None]:
 
 def words(run: dict[str, Any]) -> dict[str, Any]:
     """The words of `Machine.simulate` for options."""
-    of_option = {"quantities" if name == "quantity" else name: x for name, x in run.items()}
-    start = start_values(None, None, of_option.pop("start"))
-    return {**of_option, **{name: x for name, x in start.items() if name == "start"}}
+    return {"quantities" if name == "quantity" else name: value for name, value in run.items()}
 
 
 def refuse_run_options(run: dict[str, Any], title: str) -> None:
@@ -88,7 +82,8 @@ def refuse_run_options(run: dict[str, Any], title: str) -> None:
     given = [
         f"--{name.replace('_', '-')}"
         for name, value in run.items()
-        if value not in (None, []) and value != _PARAMETERS[name].default
+        if value not in (None, [])
+        and (name not in _PARAMETERS or value != _PARAMETERS[name].default)
     ]
     if given:
         raise InputError(

@@ -166,6 +166,8 @@ class Kernels:
         Sampled values, of those in SAMPLED whose `modes`, here one each, is 1.
     clocks(p, out)
         Their periods and delays, s.
+    watched(t, q, v, p, modes, out)
+        1 where a condition of WATCHED holds, else 0.
     """
 
     constants: Kernel = _kernel("constants", "p", _skip_1)
@@ -201,6 +203,7 @@ class Kernels:
     dead_centres: Kernel = _kernel("dead_centres", "t q v p out", _skip_5)
     samples: Kernel = _kernel("samples", "t q v p modes out", _no_samples)
     clocks: Kernel = _kernel("clocks", "p out", _skip_2)
+    watched: Kernel = _kernel("watched", "t q v p modes out", _no_samples)
 
     def table(self) -> Integers:
         """Addresses in the order of the fields, with which every function table begins."""
@@ -240,6 +243,7 @@ accelerations_tangent_of = _fetcher("accelerations_tangent")
 correction_tangent_of = _fetcher("correction_tangent")
 dead_centres_of = _fetcher("dead_centres")
 samples_of = _fetcher("samples")
+watched_of = _fetcher("watched")
 
 
 def gather(module: ModuleType) -> Kernels:

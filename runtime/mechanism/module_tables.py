@@ -21,6 +21,7 @@ from runtime.mechanism.table_rows import (
     Switch,
     Table,
     TimeFunction,
+    Watched,
 )
 
 Indices = npt.NDArray[np.int64]
@@ -44,7 +45,9 @@ class Description(NamedTuple):
     drivers: tuple[str, ...]
     switches: Table[Switch]
     reactions: Table[ReactionRow]
-    # whose power is reported; of kind "work", ``work(NAME)``, it is there to be integrated
+    # (source, kind): an "effect" or "driver"; the "nonconservative" forces of an effect that has a
+    # potential; ``power(NAME)``, of kind "power", of all its forces; ``work(NAME)``, of kind
+    # "work", the same to be integrated
     powers: Table[Effect]
     start: Table[StartValue]
     jacobian_rows: Indices
@@ -70,12 +73,26 @@ class Description(NamedTuple):
     profiles: tuple[ProfileRow, ...] = ()
     states: Table[State] = Table()
     sampled: tuple[str, ...] = ()  # states that clocks renew
+    triggers: tuple[int, ...] = ()  # of each the condition that renews it, -1: a clock
+    watched: Table[Watched] = Table()  # conditions that a run watches
     controllers: tuple[str, ...] = ()  # those among them whose samples a run brings
 
     @property
     def title(self) -> str:
         """`model/scene`, as messages name it."""
         return f"{self.model}/{self.scene}"
+
+    def need_masses(self, asked: str, instead: str = "") -> str:
+        """Sentences on what needs masses and forces, in a scene without, and how to have it."""
+        if self.analysis == "kinematics":
+            return (
+                f"{self.title}: {asked} needs masses and forces, which a scene with "
+                f"analysis='kinematics' leaves out. Load scene.with_(analysis='dynamics'){instead}."
+            )
+        return (
+            f"{self.title}: {asked} needs masses, and this scene has a body without. Give every "
+            f"body a mass and an inertia{instead}."
+        )
 
     def suggest_output(self, output: str) -> str:
         """Sentence on an output that the scene does not ask for, and how to have it."""
@@ -115,7 +132,19 @@ class Description(NamedTuple):
         """Number of the first powers, which with the energies make a balance; -1: not all."""
         outputs = self.outputs
         known = outputs is None or {"energy", "powers"} <= {*outputs}
-        return len(self.powers) - len(self.work_rows) if known and self.has_masses else -1
+        balanced = sum(row.kind not in ("power", "work") for row in self.powers)
+        return balanced if known and self.has_masses else -1
+
+    @property
+    def whole_powers(self) -> dict[str, int]:
+        """Effect or driver → the row of the power of all that it exerts."""
+        rows = {}
+        for k, row in enumerate(self.powers):
+            if row.kind in ("effect", "driver"):
+                rows[row.name] = k
+            elif row.kind in ("power", "work"):
+                rows[row.name[len(f"{row.kind}(") : -1]] = k
+        return rows
 
     @property
     def driver_rows(self) -> npt.NDArray[np.bool_]:

@@ -70,11 +70,13 @@ def columns(result: Result) -> dict[str, FloatArray]:
         table[f"{row.velocity} [{row.velocity_unit}]"] = samples.v[:, index]
     for index, row in enumerate(description.coordinates):
         table[f"a({row.name}) [{row.acceleration_unit}]"] = samples.a[:, index]
-    for index, reaction in enumerate(description.reactions):
-        table[f"{reaction.name} [{reaction.unit}]"] = samples.reaction[:, index]
+    for index, part in enumerate(description.reactions):
+        table[f"{part.name} [{part.unit}]"] = samples.reaction[:, index]
+    for name, index in description.whole_powers.items():
+        table[f"power({name}) [W]"] = samples.power[:, index]
     for index, source in enumerate(description.powers):
-        if source.kind != "work":
-            table[f"power({source.name}) [W]"] = samples.power[:, index]
+        if source.kind == "nonconservative":
+            table[f"nonconservative power({source.name}) [W]"] = samples.power[:, index]
     for name in result.works:
         table[f"work({name}) [J]"] = result.work(name)
     if description.has_masses:

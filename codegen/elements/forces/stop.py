@@ -36,6 +36,11 @@ class Stop(GapSprings):
         below = () if self.lower is None else (self.scalar - self.lower,)
         return below if self.upper is None else (*below, self.upper - self.scalar)
 
+    @property
+    def gap_unit(self) -> str:
+        """That of the coordinate."""
+        return self.unit
+
     def problems(self) -> list[str]:
         """What is no position, and numbers of no stop."""
         problems = stop_problems(label(self), self.scalar, self.lower, self.upper)

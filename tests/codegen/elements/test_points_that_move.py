@@ -116,6 +116,7 @@ LAWS: dict[str, tuple[Build, list[tuple[Callable[..., Number], Callable[..., Num
 
 FIXED = {
     "motor",
+    "one-way clutch",
     "stop",
     "elastic belt",
     "gear with backlash",

@@ -80,6 +80,7 @@ def test_a_driven_report_refuses_what_it_would_ignore(run, driven: Machine, tmp_
     done = run(*words, "--rtol", "1e-5", "--method", "bdf")
     assert done.exit_code == 2
     assert "--method, --rtol would be ignored" in done.stderr
+    assert run(*words, "--start", "crank.phi=1").exit_code == 2
     assert run(*words).exit_code == 0
 
 
@@ -135,3 +136,11 @@ def test_a_ranking_takes_formulation_folder_and_the_long_name(rod: Path) -> None
     assert not (rod.parent / "generated").exists()
     with pytest.raises(AnalysisError, match="inverse dynamics"):
         matters(rod, analysis="inverse-dynamics", **words)  # type: ignore[arg-type]
+
+
+def test_start_values_are_kept(run) -> None:  # type: ignore[no-untyped-def]
+    done = run("simulate", "rod_pendulum", "--t-end", "0.1", "--start", "bar.phi=0.7", "--json")
+    assert "start sets bar.phi = 0.7 rad." in json.loads(done.stdout)["message"], done.stderr
+    done = run("simulate", "rod_pendulum", "--t-end", "0.1", "--start", "bar.phi")
+    assert done.exit_code == 2
+    assert "--start bar.phi: write NAME=VALUE" in done.stderr
