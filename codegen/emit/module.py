@@ -87,7 +87,7 @@ def operation_table(program: Program) -> tuple[tuple[str, int], ...]:
 # tables that a module leaves out where empty
 OPTIONAL = (
     *("folded", "unused", "rigid", "stiction", "shares", "time_functions", "conditions"),
-    *("profiles", "peaks", "states", "sampled", "controllers"),
+    *("profiles", "peaks", "states", "sampled", "controllers", "triggers", "watched"),
 )
 
 NAMES = (

@@ -21,6 +21,7 @@ from runtime.mechanism.table_rows import (
     Switch,
     Table,
     TimeFunction,
+    Watched,
 )
 
 Indices = npt.NDArray[np.int64]
@@ -72,6 +73,8 @@ class Description(NamedTuple):
     profiles: tuple[ProfileRow, ...] = ()
     states: Table[State] = Table()
     sampled: tuple[str, ...] = ()  # states that clocks renew
+    triggers: tuple[int, ...] = ()  # of each the condition that renews it, -1: a clock
+    watched: Table[Watched] = Table()  # conditions that a run watches
     controllers: tuple[str, ...] = ()  # those among them whose samples a run brings
 
     @property
@@ -108,7 +111,7 @@ class Description(NamedTuple):
 
     @property
     def tracked(self) -> tuple[str, ...]:
-        """Points whose paths are reported."""
+        """Points that are outputs."""
         return tuple(row.name for row in self.effects if row.kind == "tracked point")
 
     @property

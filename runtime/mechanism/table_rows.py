@@ -55,9 +55,11 @@ class Table(tuple[RowT, ...]):
         return html_table(*self._columns()) or "<p>no rows</p>"
 
     def _columns(self) -> tuple[tuple[str, ...], list[tuple[object, ...]]]:
-        """Names of the columns, and the rows, which are named tuples."""
+        """Names of the columns in which something stands, and the rows, which are named tuples."""
         rows: list[Any] = [*self]
-        return (rows[0]._fields if rows else ()), rows
+        fields = rows[0]._fields if rows else ()
+        used = [k for k in range(len(fields)) if any(row[k] not in ("", None) for row in rows)]
+        return tuple(fields[k] for k in used), [tuple(row[k] for k in used) for row in rows]
 
     @overload
     def __getitem__(self, item: SupportsIndex | str) -> RowT: ...
@@ -122,6 +124,20 @@ class State(NamedTuple):
     column: int
     unit: str
     nominal: float
+
+
+class Watched(NamedTuple):
+    """A condition that a run watches, what it does to its target, and the scene that follows."""
+
+    name: str
+    action: str
+    target: str
+    scene: str
+
+    @property
+    def reconnects(self) -> bool:
+        """Whether a joint is released or engages."""
+        return self.action in {"release", "engage"}
 
 
 class Constraint(NamedTuple):

@@ -22,6 +22,7 @@ from runtime.results.accuracy_target_record import ReachedAccuracy
 from runtime.results.assembled_state import State
 from runtime.results.event_records import Event, SingularPosition
 from runtime.results.motion_at_instants import Motion, at, resume, state
+from runtime.results.reconnection import Reconnection
 from runtime.results.samples import Partition, Samples, plain
 from runtime.results.series_lookup import TimeSeries
 
@@ -67,6 +68,12 @@ class Result(TimeSeries):
         Of a simulation with an accuracy target: the accuracy reached, and how it was estimated.
     parameters
         Parameter values by name.
+    ended_by
+        The condition of the scene's ``until=`` that ended the run; empty if none did.
+    reconnections
+        The joints that were released or engaged in a run, with their impulses.
+    reconnection
+        Of a part of a run: the condition that ended it, and the state there.
     """
 
     outcome: Outcome
@@ -79,6 +86,9 @@ class Result(TimeSeries):
     singular: tuple[SingularPosition, ...]
     accuracy: ReachedAccuracy | None
     parameters: dict[str, float]
+    ended_by: str
+    reconnections: tuple[Reconnection, ...]
+    reconnection: tuple[int, State] | None
     _motion: Motion | None  # behind the samples; None: of an analysis without one
 
     def __init__(
@@ -104,6 +114,7 @@ class Result(TimeSeries):
         self.not_unique, self.singular = tuple(not_unique), tuple(singular)
         self.works, self.accuracy, self.contradiction = {}, None, ""
         self._motion = None
+        self.ended_by, self.reconnections, self.reconnection = "", (), None
         self.parameters = {
             row.name: float(value) for row, value in zip(description.parameters, p, strict=False)
         }

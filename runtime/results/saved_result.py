@@ -8,6 +8,7 @@ import numpy as np
 from runtime.results.accuracy_target_record import Estimate, ReachedAccuracy, Trial
 from runtime.results.event_records import Event, SingularPosition
 from runtime.results.packed_values import pack
+from runtime.results.reconnection import Reconnection
 from runtime.results.result import Result
 from runtime.results.samples import Partition
 
@@ -15,33 +16,38 @@ GROUP = "linkwright"
 """Name of the group in a file, and of its only variable."""
 
 KINDS: tuple[type[Any], ...] = (
-    Estimate, ReachedAccuracy, Trial, SingularPosition
+    Estimate, ReachedAccuracy, Trial, SingularPosition, Reconnection
 )  # fmt: skip
 """Records of a result that are packed as they are."""
 
 
 def saved_result(result: Result) -> bytes:
     """States, works, events and settings; all else follows from these by the machine."""
+    return pack(saved_fields(result))
+
+
+def saved_fields(result: Result) -> dict[str, Any]:
+    """What is kept of a result, by name."""
     samples, motion = result.samples, result._motion
-    return pack(
-        {
-            "title": result.description.title,
-            "analysis": result.analysis,
-            "outcome": result.outcome.name,
-            "message": result.message,
-            "contradiction": result.contradiction,
-            "parameters": result.parameters,
-            "stats": result.stats,
-            "samples": {name: getattr(samples, name) for name in ("t", "q", "v", "modes")},
-            "works": result.works,
-            "events": _event_columns(result.events),
-            "partitions": _partition_columns(result.partitions),
-            "not_unique": result.not_unique,
-            "singular": list(result.singular),
-            "accuracy": result.accuracy,
-            "motion": None if motion is None else motion.saved(),
-        }
-    )
+    return {
+        "title": result.description.title,
+        "analysis": result.analysis,
+        "outcome": result.outcome.name,
+        "message": result.message,
+        "contradiction": result.contradiction,
+        "parameters": result.parameters,
+        "stats": result.stats,
+        "samples": {name: getattr(samples, name) for name in ("t", "q", "v", "modes")},
+        "works": result.works,
+        "events": _event_columns(result.events),
+        "partitions": _partition_columns(result.partitions),
+        "not_unique": result.not_unique,
+        "singular": list(result.singular),
+        "accuracy": result.accuracy,
+        "motion": None if motion is None else motion.saved(),
+        "ended_by": result.ended_by,
+        "reconnections": list(result.reconnections),
+    }
 
 
 def _event_columns(events: Sequence[Event]) -> dict[str, Any]:
