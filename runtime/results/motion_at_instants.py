@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.plain_values import is_a, shown
+from codegen.plain_values import shown
 from runtime.core.unit_roundoff import EPS
 from runtime.results.assembled_state import State
 from runtime.results.samples import Samples
@@ -52,7 +52,7 @@ def at(result: "Result", motion: Motion | None, t: Any, side: Side | None) -> "R
             f"{title}: at() needs the motion behind the result, and this is one of "
             f"{result.analysis}. Ask a result of simulate, kinematics or inverse_dynamics."
         )
-    if side is not None and not (is_a(side, str) and side in ("before", "after")):
+    if not (side is None or (isinstance(side, str) and side in ("before", "after"))):
         raise InputError(f'{title}: side is {shown(side)}; it must be "before" or "after".')
     times = _instants(title, t)
     first, last = _span(result, motion)
