@@ -44,7 +44,7 @@ class Motion(Protocol):
         """The result of going on to another end; see `Result.resume`."""
 
 
-def at(result: "Result", motion: Motion | None, t: Any, side: Side | None) -> "Result":
+def at(result: "Result", motion: Motion | None, t: Any, side: Any) -> "Result":
     """See `Result.at`."""
     title = result.description.title
     if motion is None:
