@@ -138,7 +138,7 @@ def _instants(title: str, t: Any) -> FloatArray:
     return np.atleast_1d(given.astype(np.float64))
 
 
-def _on_side(result: "Result", times: FloatArray, side: Side | None) -> FloatArray:
+def _on_side(result: "Result", times: FloatArray, side: str | None) -> FloatArray:
     """Instants, those of events moved to the side that is asked for, s."""
     if side is None or not result.events:
         return times
