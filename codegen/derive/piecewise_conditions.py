@@ -13,10 +13,14 @@ import sympy
 from sympy.core.relational import Relational
 from sympy.logic.boolalg import Boolean
 
-from codegen.declare.symbols import Parameter, Time
+from codegen.declare.symbols import Coordinate, Parameter, Speed, Time, Velocity, kinds
+from codegen.declare.table_function import Interpolant, TableAtom
 from codegen.derive.poles_of_conditions import without_poles
 from codegen.errors import ModelError
+from codegen.piecewise_cubic import Table
+from codegen.table_branches import branches, end_pieces, range_function, without_ends
 
+_MOVING = (Coordinate, Velocity, Time, Speed)
 KINKED = (sympy.Abs, sympy.Max, sympy.Min, sympy.sign, sympy.Heaviside)
 STEPS = (sympy.Mod, sympy.ceiling, sympy.floor)
 """Functions with a jump at every whole number, in which only what is known beforehand may stand."""
@@ -110,7 +114,40 @@ def as_pieces(expression: sympy.Expr) -> sympy.Expr:
     if expression.has(sympy.Mod, sympy.ceiling):
         expression = expression.replace(sympy.Mod, lambda a, b: a - b * sympy.floor(a / b))
         expression = expression.replace(sympy.ceiling, lambda a: -sympy.floor(-a))
-    return expression.replace(sympy.ITE, _alternatives)
+    return tables_by_branches(expression).replace(sympy.ITE, _alternatives)
+
+
+def tables_by_branches(expression: sympy.Expr) -> sympy.Expr:
+    """The same function with every table whose derivatives jump spelled out as a Piecewise."""
+    return expression.replace(Interpolant, _branches) if expression.has(Interpolant) else expression
+
+
+def _branches(data: TableAtom, order: sympy.Integer, at: sympy.Expr) -> sympy.Expr:
+    """A table whose derivatives jump by smooth branches, and undefined beyond its ends alone."""
+    table: Table = data.table
+    ends = table.stops and (table.smooth < 2 or bool(kinds(at, Coordinate, Velocity, Speed)))
+    if table.role != "values" or table.smooth > 2 or not kinds(at, *_MOVING):
+        return Interpolant(data, order, at)
+    dealt = branches(table)
+
+    def taken(part: Table, derivative: sympy.Expr = order) -> sympy.Expr:
+        return Interpolant(TableAtom(part, data.unit), derivative, at)
+
+    def positive(part: Table) -> Boolean:
+        return marked(taken(part, sympy.S.Zero) > 0, Indifferent)
+
+    if dealt is not None:
+        inside = sympy.Piecewise(
+            (taken(dealt.even), positive(dealt.knots)), (taken(dealt.odd), True)
+        )
+    elif ends:
+        inside = taken(without_ends(table))
+    else:
+        return taken(table)
+    if not ends:
+        return inside
+    within = positive(range_function(table))
+    return sympy.Piecewise((inside, within), (taken(end_pieces(table)), True))
 
 
 def _triangle(inverse: type[sympy.Function], argument: sympy.Expr) -> sympy.Expr:

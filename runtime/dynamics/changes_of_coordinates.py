@@ -42,7 +42,9 @@ _FAILED = {
     )
 }  # fmt: skip
 
-_ALIKE = {Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED}  # in all coordinates too
+_ALIKE = {
+    *(Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED, Outcome.OUT_OF_RANGE)
+}  # in all coordinates too
 
 
 @dataclass(frozen=True)

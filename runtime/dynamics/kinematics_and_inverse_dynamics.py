@@ -32,6 +32,7 @@ from runtime.validation.arguments import instants
 from runtime.validation.masses import require_masses
 from runtime.validation.parameters import parameter_values
 from runtime.validation.requirements_of_contact_and_stiction import require_no_rigid, require_slip
+from runtime.validation.table_ranges import name_left_tables
 
 _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCKED)}
 
@@ -70,6 +71,7 @@ def kinematics(
         not_unique=start.not_unique, singular=motion.singular,
     )  # fmt: skip
     equations = Equations(mechanism, p)
+    name_left_tables(result, equations, every=True)
     check_result(result, equations, magnitudes(equations, start.t, start.q), Options(rtol=0.0))
     return result
 

@@ -8,7 +8,7 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
-from runtime.core.modes_and_event_kinds import SLIDING, Direction
+from runtime.core.modes_and_event_kinds import KNOTS, SLIDING, Direction
 from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.unit_roundoff import EPS
 from runtime.hybrid import mode_consistency as consistency
@@ -37,7 +37,7 @@ def log_event(context: Context, t: float, k: int, direction: int) -> None:
     context.event_kinds[at, 0], context.event_kinds[at, 1] = k, direction
     copy_vector(ws.row_of(context, ws.Y1), context.event_states[at])
     r.logged_events += 1
-    r.events += 1
+    r.events += 1 if context.table_part[k] != KNOTS else 0
 
 
 @inner

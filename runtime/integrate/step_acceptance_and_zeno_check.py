@@ -7,6 +7,7 @@ from runtime.core.array_types import Context
 from runtime.core.jit import addressed
 from runtime.core.kernel_abi import kinetic_energy_of
 from runtime.core.loop_record import run_record
+from runtime.core.modes_and_event_kinds import RANGE
 from runtime.core.outcomes import Outcome
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.integrate.step import Signal, TrialStep, reject
@@ -56,6 +57,10 @@ def accept_step(context: Context) -> int:
         if r.crossing < 0 and side * g1[k] > band[k]:
             band[k] = 0.0
     if r.crossing >= 0:
+        if context.table_part[r.crossing] == RANGE and modes[r.crossing] == 1:
+            r.index = r.crossing
+            copy_end(context, 1, 0)
+            return Outcome.OUT_OF_RANGE
         if context[ft.RIGID_COUNT] != 0:
             kinetic_energy = kinetic_energy_of(context)
             r.before_event = kinetic_energy(context.q1, context.v1, context.parameters)

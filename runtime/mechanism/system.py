@@ -43,5 +43,6 @@ def common_system(
         rigid=tuple(contact.switch for contact in description.rigid),
         sticking=tuple(k for k, row in enumerate(description.switches) if row.sticks),
         boundaries=tuple(description.boundaries.tolist()),
+        table_parts=description.table_parts,
         peaks=tuple((PeakKind[kind.upper()], exponent) for _, kind, exponent in description.peaks),
     )
