@@ -3,9 +3,11 @@
 import hashlib
 import math
 from bisect import bisect_right
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from itertools import pairwise
+from typing import Any, Literal, NamedTuple
 
 MARGIN = 1e-9  # accuracy: rounding of a law's argument beyond its ends, in parts of its length
 
@@ -78,10 +80,45 @@ class Table:
         elif self.stops and not -MARGIN <= (at - self.first) / self.length <= 1 + MARGIN:
             return math.nan
         elif (held := self.held) and not self.first <= at <= self.last:
-            return (held[at > self.last] if order == 0 else 0.0) + 0 * x
+            return (held[int(at > self.last)] if order == 0 else 0.0) + 0 * x
         inner = bisect_right(self.knots, at, 1, len(self.knots) - 1) - 1
         s, row = x - self.knots[inner], self.rows[inner]
         return derivative_at(row, s, order)
+
+
+class Excess(NamedTuple):
+    """The place furthest outside of the values at the knots."""
+
+    at: float
+    value: float
+    share: float  # of their range
+
+
+def excess(table: Table) -> Excess | None:
+    """By how much a table leaves the range of its points; None where it stays inside."""
+    ends = [row[0] for row in table.rows]
+    ends.append(derivative_at(table.rows[-1], table.knots[-1] - table.knots[-2], 0))
+    low, high = min(ends), max(ends)
+    worst = None
+    for (left, right), row in zip(pairwise(table.knots), table.rows, strict=True):
+        for s in _turning_places(row, right - left):
+            value = derivative_at(row, s, 0)
+            beyond = max(value - high, low - value)
+            if beyond > 0.0 and (worst is None or beyond > worst.share):
+                worst = Excess(left + s, value, beyond)
+    return worst and worst._replace(share=worst.share / (high - low) if high > low else math.inf)
+
+
+def _turning_places(row: Row, length: float) -> Iterator[float]:
+    """Where the slope of a piece vanishes inside of it: c1 + 2 c2 s + 3 c3 s² = 0."""
+    _, c1, c2, c3 = row
+    under = c2 * c2 - 3 * c1 * c3
+    if under < 0.0:
+        return
+    half = -(c2 + math.copysign(math.sqrt(under), c2))
+    for top, bottom in ((half, 3 * c3), (c1, half)):
+        if bottom != 0.0 and 0.0 < top / bottom < length:
+            yield top / bottom
 
 
 def derivative_at(row: Row, s: Any, order: int) -> Any:

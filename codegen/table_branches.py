@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from codegen.piecewise_cubic import Row, Table, derivative_at
 
-# accuracy: of the sizes of a derivative on both sides; a smaller jump is rounding
+# accuracy: of the sizes of a derivative on both sides, and of the values; less is rounding
 _CONTINUOUS = 1e-12
 
 
@@ -58,7 +58,7 @@ def without_ends(table: Table) -> Table:
 
 @cache
 def branches(table: Table) -> Branches | None:
-    """The branches of a table; None where none but a spline's third derivative jumps."""
+    """The branches of a table; None where none of its derivatives jumps."""
     if table.smooth > 2 or table.role != "values":
         return None
     pieces = _pieces(table)
@@ -99,12 +99,11 @@ def _pieces(table: Table) -> list[_Piece]:
 
 def _jumps(table: Table, before: _Piece, knot: float, row: Row) -> bool:
     """Whether a derivative that the kind does not keep continuous jumps at a knot."""
-    if table.smooth >= 2:
-        return False
-    s = knot - before.anchors[-1]
+    s, least = knot - before.anchors[-1], _CONTINUOUS * max(abs(other[0]) for other in table.rows)
     for order in range(table.smooth + 1, 4):
         left, right = derivative_at(before.rows[-1], s, order), derivative_at(row, 0.0, order)
-        if abs(right - left) > _CONTINUOUS * max(abs(left), abs(right)):
+        jump = abs(right - left)
+        if jump > _CONTINUOUS * max(abs(left), abs(right)) and jump * s**order > least:
             return True
     return False
 

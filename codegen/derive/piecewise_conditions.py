@@ -103,8 +103,8 @@ def boundary(condition: Relational) -> Boundary:
     return Boundary.CLOSED if isinstance(condition, sympy.Ge | sympy.Le) else Boundary.OPEN
 
 
-def as_pieces(expression: sympy.Expr) -> sympy.Expr:
-    """The same function with every kink spelled out as a Piecewise."""
+def as_pieces(expression: sympy.Expr, may_switch: bool = True) -> sympy.Expr:
+    """The same function with every kink spelled out as a Piecewise, see `tables_by_branches`."""
     for inverse in INVERSES:
         if expression.has(inverse):
             expression = expression.replace(inverse, partial(_triangle, inverse))
@@ -114,19 +114,32 @@ def as_pieces(expression: sympy.Expr) -> sympy.Expr:
     if expression.has(sympy.Mod, sympy.ceiling):
         expression = expression.replace(sympy.Mod, lambda a, b: a - b * sympy.floor(a / b))
         expression = expression.replace(sympy.ceiling, lambda a: -sympy.floor(-a))
-    return tables_by_branches(expression).replace(sympy.ITE, _alternatives)
+    return tables_by_branches(expression, may_switch).replace(sympy.ITE, _alternatives)
 
 
-def tables_by_branches(expression: sympy.Expr) -> sympy.Expr:
-    """The same function with every table whose derivatives jump spelled out as a Piecewise."""
-    return expression.replace(Interpolant, _branches) if expression.has(Interpolant) else expression
+def tables_by_branches(expression: sympy.Expr, may_switch: bool = True) -> sympy.Expr:
+    """The same function with every table whose derivatives jump spelled out as a Piecewise.
+
+    Where nothing may switch, in constraints, only those of the time and parameters.
+    """
+    if not expression.has(Interpolant):
+        return expression
+    return expression.replace(Interpolant, partial(_branches, may_switch))
 
 
-def _branches(data: TableAtom, order: sympy.Integer, at: sympy.Expr) -> sympy.Expr:
-    """A table whose derivatives jump by smooth branches, and undefined beyond its ends alone."""
+def _branches(
+    may_switch: bool, data: TableAtom, order: sympy.Integer, at: sympy.Expr
+) -> sympy.Expr:
+    """A table by its smooth branches, and undefined beyond its ends alone.
+
+    The third derivative of a spline jumps too. It matters where switches are, measured by the error
+    of a run; a spline of the time stays as it is, for the sake of laws of motion.
+    """
     table: Table = data.table
-    ends = table.stops and (table.smooth < 2 or bool(kinds(at, Coordinate, Velocity, Speed)))
-    if table.role != "values" or table.smooth > 2 or not kinds(at, *_MOVING):
+    known = is_known_beforehand(at)
+    abrupt = table.smooth < 2 or table.held is not None
+    splits = abrupt if known else may_switch
+    if table.role != "values" or table.smooth > 2 or not (splits and kinds(at, *_MOVING)):
         return Interpolant(data, order, at)
     dealt = branches(table)
 
@@ -136,15 +149,12 @@ def _branches(data: TableAtom, order: sympy.Integer, at: sympy.Expr) -> sympy.Ex
     def positive(part: Table) -> Boolean:
         return marked(taken(part, sympy.S.Zero) > 0, Indifferent)
 
+    inside = taken(without_ends(table) if table.stops else table)
     if dealt is not None:
         inside = sympy.Piecewise(
             (taken(dealt.even), positive(dealt.knots)), (taken(dealt.odd), True)
         )
-    elif ends:
-        inside = taken(without_ends(table))
-    else:
-        return taken(table)
-    if not ends:
+    if not table.stops:
         return inside
     within = positive(range_function(table))
     return sympy.Piecewise((inside, within), (taken(end_pieces(table)), True))

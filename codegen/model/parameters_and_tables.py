@@ -4,17 +4,33 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, get_args
+from warnings import warn
 
 from codegen.cubic_spline import Ends, Kind, fit
 from codegen.declare import units as quantities
 from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule
 from codegen.declare.table_function import FEWEST, TableFunction, point_problems
-from codegen.errors import FAILURES
+from codegen.errors import FAILURES, TableWarning
 from codegen.model.base import Declarations
-from codegen.piecewise_cubic import Beyond
+from codegen.piecewise_cubic import Beyond, Table, excess
 from codegen.plain_values import one_line, plain_name, shown
 
+_EXCESS = 0.05  # safety: of the range of the data; a curve that leaves it by more swings
+
 KINDS, BEYOND, ENDS = get_args(Kind), get_args(Beyond), get_args(Ends)
+
+
+def _warn_of_excess(table: Table, low: float, high: float) -> None:
+    """Say that a curve swings out of the range of its data."""
+    found = excess(table)
+    if found is not None and found.share > _EXCESS:
+        warn(
+            f"table '{table.name}': the {table.kind} leaves the range of its data, {low:g} to "
+            f"{high:g}, by {100 * found.share:.3g} % of it: it is {found.value:.6g} at "
+            f"{found.at:.6g}; give kind='pchip', which stays inside, or more points.",
+            TableWarning,
+            stacklevel=5,
+        )
 
 
 def _unused(periodic: bool, kind: str, beyond: str, ends: str) -> Iterator[str]:
@@ -126,6 +142,7 @@ class Values(Declarations):
         if self._claim("table", name) and len(self.problems) == before:
             table = fit(name, at, values, periodic, kind, ends, beyond)
             if all(math.isfinite(c) for row in table.rows for c in row):
+                _warn_of_excess(table, min(values), max(values))
                 return TableFunction(table, units)
             self._note(f"{where}: no finite curve goes through points so far apart; rescale them.")
         return TableFunction(fit("none", (0.0, 1.0, 2.0, 3.0), (0.0,) * 4, periodic=False))

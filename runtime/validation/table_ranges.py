@@ -56,6 +56,9 @@ class _Argument:
     def sentence(self, t: float, q: FloatArray, v: FloatArray) -> str:
         """The name, the number and the range."""
         row, value = self.row, self(t, q, v)
+        for end in (row.low, row.high):
+            if abs(value - end) <= _MARGIN * self.length:
+                value = end
         return (
             f"Table '{row.table}' of '{row.name}' is left at {row.at} = {value:.9g}: its points go "
             f"from {row.low:g} to {row.high:g}."
