@@ -152,6 +152,9 @@ def _search(
 
     end, counts = settle_down(statics, start, progress)
     finite = np.isfinite(end).all()
+    if not finite and description.table_ranges:  # it left one; a search ends where that does
+        position = minimise(statics, start, progress)
+        return position, position.q, counts
     return polish(statics, end) if finite else evaluate_position(statics, start), end, counts
 
 

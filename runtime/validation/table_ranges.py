@@ -75,5 +75,6 @@ class _Argument:
             return True
         value, ahead = self(t, q, v), _AHEAD * max(1.0, abs(t))
         change = self(t + ahead, q + ahead * v, v) - value
-        end = self.row.high if change > 0.0 else self.row.low
-        return bool(change != 0.0 and abs(value - end) <= _NEAR * self.length)
+        to_low, to_high = (abs(value - end) for end in (self.row.low, self.row.high))
+        way = to_high if change > 0.0 else to_low if change < 0.0 else min(to_low, to_high)
+        return bool(way <= _NEAR * self.length)
