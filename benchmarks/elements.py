@@ -1,14 +1,15 @@
 """One small model an element: two bodies, the element between them, and its hand-written twins."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from sympy import cos, sin, sqrt
 
+from benchmarks.element_sample import RHS, Sample, force, joint
 from benchmarks.hand import cams, drivers, forces, joints
+from benchmarks.transmissions import TRANSMISSIONS
 from benchmarks.twins import Generated, States, Twin, generate
 from codegen import Model, alpha, t
 from codegen.declare.body import Body, Point
@@ -18,39 +19,6 @@ MEAN, MOST = 1.0, 1.3
 """What a generated kernel may take of its twin's time: in the geometric mean, and each."""
 S_I, S_J, AXIS = (0.3, -0.2), (-0.5, 0.1), (0.6, 0.8)
 LAW = 0.4 + 0.3 * sin(2 * t)
-RHS = "acceleration_rhs"
-
-Declare = Callable[[Model, Point, Point], Any]
-
-
-@dataclass(frozen=True)
-class Sample:
-    """An element as it is measured.
-
-    Attributes
-    ----------
-    kind
-        The kind under which the library knows it.
-    label
-        What the table calls it.
-    declare
-        Adds it to a model between two points.
-    twins
-        Generated kernel → hand-written one.
-    """
-
-    kind: str
-    label: str
-    declare: Declare
-    twins: dict[str, Any]
-
-
-def _joint(kind: str, declare: Declare, jacobian: Any, rhs: Any, label: str = "") -> Sample:
-    return Sample(kind, label or kind, declare, {"jacobian": jacobian, RHS: rhs})
-
-
-def _force(kind: str, declare: Declare, twin: Any, label: str = "") -> Sample:
-    return Sample(kind, label or kind, declare, {"applied_forces": twin})
 
 
 def _ellipse(body: Body) -> Any:
@@ -78,89 +46,89 @@ def _drag(m: Model, i: Point, j: Point) -> None:
 
 
 JOINTS = (
-    _joint(
+    joint(
         "absolute",
         lambda m, i, j: m.absolute("e", j, "x", 0.4),
         joints.absolute_jacobian,
         joints.absolute_rhs,
         "absolute x",
     ),
-    _joint(
+    joint(
         "relative",
         lambda m, i, j: m.relative("e", i, j, "x", 0.4),
         joints.relative_jacobian,
         joints.relative_rhs,
         "relative x",
     ),
-    _joint(
+    joint(
         "distance",
         lambda m, i, j: m.distance("e", i, j, 1.5),
         joints.distance_jacobian,
         joints.distance_rhs,
     ),
-    _joint(
+    joint(
         "revolute",
         lambda m, i, j: m.revolute("e", i, j),
         joints.revolute_jacobian,
         joints.revolute_rhs,
     ),
-    _joint(
+    joint(
         "translational",
         lambda m, i, j: m.translational("e", i, j, AXIS, 0.2),
         joints.translational_jacobian,
         joints.translational_rhs,
     ),
-    _joint(
+    joint(
         "weld",
         lambda m, i, j: m.weld("e", i, j, 0.2),
         joints.weld_jacobian,
         joints.weld_rhs,
     ),
-    _joint(
+    joint(
         "revolute-revolute",
         lambda m, i, j: m.revolute_revolute("e", i, j, 1.5),
         joints.distance_jacobian,
         joints.distance_rhs,
     ),
-    _joint(
+    joint(
         "revolute-translational",
         lambda m, i, j: m.revolute_translational("e", i, j, AXIS, 0.1),
         joints.revolute_translational_jacobian,
         joints.revolute_translational_rhs,
     ),
-    _joint(
+    joint(
         "gear",
         lambda m, i, j: m.gear("e", i.body, j.body, 0.3, 0.2, line=0.7),
         joints.gear_jacobian,
         joints.gear_rhs,
     ),
-    _joint(
+    joint(
         "rack-and-pinion",
         lambda m, i, j: m.rack_and_pinion("e", j.body, i, 0.25, AXIS),
         joints.rack_and_pinion_jacobian,
         joints.rack_and_pinion_rhs,
     ),
-    _joint(
+    joint(
         "constraint",
         lambda m, i, j: m.constraint("e", j.body.y - 2 * i.body.x**2),
         joints.parabola_jacobian,
         joints.parabola_rhs,
         "constraint, y = 2 x²",
     ),
-    _joint(
+    joint(
         "cam and flat-faced follower",
         lambda m, i, j: m.cam_flat_follower("e", i.body.circle(0.1, (0.02, 0.01)), j, AXIS),
         cams.flat_jacobian,
         cams.flat_rhs,
     ),
-    _joint(
+    joint(
         "cam and follower",
         lambda m, i, j: m.cam_follower("e", _ellipse(i.body), j.body.circle(0.05)),
         cams.roller_jacobian,
         cams.roller_rhs,
         "cam and roller",
     ),
-    _joint(
+    joint(
         "point follower",
         lambda m, i, j: m.point_follower("e", _ellipse(i.body), j),
         cams.point_jacobian,
@@ -169,34 +137,34 @@ JOINTS = (
 )
 
 DRIVERS = (
-    _joint(
+    joint(
         "driver",
         lambda m, i, j: m.driver("e", j.body.phi, LAW),
         drivers.motion_jacobian,
         drivers.motion_rhs,
         "driver of φ",
     ),
-    _joint(
+    joint(
         "point driver",
         lambda m, i, j: m.point_driver("e", j, "x", LAW),
         drivers.point_jacobian,
         drivers.point_rhs,
         "point driver of x",
     ),
-    _joint(
+    joint(
         "relative driver",
         lambda m, i, j: m.relative_driver("e", i, j, "x", LAW),
         drivers.relative_jacobian,
         drivers.relative_rhs,
         "relative driver of x",
     ),
-    _joint(
+    joint(
         "translation driver",
         lambda m, i, j: m.translation_driver("e", i, j, LAW, AXIS),
         drivers.translation_jacobian,
         drivers.translation_rhs,
     ),
-    _joint(
+    joint(
         "distance driver",
         lambda m, i, j: m.distance_driver("e", i, j, 1.1 + LAW),
         drivers.distance_jacobian,
@@ -205,41 +173,53 @@ DRIVERS = (
 )
 
 FORCES = (
-    _force("gravity", lambda m, i, j: m.gravity("e", (0, -9.81)), forces.gravity),
-    _force("force", lambda m, i, j: m.force("e", j, 4, -7), forces.applied),
-    _force(
+    force("gravity", lambda m, i, j: m.gravity("e", (0, -9.81)), forces.gravity),
+    force("force", lambda m, i, j: m.force("e", j, 4, -7), forces.applied),
+    force(
         "force",
         lambda m, i, j: m.force("e", j, 4, -7, frame="body"),
         forces.following,
         "force fixed in the body",
     ),
-    _force("torque", lambda m, i, j: m.torque("e", j.body, 20 - 3 * j.body.omega), forces.torque),
-    _force("spring", lambda m, i, j: m.spring("e", i, j, 120, 0.8, 9, 5), forces.spring),
-    _force(
+    force("torque", lambda m, i, j: m.torque("e", j.body, 20 - 3 * j.body.omega), forces.torque),
+    force("spring", lambda m, i, j: m.spring("e", i, j, 120, 0.8, 9, 5), forces.spring),
+    force(
+        "line force",
+        lambda m, i, j: m.line_force("e", i, j, lambda length, rate: 40 * length + 3),
+        forces.line_force,
+    ),
+    force(
+        "motor",
+        lambda m, i, j: m.motor(
+            "e", j.body, i.body, stall_torque=0.8, no_load_speed=300, voltage=0.5
+        ),
+        forces.motor,
+    ),
+    force(
         "torsion spring",
         lambda m, i, j: m.torsion_spring("e", i.body, j.body, 12, 0.2, 0.6, 1.5),
         forces.torsion_spring,
     ),
-    _force(
+    force(
         "bushing",
         lambda m, i, j: m.bushing("e", i, j, (900, 700, 50), (8, 6, 0.4), 0.1),
         forces.bushing,
     ),
-    _force(
+    force(
         "contact",
         lambda m, i, j: m.contact(
             "e", i, j, stiffness=5000, damping=30, free_length=0.1, direction=AXIS
         ),
         forces.contact,
     ),
-    _force(
+    force(
         "potential",
         lambda m, i, j: m.potential("e", 6 * (i.body.x**2 + i.body.y**2) ** 2),
         forces.potential,
         "potential, 6 r⁴",
     ),
-    _force("dry friction", _sticking, forces.dry_friction, "dry friction"),
-    _force(
+    force("dry friction", _sticking, forces.dry_friction, "dry friction"),
+    force(
         "rigid contact",
         lambda m, i, j: m.contact(
             "e", i, j, direction=(forces.UX, forces.UY), free_length=0.1, restitution=0.5
@@ -247,11 +227,11 @@ FORCES = (
         forces.rigid_contact,
         "rigid contact",
     ),
-    _force("generalized force", _drag, forces.generalized, "generalized force, drag"),
+    force("generalized force", _drag, forces.generalized, "generalized force, drag"),
     Sample("friction", "friction in a guide", _rubbing, {"accelerations": forces.friction}),
 )
 
-SAMPLES = JOINTS + DRIVERS + FORCES
+SAMPLES = JOINTS + DRIVERS + FORCES + TRANSMISSIONS
 
 
 def generated(sample: Sample, folder: Path) -> Generated:

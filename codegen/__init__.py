@@ -7,7 +7,21 @@ are first used, so that the runtime can ask for the errors alone.
 """
 
 from codegen.damaged_byte_code import keep_no_byte_code
-from codegen.errors import InputError, LinkwrightError, ModelError
+from codegen.errors import (
+    AnalysisError,
+    AssemblyError,
+    GeneratedFileError,
+    InputError,
+    LinkwrightError,
+    ModelError,
+    ModelFileError,
+    NoAttributeError,
+    ParameterError,
+    RedundancyError,
+    SceneError,
+    SupersededError,
+    UnknownNameError,
+)
 
 TYPE_CHECKING = False  # type checkers take it as true; importing typing would load modules
 if TYPE_CHECKING:
@@ -45,9 +59,11 @@ _ROOMS = {
 }
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names}
 
-__all__ = ["Body", "BuildReport", "ConjugateReaction", "Constraint", "Coordinate", "Curve"]
-__all__ += ["Effect", "I", "InputError", "J", "JointReaction", "LinkwrightError", "Model"]
-__all__ += ["ModelError", "Point", "Scene", "Statement"]
+__all__ = ["AnalysisError", "AssemblyError", "Body", "BuildReport", "ConjugateReaction"]
+__all__ += ["Constraint", "Coordinate", "Curve", "Effect", "GeneratedFileError", "I", "InputError"]
+__all__ += ["J", "JointReaction", "LinkwrightError", "Model", "ModelError", "ModelFileError"]
+__all__ += ["NoAttributeError", "ParameterError", "Point", "RedundancyError", "Scene", "SceneError"]
+__all__ += ["Statement", "SupersededError", "UnknownNameError"]
 __all__ += ["__version__", "alpha", "build", "coordinate", "element", "given", "t"]
 
 

@@ -155,6 +155,18 @@ def values(example: str) -> Reader:
     return read
 
 
+def functions(example: str) -> Reader:
+    """A mapping from names to functions, as a dictionary."""
+
+    def read(value: Any) -> dict[str, Callable[..., Any]]:
+        entries = dict(value.items()) if isinstance(value, Mapping) else {"": None}
+        if not all(isinstance(name, str) and callable(f) for name, f in entries.items()):
+            raise KindError(f"it must be a mapping from names to functions, such as {example}.")
+        return {str.__str__(name): f for name, f in entries.items() if callable(f)}
+
+    return read
+
+
 def path(value: Any) -> Path:
     """A path: a text or an `os.PathLike` that the file system can have."""
     try:

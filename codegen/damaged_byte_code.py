@@ -22,7 +22,10 @@ class CacheWarning(UserWarning):
     """Compiled code on the disk is damaged or cannot be kept, and is made anew."""
 
 
-_PACKAGES = {"codegen", "runtime", "generated", "models"}
+_PACKAGES = {"codegen", "runtime", "linkwright", "generated", "models"}
+_BESIDE = {"codegen", "runtime", "linkwright"}
+"""Those that a file in the user's folder does not replace."""
+_LIBRARY = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))  # noqa: PTH100, PTH120
 
 
 class _Finder:
@@ -35,7 +38,7 @@ class _Finder:
         """The specification of a module of ours; None for all others."""
         if name.partition(".")[0] not in _PACKAGES:
             return None
-        spec = PathFinder.find_spec(name, path, target)
+        spec = PathFinder.find_spec(name, [_LIBRARY] if name in _BESIDE else path, target)
         if spec is not None and type(spec.loader) is SourceFileLoader:
             spec.loader = _Loader(spec.loader.name, spec.loader.path)
         return spec

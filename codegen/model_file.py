@@ -20,13 +20,15 @@ from typing import cast
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.errors import InputError, ModelFileError
 from codegen.generated_module_signature_and_import import is_signed
+from codegen.library_layout import LIBRARY, models_folder
 from codegen.model import Model
 from codegen.plain_values import one_line, shown
 
 _LONGEST_PATH = 1000  # layout: characters of a path in a message
 _IN_USE = {
-    *("codegen", "runtime", "filelock", "llvmlite", "matplotlib", "mpmath", "netCDF4", "numba"),
-    *("numpy", "pandas", "pint", "pyarrow", "rich", "scipy", "sympy", "typer", "xarray"),
+    *("codegen", "linkwright", "runtime", "filelock", "llvmlite", "matplotlib", "mpmath"),
+    *("netCDF4", "numba", "numpy", "pandas", "pint", "pyarrow", "rich", "scipy", "sympy"),
+    *("typer", "xarray"),
 }
 """Packages that a file beside a model file does not replace."""
 
@@ -48,11 +50,6 @@ class ModelFile:
         return self.path.stem if self.path else self.model.name
 
 
-def library_folder() -> Path:
-    """The folder that holds the library's packages `models` and `generated`."""
-    return Path(__file__).resolve().parent.parent
-
-
 def find_model_file(model: str | Path) -> Path:
     """The file of a model: a path, or a name for ``models/NAME.py``.
 
@@ -60,8 +57,8 @@ def find_model_file(model: str | Path) -> Path:
     file of that path itself. ModelFileError where there is none.
     """
     given = Path(model)
-    folders = (Path.cwd() / "models", library_folder() / "models")
-    named = [] if given.is_absolute() else [folder / f"{given}.py" for folder in folders]
+    folders = (Path.cwd() / "models", models_folder())
+    named = [] if given.is_absolute() else [f / f"{given}.py" for f in folders if f]
     if given.suffix == ".py":
         candidates = [given]
     else:
@@ -171,7 +168,7 @@ def _package(path: Path) -> str:
 
 def _is_local(file: Path) -> bool:
     """Whether a file belongs to the user or the library of models, rather than to a package."""
-    ours = (library_folder() / name for name in ("codegen", "runtime", "generated"))
+    ours = (LIBRARY / name for name in ("linkwright", "codegen", "runtime", "generated"))
     return not any(file.is_relative_to(folder) for folder in (*ours, *_installed()))
 
 

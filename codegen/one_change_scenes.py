@@ -46,7 +46,11 @@ def variants(model: Model, scene: Scene, *, fidelities: bool = True) -> tuple[Va
     In a kinematic scene no effect acts, but a link may replace a body.
     """
     acting = {} if scene.analysis == "kinematics" else model.acting(scene)
-    acting = {name: effect for name, effect in acting.items() if effect.kind != TRACKED}
+    acting = {
+        name: effect
+        for name, effect in acting.items()
+        if effect.kind != TRACKED and name in scene.effects
+    }
     found = [Variant(name, effect.kind, NONE, True) for name, effect in acting.items()]
     if not fidelities:
         return tuple(found)

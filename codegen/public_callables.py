@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 from codegen.errors import FAILURES, InputError, LinkwrightError, ModelError, NoAttributeError
 from codegen.plain_values import class_name, genuine, one_line, plain_name, shown
+from codegen.readable_signatures import readable
 
 Class = TypeVar("Class", bound=type[Any])
 _SHOWN = 40  # layout: characters of an argument in a message
@@ -48,6 +49,7 @@ def checked_call(
     """
     about = signature(function)
 
+    @readable
     @wraps(function)
     def call(*arguments: Any, **words: Any) -> Any:
         try:
@@ -87,6 +89,7 @@ def error_boundary(method: Callable[..., Any], owner: str) -> Callable[..., Any]
             text += f" of '{plain_name(of_whom)}'"
         return text
 
+    @readable
     @wraps(method)
     def call(*arguments: Any, **words: Any) -> Any:
         if named and "name" in words:

@@ -12,6 +12,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "modules.md"
 
+ROOMS = ("linkwright", "codegen", "runtime")
+
 HEAD = """# Modules
 
 Every module of the compiler and the runtime, with the first sentence of its docstring.
@@ -30,7 +32,7 @@ def summary(path: Path) -> str:
 def page() -> str:
     """The text of docs/modules.md."""
     parts = [HEAD]
-    files = [path for room in ("codegen", "runtime") for path in (ROOT / room).rglob("*.py")]
+    files = [path for room in ROOMS for path in (ROOT / room).rglob("*.py")]
     files.sort(key=lambda path: (path.parent.parts, path.name))
     for room, modules in groupby(files, key=lambda path: path.parent):
         listed = [(path, summary(path)) for path in modules]

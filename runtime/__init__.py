@@ -21,11 +21,17 @@ if TYPE_CHECKING:
     from runtime.core.outcomes import Outcome
     from runtime.machine_facade import Machine
     from runtime.machine_loading import load
+    from runtime.results.assembled_state import Assembly
+    from runtime.results.event_records import Event
     from runtime.results.result import Result
+    from runtime.statics.equilibrium import Equilibrium
     from runtime.studies.effect_ranking import matters
     from runtime.studies.work_precision import accuracy
 
 _HOMES = {
+    "Assembly": "runtime.results.assembled_state",
+    "Equilibrium": "runtime.statics.equilibrium",
+    "Event": "runtime.results.event_records",
     "Machine": "runtime.machine_facade",
     "Outcome": "runtime.core.outcomes",
     "Result": "runtime.results.result",
@@ -34,7 +40,8 @@ _HOMES = {
     "matters": "runtime.studies.effect_ranking",
 }
 
-__all__ = ["Machine", "Outcome", "Result", "accuracy", "load", "matters"]
+__all__ = ["Assembly", "Equilibrium", "Event", "Machine", "Outcome", "Result"]
+__all__ += ["accuracy", "load", "matters"]
 
 
 def __getattr__(name: str) -> object:

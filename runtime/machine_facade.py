@@ -8,11 +8,12 @@ import numpy.typing as npt
 from codegen.public_callables import checked_class, immutable, named_attributes
 from runtime.machine_states import MachineStates
 from runtime.mechanism.mechanism_tables_and_kernels import Values
-from runtime.progress_bar import bar
+from runtime.progress_bar import bar, shows_compilation
 from runtime.validation.arguments import check
-from runtime.validation.scene_support import require_energy, require_motion
+from runtime.validation.scene_support import refuse_states, require_energy, require_motion
 
 if TYPE_CHECKING:
+    from runtime.dynamics.controllers import Functions
     from runtime.integrate.problem import Correction, Formulation
     from runtime.results.assembled_state import Assembly
     from runtime.results.result import Result
@@ -26,12 +27,14 @@ _SETTINGS = ("accuracy", "rtol", "atol", "quantities", "method", "formulation")
 class Machine(MachineStates):
     """A mechanism in one scene, ready to be analysed; `runtime.load` makes one."""
 
+    @shows_compilation
     def simulate(
-        self, t_end: float, t_eval: npt.ArrayLike | None = None, *, accuracy: float | None = None,
+        self, t_end: float, t_eval: "npt.ArrayLike | None" = None, *, accuracy: float | None = None,
         quantities: Sequence[str] | None = None, t_start: float = 0.0, method: str | None = None,
         rtol: float | None = None, atol: float | None = None, parameters: Values | None = None,
         guess: Values | None = None, start: "Assembly | None" = None,
-        correction: "Correction" = "step", formulation: "Formulation | None" = None,
+        controllers: "Functions | None" = None, correction: "Correction" = "step",
+        formulation: "Formulation | None" = None,
         time_scale: float | None = None, first_step: float | None = None,
         max_step: float | None = None, max_steps: int | None = None,
         max_bytes: int = 2**30, progress: bool = True,
@@ -68,6 +71,11 @@ class Machine(MachineStates):
             but not more than 1 m; the same a second for velocities.
         parameters
             Values by name, in the declared units; the others keep their defaults.
+        controllers
+            Sampled value that is declared without an expression → a function of yours that computes
+            it at each of its samples, ``lambda sample: -4.0 * sample.q("arm.phi")``, from
+            `Sample.t`, `q`, `v` and `y`. A call takes some microseconds, where an expression takes
+            one; `accuracy` calls the function in several runs.
         correction, time_scale
             States return onto the constraints once a "step" (dependent coordinates from independent
             ones), at every "stage", by "projection", "baumgarte" or "hybrid", for which see
@@ -97,7 +105,8 @@ class Machine(MachineStates):
         require_motion(self.mechanism, "simulate")
         given = check(
             self.mechanism, t_end=t_end, t_eval=t_eval, t_start=t_start, parameters=parameters,
-            guess=guess, start=start, correction=correction, time_scale=time_scale,
+            guess=guess, start=start, controllers=controllers, correction=correction,
+            time_scale=time_scale,
             first_step=first_step, max_step=max_step, max_steps=max_steps, max_bytes=max_bytes,
             progress=progress, accuracy=accuracy, rtol=rtol, atol=atol, quantities=quantities,
             method=method, formulation=formulation,
@@ -107,8 +116,9 @@ class Machine(MachineStates):
         with bar(f"simulate {self.mechanism.title}", given.pop("progress")) as report:
             return analyse(**given, progress=report)
 
+    @shows_compilation
     def kinematics(
-        self, t_eval: npt.ArrayLike, *, parameters: Values | None = None,
+        self, t_eval: "npt.ArrayLike", *, parameters: Values | None = None,
         guess: Values | None = None, t_start: float = 0.0, progress: bool = True,
     ) -> "Result":  # fmt: skip
         """Positions, velocities and accelerations of a machine whose drivers leave no freedom.
@@ -143,8 +153,9 @@ class Machine(MachineStates):
 
         return self._prescribed_motion(kinematics, t_eval, parameters, guess, t_start, progress)
 
+    @shows_compilation
     def inverse_dynamics(
-        self, t_eval: npt.ArrayLike, *, parameters: Values | None = None,
+        self, t_eval: "npt.ArrayLike", *, parameters: Values | None = None,
         guess: Values | None = None, t_start: float = 0.0, progress: bool = True,
     ) -> "Result":  # fmt: skip
         """Forces and torques that a prescribed motion takes, and the reactions in the joints.
@@ -172,12 +183,13 @@ class Machine(MachineStates):
         )
 
     def _prescribed_motion(
-        self, analyse: Callable[..., "Result"], t_eval: npt.ArrayLike, parameters: Values | None,
+        self, analyse: Callable[..., "Result"], t_eval: "npt.ArrayLike", parameters: Values | None,
         guess: Values | None, t_start: float, progress: bool,
     ) -> "Result":  # fmt: skip
         """The motion that the drivers prescribe, analysed."""
         word = analyse.__name__
         require_motion(self.mechanism, word)
+        refuse_states(self.mechanism, word)
         given = check(
             self.mechanism, parameters=parameters, guess=guess, t_start=t_start, progress=progress
         )
@@ -185,6 +197,7 @@ class Machine(MachineStates):
         with bar(title, given.pop("progress")) as report:
             return analyse(self.mechanism, t_eval, **given, progress=report)
 
+    @shows_compilation
     def equilibrium(
         self, method: str = "energy", *, guess: Values | None = None,
         parameters: Values | None = None, t: float = 0.0, progress: bool = True,
@@ -225,6 +238,7 @@ class Machine(MachineStates):
         if method == "settling":
             require_motion(self.mechanism, 'equilibrium(method="settling")')
         require_energy(self.mechanism)
+        refuse_states(self.mechanism, "equilibrium")
         with bar(f"equilibrium of {self.mechanism.title}", given.pop("progress")) as report:
             return equilibrium(self.mechanism, **given, progress=report)
 

@@ -19,13 +19,15 @@ from codegen.generated_module_signature_and_import import (
     read_generated,
     text_hash,
 )
+from codegen.library_layout import LIBRARY as _LIBRARY
+from codegen.library_layout import models_folder
 from codegen.plain_values import one_line, shown
+from runtime.progress_bar import compilation_shown
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
     from runtime.machine_facade import Machine
 
-_LIBRARY = Path(__file__).resolve().parent.parent  # the folder of the library's own packages
 _ATTEMPTS = 5
 _LONGEST_PATH = 1000  # layout: characters of a path in a message
 _FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
@@ -33,11 +35,12 @@ _FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 @readers.reads(
     model=readers.model, scene=readers.optional(readers.scene),
-    folder=readers.optional(readers.path),
+    folder=readers.optional(readers.path), generated=readers.optional(readers.path),
 )  # fmt: skip
 def load(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     folder: str | os.PathLike[str] | None = None,
+    generated: str | os.PathLike[str] | None = None,
 ) -> "Machine":  # fmt: skip
     """Load a machine, building its kernels where they are missing or older than the model.
 
@@ -53,25 +56,31 @@ def load(
     folder
         The folder one works in: `models/` is looked for there, and a user's own models are
         generated into its `generated/`. The current directory unless given.
+    generated
+        The folder of the generated modules, as `build(out=...)` names it, relative to `folder`; by
+        default `generated/` in `folder`, and for a model of the library the library's own.
     """
     here = (Path(folder) if folder is not None else Path.cwd()).resolve()
     for attempt in range(_ATTEMPTS):
         if isinstance(model, str | os.PathLike):
-            file, generated = _locate(os.fspath(model), here)
-            path, digest = _fresh_module(file, generated, scene)
+            file, modules = _locate(os.fspath(model), here)
+            modules = modules if generated is None else here / generated
+            path, digest = _fresh_module(file, modules, scene)
         else:
-            path, digest = _build(model, scene, here / "generated")
+            path, digest = _build(model, scene, here / (generated or "generated"))
         try:
-            module = import_generated(path, digest)
+            with compilation_shown():
+                module = import_generated(path, digest)
             break
         except SupersededError:
             if attempt == _ATTEMPTS - 1:
                 raise
-    from runtime.core.kernel_abi import gather
-    from runtime.machine_facade import Machine
-    from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
-    from runtime.mechanism.module_tables import describe
-    from runtime.mechanism.tangents_and_reduced_modules import Origin
+    with compilation_shown():
+        from runtime.core.kernel_abi import gather
+        from runtime.machine_facade import Machine
+        from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+        from runtime.mechanism.module_tables import describe
+        from runtime.mechanism.tangents_and_reduced_modules import Origin
 
     description = describe(module)
     declared = None if scene is None or isinstance(scene, str) else scene
@@ -82,13 +91,13 @@ def load(
 
 def _locate(model: str, folder: Path) -> tuple[Path, Path]:
     """Model file and the folder of its generated modules, from what the user wrote."""
-    models, generated = (_LIBRARY / package for package in ("models", "generated"))
+    models, generated = models_folder(_LIBRARY), _LIBRARY / "generated"
     given = Path(model)
     is_path = model.endswith(".py") or len(given.parts) > 1 or given.is_absolute()
     tried = [folder / model] if is_path else []
     if not (model.endswith(".py") or Path(model).is_absolute()):
         tried.append(folder / "models" / f"{model}.py")
-        if models.is_dir():
+        if models is not None:
             tried.append(models / f"{model}.py")
     found = next((path.resolve() for path in tried if path.is_file()), None)
     if found is None:
@@ -97,8 +106,8 @@ def _locate(model: str, folder: Path) -> tuple[Path, Path]:
             f"{' and '.join(one_line(path, _LONGEST_PATH) for path in tried)}."
             + _models_nearby(model, [path.parent for path in tried])
         )
-    of_library = generated.is_dir() and found.is_relative_to(models.resolve())
-    return found, generated if of_library else folder / "generated"
+    of_library = models is not None and found.is_relative_to(models.resolve())
+    return found, generated if of_library and generated.is_dir() else folder / "generated"
 
 
 def _models_nearby(model: str, folders: list[Path]) -> str:

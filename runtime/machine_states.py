@@ -9,6 +9,7 @@ import numpy.typing as npt
 from codegen.public_callables import checked_class
 from runtime.mechanism.inspection_tables import MechanismTables
 from runtime.mechanism.mechanism_tables_and_kernels import Values
+from runtime.progress_bar import shows_compilation
 from runtime.validation.arguments import check
 from runtime.validation.parameters import parameter_values
 
@@ -53,6 +54,7 @@ class MachineStates(MechanismTables):
         """
         return parameter_values(self.mechanism, overrides)
 
+    @shows_compilation
     def initial_modes(
         self, t: float = 0.0, q: FloatArray | None = None, v: FloatArray | None = None,
         parameters: Values | None = None,
@@ -95,6 +97,7 @@ class MachineStates(MechanismTables):
             q, v = start.q, start.v
         return initial_modes(self.mechanism.system, t, q, v, p)
 
+    @shows_compilation
     def assemble(
         self, guess: Values | None = None, parameters: Values | None = None, t: float = 0.0
     ) -> "Assembly":

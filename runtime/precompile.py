@@ -18,15 +18,15 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from codegen.errors import InputError
+from codegen.library_layout import LIBRARY, methods_folder
 from codegen.termination_signals import take_over
 from runtime.core.jit import ROOMS
-from runtime.integrate.method import METHODS, REGISTER, find_method
+from runtime.integrate.method import GENERATED, METHODS, REGISTER, find_method
 
 _PROCESSES = 4  # safety: each takes half a GB
 _WATCHED = 0.2  # safety: s between two looks of a process at its parent
 _OUTSIDE = ("dynamics", "explicit_time", "continuation", "statics", "mechanism")
 """Rooms with some compiled code beside those that consist of it."""
-_LIBRARY = Path(__file__).parents[1]
 _METHOD_OF = {registration.module: name for name, registration in REGISTER.items()}
 
 
@@ -59,9 +59,9 @@ def import_graph(methods: tuple[str, ...]) -> dict[str, set[str]]:
     """
     rest = [REGISTER[name].module for name in methods]
     rest += [
-        ".".join(path.relative_to(_LIBRARY).with_suffix("").parts)
+        ".".join(path.relative_to(LIBRARY).with_suffix("").parts)
         for room in (*ROOMS, *_OUTSIDE)
-        for path in sorted((_LIBRARY / "runtime" / room).rglob("*.py"))
+        for path in sorted((LIBRARY / "runtime" / room).rglob("*.py"))
         if b"runtime.core.jit" in path.read_bytes() and "implicit" not in path.parts
     ]
     graph: dict[str, set[str]] = {}
@@ -84,7 +84,9 @@ def _imports(module: str) -> set[str]:
 
 
 def _path(module: str) -> Path:
-    return _LIBRARY.joinpath(*module.split(".")).with_suffix(".py")
+    folder, _, stem = module.rpartition(".")
+    place = methods_folder() if folder == GENERATED else LIBRARY.joinpath(*folder.split("."))
+    return place / f"{stem}.py"
 
 
 def _end_with_parent(parent: int) -> None:

@@ -87,6 +87,35 @@ def spring(t, q, v, p, modes, Q):
 
 
 @force
+def line_force(t, q, v, p, modes, Q):
+    """f = 40 ℓ + 3."""
+    ix, iy = rotated(q[2], SIX, SIY)
+    jx, jy = rotated(q[5], SJX, SJY)
+    dx, dy = q[3] + jx - q[0] - ix, q[4] + jy - q[1] - iy
+    length = math.sqrt(dx * dx + dy * dy)
+    pull = (40.0 * length + 3.0) / length
+    fx, fy = pull * dx, pull * dy
+    Q[0] = fx
+    Q[1] = fy
+    Q[2] = ix * fy - iy * fx
+    Q[3] = -fx
+    Q[4] = -fy
+    Q[5] = jy * fx - jx * fy
+
+
+@force
+def motor(t, q, v, p, modes, Q):
+    """T = 0.8 (0.5 - ω/300)."""
+    n = 0.8 * (0.5 - (v[5] - v[2]) / 300.0)
+    Q[0] = 0.0
+    Q[1] = 0.0
+    Q[2] = -n
+    Q[3] = 0.0
+    Q[4] = 0.0
+    Q[5] = n
+
+
+@force
 def torsion_spring(t, q, v, p, modes, Q):
     """n = 12 (θ - 0.2) + 0.6 θ̇ + 1.5."""
     n = 12.0 * (q[5] - q[2] - 0.2) + 0.6 * (v[5] - v[2]) + 1.5

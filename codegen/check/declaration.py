@@ -11,7 +11,7 @@ import sympy
 
 from codegen.check.bodies import body_problems
 from codegen.check.contact_and_stiction_declaration import contact_problems
-from codegen.check.elements import effect_expressions, effect_problems, element_problems, unknown
+from codegen.check.elements import effect_problems, element_problems, unknown
 from codegen.check.potential_steps import step_problems
 from codegen.check.requested_outputs import output_problems
 from codegen.declare import element as el
@@ -19,7 +19,7 @@ from codegen.declare.cam_profile_checks import profile_problems
 from codegen.declare.return_values.bodies import coordinates_of
 from codegen.declare.return_values.calls import name_errors
 from codegen.declare.return_values.constraints import closed_curves, own_coordinates
-from codegen.declare.return_values.effects import friction_law
+from codegen.declare.return_values.effects import effect_expressions, friction_law
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, Velocity, alpha, kinds, t
@@ -52,6 +52,11 @@ def check_model(model: Model) -> list[str]:
         except ModelError as error:
             problems += error.problems
     problems += chain.from_iterable(masses.values())
+    problems += [
+        f"state '{name}' has no rate; give rate=, or model.state_equation({name}, ...)."
+        for name, state in model.states.items()
+        if not state.given
+    ]
     problems += filter(None, (p.problem(p.value) for p in model.parameters.values()))
     problems += _collisions(model)
     problems += _lost_symbols(model, known, problems)
@@ -105,11 +110,11 @@ def _scene_problems(model: Model, scene: Scene) -> list[str]:
                 f"{where}: {kind} '{name}' needs {model.kind(owner)} '{owner}', which takes no "
                 f"part; leave '{name}' out, or take '{owner}' in."
                 for owner in _needed(model, scene, name)
-                if owner not in (*scene.bodies, *joints)
+                if owner not in (*scene.bodies, *joints, *scene.states)
             ]
     for name, _ in (*scene.start, *scene.guess):
         owner = name.rpartition(".")[0]
-        if owner not in (*scene.bodies, *joints):
+        if owner not in (*scene.bodies, *joints, *scene.states):
             problems.append(
                 f"{where}: {name} has a start value, but its {model.kind(owner)} takes no part."
             )
@@ -181,7 +186,7 @@ def _known_symbols(model: Model) -> frozenset[sympy.Symbol]:
     coordinates = [q for body in model.bodies.values() for q in coordinates_of(body)]
     coordinates += [q for joint in model.joints.values() for q in own_coordinates(joint)]
     moving = (symbol for q in coordinates for symbol in (q, q.rate))
-    return frozenset((*model.defaults, t, *moving))
+    return frozenset((*model.defaults, t, *moving, *(s.symbol for s in model.states.values())))
 
 
 def _collisions(model: Model) -> Iterator[str]:
@@ -189,6 +194,7 @@ def _collisions(model: Model) -> Iterator[str]:
     owners: dict[str, str] = {"t": "the time"}
     declared = [("body", body.name, coordinates_of(body)) for body in model.bodies.values()]
     declared += [("joint", joint.name, own_coordinates(joint)) for joint in model.joints.values()]
+    declared += [("state", name, (s.integral,)) for name, s in model.states.items()]
     for kind, owner, coordinates in declared:
         for symbol in (s for q in coordinates for s in (q, q.rate)):
             owners[symbol.name] = f"a coordinate or velocity of {kind} '{owner}'"

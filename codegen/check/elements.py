@@ -1,7 +1,6 @@
 """Checks of one joint, driver or effect: its text, its bodies, the symbols of its expressions."""
 
 from collections.abc import Iterable, Iterator
-from itertools import chain
 
 import sympy
 
@@ -21,10 +20,9 @@ from codegen.declare.return_values.constraints import (
     statement_of,
 )
 from codegen.declare.return_values.effects import (
-    forces_of,
+    effect_expressions,
     optional_terms,
     potential_of,
-    weights_of,
 )
 from codegen.declare.return_values.elements import (
     bodies_of,
@@ -215,21 +213,6 @@ def _orientations(constraint: el.Constraint) -> Iterator[str]:
                 f"{el.label(constraint)} holds an angle of '{body.name}', which is "
                 "a particle and has none; use a joint that leaves it free to turn, or a body."
             )
-
-
-def effect_expressions(effect: el.Effect, bodies: tuple[Body, ...]) -> list[sympy.Basic]:
-    """All expressions that an effect returns, and the coordinates on which it acts."""
-    forces, potential = forces_of(effect, bodies), potential_of(effect, bodies)
-    expressions: list[sympy.Basic | None] = [*forces, *forces.values(), potential]
-    law, hold, pulls, reported = optional_terms(effect, bodies)
-    expressions += chain.from_iterable(pulls)
-    expressions += [value for _, _, value in reported]
-    expressions += vars(hold).values() if hold else ()
-    if law:
-        loads = (f for load in law.contacts for entry in load for _, f in entry)
-        expressions += (law.strength, law.creep, law.along, *loads)
-    expressions += chain.from_iterable(rest for _, *rest in weights_of(effect, bodies))
-    return [e for e in expressions if e is not None]
 
 
 def _unknown_symbols(

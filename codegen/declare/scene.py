@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
 from codegen.errors import FAILURES, SceneError
+from codegen.object_display import html_of, listed
 from codegen.plain_values import InvalidName, is_a, plain_name, shown
 
 Analysis = Literal["dynamics", "kinematics", "equilibrium"]
@@ -90,6 +91,8 @@ class Scene(Choices):
         The effects and drivers that act; joints act where all their bodies take part.
     inactive_joints
         Joints that do not act although their bodies take part.
+    states
+        The states that take part, of first order or sampled.
     fidelity
         Effect or coupler → how it is taken, where it has more than one fidelity and the scene says.
     start
@@ -113,6 +116,7 @@ class Scene(Choices):
     name: str
     bodies: tuple[str, ...]
     inactive_joints: tuple[str, ...]
+    states: tuple[str, ...] = ()
     request: Request = field(default=Request(), repr=False, compare=False)
     owner: Owner | None = field(default=None, repr=False, compare=False)
     expression: str = field(default="", repr=False, compare=False)
@@ -146,6 +150,16 @@ class Scene(Choices):
         if self.owner is None:
             raise SceneError(f"scene '{self.name}' belongs to no model, so it cannot be varied.")
         return self.owner
+
+    def __repr__(self) -> str:
+        """Name, analysis, and what acts."""
+        machine = f" of {self.owner.name}" if self.owner else ""
+        acts = f"effects {listed(self.effects)}; drivers {listed(self.drivers)}"
+        return f"Scene '{self.name}'{machine}, {self.analysis}: {acts}"
+
+    def _repr_html_(self) -> str:
+        """The scene read aloud, for notebooks."""
+        return html_of(str(self))
 
     def __str__(self) -> str:
         """The scene read aloud, as a test plan."""

@@ -41,8 +41,13 @@ KINDS = {
     "phi": CoordinateKind("omega", "rad"),
     "alpha": CoordinateKind("alphadot", "rad"),
     "beta": CoordinateKind("betadot", "rad"),
+    "integral": CoordinateKind("value", "1"),
 }
-"""Letter of a coordinate → its kind; α and β are contact parameters of elements."""
+"""Letter of a coordinate → its kind.
+
+α and β are contact parameters of elements; the rate of an integral is a state, which has a unit of
+its own.
+"""
 
 
 def declare_letter(letter: str, kind: CoordinateKind) -> None:
@@ -104,6 +109,10 @@ class ModelSymbol(sympy.Symbol):  # type: ignore[misc]
         )
 
 
+def _in_notebook(symbol: sympy.Symbol, unit: str, more: str = "") -> str:
+    return f"$\\displaystyle {sympy.latex(symbol)}\\ [\\mathrm{{{unit}}}]{more}$"
+
+
 class Coordinate(ModelSymbol):
     """A generalized coordinate, ``owner_letter``; `rate` is its velocity."""
 
@@ -143,9 +152,25 @@ class Coordinate(ModelSymbol):
         """The velocity symbol that belongs to this coordinate (``crank_phi`` → ``crank_omega``)."""
         return Velocity(f"{self.owner}_{self.measure.rate}", real=True)
 
+    def _repr_latex_(self) -> str:
+        """With its unit and its velocity, for notebooks; expressions show the name alone."""
+        return _in_notebook(self, self.unit, f"\\quad \\text{{rate }} {sympy.latex(self.rate)}")
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        """The same in a terminal of IPython."""
+        printer.text(f"{self.name} ({self.unit}), rate {self.rate.name}")
+
 
 class Velocity(ModelSymbol):
     """The time derivative of a generalized coordinate; `coordinate` is that coordinate."""
+
+    def _repr_latex_(self) -> str:
+        """With its unit, for notebooks; expressions show the name alone."""
+        return _in_notebook(self, self.coordinate.measure.rate_unit)
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        """The same in a terminal of IPython."""
+        printer.text(f"{self.name} ({self.coordinate.measure.rate_unit})")
 
     @property
     def coordinate(self) -> Coordinate:

@@ -133,7 +133,7 @@ def _other_dimension(expression: sympy.Expr, unit: str) -> str | None:
         measured = ""
         if isinstance(symbol, Coordinate):
             measured = symbol.unit
-        elif isinstance(symbol, Velocity):
+        elif isinstance(symbol, Velocity) and symbol.coordinate.letter != "integral":
             measured = symbol.coordinate.measure.rate_unit
         elif isinstance(symbol, Time):
             measured = "s"

@@ -255,16 +255,15 @@ class Reader:
             self.note(f"{where}: no {kind} '{name}'; {hint}")
         return tuple(name for name in known if name in chosen)
 
-    def states(
-        self, values: Any, coordinates: Iterable[Coordinate], word: str, where: str
-    ) -> NamedValues:
-        """Values of coordinates and velocities (``"crank.phi"``, or the symbol) in SI units."""
-        units: dict[str, str] = {}
-        for q in coordinates:
-            units |= {dotted(q): q.unit, dotted(q.rate): q.measure.rate_unit}
+    def states(self, values: Any, units: Mapping[str, str], word: str, where: str) -> NamedValues:
+        """Values of coordinates, velocities and states, by ``"crank.phi"`` or their symbols.
+
+        `units` has the SI units of all that there are.
+        """
         numbers = {}
         for key, value in self.mapping(values, word, "{'crank.phi': 1.0}", where).items():
             name = dotted(key) if isinstance(key, sympy.Symbol) else name_of(key)
+            name = name if name in units or f"{name}.value" not in units else f"{name}.value"
             if name in units:
                 numbers[name] = self.finite(value, units[name], f"{where}, {name}")
             else:

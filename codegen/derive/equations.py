@@ -1,6 +1,7 @@
 """A model and one of its scenes → all equations, element by element, as immutable values."""
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import sympy
 
@@ -9,7 +10,8 @@ from codegen.declare.element import Constraint, Effect, Element, Statement, labe
 from codegen.declare.return_values.calls import name_errors
 from codegen.declare.return_values.elements import bodies_of, replaced_body
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration
+from codegen.declare.state import State
+from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration, Velocity
 from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
 from codegen.derive.effect_terms import EffectTerms, effect_terms
@@ -49,6 +51,16 @@ class EffectEquations:
     terms: EffectTerms
 
 
+class SampledValue(NamedTuple):
+    """A value that a clock renews, by its symbol."""
+
+    name: str
+    symbol: Velocity
+    sample: sympy.Expr | None  # None: a run brings it
+    every: sympy.Expr  # s
+    delay: sympy.Expr  # s
+
+
 MassEntry = tuple[int, int, sympy.Expr]  # (row, column, entry) of M
 OWN = "body"  # kind of the constraints that a body brings itself
 
@@ -78,6 +90,16 @@ class Equations:
     contacts: tuple[sf.RigidContact, ...] = ()
     conditions: tuple[ElementCondition, ...] = ()  # on parameters, in terms of `parameters` alone
     profiles: tuple[Profile, ...] = ()
+    states: tuple[State, ...] = ()
+
+    @property
+    def sampled(self) -> tuple[SampledValue, ...]:
+        """The states that a clock renews."""
+        return tuple(
+            SampledValue(s.name, s.symbol, s.sample, s.clock.every, s.clock.delay)
+            for s in self.states
+            if s.clock
+        )
 
     @property
     def time_functions(self) -> tuple[TimeFunction, ...]:
@@ -160,6 +182,7 @@ def _effect_equations(name: str, effect: Effect, bodies: tuple[Body, ...]) -> Ef
 def derive(model: Model, scene: Scene) -> Equations:
     """Instantiate every element that takes part in `scene`."""
     bodies = tuple(model.bodies[name] for name in scene.bodies)
+    states = tuple(model.states[name] for name in scene.states)
     joints = active_joints(model, scene)
     drivers = {name: model.drivers[name] for name in scene.drivers}
     constraints = tuple(body_equations(body) for body in bodies if body.equations)
@@ -168,6 +191,7 @@ def derive(model: Model, scene: Scene) -> Equations:
     )
     coordinates = (
         *(q for body in bodies for q in body.coordinates),
+        *(state.integral for state in states),
         *(q for c in constraints for _, q in c.statement.own),
     )
     dynamic = scene.analysis != "kinematics"
@@ -177,8 +201,8 @@ def derive(model: Model, scene: Scene) -> Equations:
         if dynamic or effect.kind == TRACKED
     )
     overrides = dict(scene.parameters)
-    mass, force = inertia(bodies, coordinates) if dynamic else ((), ())
-    used = _symbols((mass, force), constraints, effects)
+    mass, force = inertia(bodies, states, coordinates) if dynamic else ((), ())
+    used = _symbols((mass, force, [s.expressions for s in states]), constraints, effects)
     parameters = tuple(
         ParameterDeclaration(p.name, overrides.get(p.name, p.value), p.unit, p.sign)
         for p in model.parameters.values()
@@ -198,6 +222,7 @@ def derive(model: Model, scene: Scene) -> Equations:
         constraints=constraints,
         left_out=tuple((e.name, e.kind) for e in everything if e.name not in taking_part),
         unused=tuple(name for name in model.parameters if name not in used),
+        states=states,
     )
     if parameters and not scene.frozen:
         acting = acting_elements(model, scene)

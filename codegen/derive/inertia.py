@@ -16,6 +16,7 @@ which is what a body has to promise; then no pivot vanishes in any order of elim
 import sympy
 
 from codegen.declare.body import Body
+from codegen.declare.state import State
 from codegen.declare.symbols import Coordinate, kinds
 from codegen.public_callables import errors_at
 
@@ -23,11 +24,12 @@ Entries = tuple[tuple[int, int, sympy.Expr], ...]
 
 
 def inertia(
-    bodies: tuple[Body, ...], coordinates: tuple[Coordinate, ...]
+    bodies: tuple[Body, ...], states: tuple[State, ...], coordinates: tuple[Coordinate, ...]
 ) -> tuple[Entries, tuple[tuple[int, sympy.Expr], ...]]:
-    """(row, column, entry) of M, and (column, Q_v) where it is not zero."""
+    """(row, column, entry) of M, 1 for a state, and (column, Q_v) where it is not zero."""
     columns = {q: k for k, q in enumerate(coordinates)}
     mass: dict[tuple[int, int], sympy.Expr] = {(k, k): sympy.S.Zero for k in columns.values()}
+    mass |= {(columns[s.integral], columns[s.integral]): sympy.S.One for s in states}
     force: dict[int, sympy.Expr] = {}
     for body in bodies:
         with errors_at(f"body '{body.name}'"):

@@ -42,7 +42,7 @@ def _compile_apart(path: Path) -> float:
     folder = Path(__file__).resolve().parents[2]
     path_list = os.pathsep.join(filter(None, [str(folder), os.environ.get("PYTHONPATH")]))
     process = subprocess.run(
-        [sys.executable, "-c", code, str(path)],
+        [sys.executable, "-P", "-c", code, str(path)],
         env={**os.environ, "PYTHONPATH": path_list},
         capture_output=True,
         text=True,

@@ -9,14 +9,15 @@ import sympy
 from codegen.derive.equations import Equations
 from codegen.emit.line_wrapping import literal
 from codegen.emit.module import Origin
-from codegen.model_file import ModelFile, library_folder
+from codegen.library_layout import LIBRARY, models_folder
+from codegen.model_file import ModelFile
 
 
 def default_folder(file: ModelFile) -> Path:
     """The folder of a model's generated files."""
-    library = library_folder()
-    ours = file.path is not None and file.path.is_relative_to(library / "models")
-    return (library if ours else Path.cwd()) / "generated"
+    models = models_folder()
+    ours = file.path is not None and models is not None and file.path.is_relative_to(models)
+    return (LIBRARY if ours else Path.cwd()) / "generated"
 
 
 def file_name(stem: str, equations: Equations, settings: Mapping[str, float]) -> str:

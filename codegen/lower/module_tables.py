@@ -74,6 +74,10 @@ class Description:
     # asked of parameters, and (curve, whether it is convex) of profiles that depend on them
     conditions: tuple[tuple[Any, ...], ...]
     profiles: tuple[tuple[str, bool], ...]
+    # (name, column of its integral, unit, nominal size) of each state
+    states: tuple[tuple[str, int, str, float], ...]
+    sampled: tuple[str, ...]  # the states that a clock renews
+    controllers: tuple[str, ...]  # those whose samples a run brings
     jacobian: Pattern  # pattern of Φ_q
     mass: Pattern  # pattern of M
 
@@ -85,14 +89,14 @@ def describe(
     """The tables of a scene, with its powers, reported reactions, recovered multipliers, peaks."""
     equations, named = scene.equations, scene.equations.scene
     coordinates, constraints = equations.coordinates, equations.constraints
-    fixed = dict(named.start)
+    fixed = {_dotted(s.symbol.name): s.start for s in equations.states} | dict(named.start)
     start = (
         *(
             (_dotted(q.name), q.measure.neutral, "neutral")
             for q in coordinates
             if q.measure.neutral
         ),
-        *((name, value, "fixed") for name, value in named.start),
+        *((name, value, "fixed") for name, value in fixed.items()),
         *((name, value, "guess") for name, value in named.guess if name not in fixed),
     )
     parameters = tuple((p.name, p.value, p.unit, p.sign) for p in equations.parameters)
@@ -129,6 +133,11 @@ def describe(
         peaks=tuple(peak[:3] for peak in peaks),
         conditions=tuple((*one.condition.row(one.element),) for one in equations.conditions),
         profiles=tuple((curve.element, curve.convex) for curve in equations.profiles),
+        states=tuple(
+            (s.name, scene.columns[s.integral], s.unit, s.nominal) for s in equations.states
+        ),
+        sampled=tuple(s.name for s in equations.sampled),
+        controllers=tuple(s.name for s in equations.sampled if s.sample is None),
         jacobian=Pattern.of(scene.jacobian),
         mass=Pattern.of(scene.mass),
     )

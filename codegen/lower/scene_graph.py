@@ -166,6 +166,8 @@ class SceneGraph:
         self.frictions: list[Friction] = []  # the forces that follow from reactions
         outputs = {*(equations.scene.outputs or ())}
         workless = {contact.effect for contact in equations.contacts if not contact.moving}
+        states = {state.name for state in equations.states}
+        workless |= states
         for effect in equations.effects:
             terms = effect.terms
             with graph.serving(effect.name):
@@ -177,7 +179,7 @@ class SceneGraph:
                 power = self._apply_forces(terms, energy)
                 if (terms.loads or terms.pulls) and effect.name not in workless:
                     self.powers.append((effect.name, power))
-                if outputs & {"works", f"work({effect.name})"}:
+                if effect.name not in states and outputs & {"works", f"work({effect.name})"}:
                     stored = self.moving.jet(energy).first.value()
                     self.working[effect.name] = graph.sub(power, stored)
                 for part, unit, value in terms.reported:

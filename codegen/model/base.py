@@ -19,7 +19,8 @@ from codegen.declare.return_values.bodies import coordinates_of
 from codegen.declare.return_values.constraints import own_coordinates
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import Scene
-from codegen.declare.value_reader import Reader
+from codegen.declare.state import State
+from codegen.declare.value_reader import Reader, dotted
 from codegen.elements.registry import role
 from codegen.errors import ModelError, NoAttributeError
 from codegen.plain_values import is_a, one_line, plain_name, shown
@@ -48,7 +49,7 @@ def _marked(method: Callable[..., Any]) -> Callable[..., Any]:
 TABLES: dict[str, type[Any]] = {
     "bodies": Body, "parameters": sy.ParameterDeclaration, "joints": Constraint,
     "drivers": Constraint, "effects": Effect, "scenes": Scene, "fidelities": dict, "groups": dict,
-    "couplers": tuple,
+    "couplers": tuple, "states": State,
 }  # fmt: skip
 """Attributes of a model that list what is declared, by name, and the kind of their entries."""
 
@@ -68,6 +69,7 @@ class Declarations:
     groups: dict[str, dict[str, tuple[str, ...]]]
     scenes: dict[str, Scene]
     couplers: dict[str, tuple[Body, ...]]
+    states: dict[str, State]
     files: tuple[Path, ...]
     noted: frozenset[str]
     """Elements that hold stand-ins for what was noted; no more is said of them."""
@@ -155,9 +157,9 @@ class Declarations:
         return {p.symbol: p.value for p in self.parameters.values()}
 
     @property
-    def elements(self) -> dict[str, Body | Constraint | Effect]:
-        """All bodies, joints, effects and drivers by name."""
-        return {**self.bodies, **self.joints, **self.effects, **self.drivers}
+    def elements(self) -> dict[str, Body | Constraint | Effect | State]:
+        """All bodies, joints, effects, drivers and states by name."""
+        return {**self.bodies, **self.joints, **self.effects, **self.drivers, **self.states}
 
     def _value(self, value: Any, unit: str, where: str, sign: sy.SignRule = "") -> Any:
         """An expression in `unit`; a parameter that stands alone obeys the sign rule henceforth."""
@@ -262,6 +264,13 @@ class Declarations:
         of_bodies = (q for body in self.bodies.values() for q in coordinates_of(body))
         of_joints = (q for joint in self.joints.values() for q in own_coordinates(joint))
         return (*of_bodies, *of_joints)
+
+    def _units(self) -> dict[str, str]:
+        """Name of a coordinate, velocity or state (``"crank.phi"``) → its SI unit."""
+        units: dict[str, str] = {}
+        for q in self._coordinates():
+            units |= {dotted(q): q.unit, dotted(q.rate): q.measure.rate_unit}
+        return units | {dotted(s.symbol): s.unit for s in self.states.values()}
 
     def _bodies_in(self, *expressions: Any) -> tuple[Body, ...]:
         symbols = (s for e in expressions for s in sy.kinds(e, sy.Coordinate, sy.Velocity))

@@ -56,14 +56,14 @@ class Fidelities(Bodies):
         return name
 
     def acting(self, scene: Scene) -> dict[str, Effect]:
-        """Name → the effects of a scene, in the fidelity that it asks for."""
+        """Name → the effects of a scene, in the fidelity that it asks for, and rates of states."""
         self._require_scene("acting", scene)
         how = dict(scene.fidelity)
         effects = {}
         for name in scene.effects:
             form = self.fidelities.get(name, {}).get(how.get(name, ""))
             effects[name] = self.effects[name] if form is None or isinstance(form, str) else form
-        return effects
+        return effects | {name: self.states[name].effect for name in scene.states}
 
     def _require_scene(self, method: str, scene: object) -> None:
         if not is_a(scene, Scene):

@@ -1,6 +1,7 @@
 """The effects of a declaration: everything that pushes, pulls or turns."""
 
 from collections.abc import Callable, Mapping
+from inspect import isfunction
 from typing import Any, Literal
 
 import sympy
@@ -12,6 +13,7 @@ from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.forces.applied import AppliedForce, AppliedTorque
 from codegen.elements.forces.bushing import AXES, Bushing, Triple
 from codegen.elements.forces.gravity import Gravity
+from codegen.elements.forces.line_force import LineForce
 from codegen.elements.forces.spring import Spring
 from codegen.elements.forces.torsion_spring import TorsionSpring
 from codegen.elements.forces.user_expression import GeneralizedForce, Potential
@@ -31,20 +33,74 @@ class Forces(Declarations):
 
     def force(
         self, name: str, on: Place, fx: Any = 0, fy: Any = 0, when: Any = None,
-        frame: Literal["ground", "body"] = "ground",
+        frame: Literal["ground", "body"] = "ground", from_: Body | None = None,
     ) -> Effect:  # fmt: skip
-        """A force (fx, fy) in N at a point, while the condition `when` holds."""
-        fx, fy = (self._read.gated(f, "N", f"force '{name}'", when) for f in (fx, fy))
-        point = self._point(name, on)
-        frame = self._read.choice(frame, ("ground", "body"), f"force '{name}', frame")
-        return self._declare(AppliedForce(name, point, fx, fy, frame))
+        """A force (fx, fy) in N at a point, while the condition `when` holds.
 
-    def torque(self, name: str, on: Body, value: Any, when: Any = None) -> Effect:
-        """A torque in N m on a body, while the condition `when` holds."""
+        Parameters
+        ----------
+        on
+            The point at which it acts; a body means its centre of mass.
+        fx, fy
+            In N, any expressions of t, q, q̇ and parameters.
+        when
+            A condition, while which the force acts; None: always.
+        frame
+            ``"ground"`` for global axes, ``"body"`` for those of the body of `on`.
+        from_
+            The body that exerts the force, on which (-fx, -fy) acts at the same place; None: none.
+        """
+        where = f"force '{name}'"
+        fx, fy = (self._read.gated(f, "N", where, when) for f in (fx, fy))
+        point = self._point(name, on)
+        frame = self._read.choice(frame, ("ground", "body"), f"{where}, frame")
+        advice = "from_ is the body that exerts the force, wherever it acts."
+        other = None if from_ is None else self._body(where, from_, advice)
+        return self._declare(AppliedForce(name, point, fx, fy, frame, other))
+
+    def torque(
+        self, name: str, on: Body, value: Any, when: Any = None, from_: Body | None = None
+    ) -> Effect:
+        """A torque in N m on a body, while the condition `when` holds.
+
+        Parameters
+        ----------
+        on
+            The body that it turns.
+        value
+            In N m, counter-clockwise positive, any expression of t, q, q̇ and parameters.
+        when
+            A condition, while which the torque acts; None: always.
+        from_
+            The body that exerts the torque, on which the opposite acts; None: none.
+        """
         where = f"torque '{name}'"
         gated = self._read.gated(value, "N m", where, when)
-        body = self._body(where, on, "a torque turns a body as a whole, wherever it acts.")
-        return self._declare(AppliedTorque(name, body, gated))
+        advice = "a torque turns a body as a whole, wherever it acts."
+        body = self._body(where, on, advice)
+        other = None if from_ is None else self._body(where, from_, advice)
+        return self._declare(AppliedTorque(name, body, gated, other))
+
+    def line_force(self, name: str, i: Place, j: Place, value: Any, when: Any = None) -> Effect:
+        """A force along the line of two points: a cylinder, a cable, a magnet.
+
+        Parameters
+        ----------
+        i, j
+            Points of two bodies; a body means its centre of mass.
+        value
+            In N, positive where it pulls the points together: an expression of t, q, q̇, tables and
+            parameters, or a function of the length ℓ, m, and its rate ℓ̇, m/s, that answers one.
+        when
+            A condition, while which the force acts; None: always.
+        """
+        where = f"line force '{name}'"
+        ends = self._pair(name, i, j)
+        if isfunction(value):
+            length = measures.distance(*ends), measures.distance_rate(*ends)
+            value = self._read.answer(value, length, "N", f"value of {where}")
+        gated = self._read.gated(value, "N", f"value of {where}", when)
+        return self._declare(LineForce(name, *ends, gated))
 
     def potential(self, name: str, energy: Any) -> Effect:
         """A potential energy V(q) in J, as a plain expression."""
@@ -72,8 +128,9 @@ class Forces(Declarations):
     def spring(
         self, name: str, i: Place, j: Place, stiffness: Any = 0, free_length: Any = None,
         damping: Any = 0, actuator: Any = 0, force: Characteristic | None = None,
+        preload: Any = 0,
     ) -> Effect:  # fmt: skip
-        """A spring, damper and actuator between two points: f = k (ℓ - ℓ0) + c ℓ̇ + F (Haug 6.1).
+        """A spring, damper and actuator of two points: f = k (ℓ - ℓ0) + F0 + c ℓ̇ + F (Haug 6.1).
 
         Parameters
         ----------
@@ -87,11 +144,16 @@ class Forces(Declarations):
         force
             Any other characteristic: a function of the length ℓ and its rate ℓ̇ that answers a
             force in N, positive in tension; added to the rest. ``lambda l, v: 5 * (l - 1) ** 3``.
+        preload
+            F0 in N, the force of the spring at the length ℓ0, positive in tension; a spring that is
+            pressed between its ends has a negative one. It needs `free_length`, the length ℓ0.
         """
         where = f"spring '{name}'"
         stiff = self._value(stiffness, "N/m", f"stiffness of {where}")
-        if free_length is None and stiff != 0:
-            self._note(f"{where} has a stiffness but no free length; give free_length= in m.")
+        loaded = self._value(preload, "N", f"preload of {where}")
+        if free_length is None and (stiff != 0 or loaded != 0):
+            has = "stiffness" if stiff != 0 else "preload"
+            self._note(f"{where} has a {has} but no free length; give free_length= in m.")
         ends = self._pair(name, i, j)
         pull = self._value(actuator, "N", f"actuator of {where}")
         length = measures.distance(*ends), measures.distance_rate(*ends)
@@ -99,13 +161,14 @@ class Forces(Declarations):
         rest = 0 if free_length is None else free_length
         free = self._value(rest, "m", f"free length of {where}")
         damp = self._value(damping, "N s/m", f"damping of {where}")
-        return self._declare(Spring(name, *ends, stiff, free, damp, pull))
+        return self._declare(Spring(name, *ends, stiff, free, damp, pull, loaded))
 
     def torsion_spring(
         self, name: str, i: Body, j: Body, stiffness: Any = 0, free_angle: Any = 0,
         damping: Any = 0, actuator: Any = 0, torque: Characteristic | None = None,
+        preload: Any = 0,
     ) -> Effect:  # fmt: skip
-        """A spring, damper and actuator about the normal: n = k (θ - θ0) + c θ̇ + N (Haug 6.1).
+        """A spring, damper and actuator about the normal: n = k (θ - θ0) + N0 + c θ̇ + N (Haug 6.1).
 
         Parameters
         ----------
@@ -118,6 +181,8 @@ class Forces(Declarations):
         torque
             Any other characteristic: a function of the angle θ and its rate θ̇ that answers a
             torque in N m on body `i`; added to the rest.
+        preload
+            N0 in N m, the torque of the spring on body `i` at the angle θ0.
         """
         where = f"torsion spring '{name}'"
         advice = "a torsion spring turns two bodies."
@@ -129,7 +194,8 @@ class Forces(Declarations):
         stiff = self._value(stiffness, "N m/rad", f"stiffness of {where}")
         free = self._value(free_angle, "rad", f"free angle of {where}")
         damp = self._value(damping, "N m s/rad", f"damping of {where}")
-        return self._declare(TorsionSpring(name, first, second, stiff, free, damp, turning))
+        loaded = self._value(preload, "N m", f"preload of {where}")
+        return self._declare(TorsionSpring(name, first, second, stiff, free, damp, turning, loaded))
 
     def bushing(
         self, name: str, i: Place, j: Place, stiffness: tuple[Any, Any, Any] = (0, 0, 0),

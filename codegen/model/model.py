@@ -18,6 +18,8 @@ from codegen.model.drivers import Drivers
 from codegen.model.forces import Forces
 from codegen.model.parameters_and_tables import Values
 from codegen.model.scene_variations import Variations
+from codegen.model.states import States
+from codegen.model.transmissions import Transmissions
 from codegen.plain_values import shown
 from codegen.public_callables import (
     error_boundary,
@@ -28,7 +30,7 @@ from codegen.public_callables import (
 )
 
 
-class Model(Values, Variations, Cams, Drivers, Forces, Contacts):
+class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Transmissions, States):
     """A planar machine.
 
     Parameters

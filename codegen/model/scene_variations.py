@@ -98,12 +98,12 @@ class Variations(Scenes):
             read.note(problem)
         for word, known in (
             ("bodies", self.bodies), ("effects", self.effects), ("drivers", self.drivers),
-            ("inactive_joints", self.joints),
+            ("inactive_joints", self.joints), ("states", self.states),
         ):  # fmt: skip
             read.elements(given[word], known, word, where)
-        coordinates = self._coordinates()
+        units = self._units()
         for word in ("start", "guess"):
-            read.states(_mapping(given[word]), coordinates, word, where)
+            read.states(_mapping(given[word]), units, word, where)
         read.overrides(_mapping(given["parameters"]), self.parameters, where)
         read.flag(given["frozen"], f"{where}: frozen")
         read.choice(given["analysis"], ANALYSES, f"{where}, analysis")

@@ -9,11 +9,13 @@ from codegen.declare.body import Body
 from codegen.declare.element import Constraint
 from codegen.declare.name_rules_and_hints import name_problem, nearest
 from codegen.declare.return_values.constraints import own_coordinates, place_near
+from codegen.declare.return_values.effects import effect_expressions
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene, name_of
-from codegen.declare.symbols import Coordinate
+from codegen.declare.state import states_in
+from codegen.declare.symbols import Coordinate, Velocity
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
-from codegen.errors import ModelError
+from codegen.errors import FAILURES, ModelError
 from codegen.model.bodies import Form
 from codegen.model.fidelities import NONE, Fidelities
 from codegen.model.requested_outputs import Outputs
@@ -100,16 +102,16 @@ class Scenes(Fidelities, Outputs):
         self, read: Reader, where: str, effects: Names, drivers: Names, **words: Any
     ) -> tuple[Request, frozenset[str]]:
         """The request of a scene, and its explicit keywords among those with a default."""
-        coordinates = self._coordinates()
+        units, roles, named = self._units(), self._roles(), self._with_names_of_states(effects)
         explicit = {key: words[key] for key in DEFAULTS if words[key] is not None}
         chosen = DEFAULTS | explicit
         request = Request(
-            effects=read.elements(effects, self.effects, "effect", where, self._roles()),
-            drivers=read.elements(drivers, self.drivers, "driver", where, self._roles()),
+            effects=read.elements(named, {**self.effects, **self.states}, "effect", where, roles),
+            drivers=read.elements(drivers, self.drivers, "driver", where, roles),
             without=read.elements(words["without"], self.elements, "body or joint", where),
             fidelity=self._read_fidelities(read, where, words["fidelity"], words["couplers"]),
-            start=read.states(words["start"], coordinates, "start", where),
-            guess=read.states(words["guess"], coordinates, "guess", where),
+            start=read.states(words["start"], units, "start", where),
+            guess=read.states(words["guess"], units, "guess", where),
             parameters=read.overrides(words["parameters"], self.parameters, where),
             frozen=read.flag(chosen["frozen"], f"{where}: frozen"),
             analysis=read.choice(chosen["analysis"], ANALYSES, f"{where}, analysis"),
@@ -159,7 +161,8 @@ class Scenes(Fidelities, Outputs):
     def _drop_unused_starts(self, merged: Request, mine: Request) -> Request:
         """Drop inherited start values of elements that no longer take part."""
         scratch = self._compose(Reader(), "scratch", merged)
-        present = {*scratch.bodies, *self.joints} - {*scratch.inactive_joints, *merged.without}
+        present = {*scratch.bodies, *scratch.states, *self.joints}
+        present -= {*scratch.inactive_joints, *merged.without}
         renewed = {name for name, _ in (*mine.start, *mine.guess)}
 
         def fits(values: NamedValues) -> NamedValues:
@@ -186,7 +189,7 @@ class Scenes(Fidelities, Outputs):
             if e in self.effects and e not in (*acting, *idle)
         ]
         driving = ({*request.drivers} | {*included}) - {*request.without}
-        return Scene(
+        scene = Scene(
             name=name,
             bodies=tuple(present),
             effects=tuple(e for e in self.effects if e in acting),
@@ -199,6 +202,30 @@ class Scenes(Fidelities, Outputs):
             **{key: getattr(request, key) for key in UNCHANGED},
             **about,
         )
+        return replace(scene, states=self._states_of(scene, named)) if self.states else scene
+
+    def _states_of(self, scene: Scene, named: tuple[str, ...]) -> tuple[str, ...]:
+        """The states that are `named` or that something which acts contains."""
+        if scene.analysis != "dynamics":
+            return ()
+        bodies = tuple(self.bodies[name] for name in scene.bodies)
+        found = {name for name in named if name in self.states}
+        for effect in self.acting(scene).values():
+            with suppress(*FAILURES):  # reported by `build`
+                found |= states_in(*effect_expressions(effect, bodies))
+        pending = found & {*self.states}
+        while pending:
+            parts = (e for name in pending for e in self.states[name].expressions)
+            pending = {*states_in(*parts)} - found
+            found |= pending
+        return tuple(name for name in self.states if name in found - {*scene.request.without})
+
+    def _with_names_of_states(self, effects: Names) -> Any:
+        """The list of effects, a state by its name instead of its symbol."""
+        symbols = {s.symbol: name for name, s in self.states.items()}
+        if not symbols or not isinstance(effects, tuple | list):
+            return effects
+        return [symbols.get(e, e) if isinstance(e, Velocity) else e for e in effects]
 
     def _locate_contacts(
         self, start: NamedValues, absent: tuple[str, ...], guess: NamedValues

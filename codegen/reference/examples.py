@@ -24,6 +24,9 @@ from codegen.plain_values import shown
 JOINTS = """
 absolute
     model.absolute("level", Q, "y", 0.5)
+belt
+    r_i, r_j = (model.parameter(r, 0.2, unit="m") for r in ("r_i", "r_j"))
+    model.belt("chain", i, j, r_i, r_j)
 cam and flat-faced follower
     e = model.parameter("e", 0.1, unit="m")
     model.cam_flat_follower("touch", i.circle(0.5, center=(e, 0)), Q, axis=(1, 0))
@@ -49,6 +52,11 @@ revolute-revolute
     model.revolute_revolute("link", P, Q, 2.0)
 revolute-translational
     model.revolute_translational("slot", P, Q, axis=(2, 1))
+rolling disc
+    model.rolling_disc("roll", disc=Q, line=P, radius=0.2, axis=(1, 0))
+screw
+    spindle = model.body("spindle", mass=1.0, inertia=0.002)
+    model.screw("thread", P, Q, spindle, lead=0.05, axis=(1, 0))
 translational
     model.translational("guide", P, Q, axis=(2, 1), angle=0.3)
 weld
@@ -81,16 +89,30 @@ contact
 dry friction
     mu, mu_s = model.parameter("mu", 0.2), model.parameter("mu_s", 0.3)
     model.dry_friction("rub", P, Q, axis=(1, 0), normal=50.0, coefficient=mu, static=mu_s)
+elastic belt
+    k = model.parameter("k", 2e4, unit="N/m")
+    model.elastic_belt("belt", i, j, 0.1, 0.3, stiffness=k, pretension=50.0)
 force
     model.force("brake", on=P, fx=-5 * i.vx, fy=3.0, frame="body")
 friction
     mu = model.parameter("mu", 0.2)
     pin = model.revolute("pin", P, Q)
     model.friction("rub", pin, mu, creep=1e-3, radius=0.02)
+gear with backlash
+    k = model.parameter("k", 5e6, unit="N/m")
+    c = model.parameter("c", 200.0, unit="N s/m")
+    model.gear_with_backlash("mesh", i, j, 0.1, 0.3, backlash=1e-4, stiffness=k, damping=c)
 generalized force
     model.generalized_force("friction", {j.phi: -0.1 * (j.omega - i.omega)})
 gravity
     model.gravity("weight", (0, -9.81))
+line force
+    p = model.table("p", [0, 1, 2, 3, 4], [9e3, 4e3, 2e3, 1e3, 5e2], units=("m", "N"))
+    model.line_force("cylinder", P, Q, lambda length, rate: -p(length) + 30 * rate)
+motor
+    T_s = model.parameter("T_s", 0.8, unit="N m")
+    omega_0 = model.parameter("omega_0", 300.0, unit="rad/s")
+    model.motor("motor", on=j, from_=i, stall_torque=T_s, no_load_speed=omega_0)
 potential
     model.potential("pendulum", 20 * (1 - cos(i.phi)))
 rigid contact

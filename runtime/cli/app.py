@@ -10,15 +10,26 @@ import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from codegen.errors import InputError
 from codegen.termination_signals import finish, keep_results
 from runtime.cli import common, studies
-from runtime.cli.common import Guess, Json, Model, MotionStart, Scene, TEnd, TStart, Values, option
-from runtime.integrate.method import METHODS, alternatives
+from runtime.cli.common import (
+    Generated,
+    Guess,
+    Json,
+    Model,
+    MotionStart,
+    Scene,
+    TEnd,
+    TStart,
+    Values,
+    option,
+)
+from runtime.cli.run_options import refuse_run_options, with_run_options, words
 
 if TYPE_CHECKING:
     from runtime.machine_facade import Machine
@@ -41,102 +52,73 @@ Points = Annotated[int, option("Number of output instants, ends included.", min=
 
 
 @app.command()
+@with_run_options
 def simulate(
     model: Model, t_end: TEnd, t_start: MotionStart = 0.0, scene: Scene = None,
-    settings: Values = None, guess: Guess = None, points: Points = 501,
-    accuracy: Annotated[
-        float | None,
-        option("Relative global error that the result may have, in place of tolerances; the "
-               "program chooses whatever is not given."),
-    ] = None,
-    quantity: Annotated[
-        list[str] | None,
-        option("With --accuracy: a series whose error counts; all coordinates and velocities "
-               "unless given."),
-    ] = None,
-    method: Annotated[
-        str | None, option(f"Integration method: {alternatives(METHODS)}; dop853 unless given.")
-    ] = None,
-    rtol: Annotated[
-        float | None, option("Relative tolerance of a step; 1e-8 unless given.")
-    ] = None,
-    atol: Annotated[float | None, option("Absolute tolerance in SI units.")] = None,
-    correction: Annotated[
-        str, option("Return onto the constraints: step, stage, projection, baumgarte or hybrid.")
-    ] = "step",
-    formulation: Annotated[
-        str | None,
-        option("Coordinates that are integrated: cartesian (all of them; unless given) or reduced "
-               "(those that no constraint determines)."),
-    ] = None,
-    max_steps: Annotated[
-        int | None, option("Trial steps, 100 million unless given; steps that get ever shorter end "
-                           "the run before, unless given.", min=1)
-    ] = None,
-    out: Out = None, as_json: Json = False,
+    settings: Values = None, guess: Guess = None, generated: Generated = None,
+    points: Points = 501, out: Out = None, as_json: Json = False, **run: Any,
 ) -> None:  # fmt: skip
     """Dynamics: the motion of the machine under the forces that act on it."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
         # A run of no length is the assembled state; every other one has a positive span.
         t_eval = [t_end] if t_end == t_start else _instants(t_start, t_end, points)
-        words = {"correction": cast(Any, correction), "formulation": cast(Any, formulation)}
-        return machine.simulate(
-            t_end, t_eval, t_start=t_start, accuracy=accuracy, quantities=quantity, method=method,
-            rtol=rtol, atol=atol, max_steps=max_steps, **words, **values,
-        )  # fmt: skip
+        return machine.simulate(t_end, t_eval, t_start=t_start, **words(run), **values)
 
-    _run(analyse, model, scene, settings, guess, out, as_json)
+    _run(analyse, model, scene, settings, guess, generated, out, as_json)
 
 
 @app.command()
 def kinematics(
     model: Model, t_end: TEnd, t_start: TStart = 0.0, scene: Scene = None,
-    settings: Values = None, guess: Guess = None, points: Points = 501, out: Out = None,
-    as_json: Json = False,
+    settings: Values = None, guess: Guess = None, generated: Generated = None,
+    points: Points = 501, out: Out = None, as_json: Json = False,
 ) -> None:  # fmt: skip
     """Kinematics: the motion that the drivers prescribe, one for every degree of freedom."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
         return machine.kinematics(_instants(t_start, t_end, points), **values)
 
-    _run(analyse, model, scene, settings, guess, out, as_json)
+    _run(analyse, model, scene, settings, guess, generated, out, as_json)
 
 
-@app.command()
+@app.command("inverse-dynamics")
+@app.command("inverse")
 def inverse(
     model: Model, t_end: TEnd, t_start: TStart = 0.0, scene: Scene = None,
-    settings: Values = None, guess: Guess = None, points: Points = 501, out: Out = None,
-    as_json: Json = False,
+    settings: Values = None, guess: Guess = None, generated: Generated = None,
+    points: Points = 501, out: Out = None, as_json: Json = False,
 ) -> None:  # fmt: skip
     """Inverse dynamics: the forces that the prescribed motion takes."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
         return machine.inverse_dynamics(_instants(t_start, t_end, points), **values)
 
-    _run(analyse, model, scene, settings, guess, out, as_json)
+    _run(analyse, model, scene, settings, guess, generated, out, as_json)
 
 
 @app.command()
+@with_run_options
 def report(
     model: Model, out: Annotated[Path, option("The page to write, .html.")],
-    t_end: TEnd = 1.0, scene: Scene = None, settings: Values = None, guess: Guess = None,
-    points: Points = 501, rtol: Annotated[float, option("Relative tolerance.")] = 1e-8,
-    as_json: Json = False,
+    t_end: TEnd = 1.0, t_start: MotionStart = 0.0, scene: Scene = None, settings: Values = None,
+    guess: Guess = None, generated: Generated = None, points: Points = 501, as_json: Json = False,
+    **run: Any,
 ) -> None:  # fmt: skip
     """A page about a run: a simulation, or the driven motion where drivers leave no freedom."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
-        instants = _instants(0.0, t_end, points)
+        instants = _instants(t_start, t_end, points)
         if machine.description.drivers and machine.degrees_of_freedom == 0:
+            refuse_run_options(run, machine.description.title)
             inverse = machine.description.has_masses
             driven = machine.inverse_dynamics if inverse else machine.kinematics
             return driven(instants, **values)
-        return machine.simulate(t_end, instants, rtol=rtol, **values)
+        return machine.simulate(t_end, instants, t_start=t_start, **words(run), **values)
 
     if out.suffix != ".html":
         common.refuse((f"{out}: a report is an .html page. Change the ending.",), 2, as_json)
-    _run(analyse, model, scene, settings, guess, out, as_json)
+    _run(analyse, model, scene, settings, guess, generated, out, as_json)
 
 
 @app.command()
@@ -144,14 +126,14 @@ def equilibrium(
     model: Model, scene: Scene = None, settings: Values = None, guess: Guess = None,
     method: Annotated[str, option("energy or settling.")] = "energy",
     t: Annotated[float, option("Instant at which the drivers stand, in s.")] = 0.0,
-    out: Out = None, as_json: Json = False,
+    generated: Generated = None, out: Out = None, as_json: Json = False,
 ) -> None:  # fmt: skip
     """Equilibrium: the position of rest, and whether it is stable."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
         return machine.equilibrium(method, t=t, **values)
 
-    _run(analyse, model, scene, settings, guess, out, as_json)
+    _run(analyse, model, scene, settings, guess, generated, out, as_json)
 
 
 def main() -> None:
@@ -165,7 +147,7 @@ def main() -> None:
 
 def _run(
     analyse: Callable[..., "Result"], model: str, scene: str | None, settings: list[str] | None,
-    guess: list[str] | None, out: Path | None, as_json: bool,
+    guess: list[str] | None, generated: Path | None, out: Path | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Load, analyse, save and summarise; ends the process with the exit status."""
     with common.exit_on_error(as_json):
@@ -175,13 +157,13 @@ def _run(
             check_place(out)
         from runtime.machine_loading import load
 
-        machine = load(model, scene)
+        machine = load(model, scene, generated=generated)
         keep_results()
         result = analyse(machine, **common.start_values(settings, guess))
         saved = None if out is None else _save(result, out)
     failed = result.failed or saved != out
     error = [] if result.accuracy is None else result.accuracy.sentences()[1:]
-    for line in (repr(result), *(f"  {sentence}" for sentence in error), *_event_lines(result)):
+    for line in (result.headline, *(f"  {sentence}" for sentence in error), *_event_lines(result)):
         common.write_line(line)
     if saved is not None:
         count = len(result.t)

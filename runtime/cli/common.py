@@ -6,6 +6,7 @@ import traceback
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -24,6 +25,9 @@ Values = Annotated[
     list[str] | None, option("NAME=VALUE: a parameter, in its declared unit.", "--set")
 ]
 Guess = Annotated[list[str] | None, option("NAME=VALUE: a start value, in SI units.", "--guess")]
+Generated = Annotated[
+    Path | None, option("Folder of the generated modules, as --out of build names it.")
+]
 Json = Annotated[bool, option("Print one JSON object on stdout.", "--json")]
 TEnd = Annotated[float, option("Last instant in s.", "--t-end")]
 OptionalTEnd = Annotated[float | None, option("Last instant in s.", "--t-end")]

@@ -6,7 +6,17 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
 from runtime.cli import common
-from runtime.cli.common import Guess, Json, Model, MotionStart, OptionalTEnd, Scene, Values, option
+from runtime.cli.common import (
+    Generated,
+    Guess,
+    Json,
+    Model,
+    MotionStart,
+    OptionalTEnd,
+    Scene,
+    Values,
+    option,
+)
 
 if TYPE_CHECKING:
     from runtime.studies.effect_ranking import Matters
@@ -28,14 +38,15 @@ def matters(
     ] = None,
     analysis: Annotated[
         str | None,
-        option("simulate, kinematics, inverse or equilibrium (which needs no --t-end); follows "
-               "from the scene unless given."),
+        option("simulate, kinematics, inverse-dynamics or equilibrium (which needs no --t-end); "
+               "follows from the scene unless given."),
     ] = None,
     fidelities: Annotated[
         bool, option("Try the other fidelities of rods, contacts and frictions as well.")
     ] = True,
-    settings: Values = None, guess: Guess = None,
+    settings: Values = None, guess: Guess = None, generated: Generated = None,
     method: Annotated[str, option("Integration method, as in simulate.")] = "dop853",
+    formulation: Annotated[str | None, option("cartesian or reduced, as in simulate.")] = None,
     rtol: Annotated[
         float, option("Relative tolerance; a run with 100 times this is compared.")
     ] = 1e-10,
@@ -53,8 +64,9 @@ def matters(
     def study() -> "Matters":
         return rank_effects(
             model, scene, asked=quantity, t_end=t_end, t_start=t_start, error=error,
-            analysis=analysis, fidelities=fidelities, method=method, rtol=rtol, points=points,
-            rounds=rounds, progress=common.write_line, **common.start_values(settings, guess),
+            analysis=analysis, fidelities=fidelities, method=method, formulation=formulation,
+            rtol=rtol, points=points, rounds=rounds, generated=generated,
+            progress=common.write_line, **common.start_values(settings, guess),
         )  # fmt: skip
 
     ranking = _answer(study, picture, out, as_json)
@@ -98,7 +110,7 @@ def accuracy(
         bool, option("Four tolerances in place of seventeen, few repeats.", "--quick")
     ] = False,
     limit: Annotated[float, option("Seconds that a run may take.")] = 10.0,
-    settings: Values = None, guess: Guess = None,
+    settings: Values = None, guess: Guess = None, generated: Generated = None,
     out: Annotated[
         Path | None, option("Folder for the picture and the runs as JSON lines.")
     ] = None,
@@ -115,8 +127,8 @@ def accuracy(
             model, scene, quantities=tuple(quantity or ()), t_end=t_end, t_start=t_start,
             methods=tuple(method or METHODS), formulations=tuple(formulation or FORMULATIONS),
             points=points, reference=reference, modelling=modelling, beside=tuple(beside or ()),
-            building=building, quick=quick, limit=limit, progress=common.write_line,
-            **common.start_values(settings, guess),
+            building=building, quick=quick, limit=limit, generated=generated,
+            progress=common.write_line, **common.start_values(settings, guess),
         )  # fmt: skip
 
     diagram = _answer(study, picture, out, as_json)

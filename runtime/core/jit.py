@@ -30,6 +30,7 @@ from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
 
 from codegen.generated_module_signature_and_import import locked
+from codegen.library_layout import LIBRARY, methods_folder
 from codegen.numba_cache import checked_caches
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -186,10 +187,10 @@ def _cache_files(dispatcher: Any) -> Any:
 
 def _stamp() -> str:
     """Hash of what compiled code is made from: numerical rooms, methods, users of this module."""
-    digest, library = hashlib.sha256(), Path(__file__).parents[2]
-    for path in sorted((*library.glob("generated/methods/*.py"), *library.glob("runtime/**/*.py"))):
+    digest = hashlib.sha256()
+    for path in sorted({*methods_folder().glob("*.py"), *LIBRARY.glob("runtime/**/*.py")}):
         text = path.read_bytes()
-        if path.relative_to(library).parts[1] in ROOMS or b"runtime.core.jit" in text:
+        if path.relative_to(LIBRARY).parts[1] in ROOMS or b"runtime.core.jit" in text:
             digest.update(text)
     return digest.hexdigest()
 

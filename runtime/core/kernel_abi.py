@@ -80,6 +80,9 @@ def _no_energy(q: Any, v: Any, p: Any) -> float:
 def _no_profile(t: Any, p: Any, out: Any) -> None: ...
 
 
+def _no_samples(t: Any, q: Any, v: Any, p: Any, due: Any, out: Any) -> None: ...
+
+
 def _full_shares(p: Any, low: Any, high: Any) -> None:
     low[:] = 0.0
     high[:] = 1.0
@@ -99,6 +102,8 @@ class Kernels:
     friction exerts the force that stands in p behind the parameters, in the order of STICTION.
     `peak_arguments` are the arguments of the functions in PEAKS and their rates.
     `dead_centres` are x² of each loop in closed form, its rate, and the largest that it may be.
+    `samples` are those of SAMPLED, computed where `modes`, here one for each of these, is 1;
+    `clocks` their periods and delays, s.
     """
 
     constants: Kernel = _kernel("constants", "p", _skip_1)
@@ -132,6 +137,8 @@ class Kernels:
         "correction_tangent", "t q v p w dq_in dv_in dq dv", _skip_9
     )
     dead_centres: Kernel = _kernel("dead_centres", "t q v p out", _skip_5)
+    samples: Kernel = _kernel("samples", "t q v p modes out", _no_samples)
+    clocks: Kernel = _kernel("clocks", "p out", _skip_2)
 
     def table(self) -> Integers:
         """Addresses in the order of the fields, with which every function table begins."""
@@ -170,6 +177,7 @@ switched_reactions_of = _fetcher("switched_reactions")
 accelerations_tangent_of = _fetcher("accelerations_tangent")
 correction_tangent_of = _fetcher("correction_tangent")
 dead_centres_of = _fetcher("dead_centres")
+samples_of = _fetcher("samples")
 
 
 def gather(module: ModuleType) -> Kernels:

@@ -59,6 +59,7 @@ _FLOATS += [
     "doubtful",  # end of a step whose energy was not explained; steps up to it are looked at again
     "lent_until",  # instant from which a method that was lent is not needed
     "stop",  # next instant, known beforehand, at which a step ends; infinite where there is none
+    "sample_at",  # next instant at which a clock renews a value; infinite where there is none
     "pace_start",  # instant at which the number of steps had doubled for the last time
     "pace",  # time covered by the steps of the doubling before
     "limit",  # instant before which all steps to come would lie, at their pace; infinite: none

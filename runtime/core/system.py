@@ -40,6 +40,9 @@ class System(Kernels):
     linear_reactions: bool = True  # in multipliers: no friction follows from them
     # constraints of which none follows from others everywhere; None: all
     independent: tuple[int, ...] | None = None
+    sampled: tuple[int, ...] = ()  # velocities that a clock renews
+    sampled_names: tuple[str, ...] = ()
+    controllers: tuple[int, ...] = ()  # numbers of those among them that a run brings
     loops: int = 0  # that the kernels close in closed form, on one branch: those of `dead_centres`
 
     @property

@@ -69,7 +69,16 @@ class CartesianCoordinates(Coordinates):
         """In the machine's own coordinates."""
         ready, q, v = self.ready, np.ascontiguousarray(q), np.ascontiguousarray(v)
         return Problem(
-            t, ready.t_end, q, v, ready.p, self.mobility, ready.sizes, self.spreads, ready.stops
+            t,
+            ready.t_end,
+            q,
+            v,
+            ready.p,
+            self.mobility,
+            ready.sizes,
+            self.spreads,
+            ready.stops,
+            ready.controllers,
         )
 
 
@@ -218,6 +227,11 @@ def _refuse(ready: PreparedSimulation, correction: Correction) -> None:
         problems.append(
             f"{', '.join(names)} stick by a force that follows from a reaction, "
             "which reduced coordinates leave out; give them creep="
+        )
+    if ready.controllers:
+        problems.append(
+            f"functions of your own compute {', '.join(description.controllers)} from all "
+            "coordinates, which a run in reduced ones has only between its steps"
         )
     if begin.degrees_of_freedom == 0:
         problems.append(

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from codegen.errors import AssemblyError
 from runtime.assembly.assemble import assemble
+from runtime.dynamics.controllers import Functions, controllers_of
 from runtime.integrate.problem import Options, Stops
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
@@ -46,11 +47,12 @@ class PreparedSimulation:
 
     def __init__(
         self, mechanism: Mechanism, t_end: float, *, t_start: float, parameters: Values | None,
-        guess: Values | None, start: Assembly | None,
+        guess: Values | None, start: Assembly | None, controllers: Functions | None = None,
     ) -> None:  # fmt: skip
         if not mechanism.description.has_masses:
             refuse_massless(mechanism)
         self.mechanism, self.t_end = mechanism, float(t_end)
+        self.controllers = controllers_of(mechanism, controllers)
         self.p = p = parameter_values(mechanism, parameters)  # with derived constants, (np,)
         require_masses(mechanism, p)
         begin = start if start is not None else assemble(mechanism, guess, parameters, t_start)

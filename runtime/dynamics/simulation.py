@@ -10,6 +10,7 @@ from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.modes_and_event_kinds import KNOTS
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.controllers import Functions
 from runtime.dynamics.end_check_screening import screen_run
 from runtime.dynamics.end_checks import check_result
 from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formulate
@@ -42,6 +43,7 @@ def simulate(
     mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | None = None, *,
     t_start: float = 0.0, method: str = "dop853", rtol: float = 1e-8, atol: float | None = None,
     parameters: Values | None = None, guess: Values | None = None, start: Assembly | None = None,
+    controllers: Functions | None = None,
     correction: Correction = "step", formulation: Formulation = "cartesian",
     time_scale: float | None = None, first_step: float | None = None,
     max_step: float | None = None, max_steps: int | None = None,
@@ -53,7 +55,13 @@ def simulate(
     """
     began = clock.perf_counter()
     ready = PreparedSimulation(
-        mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
+        mechanism,
+        t_end,
+        t_start=t_start,
+        parameters=parameters,
+        guess=guess,
+        start=start,
+        controllers=controllers,
     )
     coordinates = formulate(ready, formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.

@@ -49,6 +49,9 @@ def plan_step(context: Context) -> int:
         return Outcome.OK
     if is_at_kink(context):
         return Signal.KINK
+    if t >= r.sample_at:
+        signal = ft.renew_of(context)(context)
+        return Signal.RETRY if signal == Signal.PROCEED else signal
     if (
         r.logged_events + 3 * context[ft.SWITCHES] > context[ft.EVENT_ROWS]
         or r.logged_repartitions + LOG_MARGIN > context[ft.LOG_ROWS]
@@ -64,7 +67,7 @@ def plan_step(context: Context) -> int:
     elif r.plan == Plan.MISSING:
         h = min(h, max(r.length_across, _SHARE * abs(r.turn - t)))
     end = r.turn if r.planned != 0 and r.plan == Plan.APPROACHING else t + h
-    last = min(r.stop, r.t_end)
+    last = min(r.stop, r.t_end, r.sample_at)
     if t + (1.01 - 0.01 * r.planned) * h >= last:
         h = last - t
         end = last
@@ -147,7 +150,7 @@ def propose_next(context: Integers) -> None:
         r.next_length = r.length * ft.propose_of(context)(context, r.length)
         if r.planned != 0:
             r.next_length = max(r.next_length, r.h) if r.plan == Plan.APPROACHING else r.h
-        elif r.end == r.stop:
+        elif r.end == r.stop or r.end == r.sample_at:  # noqa: PLR1714
             r.next_length = max(r.next_length, r.h)  # not the error cut it
 
 
@@ -176,6 +179,15 @@ def follow_plan(context: Integers) -> int:
     return Signal.PROCEED
 
 
+@inner
+def renew_when_due(context: Context) -> int:
+    """Renew the sampled values that are due at the end of the step."""
+    r = run_record(context)
+    if r.t >= r.sample_at and r.t < r.t_end:
+        return int(ft.renew_of(context)(context))
+    return Signal.PROCEED
+
+
 @compiled(i8(ADDRESSES, i8))
 def advance(context: Integers, budget: int) -> int:
     """Take at most `budget` trial steps; returns a negative `Signal`, or the code of the outcome.
@@ -197,6 +209,8 @@ def advance(context: Integers, budget: int) -> int:
             signal = judge_events(context)
         if signal == Signal.PROCEED:
             signal = follow_plan(context)
+        if signal == Signal.PROCEED:
+            signal = renew_when_due(context)
         if not (signal == Signal.PROCEED or signal == Signal.RETRY):  # noqa: PLR1714
             return signal
     r = run_record(context)

@@ -8,10 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from codegen.generated_module_signature_and_import import import_generated
+from codegen.library_layout import methods_folder
 
 if TYPE_CHECKING:
     from runtime.core.array_types import Integers
@@ -33,7 +33,7 @@ class Registration(NamedTuple):
 
 
 GENERATED = "generated.methods"
-"""Package of the methods that are written from their tableaus."""
+"""Package of the methods that are written from their tableaus, as a checkout has it."""
 
 RUNGE_KUTTA, COLLOCATION = "explicit Runge-Kutta", "collocation"
 MULTISTEP, SWITCHING = "multistep", "switching"
@@ -121,8 +121,7 @@ def find_method(name: str) -> Method:
     module = REGISTER[name].module
     folder, _, stem = module.rpartition(".")
     if folder == GENERATED:  # by its path: a user's own folder may be a package of that name
-        path = Path(__file__).parents[2] / folder.replace(".", "/") / f"{stem}.py"
-        found: Method = import_generated(path).METHOD
+        found: Method = import_generated(methods_folder() / f"{stem}.py").METHOD
     else:
         found = import_module(module).METHOD
     return found

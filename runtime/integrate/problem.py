@@ -1,7 +1,7 @@
 """The input of an integration: start and end, and how to solve the equations."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -13,6 +13,9 @@ from runtime.core.outcomes import Outcome
 
 Correction = Literal["step", "stage", "projection", "baumgarte", "hybrid"]
 Formulation = Literal["cartesian", "reduced"]
+
+Controller = Callable[[float, Vector, Vector], float]
+"""(t, q, v) of a sample → the value, in the coordinates of the run."""
 
 MOST_STEPS = 100_000_000  # safety: trial steps of a run, where no number is given
 
@@ -65,6 +68,8 @@ class Problem:
     """(s,): how far switching functions go when all that they are made of is changed by its size,
     where that is more than the coordinates' own changes do."""
     stops: Stops | None = None  # None: the run ends its steps where it likes
+    # number of a sampled value → what computes its samples
+    controllers: Mapping[int, Controller] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

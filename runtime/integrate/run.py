@@ -41,7 +41,7 @@ _LONGEST_CHUNK = 16384  # safety: steps before an interrupt is heard, at most
 _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
 # As integers: looking up a member of an enumeration is slow in Python 3.11.
 _GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
-_KINK = int(Signal.KINK)
+_KINK, _SAMPLE = int(Signal.KINK), int(Signal.SAMPLE)
 _STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
 _CLOSE = 1e-6  # safety: of the run; nearer to a pole or a lock-up, that is why it ends
 
@@ -93,6 +93,7 @@ class Run:
         self.recording = Recording(self.state.wiring, n, s, t_eval, interval)
         self.crossings = Crossings(self.state, problem)
         self.first_t = float(problem.t0)
+        self.controllers = problem.controllers
         self.note = ""  # on the outcome
         self.fresh = self.state.record.copy()
         self.most = _LONGEST_CHUNK  # steps until `Change` is called again
@@ -112,6 +113,8 @@ class Run:
     def start(self) -> int:
         """Prepare the first step; returns the code of an outcome."""
         y, table = self.state.y, self.state.table
+        if self.state.system.sampled and not self.state.record["resumed"]:
+            self._take_first_samples()
         given = y.copy()
         code: int = start(table)
         if code in {Outcome.SINGULAR, Outcome.NEWTON_FAILED}:
@@ -162,6 +165,8 @@ class Run:
                     signals.begin()
                 if code == _KINK:
                     code = run._pass_kink()
+                if code == _SAMPLE:
+                    code = run._take_samples()
                 if code == _CHANGE:
                     run.state.change_method()
                     code = _GOING
@@ -254,6 +259,32 @@ class Run:
             self.recording.add_events(r["t"], number, [passage.event], state.y.ravel())
             r["events"] += 1
         return _GOING if code == Outcome.OK else code
+
+    def _take_first_samples(self) -> None:
+        """Let the values that clocks renew at the very first instant act from there on."""
+        from runtime.integrate.sampled_values import compute_samples, take_samples
+
+        compute_samples(self.state.table)
+        self._compute_by_controllers()
+        take_samples(self.state.table)
+
+    def _take_samples(self) -> int:
+        """Go on with samples that functions in Python compute."""
+        from runtime.integrate.sampled_values import go_on
+
+        self._compute_by_controllers()
+        code: int = go_on(self.state.table)
+        self.recording.flush()
+        return _GOING if code == Signal.PROCEED else code
+
+    def _compute_by_controllers(self) -> None:
+        """Replace the samples of the values that the run's own functions compute."""
+        arrays, state, system = self.state.wiring.arrays, self.state, self.state.system
+        for k in system.controllers:
+            if arrays["due"][k]:
+                q, v = state.y
+                value = self.controllers[k](float(state.record["t"]), q.copy(), v.copy())
+                arrays["sample_values"][k] = value
 
     def _sample_kink(self, before: tuple[Vector, Integers], passage: Passage) -> None:
         """Take the samples that are asked for between the two sides of a kink."""

@@ -11,6 +11,7 @@ from runtime.core.loop_record import ConstraintReturn
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.system import System
 from runtime.hybrid.rhs_with_sliding_or_stabilization import TIME_SCALE
+from runtime.integrate.clocks import set_clocks
 from runtime.integrate.loop import LOG_MARGIN
 from runtime.integrate.method import Method, find_method
 from runtime.integrate.problem import Options, Problem, Stops
@@ -27,10 +28,11 @@ _METHOD_NUMBERS = (
 )  # fmt: skip
 # What a run knows of its switching functions, samples and events whatever its coordinates.
 _OF_SWITCHES = ("modes", "switching_rows", "share", "recent_events")
+_OF_CLOCKS = ("ticks", "waiting_samples")
 _OF_ENERGY = ("balances", "usual_part", "rounding")
 _OF_EVENTS = (
     "t", "usual", "samples", "next_sample", "event_span", "flight", "shrinking", "standing",
-    "patience", "stop", "next_stop",
+    "patience", "stop", "next_stop", "sample_at",
 )  # fmt: skip
 COUNTS = tuple(name for name in Statistics.__dataclass_fields__ if name != "seconds")
 """What the record of a run counts."""
@@ -63,6 +65,9 @@ class RunState:
         self._take(find_method(options.method))
         self._choose_return(problem)
         self.set_stops(problem.stops)
+        if system.sampled:
+            clocks = arrays["sample_clocks"].reshape(-1, 2)
+            set_clocks(float(problem.t0), clocks, arrays["ticks"])
 
     @property
     def y(self) -> Matrix:
@@ -106,7 +111,7 @@ class RunState:
         r["balance_at"] = 0 if r["power_rows"] >= 0 else np.iinfo(np.int64).max
         r["energy"], r["balances"] = np.nan, 1
         r["growth_limit"] = r["ratio_limit"] = GROWTH_LIMIT
-        r["event_span"] = np.inf
+        r["event_span"] = r["sample_at"] = np.inf
         r["index"] = -1
         r["permitted"] = 1.0
         r["quiet"] = r["blind_from"] = r["blind_to"] = r["doubtful"] = -np.inf
@@ -174,6 +179,9 @@ class RunState:
             sliding = int(np.count_nonzero(self.modes == SLIDING))
             self.table[ft.SLIDING_COUNT] = sliding
             self.table[ft.MODIFIED] = sliding + self.table[ft.STABILIZED]
+        if self.system.sampled:
+            for name in _OF_CLOCKS:
+                arrays[name][:] = other.wiring.arrays[name]
         self.methods = other.methods
         self.use_method(self.methods[-1][1])
 

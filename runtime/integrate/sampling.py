@@ -9,11 +9,12 @@ from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import PREDICTED, PROJECTION, SAMPLE, SIZE, Y1, row_of
+from runtime.integrate.clocks import CLOCK
 from runtime.linalg.vectors import copy_vector
 
 _BLIND = 4.0  # measured: rounding of velocities beside a singular position, over its estimate
 _ROOM = 0.49  # safety: of the time from a singular position to an end of the step across it
-STEP_ENDS, QUADRATURE = 1, 2  # kinds of sampling besides given instants, 0
+INSTANTS, STEP_ENDS, QUADRATURE = 0, 1, 2  # kinds of sampling: what is in `every_step`
 _POINTS, WEIGHTS = np.polynomial.legendre.leggauss(5)
 NODES: tuple[float, ...] = tuple(float(x) for x in _POINTS)
 INTERVAL = len(NODES) + 1  # samples of an interval in a quadrature: its Gauss nodes and its end
@@ -170,6 +171,8 @@ def emit(context: Context, t: float, t1: float, h: float, dense_ready: int) -> i
         return sample_nodes(context, t, t1, h)
     while r.next_sample < context[ft.SAMPLE_TIMES] and t_eval[r.next_sample] <= t1:
         at = t_eval[r.next_sample]
+        if t1 >= r.sample_at and t1 < r.t_end and at >= t1 - CLOCK * abs(t1):
+            break  # it has the values that are renewed now
         if at == t1:
             record(context, t1, Y1)
         elif sample(context, t, h, at) == FAILED:

@@ -25,6 +25,7 @@ from runtime.hybrid import (
     switching_values_and_margins,
 )
 from runtime.integrate import energy_balance, sampling, step, step_control
+from runtime.integrate.clocks import queue_length, read_clocks
 from runtime.integrate.method import find_method
 from runtime.linalg.symbolic_elimination_and_replay import plan_capacity
 from runtime.singularity.prediction import predict_vanishing_pivot
@@ -87,6 +88,14 @@ def _resolved_part() -> int:
     return int(addresses([find_resolved_part])[0])
 
 
+@cache
+def _renew() -> int:
+    """The address of what renews sampled values, which other machines do without."""
+    from runtime.integrate.sampled_values import renew_in_step
+
+    return int(addresses([renew_in_step])[0])
+
+
 _kernels = cache(System.table)  # addresses of a machine's kernels, in the order of the table
 
 
@@ -119,11 +128,16 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         ft.METHOD_FLOATS_SIZE: floats,
         ft.METHOD_INTEGERS_SIZE: integers,
         ft.PEAKS: len(system.peaks),
+        ft.SAMPLED: len(system.sampled),
+        ft.CONTROLLERS: len(system.controllers),
         ft.LOG_ROWS: log_rows,
         ft.CORRECTING: ConstraintReturn.BY_PARTITION,
     }
     if system.peaks:
         numbers[ft.TABLE.slots["resolved_part"]] = _resolved_part()
+    if system.sampled:
+        clocks = read_clocks(system, p)
+        numbers |= {ft.QUEUE: queue_length(clocks), ft.TABLE.slots["renew"]: _renew()}
     table[list(numbers)] = list(numbers.values())
     arrays = ft.TABLE.allot(table)
     place(table, arrays, "parameters", p)
@@ -137,6 +151,8 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         arrays["peak_kinds"][k], arrays["peak_exponents"][k] = kind, exponent
     if s:
         _describe_switches(system, p, arrays)
+    if system.sampled:
+        arrays["sampled_columns"][:], arrays["sample_clocks"][:] = system.sampled, clocks.ravel()
     return Wiring(table, arrays)
 
 

@@ -202,8 +202,11 @@ class Equations:
         return measured
 
     def scale(self, size: float) -> FloatArray:
-        """Typical change of each coordinate: `size` for lengths, else 1, shape (n,)."""
-        return np.where(self.description.is_length, size, 1.0)
+        """Typical changes of coordinates, (n,): `size` for lengths, 1 for angles, a state's own."""
+        typical: FloatArray = np.where(self.description.is_length, size, 1.0)
+        for state in self.description.states:
+            typical[state.column] = state.nominal
+        return typical
 
 
 def turned(description: Description, q: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,9 +1,9 @@
 """The tables of a mechanism as a user reads them."""
 
-from html import escape
 from pathlib import Path
 
 from codegen.errors import InputError
+from codegen.object_display import html_of, html_table
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class
 from runtime.core.kernel_abi import Kernels
@@ -92,13 +92,6 @@ class MechanismTables:
 
     def _repr_html_(self) -> str:
         """The same with a table of all parameters, for notebooks."""
-        rows = "".join(
-            f"<tr><td>{escape(row.name)}</td><td style='text-align:right'>{row.default:g}</td>"
-            f"<td>{escape(row.unit)}</td></tr>"
-            for row in self.parameters
-        )
-        head = "<br>".join(escape(line) for line in repr(self).splitlines()[:-1])
-        return (
-            f"<div><p>{head}</p><table><thead><tr><th>parameter</th><th>default</th><th>unit</th>"
-            f"</tr></thead><tbody>{rows}</tbody></table></div>"
-        )
+        rows = ((row.name, row.default, row.unit) for row in self.parameters)
+        head = "\n".join(repr(self).splitlines()[:-1])
+        return html_of(head, html_table(("parameter", "default", "unit"), rows))

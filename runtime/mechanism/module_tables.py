@@ -17,6 +17,7 @@ from runtime.mechanism.table_rows import (
     ReactionRow,
     RigidContact,
     StartValue,
+    State,
     Switch,
     Table,
     TableRange,
@@ -69,6 +70,9 @@ class Description(NamedTuple):
     peaks: tuple[tuple[str, str, float], ...] = ()
     conditions: tuple[ConditionRow, ...] = ()  # on parameters, judged before each run
     profiles: tuple[ProfileRow, ...] = ()
+    states: Table[State] = Table()
+    sampled: tuple[str, ...] = ()  # states that clocks renew
+    controllers: tuple[str, ...] = ()  # those among them whose samples a run brings
 
     @property
     def title(self) -> str:
@@ -154,6 +158,11 @@ class Description(NamedTuple):
         return np.array([row.is_length for row in self.coordinates], dtype=np.bool_)
 
     @property
+    def sampled_columns(self) -> tuple[int, ...]:
+        """Columns of the values that clocks renew."""
+        return tuple(self.states[name].column for name in self.sampled)
+
+    @property
     def neutral(self) -> npt.NDArray[np.float64]:
         """The neutral pose, in which no body is turned, shape (n,)."""
         values = {row.name: row.value for row in self.start if row.role == "neutral"}
@@ -171,6 +180,7 @@ def describe(module: ModuleType) -> Description:
             literals[name] = Table(row(*entry) for entry in literals.get(name, ()))
         elif kind == Indices:
             literals[name] = np.array(literals.get(name, ()), dtype=np.int64)
+    literals["coordinates"] = _with_units_of_states(literals["coordinates"], literals["states"])
     literals["conditions"] = tuple(map(ConditionRow._make, literals.get("conditions", ())))
     literals["profiles"] = tuple(map(ProfileRow._make, literals.get("profiles", ())))
     for name in ("stiction", "shares"):
@@ -182,6 +192,15 @@ def describe(module: ModuleType) -> Description:
     literals["table_ranges"] = tuple(map(TableRange._make, literals.get("table_ranges", ())))
     return Description(
         **literals, has_masses=hasattr(module, "mass"), kernels=frozenset(vars(module))
+    )
+
+
+def _with_units_of_states(coordinates: Table[Coordinate], states: Table[State]) -> Any:
+    """The coordinates, those whose rates are states with their units."""
+    units = {row.column: row.unit for row in states}
+    return Table(
+        row._replace(unit=f"{units[k] or 1} s", state_unit=units[k]) if k in units else row
+        for k, row in enumerate(coordinates)
     )
 
 

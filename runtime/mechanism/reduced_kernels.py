@@ -44,6 +44,7 @@ class Reduced:
             common_system(self.description, self.kernels, *self.jacobian, n, m),
             dead_centres=self.dead_centres,
             loops=len(self.branches),
+            sampled=tuple(map(self.kept.tolist().index, self.description.sampled_columns)),
             shares=tuple((k, behind + i) for i, k in enumerate(self.description.shares)),
             superposes=self.description.superposes,
             **self.tangents._asdict(),

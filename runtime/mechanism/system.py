@@ -33,6 +33,7 @@ def common_system(
     description: Description, kernels: Kernels, rows: Integers, columns: Integers, n: int, m: int
 ) -> System:
     """The entries common to all formulations; `rows`, `columns`: of the Jacobian's non-zeros."""
+    sampled = description.sampled
     return System(
         **vars(kernels),
         jacobian_rows=rows,
@@ -44,5 +45,8 @@ def common_system(
         sticking=tuple(k for k, row in enumerate(description.switches) if row.sticks),
         boundaries=tuple(description.boundaries.tolist()),
         table_parts=description.table_parts,
+        sampled=description.sampled_columns,
+        sampled_names=sampled,
+        controllers=tuple(map(sampled.index, description.controllers)),
         peaks=tuple((PeakKind[kind.upper()], exponent) for _, kind, exponent in description.peaks),
     )

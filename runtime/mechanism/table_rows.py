@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, Protocol, SupportsIndex, TypeVar, overload
 import numpy as np
 
 from codegen.errors import UnknownNameError
+from codegen.object_display import html_table
 from codegen.plain_values import is_a, shown
 
 
@@ -41,6 +42,23 @@ class Table(tuple[RowT, ...]):
         except BaseException:  # of the comparison with a user's own object
             return False
 
+    def __repr__(self) -> str:
+        """The rows below the names of their columns."""
+        fields, rows = self._columns()
+        texts = [fields, *([f"{x:g}" if isinstance(x, float) else str(x) for x in r] for r in rows)]
+        widths = [max(map(len, column)) for column in zip(*texts, strict=True)]
+        lines = ("  ".join(map(str.ljust, text, widths)).rstrip() for text in texts)
+        return "\n".join(lines) if rows else "no rows"
+
+    def _repr_html_(self) -> str:
+        """The rows as a table, for notebooks."""
+        return html_table(*self._columns()) or "<p>no rows</p>"
+
+    def _columns(self) -> tuple[tuple[str, ...], list[tuple[object, ...]]]:
+        """Names of the columns, and the rows, which are named tuples."""
+        rows: list[Any] = [*self]
+        return (rows[0]._fields if rows else ()), rows
+
     @overload
     def __getitem__(self, item: SupportsIndex | str) -> RowT: ...
     @overload
@@ -74,6 +92,7 @@ class Coordinate(NamedTuple):
     name: str
     velocity: str
     unit: str
+    state_unit: str | None = None  # of the velocity, where that is a state
 
     @property
     def is_angle(self) -> bool:
@@ -88,12 +107,21 @@ class Coordinate(NamedTuple):
     @property
     def velocity_unit(self) -> str:
         """Unit of its velocity."""
-        return f"{self.unit}/s"
+        return f"{self.unit}/s" if self.state_unit is None else self.state_unit or "1"
 
     @property
     def acceleration_unit(self) -> str:
         """Unit of its acceleration."""
-        return f"{self.unit}/s^2"
+        return f"{self.unit}/s^2" if self.state_unit is None else f"{self.state_unit or 1}/s"
+
+
+class State(NamedTuple):
+    """A state of first order or a sampled value: the velocity of the coordinate `column`."""
+
+    name: str
+    column: int
+    unit: str
+    nominal: float
 
 
 class Constraint(NamedTuple):

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import UnknownNameError
+from codegen.object_display import html_of, html_table, listed
 from codegen.public_callables import checked_class, named_attributes
 from runtime.mechanism.table_rows import Coordinate, Table, unknown
 
@@ -85,6 +86,22 @@ class Assembly:
                 return float(self.q[index] if name == row.name else self.v[index])
         names = [text for row in self.coordinates for text in row[:2]]
         raise UnknownNameError(unknown("coordinate or velocity", name, names))
+
+    def __repr__(self) -> str:
+        """The report, and the positions and velocities."""
+        state = [*zip(self.coordinates, self.q, self.v, strict=False)]
+        q = (f"{row.name} = {x:.6g} {row.unit}" for row, x, _ in state)
+        v = (f"{row.velocity} = {x:.6g} {row.velocity_unit}" for row, _, x in state)
+        return f"{self}\n  q  {listed(q)}\n  v  {listed(v)}"
+
+    def _repr_html_(self) -> str:
+        """The report with a table of positions and velocities, for notebooks."""
+        rows = (
+            (row.name, float(q), row.unit, row.velocity, float(v), row.velocity_unit)
+            for row, q, v in zip(self.coordinates, self.q, self.v, strict=False)
+        )
+        head = ("coordinate", "value", "unit", "velocity", "value", "unit")
+        return html_of(str(self), html_table(head, rows))
 
     def __str__(self) -> str:
         """The report as text."""

@@ -41,6 +41,10 @@ class Event(NamedTuple):
     q: FloatArray
     v: FloatArray
 
+    def __repr__(self) -> str:
+        """Instant, name and direction; the state is left to `q` and `v`."""
+        return f"Event at t = {self.time:.9g} s: {self.name}, {self.what}"
+
     @property
     def what(self) -> str:
         """The direction in a word: began, ceased, holds, impact, crossed or locked."""
@@ -100,6 +104,11 @@ class SingularPosition(NamedTuple):
     q: FloatArray | None = None
     v: FloatArray | None = None
     size: float = np.nan
+
+    def __repr__(self) -> str:
+        """Kind, instant, what is in it, and the free directions; the state is left to `q`, `v`."""
+        free = f"; free {self.free}" if self.null_directions else ""
+        return f"SingularPosition, {self.kind}, at t = {self.time:.9g} s: {self.title}{free}"
 
     @property
     def title(self) -> str:

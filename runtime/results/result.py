@@ -13,6 +13,7 @@ import numpy.typing as npt
 from codegen import __version__
 from codegen import argument_readers as readers
 from codegen.errors import InputError
+from codegen.object_display import html_of, html_table, listed
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class, declared_attributes, named_attributes
 from runtime.core.outcomes import Outcome
@@ -178,7 +179,32 @@ class Result(TimeSeries):
         return {k: fact if isinstance(fact, str) else json.dumps(fact) for k, fact in facts.items()}
 
     def __repr__(self) -> str:
-        """Title, span and outcome for a person."""
+        """The headline, and what there is to look up."""
+        rows = self.description.coordinates
+        lines = [self.headline, f"  coordinates  {listed(f'{r.name} ({r.unit})' for r in rows)}"]
+        if self.samples.reaction.shape[-1]:
+            joints = dict.fromkeys(row.element for row in self.description.reactions)
+            lines.append(f"  reactions    {listed(joints)} (N, N m)")
+        if self.events:
+            lines.append(f"  events       {len(self.events)}, in .events")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        """The same with a table of the coordinates, for notebooks."""
+        q, rows = self.samples.q, self.description.coordinates
+        if not len(self.t):
+            return html_of(repr(self))
+        numbers = zip(q[0], q[-1], q.min(axis=0), q.max(axis=0), strict=True)
+        table = html_table(
+            ("coordinate", "unit", "first", "last", "least", "greatest"),
+            ((row.name, row.unit, *map(float, of)) for row, of in zip(rows, numbers, strict=True)),
+        )
+        text = [line for line in repr(self).splitlines() if not line.startswith("  coordinates ")]
+        return html_of("\n".join(text), table)
+
+    @property
+    def headline(self) -> str:
+        """Title, span and outcome."""
         count = len(self.t)
         ends = f" to {self.t[-1]:g}" if count > 1 else ""
         span = f"t = {self.t[0]:g}{ends} s" if count else "nothing computed"

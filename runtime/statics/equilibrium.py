@@ -71,6 +71,12 @@ class Equilibrium(Result):
         """Whether the machine returns after a small push."""
         return self.stability is Stability.STABLE
 
+    def __repr__(self) -> str:
+        """As of any result, and the stability."""
+        found = ", ".join(f"{f:.6g}" for f in self.frequencies)
+        tail = f"; natural frequencies {found} Hz" if found else ""
+        return f"{super().__repr__()}\n  equilibrium  {self.stability}{tail}"
+
     def __getitem__(self, name: str) -> float:
         """Value of a coordinate by name."""
         return float(self.q(name)[0])

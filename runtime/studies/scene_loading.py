@@ -20,18 +20,20 @@ _VALUES = readers.optional(readers.values('{"mass": 2.0}'))
 _INSTANT = readers.number("a finite number of seconds")
 READERS = {
     "model": readers.model, "scene": readers.optional(readers.scene),
-    "folder": readers.optional(readers.path), "parameters": _VALUES, "guess": _VALUES,
+    "folder": readers.optional(readers.path), "generated": readers.optional(readers.path),
+    "parameters": _VALUES, "guess": _VALUES,
     "t_end": readers.optional(_INSTANT), "t_start": _INSTANT, "progress": readers.study_reporter,
 }  # fmt: skip
 """Arguments that all studies take."""
 
 
 class Source(NamedTuple):
-    """The model and scene that a user named, and the folder in which the user works."""
+    """The model and scene that a user named, the folder of the work, that of the modules."""
 
     given: "str | os.PathLike[str] | Model"
     given_scene: "str | Scene | None"
     folder: str | os.PathLike[str] | None
+    generated: str | os.PathLike[str] | None
     model: "Model"
     scene: "Scene"
 
@@ -40,7 +42,7 @@ class Source(NamedTuple):
         named = self.given_scene if scene is None else scene.name if scene.root is None else scene
         scene = scene or self.scene
         if isinstance(named, str | None) and not hasattr(self.given, "scenes"):
-            return load(self.given, scene.name, folder=self.folder)
+            return load(self.given, scene.name, folder=self.folder, generated=self.generated)
         return self.variant(scene)
 
     def variant(self, scene: "Scene") -> "Machine":
@@ -50,13 +52,13 @@ class Source(NamedTuple):
 
 def read_source(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None",
-    folder: str | os.PathLike[str] | None,
+    folder: str | os.PathLike[str] | None, generated: str | os.PathLike[str] | None = None,
 ) -> Source:  # fmt: skip
     """Read the model, and find the scene in it: the first unless one is named."""
     from codegen.one_change_scenes import declared
 
     read = declared(Path(model) if isinstance(model, os.PathLike) else model, scene)
-    return Source(model, scene, folder, *read)
+    return Source(model, scene, folder, generated, *read)
 
 
 def cache_folder(folder: str | os.PathLike[str] | None) -> Path:

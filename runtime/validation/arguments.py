@@ -125,5 +125,6 @@ _KINDS: dict[str, Reader] = {
     "max_steps": optional(readers.count(1)),
     "max_bytes": readers.count(1),
     "progress": readers.flag,
+    "controllers": optional(readers.functions('{"u": lambda sample: 2.0 * sample.t}')),
 }
 """Argument of an analysis → its reader."""

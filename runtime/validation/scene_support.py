@@ -17,6 +17,18 @@ def require_motion(mechanism: Mechanism, question: str) -> None:
         )
 
 
+def refuse_states(mechanism: Mechanism, question: str) -> None:
+    """Refuse an analysis of positions where states follow from their rates and samples alone."""
+    description = mechanism.description
+    if description.states:
+        names = description.states.names
+        raise AnalysisError(
+            f"{description.title}: {question} knows positions, but {', '.join(names)} follow from "
+            f"their rates and samples, which only a simulation does. Ask for simulate, or load "
+            f"scene.without({', '.join(map(repr, names))}) with the effects that contain them."
+        )
+
+
 def require_energy(mechanism: Mechanism) -> None:
     """Refuse a search for equilibrium where the potential was left out."""
     description = mechanism.description

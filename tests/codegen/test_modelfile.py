@@ -8,7 +8,8 @@ from typer.testing import CliRunner
 
 from codegen.cli import app
 from codegen.errors import ModelFileError
-from codegen.model_file import execute_model_file, library_folder
+from codegen.library_layout import LIBRARY
+from codegen.model_file import execute_model_file
 from tests.codegen.complaints import HEAD, check, complaints
 from tests.codegen.workbench import write_model
 
@@ -65,7 +66,7 @@ def test_model_file(tmp_path: Path, text: str, expected: str) -> None:
 
 
 def test_generated_module_is_not_executed_as_a_model_file() -> None:
-    path = library_folder() / "generated" / "pendulum__bar.py"
+    path = LIBRARY / "generated" / "pendulum__bar.py"
     with pytest.raises(ModelFileError, match=r"pendulum__bar\.py is a module that was generated"):
         execute_model_file(path)
 

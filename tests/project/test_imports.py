@@ -29,6 +29,8 @@ def fresh(code: str, cwd: Path) -> str:
     [
         ("import runtime", {"sympy", "matplotlib", "netCDF4"}),
         ("from runtime import load", {"sympy", "matplotlib", "netCDF4"}),
+        ("import linkwright", {"sympy", "numpy", "numba", "typing", "rich", "typer"}),
+        ("from linkwright import load", {"sympy", "matplotlib", "netCDF4"}),
         ("import codegen.errors", {"sympy", "numba", "numpy", "runtime"}),
         ("from codegen import Model", {"numba", "runtime", "matplotlib"}),
     ],
@@ -43,13 +45,14 @@ def test_an_import_loads_no_more_than_it_needs(
 
 COMPILER = {
     *("codegen.argument_readers", "codegen.damaged_byte_code", "codegen.errors"),
-    *("codegen.plain_values", "codegen.public_callables"),
+    *("codegen.library_layout", "codegen.object_display", "codegen.plain_values"),
+    *("codegen.public_callables", "codegen.readable_signatures"),
     *("codegen.numba_cache", "codegen.condition_evaluation", "codegen.termination_signals"),
     *("codegen.generated_module_signature_and_import", "codegen.calls_of_kernels_from_python"),
 }
 
 FIRST = """
-from runtime import load
+from linkwright import load
 run = load("slider_crank", scene="compressor").simulate(0.01)
 import json, sys
 print(json.dumps(sorted(sys.modules)))
@@ -130,6 +133,7 @@ FORBIDDEN = (
     ("models/example.py", "import codegen.elements", "codegen.elements", "A model is written"),
     ("models/example.py", "from runtime import load", "runtime", "Only the studies"),
     ("generated/example.py", "import scipy.linalg", "scipy", "A generated module stands"),
+    ("models/example.py", "import linkwright", "linkwright", "The one name stands"),
 )
 ALLOWED = (
     ("runtime/machine_loading.py", "from codegen import build"),
@@ -143,7 +147,7 @@ ALLOWED = (
 @pytest.fixture
 def skeleton(root: Path, tmp_path: Path) -> Path:
     """The project's modules with nothing in them but the allowed imports, and its import rules."""
-    for package in ("codegen", "generated", "models", "runtime"):
+    for package in ("codegen", "generated", "linkwright", "models", "runtime"):
         for path in (root / package).rglob("*.py"):
             copy = tmp_path / path.relative_to(root)
             copy.parent.mkdir(parents=True, exist_ok=True)

@@ -20,7 +20,9 @@ def test_links_lead_somewhere(page: Path) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_files_that_are_named_exist(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
-    named = re.findall(r"`((?:benchmarks|codegen|docs|models|runtime|tests)/[\w/.]+)`", text)
+    named = re.findall(
+        r"`((?:benchmarks|codegen|docs|linkwright|models|runtime|tests)/[\w/.]+)`", text
+    )
     assert not [path for path in named if not (ROOT / path).exists()]
 
 

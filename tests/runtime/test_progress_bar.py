@@ -2,10 +2,13 @@
 
 import io
 import sys
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from runtime import load
 from runtime import progress_bar as progress
 from runtime.machine_facade import Machine
 
@@ -54,3 +57,111 @@ def test_analyses_report_their_progress(driven: Machine) -> None:
     assert np.diff([0.0, *seen]).min() > 0.0
     assert np.diff([0.0, *seen]).max() <= 0.4096  # a report at least every 4096 instants
     assert seen[-1] == 1.0
+
+
+class Notebook(io.StringIO):
+    """As a notebook's stream of errors."""
+
+
+Notebook.__module__ = "ipykernel.iostream"
+
+FUNCTION = "def double(x):\n    return 2.0 * x\n"
+
+
+def compile_one(folder: Path, name: str) -> None:
+    """Have numba compile a function of a file of that name, in place of the library's."""
+    import numba
+
+    path = folder / f"{name}.py"
+    path.parent.mkdir(exist_ok=True)
+    namespace: dict[str, Any] = {}
+    exec(compile(FUNCTION, str(path), "exec"), namespace)
+    numba.njit("float64(float64)")(namespace["double"])
+
+
+@pytest.fixture
+def runtime_at(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    monkeypatch.setattr(progress, "LIBRARY", tmp_path)
+    monkeypatch.setattr(progress, "PATIENCE", -1.0)
+    return tmp_path / "runtime"
+
+
+@pytest.mark.parametrize("stream", [Terminal, Notebook])
+def test_compilation_of_the_runtime_is_told_with_how_long_it_takes(
+    monkeypatch: pytest.MonkeyPatch, runtime_at: Path, stream: type[io.StringIO]
+) -> None:
+    shown = stream()
+    monkeypatch.setattr(sys, "stderr", shown)
+    with progress.compilation_shown():
+        compile_one(runtime_at, "loop")
+        compile_one(runtime_at, "step")
+    text = shown.getvalue()
+    assert "compiling the runtime, once after an installation: about a minute" in text
+    assert text.count("about a minute") == 1 or stream is Terminal
+    assert text.endswith("s; later runs start at once.\n")
+
+
+def test_compilation_of_a_scene_is_told_by_its_name(
+    monkeypatch: pytest.MonkeyPatch, runtime_at: Path, tmp_path: Path
+) -> None:
+    shown = Notebook()
+    monkeypatch.setattr(sys, "stderr", shown)
+    with progress.compilation_shown():
+        compile_one(tmp_path / "generated", "pendulum__swing")
+    assert shown.getvalue() == "Linkwright: compiling pendulum, scene swing.\n"
+
+
+@pytest.mark.parametrize(("stream", "wanted"), [(io.StringIO, True), (Terminal, False)])
+def test_compilation_is_told_to_nobody_who_does_not_look(
+    monkeypatch: pytest.MonkeyPatch, runtime_at: Path, stream: type[io.StringIO], wanted: bool
+) -> None:
+    shown = stream()
+    monkeypatch.setattr(sys, "stderr", shown)
+    with progress.compilation_shown(wanted):
+        compile_one(runtime_at, "loop")
+    assert shown.getvalue() == ""
+
+
+def test_compilation_in_a_moment_is_not_told(
+    monkeypatch: pytest.MonkeyPatch, runtime_at: Path
+) -> None:
+    monkeypatch.setattr(progress, "PATIENCE", 60.0)
+    shown = Terminal()
+    monkeypatch.setattr(sys, "stderr", shown)
+    with progress.compilation_shown():
+        compile_one(runtime_at, "loop")
+    assert shown.getvalue() == ""
+
+
+def test_loading_and_every_analysis_show_what_is_compiled(
+    monkeypatch: pytest.MonkeyPatch, runtime_at: Path, driven: Machine, pendulum: Machine
+) -> None:
+    calls = {
+        "load": lambda: load("slider_crank", "kinematics"),
+        "simulate": lambda: pendulum.simulate(0.01),
+        "kinematics": lambda: driven.kinematics([0.0, 0.01]),
+        "inverse_dynamics": lambda: driven.inverse_dynamics([0.0, 0.01]),
+        "equilibrium": pendulum.equilibrium,
+        "assemble": pendulum.assemble,
+    }
+    for word, call in calls.items():
+        entered: list[bool] = []
+        monkeypatch.setattr(
+            progress, "_Compilation", type("_", (_Listening,), {"entered": entered})
+        )
+        monkeypatch.setattr(sys, "stderr", Terminal())
+        call()
+        assert entered, word
+
+
+class _Listening(progress._Compilation):
+    entered: list[bool]
+
+    def __init__(self, terminal: bool) -> None:
+        super().__init__(terminal)
+        self.entered.append(terminal)
+
+
+def test_the_bar_of_the_runtime_knows_its_end() -> None:
+    """The functions of the runtime are counted in the source, those of implicit methods not."""
+    assert 40 < progress.functions_of_the_runtime() < 200

@@ -1,12 +1,14 @@
 """What effects return: potential, forces, laws of friction and contact, reported components."""
 
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 import sympy
 
 from codegen.declare import element as el
 from codegen.declare.body import Body
+from codegen.declare.element import Effect
 from codegen.declare.return_values.calls import (
     by_coordinate,
     call_method,
@@ -148,3 +150,18 @@ def _reported(effect: Any, bodies: tuple[Body, ...]) -> el.Reported:
     )
     refuse_duplicates(effect, "reported()", [component for component, *_ in reported])
     return reported
+
+
+def effect_expressions(effect: Effect, bodies: tuple[Body, ...]) -> list[sympy.Basic]:
+    """All expressions that an effect returns, and the coordinates on which it acts."""
+    forces, potential = forces_of(effect, bodies), potential_of(effect, bodies)
+    expressions: list[sympy.Basic | None] = [*forces, *forces.values(), potential]
+    law, hold, pulls, reported = optional_terms(effect, bodies)
+    expressions += chain.from_iterable(pulls)
+    expressions += [value for _, _, value in reported]
+    expressions += vars(hold).values() if hold else ()
+    if law:
+        loads = (f for load in law.contacts for entry in load for _, f in entry)
+        expressions += (law.strength, law.creep, law.along, *loads)
+    expressions += chain.from_iterable(rest for _, *rest in weights_of(effect, bodies))
+    return [e for e in expressions if e is not None]

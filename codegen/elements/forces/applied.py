@@ -7,12 +7,17 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, label
 from codegen.declare.symbols import Coordinate
+from codegen.elements.forces.scalar_measures import same_body
 from codegen.elements.registry import element
 
 
 @element
 class AppliedForce(Effect):
-    """F at a point P: Q_r = F, Q_φ = (B s')ᵀ F (Haug 6.1), with F in global or in body axes."""
+    """F at a point P: Q_r = F, Q_φ = (B s')ᵀ F (Haug 6.1), with F in global or in body axes.
+
+    Where another body exerts it, `from_`, the reaction -F acts on that body at the same place in
+    space, so that the pair keeps its momentum and its moment of momentum.
+    """
 
     kind = "force"
     name: str
@@ -20,6 +25,7 @@ class AppliedForce(Effect):
     fx: sympy.Expr
     fy: sympy.Expr
     frame: Literal["ground", "body"] = "ground"
+    from_: Body | None = None
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
         """The generalized forces on x, y and φ."""
@@ -30,33 +36,63 @@ class AppliedForce(Effect):
             fx, fy = c * fx - s * fy, s * fx + c * fy
         else:
             torque = (self.point.x - x) * fy - (self.point.y - y) * fx
-        return {body.x: fx, body.y: fy, **({} if torque == 0 else body.torque(torque))}
+        on = {} if body.fixed else {body.x: fx, body.y: fy}
+        on |= {} if torque == 0 or body.fixed else body.torque(torque)
+        return on | self._reaction(fx, fy)
+
+    def _reaction(self, fx: sympy.Expr, fy: sympy.Expr) -> dict[Coordinate, sympy.Expr]:
+        """-F on the body that exerts the force, at the place of the point."""
+        other = self.from_
+        if other is None or other.fixed:
+            return {}
+        x, y = other.position
+        torque = (self.point.y - y) * fx - (self.point.x - x) * fy
+        return {other.x: -fx, other.y: -fy, **other.torque(torque)}
 
     def problems(self) -> list[str]:
-        """The ground cannot be pushed."""
-        if self.point.body.fixed:
-            return [f"{label(self)} acts on the ground; give a moving body."]
-        return []
+        """The ground cannot be pushed, and a particle bears no moment."""
+        problems = exertion_problems(self, self.point.body, self.from_)
+        if not problems and self.from_ is not None and not self.from_.turns:
+            problems.append(
+                f"{label(self)} reacts on '{self.from_.name}', which is a particle and bears no "
+                "moment; use a body, or model.line_force between the two."
+            )
+        return problems
 
 
 @element
 class AppliedTorque(Effect):
-    """A torque about the axis normal to the plane, counter-clockwise positive."""
+    """A torque about the axis normal to the plane, counter-clockwise positive.
+
+    Where another body exerts it, `from_`, the opposite acts on that body: rotor and stator.
+    """
 
     kind = "torque"
     name: str
     body: Body
     value: sympy.Expr
+    from_: Body | None = None
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
-        """Q_φ, or the generalized forces that do the same work."""
-        return self.body.torque(self.value)
+        """Q_φ of both bodies, or the generalized forces that do the same work."""
+        on = {} if self.body.fixed else self.body.torque(self.value)
+        if self.from_ is None or self.from_.fixed:
+            return on
+        return on | self.from_.torque(-self.value)
 
     def problems(self) -> list[str]:
         """The ground cannot be turned, and a particle has nothing to turn."""
-        if self.body.fixed:
-            return [f"{label(self)} acts on the ground; give a moving body."]
-        if not self.body.turns:
-            name = self.body.name
-            return [f"{label(self)} turns '{name}', which is a particle; use a body."]
-        return []
+        problems = exertion_problems(self, self.body, self.from_)
+        given = (self.body,) if self.from_ is None else (self.body, self.from_)
+        return problems + [
+            f"{label(self)} turns '{body.name}', which is a particle; use a body."
+            for body in given
+            if not body.fixed and not body.turns
+        ]
+
+
+def exertion_problems(effect: Effect, on: Body, from_: Body | None) -> list[str]:
+    """A force that moves nothing, and one that a body exerts on itself."""
+    if on.fixed and (from_ is None or from_.fixed):
+        return [f"{label(effect)} acts on the ground; give a moving body."]
+    return [] if from_ is None else same_body(label(effect), (on, from_))

@@ -5,7 +5,7 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Element, Pulls, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
-from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
+from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds, rate
 
 
 def span(i: Point, j: Point) -> tuple[sympy.Expr, sympy.Expr]:
@@ -29,6 +29,11 @@ def relative_angle(i: Body, j: Body) -> sympy.Expr:
     """θ = φ_j - φ_i, rad, counted through full turns; `angle_problems` refuses other bodies."""
     phi_i, phi_j = (sympy.S.Zero if b.angle is None else b.angle for b in (i, j))
     return phi_j - phi_i
+
+
+def rim_travel(i: tuple[Body, sympy.Expr], j: tuple[Body, sympy.Expr], carrier: Body) -> sympy.Expr:
+    """R_i (φ_i - φ_c) + R_j (φ_j - φ_c), m, of two wheels with radii of either sign."""
+    return sympy.Add(*(radius * relative_angle(carrier, wheel) for wheel, radius in (i, j)))
 
 
 def is_constant(*expressions: sympy.Expr) -> bool:
@@ -56,12 +61,56 @@ def angle_problems(element: Element, *bodies: Body) -> list[str]:
     ]
 
 
+class SpanMeasures:
+    """The length between two points and its rate, as expressions for other elements and outputs."""
+
+    i: Point
+    j: Point
+
+    @property
+    def length(self) -> sympy.Expr:
+        """ℓ, m."""
+        return distance(self.i, self.j)
+
+    @property
+    def rate(self) -> sympy.Expr:
+        """ℓ̇, m/s."""
+        return distance_rate(self.i, self.j)
+
+
+class TurnMeasures:
+    """The angle between two bodies and its rate, as expressions for other elements and outputs."""
+
+    i: Body
+    j: Body
+
+    @property
+    def angle(self) -> sympy.Expr:
+        """θ = φ_j - φ_i, rad."""
+        return relative_angle(self.i, self.j)
+
+    @property
+    def rate(self) -> sympy.Expr:
+        """θ̇, rad/s."""
+        return rate(self.angle)
+
+
+def line_problems(element: Element, i: Point, j: Point) -> list[str]:
+    """Two points of one body, which keep their distance."""
+    if i.body is not j.body:
+        return []
+    reason = "coincide" if distance(i, j) == 0 else "keep their distance"
+    where = f"{label(element)}: both ends, ({i.sx}, {i.sy}) and ({j.sx}, {j.sy}), are on body"
+    return [f"{where} '{i.body.name}' and {reason}; connect two bodies."]
+
+
 class SpringDamper(Effect):
-    """f = k (s - s0) + c ṡ + F along a scalar s; V exists where k and s0 are constant."""
+    """f = F0 + k (s - s0) + c ṡ + F along a scalar s; V exists where k, s0 and F0 are constant."""
 
     stiffness: sympy.Expr
     damping: sympy.Expr
     actuator: sympy.Expr
+    preload: sympy.Expr
 
     @property
     def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
@@ -69,24 +118,29 @@ class SpringDamper(Effect):
         raise NotImplementedError
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
-        """V = k (s - s0)² / 2 of the elastic part."""
+        """V = k (s - s0)² / 2 + F0 (s - s0) of the elastic part."""
         s, free = self.scalar
-        if self.stiffness == 0 or not is_constant(self.stiffness, free):
+        if not self._conservative or (self.stiffness == 0 and self.preload == 0):
             return None
-        return self.stiffness * (s - free) ** 2 / 2
+        return self.stiffness * (s - free) ** 2 / 2 + self.preload * (s - free)
 
     def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
         """The force of the damper and the actuator, and of a spring that varies."""
         s, free = self.scalar
         force = self.damping * SPEED + self.actuator
-        if not is_constant(self.stiffness, free):
-            force += self.stiffness * (s - free)
+        if not self._conservative:
+            force += self.stiffness * (s - free) + self.preload
         return () if force == 0 else ((s, force),)
+
+    @property
+    def _conservative(self) -> bool:
+        return is_constant(self.stiffness, self.scalar[1], self.preload)
 
     def characteristic_problems(self, keyword: str) -> list[str]:
         """A law that exerts nothing, and numbers that no spring has."""
-        idle = self.stiffness == 0 and self.damping == 0 and self.actuator == 0
-        advice = f"give it a stiffness, a damping, an actuator or a {keyword}."
+        acting = (self.stiffness, self.damping, self.actuator, self.preload)
+        idle = all(value == 0 for value in acting)
+        advice = f"give it a stiffness, a damping, a preload, an actuator or a {keyword}."
         problems = [f"{label(self)} does nothing; {advice}"] if idle else []
         return problems + number_problems(self)
 

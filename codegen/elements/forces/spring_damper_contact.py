@@ -45,8 +45,52 @@ def gap_problems(where: str, gap: sympy.Expr, bodies: tuple[Body, ...]) -> list[
     ]
 
 
+class GapSprings(Effect):
+    """A spring and a damper along each of some gaps g, while g < 0: f = k g + c ġ (Haug 8.4.2).
+
+    The switching is located: g = 0 is an event of a run, and between events every step is smooth.
+    The springs have the potential V = k g² / 2 while g < 0; the dampers are forces.
+    """
+
+    stiffness: sympy.Expr
+    damping: sympy.Expr
+    may_pull: bool
+
+    @property
+    def gaps(self) -> tuple[sympy.Expr, ...]:
+        """The gaps, which only a negative value closes."""
+        raise NotImplementedError
+
+    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+        """V of the springs."""
+        if not self._conservative or self.stiffness == 0:
+            return None
+        return sympy.Add(*(_closed(self.stiffness * g**2 / 2, g) for g in self.gaps))
+
+    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+        """The damper along each gap, and a spring that varies."""
+        return tuple((g, _closed(f, g)) for g in self.gaps if (f := self._pull(g)) != 0)
+
+    def _pull(self, gap: sympy.Expr) -> sympy.Expr:
+        push = self.stiffness * gap
+        drag = self.damping * SPEED
+        if not self.may_pull and drag != 0:
+            # Where the damper would pull it takes back what the spring pushes, and no more.
+            drag = sympy.Piecewise((drag, push + drag < 0), (-push, True))
+        return drag if self._conservative else push + drag
+
+    @property
+    def _conservative(self) -> bool:
+        # A potential may depend on the coordinates of the gap, not on the time.
+        return is_constant(self.stiffness) and not any(kinds(g, Time) for g in self.gaps)
+
+
+def _closed(value: sympy.Expr, gap: sympy.Expr) -> sympy.Expr:
+    return sympy.Piecewise((value, gap < 0), (0, True))
+
+
 @element
-class Contact(Effect):
+class Contact(GapSprings):
     """f = k g + c ġ along the gap g while g < 0, and no force while it is not (Haug 8.4.2).
 
     The switching is located: g = 0 is an event of a run, and between events every step is smooth.
@@ -64,21 +108,10 @@ class Contact(Effect):
     on: tuple[Body, ...]
     may_pull: bool = True
 
-    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
-        """V of the spring."""
-        if not self._conservative or self.stiffness == 0:
-            return None
-        return self._closed(self.stiffness * self.gap**2 / 2)
-
-    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
-        """The damper along the gap, and a spring that varies."""
-        push = self.stiffness * self.gap
-        drag = self.damping * SPEED
-        if not self.may_pull and drag != 0:
-            # Where the damper would pull it takes back what the spring pushes, and no more.
-            drag = sympy.Piecewise((drag, push + drag < 0), (-push, True))
-        force = drag if self._conservative else push + drag
-        return () if force == 0 else ((self.gap, self._closed(force)),)
+    @property
+    def gaps(self) -> tuple[sympy.Expr, ...]:
+        """The one gap."""
+        return (self.gap,)
 
     def problems(self) -> list[str]:
         """A gap that never changes or that is no position, and numbers that no contact has."""
@@ -94,11 +127,3 @@ class Contact(Effect):
         return sign_conditions(
             ("stiffness", self.stiffness, "N/m"), ("damping", self.damping, "N s/m")
         )
-
-    @property
-    def _conservative(self) -> bool:
-        # A potential may depend on the coordinates of the gap, not on the time.
-        return is_constant(self.stiffness) and not kinds(self.gap, Time)
-
-    def _closed(self, value: sympy.Expr) -> sympy.Expr:
-        return sympy.Piecewise((value, self.gap < 0), (0, True))

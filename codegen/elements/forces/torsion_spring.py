@@ -10,11 +10,12 @@ from codegen.elements.registry import element
 
 
 @element
-class TorsionSpring(measures.SpringDamper):
-    """n = k (θ - θ0) + c θ̇ + N with θ = φ_j - φ_i; n acts on body i, -n on body j.
+class TorsionSpring(measures.TurnMeasures, measures.SpringDamper):
+    """n = k (θ - θ0) + N0 + c θ̇ + N with θ = φ_j - φ_i; n acts on body i, -n on body j.
 
-    The elastic part has the potential V = k (θ - θ0)² / 2; the damper and the actuator are forces.
-    Where k or θ0 varies in a run, the elastic part is booked with them.
+    N0 is the preload, the torque at the angle θ0. The elastic part has the potential
+    V = k (θ - θ0)² / 2 + N0 (θ - θ0); the damper and the actuator are forces. Where k, θ0 or N0
+    varies in a run, the elastic part is booked with them.
     """
 
     kind = "torsion spring"
@@ -25,11 +26,12 @@ class TorsionSpring(measures.SpringDamper):
     free_angle: sympy.Expr
     damping: sympy.Expr
     actuator: sympy.Expr
+    preload: sympy.Expr = sympy.S.Zero
 
     @property
     def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
         """θ and θ0."""
-        return measures.relative_angle(self.i, self.j), self.free_angle
+        return self.angle, self.free_angle
 
     def problems(self) -> list[str]:
         """A body against itself, and numbers that no spring has."""

@@ -23,6 +23,7 @@ import numpy.typing as npt
 
 from codegen.termination_signals import SignalDeferral
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.controllers import Functions
 from runtime.dynamics.formulations import formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import finish_simulation, note_repetition
@@ -64,7 +65,7 @@ def simulate_to(
     parameters: Values | None, guess: Values | None, start: Assembly | None,
     correction: Correction, formulation: Formulation | None, time_scale: float | None,
     first_step: float | None, max_step: float | None, max_steps: int | None, max_bytes: int,
-    progress: Progress,
+    progress: Progress, controllers: Functions | None = None,
 ) -> Result:  # fmt: skip
     """Integrate with a global error below `accuracy` at the output instants.
 
@@ -79,7 +80,13 @@ def simulate_to(
     """
     began = clock.perf_counter()
     ready = PreparedSimulation(
-        mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start
+        mechanism,
+        t_end,
+        t_start=t_start,
+        parameters=parameters,
+        guess=guess,
+        start=start,
+        controllers=controllers,
     )
     first, last = ready.begin.t, float(t_end)
     times = np.linspace(first, last, POINTS if last > first else 1)

@@ -35,6 +35,7 @@ SECONDS = 3.0  # measured: wall-clock time for all rounds
     **scene_loading.READERS, asked=readers.either(readers.text("a quantity"), readers.function),
     error=readers.optional(readers.number("a number")), fidelities=readers.flag,
     analysis=readers.optional(readers.text("a name")), method=readers.text("a name"),
+    formulation=readers.optional(readers.text("a name")),
     rtol=readers.number("a number"), points=readers.count(-(2**62)),
     rounds=readers.optional(readers.count(-(2**62))),
 )  # fmt: skip
@@ -43,15 +44,16 @@ def matters(
     asked: str | Function, t_end: float | None = None, t_start: float = 0.0,
     error: float | None = None, analysis: str | None = None, fidelities: bool = True,
     parameters: Mapping[str, float] | None = None, guess: Mapping[str, float] | None = None,
-    method: str = "dop853", rtol: float = 1e-10, points: int = 1001, rounds: int | None = None,
-    folder: str | os.PathLike[str] | None = None,
+    method: str = "dop853", formulation: str | None = None, rtol: float = 1e-10,
+    points: int = 1001, rounds: int | None = None, folder: str | os.PathLike[str] | None = None,
+    generated: str | os.PathLike[str] | None = None,
     progress: Callable[[str], None] = lambda line: None,
 ) -> Matters:  # fmt: skip
     """Rank the effects of a scene by their influence on a quantity.
 
     Parameters
     ----------
-    model, scene, folder
+    model, scene, folder, generated
         As in `load`. Undeclared scenes are compiled in the folder's `.linkwright_cache`.
     asked
         The quantity: a text (`runtime.studies.effect_ranking.quantity`) or a function of a result.
@@ -60,13 +62,13 @@ def matters(
     error
         The largest relative change that is permitted; with it a cheaper scene is proposed.
     analysis
-        "simulate", "kinematics", "inverse" or "equilibrium"; unless given, it follows from the
-        scene: inverse dynamics where drivers leave no freedom, else simulation.
+        "simulate", "kinematics", "inverse_dynamics" or "equilibrium"; unless given, it follows from
+        the scene: inverse dynamics where drivers leave no freedom, else simulation.
     fidelities
         Whether the other fidelities of things that have several are tried as well.
     parameters, guess
         As in the analyses; a variant without the thing that a value belongs to ignores it.
-    method, rtol
+    method, formulation, rtol
         Of a simulation; a second one with 100 `rtol` shows how far it can be trusted.
     points
         Output instants of a timed run.
@@ -84,8 +86,9 @@ def matters(
         If the full scene does not run to its end.
     """
     quantity = parse_quantity(asked)
+    analysis = _named(analysis)
     _check(error, rtol, points, rounds, analysis)
-    source = scene_loading.read_source(model, scene, folder)
+    source = scene_loading.read_source(model, scene, folder, generated)
     changes = _changes(source, fidelities)
     scene_loading.cache_folder(folder)  # refused now if it cannot be written
     title = f"{source.model.name}/{source.scene.name}"
@@ -98,7 +101,8 @@ def matters(
     if guess:
         machine.assemble(guess=guess, parameters=parameters, t=t_start)
     values = dict(parameters or {}), dict(guess or {})
-    plan = Plan(quantity, kind, float(t_start), float(end), points, rtol, method, *values)
+    span = float(t_start), float(end)
+    plan = Plan(quantity, kind, *span, points, rtol, method, formulation, *values)
     full = plan.trial(machine)
     comparison = Comparison(source, plan, full, error, progress)
     found = [(change, comparison.trial(change.of(source.scene))) for change in changes]
@@ -221,6 +225,13 @@ def _notes(comparison: Comparison, changes: "tuple[Variant, ...]") -> Iterator[s
             f"{'more' if full.doubt > error * size else 'not much less'} than the permitted error "
             f"of {error:g}: lower rtol, give more points, or end the run earlier."
         )
+
+
+def _named(analysis: str | None) -> str | None:
+    """The name of an analysis, of which inverse dynamics has several."""
+    if analysis in {"inverse_dynamics", "inverse-dynamics", "inverse dynamics"}:
+        return "inverse"
+    return analysis
 
 
 def _analysis_of(machine: Machine) -> str:

@@ -47,6 +47,7 @@ class Plan:
     points: int  # output instants of the first run, and of those that are timed
     rtol: float  # of the second run, and of those that are timed
     method: str
+    formulation: str | None
     parameters: Mapping[str, float]  # a scene gets those that it has
     guess: Mapping[str, float]  # the same
 
@@ -56,6 +57,7 @@ class Plan:
         values["progress"] = False
         if self.analysis == "simulate":
             values |= {"t_start": self.t_start, "method": self.method, "rtol": rtol}
+            values["formulation"] = self.formulation
             return machine.simulate(self.t_end, instants, **values)
         if self.analysis == "equilibrium":
             return machine.equilibrium(**values, t=self.t_start)

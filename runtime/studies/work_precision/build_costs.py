@@ -59,6 +59,6 @@ def _warm_load(path: Path) -> float:
     root = Path(__file__).resolve().parents[3]
     paths = os.pathsep.join(filter(None, [str(root), os.environ.get("PYTHONPATH")]))
     environment = {**os.environ, "PYTHONPATH": paths}
-    command = [sys.executable, "-c", _LOAD, str(path)]
+    command = [sys.executable, "-P", "-c", _LOAD, str(path)]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     return float(done.stdout)

@@ -58,13 +58,14 @@ def accuracy(
     beside: "Sequence[str | Scene]" = (), building: bool | None = None, quick: bool = False,
     limit: float = 10.0, steps: int = 1_000_000, parameters: Mapping[str, float] | None = None,
     guess: Mapping[str, float] | None = None, folder: str | os.PathLike[str] | None = None,
+    generated: str | os.PathLike[str] | None = None,
     progress: Callable[[str], None] = lambda line: None,
 ) -> WorkPrecision:  # fmt: skip
     """The work-precision diagram of a scene: digits against time, by every method.
 
     Parameters
     ----------
-    model, scene, folder, parameters, guess
+    model, scene, folder, generated, parameters, guess
         As in `load` and the analyses. Undeclared scenes are compiled in `.linkwright_cache`.
     quantities
         Series that are compared, as `Result.series` names them; unless given, the coordinates from
@@ -104,7 +105,7 @@ def accuracy(
     further = FURTHER if rtols is None and not quick else ()
     rtols = (QUICK if quick else RTOLS) if rtols is None else rtols
     _check(methods, formulations, rtols, points, limit, steps)
-    source = scene_loading.read_source(model, scene, folder)
+    source = scene_loading.read_source(model, scene, folder, generated)
     machine = source.machine()
     names, instants, file = _comparison(machine, quantities, reference, t_start, t_end, points)
     others = _other_models(source, modelling, beside)

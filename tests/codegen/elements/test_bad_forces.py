@@ -35,6 +35,11 @@ def test_contact_of_a_body_with_itself_is_one_problem(tmp_path: Path) -> None:
         ),
         ("model.spring('s', a, b)", ["spring 's' does nothing; give it a stiffness"]),
         ("model.spring('s', a, b, 3)", ["spring 's' has a stiffness but no free length; give"]),
+        ("model.spring('s', a, b, preload=3)", ["spring 's' has a preload but no free length; gi"]),
+        (
+            "model.spring('s', a, b, 3, 1, preload=2 * units().Quantity(1, 'm'))",
+            ["preload of spring 's': 2 meter has the dimension .length., but N is needed"],
+        ),
         (
             "model.spring('s', a, b, -3, -1, -2)",
             ["the stiffness is -3 N/m", "the free length is -1 m", "the damping is -2 N s/m"],
@@ -100,6 +105,46 @@ model.torsion_spring('s', a, b, torque=lambda angle, rate: gamma(rate))
             ["contact 'c': the stiffness is -3 N/m"],
         ),
         ("model.contact('c', a, b, stiffness=0)", ["stiffness and damping are both 0"]),
+        ("model.torque('n', a, 3, from_=a)", ["torque 'n' is between body 'a' and itself; give"]),
+        (
+            "model.torque('n', a, 3, from_=b.at(0, 0))",
+            ["torque 'n': Point of 'b' is no body; a torque turns"],
+        ),
+        (
+            "model.torque('n', a, 3, from_=model.particle('p', 1.0))",
+            ["torque 'n' turns 'p', which is a particle; use a body"],
+        ),
+        ("model.force('f', a, 3, from_=a)", ["force 'f' is between body 'a' and itself; give"]),
+        ("model.force('f', a, 3, from_=7)", ["force 'f': 7 is no body; from_ is the body that ex"]),
+        (
+            "model.force('f', a, 3, from_=model.particle('p', 1.0))",
+            ["force 'f' reacts on 'p', which is a particle and bears no moment; use a body, or"],
+        ),
+        (
+            "model.force('f', model.ground, 3, from_=model.ground)",
+            ["force 'f' acts on the ground; give a moving body"],
+        ),
+        ("model.line_force('f', a, b, 0)", ["line force 'f' is 0 throughout; give a force in N"]),
+        (
+            "model.line_force('f', a.at(1, 0), a, 3)",
+            ["line force 'f': both ends, .1, 0. and .0, 0., are on body 'a' and keep their dist"],
+        ),
+        (
+            "model.line_force('f', a, b, lambda length: 3)",
+            ["value of line force 'f': the function fails with TypeError"],
+        ),
+        (
+            "model.motor('m', a, a, stall_torque=0, no_load_speed=-2)",
+            [
+                "motor 'm' is between body 'a' and itself; give two",
+                "motor 'm': the stall torque is 0 N m; give a positive number",
+                "motor 'm': the no-load speed is -2 rad/s; give a positive number",
+            ],
+        ),
+        (
+            "model.motor('m', b.at(0, 0), stall_torque=1, no_load_speed=2)",
+            ["motor 'm': Point of 'b' is no body; a motor turns a rotor"],
+        ),
         ("model.bushing('r', a, b)", ["bushing 'r': stiffness and damping are all 0"]),
         ("model.bushing('r', a, b, 3)", ["stiffness of bushing 'r': 3 must be three"]),
         ("model.bushing('r', a, a, (1, 2, 3))", ["bushing 'r' is between body 'a' and itself"]),

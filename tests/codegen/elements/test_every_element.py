@@ -34,7 +34,13 @@ TIED = {
 }
 """Kinds that push a pair of bodies from outside."""
 
-TURNING = {"relative": "the global axes that keep x_j - x_i bear its moment"}
+TURNING = {
+    "relative": "the global axes that keep x_j - x_i bear its moment",
+    "belt": "the ground that carries the bearings bears its moment",
+    "elastic belt": "the ground that carries the bearings bears its moment",
+    "gear with backlash": "the ground that carries the bearings bears its moment",
+    "screw": "the spindle, a third body, bears its moment",
+}
 """Kinds that keep a pair's linear momentum alone."""
 
 

@@ -24,6 +24,8 @@ FORMULAS = {
     "test_given_load_friction": ("dry friction",),
     "test_joint_friction": ("friction",),
     "test_rigid_contact": ("rigid contact",),
+    "test_exerted_by_bodies": ("line force", "motor"),
+    "test_transmissions": ("elastic belt", "gear with backlash"),
 }
 """File of this folder → the kinds whose formulas it writes by hand."""
 
@@ -106,6 +108,30 @@ def test_spring_damper_actuator_is_haugs() -> None:
         assert_allclose(momenta(machine, s), np.zeros(3), atol=1e-11)
         slopes_agree(machine, s)
         balanced(machine, s)
+
+
+@pytest.mark.parametrize("preload", [-11.0, 6 * t])
+@pytest.mark.parametrize("stiffness", [70.0, 0.0])
+def test_preload_is_the_force_at_the_free_length(preload: object, stiffness: float) -> None:
+    model, first, second = pair()
+    places = first.at(*S_I), second.at(*S_J)
+    model.spring("spring", *places, stiffness, 0.8, preload=preload)
+    model.torsion_spring("coil", first, second, stiffness, 0.3, preload=preload)
+    machine = Interpreted(model)
+    for seed in SEEDS:
+        s = machine.state(seed)
+        (d, _), angle = ends(s), s.q[5] - s.q[2]
+        more = -11.0 if preload == -11.0 else 6 * s.t
+        stretch = np.linalg.norm(d) - 0.8
+        turned = np.array([0, 0, 1.0, 0, 0, -1.0]) * (stiffness * (angle - 0.3) + more)
+        expected = tsda(s, stiffness * stretch + more) + turned
+        assert_allclose(machine.vector("applied_forces", s), expected, **TOLERANCE)
+        assert_allclose(momenta(machine, s), np.zeros(3), atol=1e-11)
+        balanced(machine, s)
+        slopes_agree(machine, s)
+        stored = sum(stiffness * x**2 / 2 - 11.0 * x for x in (stretch, angle - 0.3))
+        energy = machine.vector("potential", s)
+        assert_allclose(energy, stored if preload == -11.0 else 0.0, **TOLERANCE)
 
 
 def test_damper_only_takes_energy() -> None:

@@ -99,6 +99,7 @@ ELSEWHERE = {
     **dict.fromkeys(("revolute-revolute", "translational"), "test_constraints"),
     **dict.fromkeys(("cam and flat-faced follower", "cam and follower"), "test_cams"),
     "point follower": "test_cams",
+    **dict.fromkeys(("belt", "rolling disc", "screw"), "test_transmissions"),
 }
 """Kinds whose formulas stand in another file of this folder, which may simulate them, too."""
 

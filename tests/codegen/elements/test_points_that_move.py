@@ -84,6 +84,10 @@ LAWS: dict[str, tuple[Build, list[tuple[Callable[..., Number], Callable[..., Num
         lambda m, i, j: m.contact("e", i, j, stiffness=K, damping=C, free_length=DEPTH),
         [(length, lambda s, v: K * (s - DEPTH) + C * v)],
     ),
+    "line force": (
+        lambda m, i, j: m.line_force("e", i, j, lambda s, v: K * s**2 + C * v),
+        [(length, lambda s, v: K * s**2 + C * v)],
+    ),
     "bushing": (
         lambda m, i, j: m.bushing("e", i, j, stiffness=(K, 2 * K, 0), damping=(C, 3 * C, 0)),
         [
@@ -106,7 +110,17 @@ LAWS: dict[str, tuple[Build, list[tuple[Callable[..., Number], Callable[..., Num
 }
 """Words → how the effect is declared, and (s, f(s, ṡ)) of the forces Q = -f s_q by hand."""
 
-FIXED = {"torsion spring", "gravity", "torque", "potential", "generalized force", "friction"}
+FIXED = {
+    "motor",
+    "elastic belt",
+    "gear with backlash",
+    "torsion spring",
+    "gravity",
+    "torque",
+    "potential",
+    "generalized force",
+    "friction",
+}
 """Kinds of forces that take hold of no point, or of those of a joint, which are fixed."""
 OTHERS = {"force", "tracked point"}
 

@@ -1,0 +1,94 @@
+"""States beside those of bodies: variables of first order, and values that a clock renews.
+
+A state y is the rate of a coordinate of its own, its integral, with the mass 1 and without
+constraints: y's rate is a force on it. So every method, both formulations, exact derivatives,
+events and results take it as they take a velocity. It has no place, weight or energy.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.element import Effect
+from codegen.declare.symbols import Coordinate, Velocity, own_coordinate
+
+STATE, SAMPLED = "state", "sampled value"  # kinds of what determines a state
+
+
+@dataclass(frozen=True)
+class Clock:
+    """The instants of samples, k every, s, k = 0, 1, 2 …, and the time until one acts, s."""
+
+    every: sympy.Expr
+    delay: sympy.Expr
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A variable of first order, ẏ = rate, or one that keeps its value between samples.
+
+    Attributes
+    ----------
+    name
+        The modeller's name, an identifier.
+    unit
+        SI unit of y.
+    start
+        Its value at the start of a run.
+    nominal
+        Its typical size, which absolute tolerances are relative to, in `unit`.
+    rate
+        ẏ, in `unit` per second; 0 between samples.
+    clock, sample
+        When the value is renewed, and by which expression; None for a state of first order, and
+        an expression for a value that a run brings.
+    given
+        Whether its rate, or clock, is declared.
+    """
+
+    name: str
+    unit: str
+    start: float
+    nominal: float
+    rate: sympy.Expr = sympy.S.Zero
+    clock: Clock | None = None
+    sample: sympy.Expr | None = None
+    given: bool = False
+    integral = own_coordinate("integral", "The integral of y, the coordinate whose rate y is.")
+
+    @property
+    def symbol(self) -> Velocity:
+        """y in expressions."""
+        return self.integral.rate
+
+    @property
+    def effect(self) -> "StateRate":
+        """What changes it, as an effect on its integral."""
+        return StateRate(self.name, self)
+
+    @property
+    def expressions(self) -> tuple[sympy.Expr, ...]:
+        """All that determines it."""
+        clock = (self.clock.every, self.clock.delay) if self.clock else ()
+        return tuple(e for e in (self.rate, self.sample, *clock) if e is not None)
+
+
+@dataclass(frozen=True, eq=False)
+class StateRate(Effect):
+    """The rate of a state as a force on its integral, which does no work."""
+
+    kind = STATE
+    name: str
+    state: State
+
+    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+        """ẏ on the integral of y."""
+        return {self.state.integral: self.state.rate}
+
+
+def states_in(*values: Any) -> frozenset[str]:
+    """Names of the states in expressions."""
+    symbols = (s for e in values for s in e.free_symbols if isinstance(s, Velocity))
+    return frozenset(s.coordinate.owner for s in symbols if s.coordinate.letter == "integral")

@@ -1,0 +1,48 @@
+"""Motor between a rotor and a stator, whose torque falls in a straight line with its speed."""
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.element import Effect, Pulls, label
+from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.symbols import SPEED
+from codegen.elements.forces import scalar_measures as measures
+from codegen.elements.registry import element
+
+
+@element
+class Motor(measures.TurnMeasures, Effect):
+    """T = T_s (u - ω/ω_0) on the rotor j, -T on the stator i, with ω = φ̇_j - φ̇_i.
+
+    The line of a motor with permanent magnets, whose armature has neither inductance nor friction:
+    T_s is its torque at rest and ω_0 its speed without load, both at the rated voltage, and u the
+    voltage as a multiple of it, from -1 to 1 as a rule. With u = 0 it is short-circuited and brakes
+    by T_s/ω_0 of viscous damping. Beyond ω_0 it is a generator.
+    """
+
+    kind = "motor"
+    name: str
+    i: Body
+    j: Body
+    stall_torque: sympy.Expr
+    no_load_speed: sympy.Expr
+    voltage: sympy.Expr
+
+    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+        """T tends to make θ = φ_j - φ_i larger."""
+        line = SPEED / self.no_load_speed - self.voltage
+        return ((self.angle, self.stall_torque * line),)
+
+    def problems(self) -> list[str]:
+        """A body against itself, and numbers that no motor has."""
+        problems = measures.angle_problems(self, *self.bodies)
+        problems += measures.same_body(label(self), self.bodies)
+        return problems + number_problems(self)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """A torque at rest and a speed without load, both positive."""
+        return sign_conditions(
+            ("stall torque", self.stall_torque, "N m"),
+            ("no-load speed", self.no_load_speed, "rad/s"),
+            positive=True,
+        )

@@ -1,0 +1,59 @@
+"""Belt drive: a belt or chain that neither stretches nor slips couples two pulleys."""
+
+from collections.abc import Mapping
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.element import ConjugateReaction, Constraint, Frame, I, J, Statement
+from codegen.declare.element_conditions import Condition, number_problems
+from codegen.declare.symbols import given
+from codegen.elements.joints.carrier import radius_conditions, wheel_problems
+from codegen.elements.registry import element
+
+RADIUS_I, RADIUS_J = given("radius_i"), given("radius_j")
+CARRIER, OFFSET = Frame("carrier"), given("offset")
+PHI = (RADIUS_J * (J.phi - CARRIER.phi) - RADIUS_I * (I.phi - CARRIER.phi) - OFFSET,)
+
+
+@element
+class Belt(Constraint):
+    """R_j (φ_j - φ_c) - R_i (φ_i - φ_c) = s0: equal lengths of belt run off i and onto j.
+
+    The pulleys turn in bearings of the carrier c, the ground or an arm that turns. A crossed belt
+    turns them in opposite directions: R_i is negative in the equation. s0 belongs to the pulley
+    angles at which the belt was laid on.
+
+    The reaction is the force of the belt along the rim of pulley j, N, the difference of its
+    tensions: R_j times it turns pulley j, and R_i times it holds pulley i back. The belt is as
+    tight as it needs to be, and never slack. The sum of its tensions, which draws the bearings
+    together, is inside the carrier and not modelled.
+    """
+
+    kind = "belt"
+    name: str
+    i: Body
+    j: Body
+    carrier: Body
+    radius_i: sympy.Expr
+    radius_j: sympy.Expr
+    crossed: bool
+    offset: sympy.Expr
+    joints: Mapping[str, Constraint]
+
+    def statement(self) -> Statement:
+        """One equation, m: length of belt."""
+        bindings = I.bind(self.i.at(0, 0)) | J.bind(self.j.at(0, 0))
+        bindings |= {RADIUS_I: -self.radius_i if self.crossed else self.radius_i}
+        bindings |= {RADIUS_J: self.radius_j, OFFSET: self.offset}
+        bindings |= CARRIER.bind(self.carrier.at(0, 0))
+        return Statement(PHI, ("belt",), ConjugateReaction((("force", "N"),)), bindings)
+
+    def problems(self) -> list[str]:
+        """Pulleys and a carrier that are none, and radii of none."""
+        wheels = wheel_problems(self, self.i, self.j, self.carrier, self.joints)
+        return wheels + number_problems(self)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """Radii of two pulleys."""
+        return radius_conditions(self.radius_i, self.radius_j)

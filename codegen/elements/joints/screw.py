@@ -1,0 +1,66 @@
+"""Screw: a nut travels in proportion to the turn of a spindle."""
+
+import sympy
+
+from codegen.declare.body import Body, Point
+from codegen.declare.element import ConjugateReaction, Constraint, Frame, I, J, Statement, label
+from codegen.declare.element_conditions import Condition, number_problems
+from codegen.declare.symbols import given
+from codegen.elements.joints import body_line as line
+from codegen.elements.registry import element
+
+LEAD, SPINDLE, OFFSET = given("lead"), Frame("spindle"), given("offset")
+PHI = (line.ALONG - LEAD / (2 * sympy.pi) * (SPINDLE.phi - I.phi) - OFFSET,)
+
+
+@element
+class Screw(Constraint):
+    """uᵀ d - h/2π (φ_s - φ_i) - s0 = 0: each turn of the spindle moves the nut by its lead h.
+
+    With u the axis in the frame i, and d the way from its point to that of the nut j. The spindle's
+    own axis would lie in the plane; here the body that stands for it turns in the plane, as the
+    wheel of a bevel gear before it, or a motor, would. A left-hand thread has a negative lead.
+
+    The reaction is the force along the axis on the nut, N; -h/2π times it turns the spindle. A
+    guide that carries the nut is a joint of its own. There is no friction, and no play.
+    """
+
+    kind = "screw"
+    name: str
+    frame: Point
+    nut: Point
+    spindle: Body
+    lead: sympy.Expr
+    axis: line.Axis
+    offset: sympy.Expr
+
+    def statement(self) -> Statement:
+        """One equation, m: the nut's place along the axis."""
+        bindings = I.bind(self.frame) | J.bind(self.nut) | line.bind_axis(self.axis)
+        bindings |= SPINDLE.bind(self.spindle.at(0, 0))
+        bindings |= {LEAD: self.lead, OFFSET: self.offset}
+        return Statement(PHI, ("travel",), ConjugateReaction((("force", "N"),)), bindings)
+
+    def problems(self) -> list[str]:
+        """Bodies that are no screw, an axis that is none, and a lead of zero."""
+        frame, nut = self.frame.body, self.nut.body
+        problems = [
+            f"{label(self)} needs the angle of '{body.name}', which has none; use a body with an "
+            "angle."
+            for body in (frame, self.spindle)
+            if body.angle is None or not body.turns
+        ]
+        if frame is nut:
+            problems.append(f"{label(self)} is between body '{nut.name}' and itself; give two.")
+        if self.spindle is frame:
+            problems.append(
+                f"{label(self)}: the spindle '{frame.name}' is the frame in which it turns; give "
+                "two bodies."
+            )
+        return problems + number_problems(self)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """An axis with a direction, and a thread that rises."""
+        text = "the lead is {1:g} m, and the nut never moves; give the travel of one turn."
+        lead = Condition(text, (self.lead**2, self.lead), open=True)
+        return (*line.axis_conditions(self.axis), lead)

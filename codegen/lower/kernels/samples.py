@@ -1,0 +1,36 @@
+"""The samples of the values that clocks renew, and the clocks."""
+
+from codegen.lower.program import Kernel, storing
+from codegen.lower.scene_graph import SceneGraph
+from codegen.lower.sympy_translation import Translator
+from codegen.public_callables import errors_at
+
+
+def sampling_kernels(scene: SceneGraph) -> list[Kernel]:
+    """The kernels `samples` and `clocks`, of scenes that have sampled values.
+
+    `samples` takes in `modes` which of them are due, 1 or 0. A value is computed from those that
+    are due at the same instant and stand before it, unless these have a delay. Conditions are
+    compared, since nothing is integrated across a sample.
+    """
+    graph, states = scene.graph, scene.equations.sampled
+    if not states:
+        return []
+    translate = Translator(graph, scene.translate.environment, None)
+    values, clocks = list[int](), list[int]()
+    for k, state in enumerate(states):
+        with graph.serving(state.name), errors_at(f"sampled value '{state.name}'"):
+            value = now = scene.translate.environment[state.symbol]
+            if state.sample is not None:
+                value = graph.select(graph.mode(k), translate(state.sample), now)
+            clocks += [scene.translate(state.every), scene.translate(state.delay)]
+        values.append(value)
+        if state.delay == 0:
+            translate = translate.scoped({state.symbol: value})
+    names = [state.name for state in states]
+    summary = "Samples of SAMPLED; those that are not due, modes 0, keep their values."
+    times = [f"{name}: {word}, s" for name in names for word in ("period", "delay")]
+    return [
+        storing("samples", summary, "t q v p modes out", values, names),
+        storing("clocks", "Period and delay of each of SAMPLED.", "p out", clocks, times),
+    ]

@@ -1,0 +1,137 @@
+"""The states of a declaration besides those of its bodies: first-order states, sampled values."""
+
+from dataclasses import replace
+from typing import Any
+
+import sympy
+
+from codegen.declare import units as quantities
+from codegen.declare.state import Clock, State
+from codegen.declare.symbols import Velocity
+from codegen.model.base import Declarations
+from codegen.plain_values import plain_name, shown
+
+ZERO = sympy.S.Zero
+
+
+class States(Declarations):
+    """First-order states and sampled values of a declaration."""
+
+    def state(
+        self, name: str, rate: Any = None, start: Any = 0, unit: str = "", nominal: Any = 1
+    ) -> Velocity:
+        """A state of first order, ẏ = rate: the current of a motor, a filter, a pressure.
+
+        It answers the symbol of y, which may stand wherever a velocity may: in forces, torques,
+        conditions and rates of other states, and in no law of motion and no potential. A state
+        takes part in the scenes for dynamics in which something that acts contains it, or which
+        name it among their effects.
+
+        Parameters
+        ----------
+        rate
+            ẏ, an expression in `unit` per second of t, q, q̇, states and parameters; or a function
+            of y that answers one, ``lambda i: (u - R*i) / L``; or None where `state_equation`
+            gives it later, as states need that contain one another.
+        start
+            y at the start of a run, in `unit`, unless the scene or the run says otherwise.
+        unit
+            SI unit of y, such as ``"A"`` or ``"Pa"``; empty for a pure number.
+        nominal
+            Typical size of y, in `unit`: absolute tolerances are relative to it.
+        """
+        where = f"state '{name}'"
+        declared = self._declare_state(name, where, start, unit, nominal)
+        if rate is not None:
+            self._set_rate(declared, rate, where)
+        return declared.symbol
+
+    def state_equation(self, state: Velocity, rate: Any) -> None:
+        """Give ẏ of a state that was declared without.
+
+        Parameters
+        ----------
+        state
+            What `state` answered.
+        rate
+            As in `state`.
+        """
+        known = {s.symbol: s for s in self.states.values()}
+        symbol: object = state
+        found = known.get(symbol) if isinstance(symbol, Velocity) else None
+        if found is None or found.clock is not None:
+            self._note(f"state_equation({shown(state)}, ...): give what model.state(...) answered.")
+        elif found.given:
+            self._note(f"state '{found.name}' has two rates; give one.")
+        else:
+            self._set_rate(found, rate, f"state '{found.name}'")
+
+    def sampled(
+        self, name: str, every: Any, value: Any = None, delay: Any = 0, start: Any = 0,
+        unit: str = "", nominal: Any = 1,
+    ) -> Velocity:  # fmt: skip
+        """A value that is renewed by a clock and kept in between: the output of a controller.
+
+        It answers the symbol of the value, as `state` does. At t = 0, `every`, 2 `every` … the
+        expression is evaluated; values that are renewed at one instant are so in the order of
+        their declaration, each from those that were renewed before it. Steps end at samples.
+
+        Parameters
+        ----------
+        every
+            The period of the clock, s.
+        value
+            An expression of t, q, q̇, states and parameters in `unit`; or a function of the value
+            itself that answers one, ``lambda e: e + k*error``; None where a run brings a function
+            of its own, ``simulate(controllers={name: ...})``.
+        delay
+            Time from a sample until it acts, s.
+        start
+            The value before the first sample acts, in `unit`.
+        unit, nominal
+            As in `state`.
+        """
+        where = f"sampled value '{name}'"
+        period = self._value(every, "s", f"period of {where}", "positive")
+        wait = self._value(delay, "s", f"delay of {where}", "nonnegative")
+        if period.is_number and not period > 0:
+            self._note(f"period of {where} is {period} s; give a positive time.")
+        if wait.is_number and not wait >= 0:
+            self._note(f"delay of {where} is {wait} s; give none, or a positive time.")
+        declared = self._declare_state(name, where, start, unit, nominal)
+        sample = self._expression(value, declared, unit, where)
+        declared = replace(declared, clock=Clock(period, wait), sample=sample, given=True)
+        if declared.name in self.states:
+            self._put("states", declared.name, declared)
+        return declared.symbol
+
+    def _declare_state(self, name: str, where: str, start: Any, unit: str, nominal: Any) -> State:
+        known = plain_name(unit)
+        if not quantities.known_unit(known) or quantities.si_factor(known) != 1.0:
+            self._note(f"{where}: the unit {shown(unit)} is no SI unit; use SI names, 'A', 'N/m'.")
+            known = ""
+        first, size = (
+            self._read.number(given, known, f"{word} of {where}")
+            for given, word in ((start, "start"), (nominal, "nominal"))
+        )
+        if not size > 0.0:
+            self._note(f"nominal of {where} is {size:g}; give a positive size, in {known or '1'}.")
+            size = 1.0
+        declared = State(plain_name(name), known, first, size)
+        if self._claim("state", name):
+            self._put("states", declared.name, declared)
+        return declared
+
+    def _set_rate(self, declared: State, rate: Any, where: str) -> None:
+        unit = f"{declared.unit or '1'}/s"
+        value = self._expression(rate, declared, unit, f"rate of {where}")
+        if declared.name in self.states:
+            self._put("states", declared.name, replace(declared, rate=value, given=True))
+
+    def _expression(self, value: Any, declared: State, unit: str, where: str) -> Any:
+        """An expression, or what a function of the state answers."""
+        if value is None:
+            return None
+        if callable(value) and not isinstance(value, sympy.Basic):
+            return self._read.answer(value, (declared.symbol,), unit, where)
+        return self._value(value, unit, where)

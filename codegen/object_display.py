@@ -1,0 +1,33 @@
+"""How objects show themselves: a line for a terminal, small tables for a notebook."""
+
+from collections.abc import Iterable, Sequence
+from html import escape
+
+LISTED = 8  # layout: names that a line lists
+
+
+def listed(names: Iterable[str], empty: str = "none") -> str:
+    """Names in a line, the first ones of many."""
+    every = list(names)
+    rest = len(every) - LISTED
+    return (", ".join(every[:LISTED]) or empty) + (f" and {rest} more" if rest > 0 else "")
+
+
+def html_of(text: str, *tables: str) -> str:
+    """Lines of text, the first one bold, and tables below them."""
+    first, *rest = (escape(line) for line in text.splitlines() or [""])
+    lines = "<br>".join([f"<b>{first}</b>", *rest])
+    return f"<div><p>{lines}</p>{''.join(tables)}</div>"
+
+
+def html_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """A table in which numbers are shown in six digits, to the right."""
+
+    def cell(value: object) -> str:
+        if isinstance(value, float):
+            return f"<td style='text-align:right'>{value:.6g}</td>"
+        return f"<td>{escape(str(value))}</td>"
+
+    body = "".join(f"<tr>{''.join(map(cell, row))}</tr>" for row in rows)
+    titles = "".join(f"<th style='text-align:left'>{escape(title)}</th>" for title in head)
+    return f"<table><thead><tr>{titles}</tr></thead><tbody>{body}</tbody></table>" if body else ""

@@ -1,0 +1,91 @@
+"""The options of a simulation, which every command that simulates takes."""
+
+from collections.abc import Callable
+from functools import wraps
+from inspect import Parameter, signature
+from typing import Annotated, Any
+
+from codegen.errors import InputError
+from runtime.cli.common import option
+from runtime.integrate.method import METHODS, alternatives
+
+
+def _options(
+    accuracy: Annotated[
+        float | None,
+        option("Relative global error that the result may have, in place of tolerances; the "
+               "program chooses whatever is not given."),
+    ] = None,
+    quantity: Annotated[
+        list[str] | None,
+        option("With --accuracy: a series whose error counts; all coordinates and velocities "
+               "unless given."),
+    ] = None,
+    method: Annotated[
+        str | None, option(f"Integration method: {alternatives(METHODS)}; dop853 unless given.")
+    ] = None,
+    rtol: Annotated[
+        float | None, option("Relative tolerance of a step; 1e-8 unless given.")
+    ] = None,
+    atol: Annotated[float | None, option("Absolute tolerance in SI units.")] = None,
+    correction: Annotated[
+        str, option("Return onto the constraints: step, stage, projection, baumgarte or hybrid.")
+    ] = "step",
+    time_scale: Annotated[
+        float | None, option("Time of Baumgarte's accelerations in s; a thousandth of the run "
+                             "unless given.")
+    ] = None,
+    formulation: Annotated[
+        str | None,
+        option("Coordinates that are integrated: cartesian (all of them; unless given) or reduced "
+               "(those that no constraint determines)."),
+    ] = None,
+    first_step: Annotated[
+        float | None, option("Length of the first step in s; chosen unless given.")
+    ] = None,
+    max_step: Annotated[float | None, option("Longest step in s; none unless given.")] = None,
+    max_steps: Annotated[
+        int | None, option("Trial steps, 100 million unless given; steps that get ever shorter end "
+                           "the run before, unless given.", min=1)
+    ] = None,
+) -> None:  # fmt: skip
+    """Words of `Machine.simulate` but instants and start values; `quantity` is `quantities`."""
+
+
+_PARAMETERS = signature(_options).parameters
+
+
+def with_run_options(command: Callable[..., None]) -> Callable[..., None]:
+    """The command with these options in place of its `**run`, of which they are the words."""
+
+    @wraps(command)
+    def taking(*arguments: Any, **options: Any) -> None:
+        command(*arguments, **options)
+
+    about = signature(command)
+    own = [p for p in about.parameters.values() if p.kind is not Parameter.VAR_KEYWORD]
+    more = [p.replace(kind=Parameter.KEYWORD_ONLY) for p in _PARAMETERS.values()]
+    own = [p.replace(kind=Parameter.KEYWORD_ONLY) for p in own]
+    taking.__signature__ = about.replace(parameters=[*own, *more])  # type: ignore[attr-defined]
+    kinds = {p.name: p.annotation for p in (*own, *more)}
+    taking.__annotations__ = {**kinds, "return": None}
+    return taking
+
+
+def words(run: dict[str, Any]) -> dict[str, Any]:
+    """The words of `Machine.simulate` for options."""
+    return {"quantities" if name == "quantity" else name: value for name, value in run.items()}
+
+
+def refuse_run_options(run: dict[str, Any], title: str) -> None:
+    """Raise InputError where one is given that a prescribed motion would ignore."""
+    given = [
+        f"--{name.replace('_', '-')}"
+        for name, value in run.items()
+        if value not in (None, []) and value != _PARAMETERS[name].default
+    ]
+    if given:
+        raise InputError(
+            f"{title}: drivers prescribe the motion, and nothing is integrated, so "
+            f"{', '.join(given)} would be ignored. Leave out what a simulation takes."
+        )

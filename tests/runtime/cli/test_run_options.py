@@ -1,0 +1,129 @@
+"""Commands that simulate take one set of options, and find what `build --out` wrote."""
+
+import json
+from inspect import signature
+from pathlib import Path
+
+import pytest
+from typer.main import get_command
+from typer.testing import CliRunner, Result
+
+from codegen.cli import app as compiler
+from codegen.errors import AnalysisError
+from runtime import load, matters
+from runtime.cli.app import app
+from runtime.machine_facade import Machine
+
+IN_ANOTHER_FORM = {"t_end", "t_eval", "parameters", "start", "max_bytes", "progress", "self"}
+IN_ANOTHER_FORM |= {"controllers"}  # functions
+"""Words of `Machine.simulate` that no option gives, or one of another name."""
+
+
+@pytest.fixture
+def run(free: Machine, pendulum: Machine, workshop: Path, monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-untyped-def]
+    monkeypatch.chdir(workshop)
+
+    def call(*arguments: str | Path) -> Result:
+        return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+    return call
+
+
+def names(command: str) -> set[str]:
+    found = vars(get_command(app))["commands"][command]
+    return {parameter.name for parameter in found.params}
+
+
+def test_simulate_and_report_take_what_simulate_takes() -> None:
+    words = set(signature(Machine.simulate).parameters) - IN_ANOTHER_FORM
+    words = words - {"quantities"} | {"quantity"}
+    assert words <= names("simulate")
+    assert names("simulate") - names("report") == set()
+
+
+def test_all_analyses_take_values_and_the_folder_of_modules() -> None:
+    commands = set(vars(get_command(app))["commands"])
+    for command in commands:
+        assert {"model", "scene", "settings", "guess", "generated", "as_json"} <= names(command)
+
+
+def test_options_reach_the_run(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    page = tmp_path / "page.html"
+    options = ("--method", "dopri5", "--rtol", "1e-5", "--atol", "1e-5", "--max-step", "0.01",
+               "--first-step", "0.001", "--max-steps", "7", "--t-start", "1", "--t-end", "2",
+               "--correction", "projection")  # fmt: skip
+    for words in (("simulate",), ("report", "--out", page)):
+        done = run(words[0], "rod_pendulum", *words[1:], *options, "--json")
+        answer = json.loads(done.stdout)
+        assert answer["outcome"] == "MAX_STEPS", done.stderr
+        assert answer["stats"]["steps"] == 7
+        assert 1.0 <= answer["t"][1] <= 1.07
+    assert page.is_file()
+
+
+def test_a_report_to_an_accuracy(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    words = ("report", "rod_pendulum", "--t-end", "1", "--accuracy", "1e-5", "--quantity",
+             "bar.phi", "--out", tmp_path / "page.html", "--json")  # fmt: skip
+    assert json.loads(run(*words).stdout)["accuracy"]["asked"] == 1e-5
+
+
+def test_a_driven_report_refuses_what_it_would_ignore(run, driven: Machine, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    words = ("report", "sc_driven", "--t-end", "1", "--out", tmp_path / "page.html")
+    done = run(*words, "--rtol", "1e-5", "--method", "bdf")
+    assert done.exit_code == 2
+    assert "--method, --rtol would be ignored" in done.stderr
+    assert run(*words).exit_code == 0
+
+
+def test_inverse_dynamics_has_either_name(run, driven: Machine) -> None:  # type: ignore[no-untyped-def]
+    answers = [
+        json.loads(run(word, "sc_driven", "--t-end", "0.5", "--json").stdout)
+        for word in ("inverse", "inverse-dynamics")
+    ]
+    assert answers[0]["analysis"] == answers[1]["analysis"] == "inverse dynamics"
+    assert answers[0]["q"] == answers[1]["q"]
+
+
+MODEL = """
+from codegen import Model
+
+model = Model("rod", gravity=(0, -9.81))
+bob = model.body("bob", mass=2.0, inertia=0.1)
+model.revolute("hinge", model.ground.at(0, 0), bob.at(-1.0, 0))
+model.torque("damper", on=bob, value=-0.3 * bob.omega)
+model.scene("swing", effects=["gravity", "damper"], start={bob.phi: 0.1, bob.omega: 0.0})
+"""
+
+
+@pytest.fixture
+def rod(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A model file of the user's, in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "rod.py"
+    path.write_text(MODEL)
+    return path
+
+
+def test_what_build_wrote_elsewhere_is_found_again(rod: Path) -> None:
+    place = rod.parent / "kernels"
+    built = CliRunner().invoke(compiler, ["build", str(rod), "--out", str(place)])
+    assert built.exit_code == 0, built.output
+    before = {path: path.stat().st_mtime_ns for path in place.glob("*.py")}
+    assert len(before) == 1
+    words = ["simulate", str(rod), "--t-end", "0.1", "--generated"]
+    for folder in (str(place), "kernels"):
+        assert CliRunner().invoke(app, [*words, folder]).exit_code == 0
+    assert load(rod, generated=place).path.parent == place
+    assert before == {path: path.stat().st_mtime_ns for path in place.glob("*.py")}
+    assert not (rod.parent / "generated").exists()
+
+
+def test_a_ranking_takes_formulation_folder_and_the_long_name(rod: Path) -> None:
+    words = {"asked": "max:bob.phi", "t_end": 0.05, "points": 11, "rounds": 1, "generated": "own"}
+    reduced = matters(rod, formulation="reduced", **words)  # type: ignore[arg-type]
+    usual = matters(rod, **words)  # type: ignore[arg-type]
+    assert reduced.value == pytest.approx(usual.value, rel=1e-8)
+    assert (rod.parent / "own" / "rod__swing__reduced.py").is_file()
+    assert not (rod.parent / "generated").exists()
+    with pytest.raises(AnalysisError, match="inverse dynamics"):
+        matters(rod, analysis="inverse-dynamics", **words)  # type: ignore[arg-type]

@@ -1,0 +1,142 @@
+"""Sampled control against exact discrete solutions: steps end at samples, values keep between."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from sympy import Max, Min
+
+from codegen import Model
+from codegen.errors import InputError
+from runtime import load
+from runtime.core.outcomes import Outcome
+from runtime.machine_facade import Machine
+
+INERTIA, PERIOD, DELAY = 0.05, 0.01, 0.025
+KP, KI, KD = 40.0, 60.0, 4.0
+
+
+@pytest.fixture(scope="module")
+def servo(workshop: Path) -> Callable[[str], Machine]:
+    """An arm that a PID controller with saturation and anti-windup turns to 1 rad."""
+    model = Model("servo_sampled")
+    period = model.parameter("period", PERIOD, "s")
+    arm = model.body("arm", mass=1.0, inertia=INERTIA)
+    model.revolute("pin", model.ground.at(0, 0), arm.at(0, 0))
+    error = 1 - arm.phi
+    integral = model.sampled("sum", period, lambda s: Max(-0.5, Min(0.5, s + period * error)))
+    torque = Max(-5, Min(5, KP * error + KI * integral - KD * arm.omega))
+    late = Max(-5, Min(5, KP / 4 * error - KD / 4 * arm.omega))
+    control = {
+        "pid": model.sampled("u", period, torque, unit="N m"),
+        "late": model.sampled("u_late", period, late, delay=DELAY, unit="N m"),
+        "own": model.sampled("u_own", 0.01, unit="N m"),
+        "slow": model.sampled("u_slow", 3 * period, error + 0 * integral, unit="N m"),
+    }
+    for name, u in control.items():
+        model.torque(f"drive_{name}", on=arm, value=u)
+        model.scene(name, [f"drive_{name}"], start={arm.phi: 0.0, arm.omega: 0.0})
+    return lambda scene: load(model, scene, folder=workshop)
+
+
+def turn(phi: float, omega: float, torque: float, h: float) -> tuple[float, float]:
+    """The arm under a constant torque over the time h."""
+    a = torque / INERTIA
+    return phi + omega * h + a * h * h / 2, omega + a * h
+
+
+def pid(count: int) -> np.ndarray:
+    """Angle, speed, torque and sum at the samples, (count, 4)."""
+    phi = omega = total = 0.0
+    rows = []
+    for _ in range(count):
+        total = float(np.clip(total + PERIOD * (1 - phi), -0.5, 0.5))
+        u = float(np.clip(KP * (1 - phi) + KI * total - KD * omega, -5, 5))
+        rows.append((phi, omega, u, total))
+        phi, omega = turn(phi, omega, u, PERIOD)
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("formulation", ["cartesian", "reduced"])
+@pytest.mark.parametrize("method", ["dop853", "dopri5", "radau5", "bdf"])
+def test_pid_with_saturation(
+    servo: Callable[[str], Machine], method: str, formulation: str
+) -> None:
+    t = PERIOD * np.arange(200)
+    r = servo("pid").simulate(2.0, t, method=method, formulation=formulation, rtol=1e-9)
+    assert r.outcome is Outcome.OK
+    names = ("arm.omega", "u.value", "sum.value")
+    got = np.column_stack([r.q("arm.phi"), *map(r.v, names)])
+    assert_allclose(got, pid(200), atol=1e-9)
+
+
+def test_a_delay_of_several_periods(servo: Callable[[str], Machine]) -> None:
+    step, count = PERIOD / 2, 400
+    phi = omega = u = 0.0
+    waiting, rows = [], []
+    for k in range(count):
+        if k % 2 and k >= 5:
+            u = waiting[(k - 5) // 2]
+        if k % 2 == 0:
+            waiting.append(float(np.clip(KP / 4 * (1 - phi) - KD / 4 * omega, -5, 5)))
+        rows.append((phi, omega, u))
+        phi, omega = turn(phi, omega, u, step)
+    r = servo("late").simulate(2.0, step * np.arange(count), rtol=1e-10)
+    got = np.column_stack([r.q("arm.phi"), r.v("arm.omega"), r.v("u_late.value")])
+    assert_allclose(got, rows, atol=1e-9)
+
+
+def test_values_keep_between_samples(servo: Callable[[str], Machine]) -> None:
+    t = np.linspace(0.0, 0.0999, 1000)
+    r = servo("pid").simulate(0.1, t, rtol=1e-10)
+    place = np.floor(t / PERIOD + 1e-9).astype(int)
+    assert_allclose(r.v("u.value"), pid(10)[place, 2], atol=1e-12)
+
+
+def test_a_function_of_ones_own(servo: Callable[[str], Machine]) -> None:
+    calls = []
+
+    def control(sample: object) -> float:
+        calls.append(sample.t)  # type: ignore[attr-defined]
+        q, v = sample.q("arm.phi"), sample.v("arm.phi")  # type: ignore[attr-defined]
+        assert sample.y("u_own") == (0.0 if not seen else seen[-1])  # type: ignore[attr-defined]
+        seen.append(float(np.clip(10 * (1 - q) - v, -5, 5)))
+        return seen[-1]
+
+    seen: list[float] = []
+    r = servo("own").simulate(1.0, controllers={"u_own": control}, rtol=1e-10)
+    assert_allclose(calls, 0.01 * np.arange(100), atol=1e-12)
+    phi = omega = 0.0
+    for u in seen:
+        phi, omega = turn(phi, omega, u, 0.01)
+    assert_allclose([r.q("arm.phi")[-1], r.v("arm.omega")[-1]], [phi, omega], atol=1e-9)
+
+
+def test_controllers_are_asked_for_by_name(servo: Callable[[str], Machine]) -> None:
+    with pytest.raises(InputError, match="'u_own' has no expression"):
+        servo("own").simulate(1.0)
+    with pytest.raises(InputError, match="sampled value without an expression 'u'"):
+        servo("pid").simulate(1.0, controllers={"u": lambda sample: 0.0})
+    with pytest.raises(InputError, match=r"u_own.*reduced"):
+        servo("own").simulate(1.0, controllers={"u_own": lambda sample: 0.0}, formulation="reduced")
+    with pytest.raises(ZeroDivisionError):
+        servo("own").simulate(1.0, controllers={"u_own": lambda sample: 1 / 0})
+
+
+def test_the_period_is_a_parameter_like_others(servo: Callable[[str], Machine]) -> None:
+    few = servo("pid").simulate(1.0, [1.0], parameters={"period": 0.05})
+    assert few.stats["steps"] < 60
+    with pytest.raises(InputError, match=r"period is -0\.01 s"):
+        servo("pid").simulate(1.0, parameters={"period": -0.01})
+
+
+def test_a_scene_without_sampled_values_has_no_word_of_them(workshop: Path) -> None:
+    model = Model("unsampled")
+    body = model.particle("body", 1.0)
+    model.sampled("u", 0.01, body.x)
+    model.scene("falls", start={body.x: 0.0, body.y: 0.0, body.vx: 0.0, body.vy: 0.0})
+    path = load(model, folder=workshop).mechanism.path
+    text = path.read_text(encoding="utf-8")
+    assert not any(word in text for word in ("SAMPLED", "STATES", "clocks", "samples"))

@@ -1,0 +1,158 @@
+"""States of first order: by every method and formulation, against closed forms."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+from sympy import Max, Min
+
+from codegen import Model
+from codegen.errors import AnalysisError, ModelError
+from runtime import load
+from runtime.core.outcomes import Outcome
+from runtime.machine_facade import Machine
+
+R, L, K, J, C = 2.0, 0.01, 0.1, 0.002, 0.001
+METHODS = ("dop853", "dopri5", "tsit5", "radau5", "bdf", "auto")
+
+
+def motor(name: str) -> Model:
+    """A rotor driven by a motor with the voltage 12 V, its current a state."""
+    model = Model(name)
+    resistance = model.parameter("resistance", R, "ohm")
+    rotor = model.body("rotor", mass=1.0, inertia=J)
+    model.revolute("shaft", model.ground.at(0, 0), rotor.at(0, 0))
+    current = model.state(
+        "current", lambda i: (12 - resistance * i - K * rotor.omega) / L, start=1.0, unit="A"
+    )
+    model.torque("drive", on=rotor, value=K * current)
+    model.torque("drag", on=rotor, value=-C * rotor.omega)
+    model.scene("spin", ["drive", "drag"], start={rotor.phi: 0.0, rotor.omega: 0.0})
+    model.scene("coast", ["drag"], start={rotor.phi: 0.0, rotor.omega: 10.0})
+    model.scene("watched", ["drag", current], start={rotor.phi: 0.0, rotor.omega: 10.0})
+    return model
+
+
+@pytest.fixture(scope="module")
+def spin(workshop: Path) -> Machine:
+    return load(motor("motor_states"), "spin", folder=workshop)
+
+
+def exact(t: np.ndarray) -> np.ndarray:
+    """Current and speed of `motor` at instants, (k, 2)."""
+    matrix = np.array([[-R / L, -K / L], [K / J, -C / J]])
+    final = -np.linalg.solve(matrix, [12 / L, 0.0])
+    return np.array([final + expm(matrix * s) @ ([1.0, 0.0] - final) for s in t])
+
+
+@pytest.mark.parametrize("formulation", ["cartesian", "reduced"])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_motor_with_current_as_state(spin: Machine, method: str, formulation: str) -> None:
+    r = spin.simulate(
+        1.0, [0.004, 0.1, 1.0], method=method, formulation=formulation, rtol=1e-10, max_step=0.01
+    )
+    assert r.outcome is Outcome.OK
+    got = np.column_stack([r.v("current.value"), r.v("rotor.omega")])
+    assert_allclose(got, exact(r.t), rtol=2e-8)
+
+
+def test_a_state_has_no_energy_and_its_own_unit(spin: Machine) -> None:
+    r = spin.simulate(0.2, np.linspace(0.0, 0.2, 41), rtol=1e-10)
+    assert_allclose(r.energy("kinetic"), 0.5 * J * r.v("rotor.omega") ** 2, rtol=1e-13)
+    row = spin.coordinates["current.integral"]
+    assert (row.unit, row.velocity_unit, row.acceleration_unit) == ("A s", "A", "A/s")
+    assert {row.name for row in spin.description.powers} == {"drive", "drag"}
+
+
+def test_its_rate_stands_among_accelerations(spin: Machine) -> None:
+    r = spin.simulate(0.2, [0.1], rtol=1e-10)
+    i, omega = r.v("current.value"), r.v("rotor.omega")
+    assert_allclose(r.a("current.value"), (12 - R * i - K * omega) / L, rtol=1e-9)
+
+
+def test_parameters_of_a_rate_change_from_run_to_run(spin: Machine) -> None:
+    r = spin.simulate(30.0, [30.0], parameters={"resistance": 4.0})
+    assert_allclose(r.v("current.value"), 12 * C / (4 * C + K * K), rtol=1e-6)
+
+
+def test_a_scene_has_the_states_that_it_needs_or_names() -> None:
+    model = motor("motor_scenes")
+    assert model.scenes["spin"].states == ("current",)
+    assert model.scenes["coast"].states == ()
+    assert model.scenes["watched"].states == ("current",)
+    assert model.scenes["spin"].without("drive").states == ()
+
+
+def test_a_run_may_start_elsewhere(spin: Machine) -> None:
+    r = spin.simulate(0.1, [0.0, 0.1], guess={"current.value": 3.0})
+    assert_allclose(r.v("current.value")[0], 3.0)
+
+
+def test_saturation_switches_as_forces_do(workshop: Path) -> None:
+    model = Model("saturated_states")
+    mass = model.particle("mass", 1.0)
+    model.absolute("rail", mass, "y", 0.0)
+    error = 1.0 - mass.x
+    integral = model.state("integral_of_error", lambda s: Max(-0.5, Min(0.5, error)))
+    model.force("act", mass, fx=2.0 * integral - 0.5 * mass.vx)
+    model.scene("runs", ["act"], start={mass.x: 0.0, mass.vx: 0.0})
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        return [y[1], 2.0 * y[2] - 0.5 * y[1], float(np.clip(1.0 - y[0], -0.5, 0.5))]
+
+    r = load(model, folder=workshop).simulate(6.0, [2.0, 4.0, 6.0], rtol=1e-11)
+    reference = solve_ivp(
+        rates, (0, 6), [0.0] * 3, "DOP853", r.t, rtol=1e-12, atol=1e-13, max_step=0.003
+    )
+    assert_allclose(r.q("mass.x"), reference.y[0], atol=1e-8)
+    assert_allclose(r.v("integral_of_error.value"), reference.y[2], atol=1e-8)
+    assert len(r.events) >= 2
+
+
+def test_states_that_contain_one_another(workshop: Path) -> None:
+    model = Model("oscillating_states")
+    mass = model.particle("mass", 1.0)
+    x, y = model.state("x1", start=1.0), model.state("x2")
+    model.state_equation(x, y)
+    model.state_equation(y, -4.0 * x)
+    model.force("act", mass, fx=x)
+    model.scene("runs", ["act"], start={mass.x: 0.0, mass.y: 0.0, mass.vx: 0.0, mass.vy: 0.0})
+    r = load(model, folder=workshop).simulate(5.0, [1.0, 5.0], rtol=1e-11)
+    assert_allclose(r.v("x1.value"), np.cos(2 * r.t), atol=1e-9)
+    assert_allclose(r.q("mass.x"), (1 - np.cos(2 * r.t)) / 4, atol=1e-9)
+
+
+def test_other_analyses_are_refused_by_name(spin: Machine) -> None:
+    for question in (
+        spin.equilibrium, lambda: spin.kinematics([0.0]),
+        lambda: spin.inverse_dynamics([0.0]),
+    ):  # fmt: skip
+        with pytest.raises(AnalysisError, match=r"current follow.*without\('current'\)"):
+            question()
+
+
+def test_wrong_declarations_are_noted_together() -> None:
+    model = Model("wrong_states")
+    body = model.body("body", mass=1.0, inertia=1.0)
+    model.state("a", rate=1.0, unit="furlong", nominal=0.0)
+    lost = model.state("b")
+    model.state_equation(body.omega, 1.0)
+    model.state("c", rate=lambda c: None)
+    model.state("body", rate=1.0)
+    model.torque("turn", on=body, value=lost)
+    model.potential("stored", 0.5 * lost**2)
+    model.scene("runs", ["turn", "stored"])
+    from codegen import build
+
+    with pytest.raises(ModelError) as caught:
+        build(model, compile=False)
+    text = str(caught.value)
+    for part in (
+        "unit 'furlong' is no SI unit", "nominal of state 'a' is 0", "state_equation(body_omega",
+        "the function answers None", "name is already that of a body", "state 'b' has no rate",
+        "contains the velocity b_value",
+    ):  # fmt: skip
+        assert part in text, part
