@@ -87,11 +87,7 @@ def operation_table(program: Program) -> tuple[tuple[str, int], ...]:
 # tables that a module leaves out where empty
 OPTIONAL = (
     *("folded", "unused", "rigid", "stiction", "shares", "time_functions", "conditions"),
-<<<<<<< HEAD
-    *("profiles", "peaks", "table_ranges"),
-=======
-    *("profiles", "peaks", "states", "sampled", "controllers"),
->>>>>>> main
+    *("profiles", "peaks", "table_ranges", "states", "sampled", "controllers"),
 )
 
 NAMES = (
