@@ -232,6 +232,7 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
     Returns the number of events that were logged.
     """
     modes, r, last = context.modes, run_record(context), 0.0
+    former = int(modes[crossing])
     copy_vector(modes, context.former_modes)
     r.flight = np.inf
     impact = context.rigid[crossing] >= 0 and modes[crossing] != SLIDING
@@ -255,6 +256,10 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
         approach, mode = context.struck[crossing], int(modes[crossing])
         leaves = mode != SLIDING and context.rate_now[crossing] > _STILL * approach
         context.preferred[crossing] = consistency.decided_entry(mode) if leaves else SLIDING
+    elif context.table_part[crossing] == KNOTS:
+        context.preferred[crossing] = consistency.decided_entry(1 - former)
+        prefer_released(context, crossing, t)
+        evaluate_now(context, t)
     else:
         if modes[crossing] == SLIDING:
             evaluate_accelerations(context, t, context.q1, context.v1, modes, context.first_scratch)
