@@ -36,4 +36,19 @@ TRANSMISSIONS = (
         ),
         transmissions.gear_with_backlash,
     ),
+    force(
+        "stop",
+        lambda m, i, j: m.stop("e", j.body.x, -0.1, 0.3, stiffness=500),
+        transmissions.stop,
+    ),
+    force(
+        "clearance joint",
+        lambda m, i, j: m.clearance_joint("e", i, j, 0.1, 700, exponent=2, damping=0.3),
+        transmissions.clearance,
+    ),
+    force(
+        "one-way clutch",
+        lambda m, i, j: m.one_way_clutch("e", i.body, j.body, 40 + 5 * j.body.x**2 + 3 * j.body.y),
+        transmissions.one_way_clutch,
+    ),
 )

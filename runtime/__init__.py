@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from runtime.core.outcomes import Outcome
     from runtime.machine_facade import Machine
     from runtime.machine_loading import load
+    from runtime.result_loading import load_result
     from runtime.results.assembled_state import Assembly
     from runtime.results.event_records import Event
     from runtime.results.result import Result
@@ -37,11 +38,12 @@ _HOMES = {
     "Result": "runtime.results.result",
     "accuracy": "runtime.studies.work_precision",
     "load": "runtime.machine_loading",
+    "load_result": "runtime.result_loading",
     "matters": "runtime.studies.effect_ranking",
 }
 
 __all__ = ["Assembly", "Equilibrium", "Event", "Machine", "Outcome", "Result"]
-__all__ += ["accuracy", "load", "matters"]
+__all__ += ["accuracy", "load", "load_result", "matters"]
 
 
 def __getattr__(name: str) -> object:

@@ -10,12 +10,13 @@ from runtime.machine_states import MachineStates
 from runtime.mechanism.mechanism_tables_and_kernels import Values
 from runtime.progress_bar import bar, shows_compilation
 from runtime.validation.arguments import check
+from runtime.validation.output_instants import instants_of_motion
 from runtime.validation.scene_support import refuse_states, require_energy, require_motion
 
 if TYPE_CHECKING:
     from runtime.dynamics.controllers import Functions
     from runtime.integrate.problem import Correction, Formulation
-    from runtime.results.assembled_state import Assembly
+    from runtime.results.assembled_state import Assembly, State
     from runtime.results.result import Result
     from runtime.statics.equilibrium import Equilibrium
 
@@ -29,10 +30,11 @@ class Machine(MachineStates):
 
     @shows_compilation
     def simulate(
-        self, t_end: float, t_eval: "npt.ArrayLike | None" = None, *, accuracy: float | None = None,
-        quantities: Sequence[str] | None = None, t_start: float = 0.0, method: str | None = None,
-        rtol: float | None = None, atol: float | None = None, parameters: Values | None = None,
-        guess: Values | None = None, start: "Assembly | None" = None,
+        self, t_end: float, t_eval: "npt.ArrayLike | int | str | None" = None, *,
+        accuracy: float | None = None, quantities: Sequence[str] | None = None,
+        t_start: float = 0.0, method: str | None = None, rtol: float | None = None,
+        atol: float | None = None, parameters: Values | None = None,
+        guess: Values | None = None, start: "Assembly | State | Result | Values | None" = None,
         controllers: "Functions | None" = None, correction: "Correction" = "step",
         formulation: "Formulation | None" = None,
         time_scale: float | None = None, first_step: float | None = None,
@@ -44,16 +46,20 @@ class Machine(MachineStates):
         Parameters
         ----------
         t_end, t_eval
-            Last instant in s; output instants in s, increasing, by default the end of every step.
+            Last instant in s; output instants in s, increasing, or how many at equal distances, 501
+            unless given, or "steps": the end of every step. `Result.at` has all others.
         accuracy, quantities
             The relative global error that the result may have, from 1e-12 to 0.1; names of the
             series whose error is meant, by default the whole state. The program then chooses the
             tolerances, and method and formulation unless they are given; `Result.accuracy` says
             what was reached.
         t_start, guess, start
-            First instant in s, by default that of `start` or 0; start values by name of coordinate
-            (m, rad) or velocity (m/s, rad/s), over those of the scene; or an assembled state, in
-            place of the scene's start.
+            First instant in s, by default that of `start` or 0. `start` sets values by name of
+            coordinate (m, rad) or velocity (m/s, rad/s), over those of the scene, and is refused
+            where the joints do not allow them; or it is a state in place of the scene's start: an
+            assembled one, a result's end or `Result.state(t)`, an equilibrium. `guess` has values
+            with which the search for a start begins, over those of the scene; a name that the scene
+            fixes stays fixed, at the new value. `Result.message` says what became of them.
         method
             "dop853" (default), of order 8, "dopri5" and "tsit5", of order 5, are explicit.
             "radau5" and "bdf" are implicit, for stiff equations: contacts and springs much stiffer
@@ -118,7 +124,8 @@ class Machine(MachineStates):
 
     @shows_compilation
     def kinematics(
-        self, t_eval: "npt.ArrayLike", *, parameters: Values | None = None,
+        self, t_end: "float | npt.ArrayLike | None" = None,
+        t_eval: "npt.ArrayLike | int | None" = None, *, parameters: Values | None = None,
         guess: Values | None = None, t_start: float = 0.0, progress: bool = True,
     ) -> "Result":  # fmt: skip
         """Positions, velocities and accelerations of a machine whose drivers leave no freedom.
@@ -130,14 +137,16 @@ class Machine(MachineStates):
 
         Parameters
         ----------
-        t_eval
-            Instants in s, increasing.
+        t_end, t_eval
+            As for `simulate`: a number is the last instant in s, and the motion up to it is sampled
+            at 501 instants, at as many as `t_eval` says, or at those that it has, increasing. These
+            may also be all that is given: `[1.0]` is the one instant 1 s.
         parameters, guess
             Values by name, in the declared units; start values by name of coordinate or velocity,
             SI units. The others keep their defaults, and what the scene says.
         t_start
             Instant in s to which the start values belong. The machine is assembled there and
-            followed to the first of `t_eval`, so that it stays on the branch on which it starts.
+            followed to the first of the others, so that it stays on the branch on which it starts.
         progress
             Whether a terminal shows a bar.
 
@@ -151,11 +160,14 @@ class Machine(MachineStates):
         """
         from runtime.dynamics.kinematics_and_inverse_dynamics import kinematics
 
-        return self._prescribed_motion(kinematics, t_eval, parameters, guess, t_start, progress)
+        return self._prescribed_motion(
+            kinematics, t_end, t_eval, parameters, guess, t_start, progress
+        )
 
     @shows_compilation
     def inverse_dynamics(
-        self, t_eval: "npt.ArrayLike", *, parameters: Values | None = None,
+        self, t_end: "float | npt.ArrayLike | None" = None,
+        t_eval: "npt.ArrayLike | int | None" = None, *, parameters: Values | None = None,
         guess: Values | None = None, t_start: float = 0.0, progress: bool = True,
     ) -> "Result":  # fmt: skip
         """Forces and torques that a prescribed motion takes, and the reactions in the joints.
@@ -165,7 +177,7 @@ class Machine(MachineStates):
 
         Parameters
         ----------
-        t_eval, parameters, guess, t_start, progress
+        t_end, t_eval, parameters, guess, t_start, progress
             As for `kinematics`: instants in s, values by name in their units, whether a bar shows.
 
         Raises
@@ -179,23 +191,26 @@ class Machine(MachineStates):
         from runtime.dynamics.kinematics_and_inverse_dynamics import inverse_dynamics
 
         return self._prescribed_motion(
-            inverse_dynamics, t_eval, parameters, guess, t_start, progress
+            inverse_dynamics, t_end, t_eval, parameters, guess, t_start, progress
         )
 
     def _prescribed_motion(
-        self, analyse: Callable[..., "Result"], t_eval: "npt.ArrayLike", parameters: Values | None,
-        guess: Values | None, t_start: float, progress: bool,
+        self, analyse: Callable[..., "Result"], t_end: "float | npt.ArrayLike | None",
+        t_eval: "npt.ArrayLike | int | None", parameters: Values | None, guess: Values | None,
+        t_start: float, progress: bool,
     ) -> "Result":  # fmt: skip
         """The motion that the drivers prescribe, analysed."""
         word = analyse.__name__
         require_motion(self.mechanism, word)
         refuse_states(self.mechanism, word)
         given = check(
-            self.mechanism, parameters=parameters, guess=guess, t_start=t_start, progress=progress
-        )
+            self.mechanism, t_eval=t_eval, parameters=parameters, guess=guess, t_start=t_start,
+            progress=progress,
+        )  # fmt: skip
+        times = instants_of_motion(t_end, given.pop("t_eval"), given["t_start"], word)
         title = f"{word.replace('_', ' ')} of {self.mechanism.title}"
         with bar(title, given.pop("progress")) as report:
-            return analyse(self.mechanism, t_eval, **given, progress=report)
+            return analyse(self.mechanism, times, **given, progress=report)
 
     @shows_compilation
     def equilibrium(

@@ -21,6 +21,7 @@ from codegen.declare.return_values.constraints import (
 )
 from codegen.declare.return_values.effects import (
     effect_expressions,
+    measures_of,
     optional_terms,
     potential_of,
 )
@@ -88,6 +89,7 @@ def effect_problems(
         known |= {side(effect.name)}
     terms = effect_expressions(effect, bodies)
     along = [f for _, f in answers.pulls]
+    along += [m.value for m in measures_of(effect, bodies) or () if m.along is not None]
     yield from _unknown_symbols(model, effect, along, known | {SPEED})
     yield from _unknown_symbols(model, effect, [e for e in terms if e not in along], known)
     yield from all_problems(el.label(effect), terms, may_switch=True)

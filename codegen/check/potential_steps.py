@@ -29,7 +29,7 @@ from codegen.derive.piecewise_conditions import (
     switching_function,
     without_marks,
 )
-from codegen.elements.forces.spring_damper_contact import Contact
+from codegen.elements.forces.spring_damper_contact import GapSprings
 from codegen.model import Model
 from codegen.plain_values import shown
 
@@ -96,10 +96,10 @@ def _continuous(effect: Effect, bodies: tuple[Body, ...]) -> Iterator[tuple[str,
     potential = potential_of(effect, bodies)
     answers = optional_terms(effect, bodies)
     scalars = [("length or angle", "m or rad", s) for s, _ in answers.pulls]
-    if isinstance(effect, Contact):
-        scalars = [("gap", "m", effect.gap)]
-    # A contact's k g²/2 ends at zero where g does; what its gap may have is looked at with the gap.
-    known = potential is None or isinstance(effect, Contact)
+    if isinstance(effect, GapSprings):
+        scalars = [("gap", "m", gap) for gap in effect.gaps]
+    # A spring's k g²/2 ends at zero where g does; what its gap may have is looked at with the gap.
+    known = potential is None or isinstance(effect, GapSprings)
     energy = [] if known else [("potential", "J", potential)]
     for word, unit, expression in (*energy, *scalars):
         yield word, unit, as_pieces(expression, may_switch=False)  # tables have no steps

@@ -2,14 +2,17 @@
 
 from collections.abc import Iterator
 
-from codegen.declare.element import label
+from codegen.declare.element import EXERTED, QUANTITIES, label
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import Scene
 from codegen.derive.constraint_terms import constraint_terms
+from codegen.derive.effect_measures import available_quantities, effect_measures
 from codegen.derive.effect_terms import effect_terms
 from codegen.derive.equations import active_joints
 from codegen.model import Model
 from codegen.model.requested_outputs import ONE
+
+GEOMETRY = ("path", *(word for word in QUANTITIES if word not in EXERTED))
 
 
 def output_problems(model: Model, scene: Scene) -> Iterator[str]:
@@ -18,7 +21,7 @@ def output_problems(model: Model, scene: Scene) -> Iterator[str]:
     acting = (*active_joints(model, scene), *scene.drivers, *scene.effects)
     leave = "or leave the output out."
     for word in scene.outputs or ():
-        if scene.analysis == "kinematics" and not word.startswith("path"):
+        if scene.analysis == "kinematics" and not word.startswith(GEOMETRY):
             yield (
                 f"{where}: the output '{word}' needs masses and forces, which a kinematic scene "
                 f"leaves out; declare it with analysis='dynamics', {leave}"
@@ -54,17 +57,23 @@ def output_problems(model: Model, scene: Scene) -> Iterator[str]:
 def _missing_output(model: Model, scene: Scene, group: str, name: str) -> str | None:
     """Why an element that acts has no such reaction, power or work."""
     if name not in scene.effects:
+        if group in QUANTITIES:
+            return f"'{name}' is no effect; ask for 'reaction({name})'."
         element = model.joints.get(name) or model.drivers[name]
         moving = name in scene.drivers or any(nu != 0 for nu in constraint_terms(element)[1].nu)
         idle = group in ("power", "work") and not moving
         return f"{label(element)} does no work; leave it out." if idle else None
-    effect = model.acting(scene)[name]
-    terms = effect_terms(effect, tuple(model.bodies[b] for b in scene.bodies))
+    effect, bodies = model.acting(scene)[name], tuple(model.bodies[b] for b in scene.bodies)
+    terms = effect_terms(effect, bodies)
+    if group in QUANTITIES:
+        measures = effect_measures(effect, terms, bodies)
+        if group in (known := available_quantities(terms, measures)):
+            return None
+        words = " or ".join(f"'{q}({name})'" for q in QUANTITIES if q in known)
+        return f"{label(effect)} has no {group}; {f'ask for {words}' if words else 'leave it out'}."
     working = bool(terms.loads or terms.pulls or terms.friction)
-    if group == "work" and not (working or terms.potential is not None):
+    if group in ("work", "power") and not (working or terms.potential is not None):
         return f"'{name}' exerts nothing; leave it out."
-    if group == "power" and not working:
-        return f"all that {label(effect)} does has a potential; ask for 'energy'."
     if group == "reaction" and not (terms.reported or terms.friction):
-        return f"{label(effect)} reports no force; leave it out."
+        return f"{label(effect)} is no joint; ask for 'force({name})'."
     return None

@@ -239,7 +239,9 @@ class Effect(Element, Protocol):
     One that follows from a joint's reaction answers, besides, ``friction() -> FrictionLaw``; one
     that sticks, or is a rigid contact, ``hold(bodies) -> Sticking | Rigid | None``; one whose
     forces act along scalars ``pulls(bodies) -> ((s, f), ...)``; one that reports a force
-    ``reported(bodies) -> ((component, unit, value), ...)``. `bodies` are those of the scene.
+    ``reported(bodies) -> ((component, unit, value), ...)``; one whose lengths, forces and other
+    quantities a scene may name among its outputs ``measures(bodies) -> (Measure, ...)``; of others
+    these follow from the rest. `bodies` are those of the scene.
     """
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
@@ -259,6 +261,31 @@ The virtual work is -f δs; with s a length this is Haug's Q of a tension (6.1).
 """
 Reported = tuple[tuple[str, str, sympy.Expr], ...]
 """(component, unit, value) of the forces that an effect reports."""
+
+
+QUANTITIES = (
+    "force", "torque", "length", "angle", "rate", "deflection", "gap", "penetration", "potential",
+)  # fmt: skip
+"""Quantities of an effect that a scene may name as outputs, ``force(strut)``."""
+EXERTED = ("force", "torque", "potential")
+"""Those of them that a scene has in which effects act; the others are geometry."""
+
+
+class Measure(NamedTuple):
+    """A quantity of an effect that is computed where a scene names it among its outputs."""
+
+    quantity: str  # one of `QUANTITIES`
+    component: str  # such as "fx"; empty where the quantity has no components
+    unit: str
+    value: sympy.Expr  # with `SPEED` for the rate of `along`
+    along: sympy.Expr | None = None  # a scalar s(q, t)
+
+    @property
+    def row(self) -> str:
+        """Its name among the components of its effect."""
+        if not self.component or self.quantity in ("force", "torque"):
+            return self.component or self.quantity
+        return f"{self.quantity}.{self.component}"
 
 
 class OptionalTerms(NamedTuple):

@@ -19,6 +19,8 @@ from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import as_pieces, tables_by_branches
 from codegen.derive.power_continuation import continue_powers
 
+Measure = el.Measure
+
 
 @dataclass(frozen=True)
 class FrictionTerms:
@@ -46,6 +48,8 @@ class EffectTerms:
     friction: FrictionTerms | None = None  # the force that follows from a joint's reaction
     hold: el.Sticking | el.Rigid | None = None  # how it keeps its switching function at zero
     reported: tuple[tuple[str, str, sympy.Expr], ...] = ()  # (component, unit, value) of its forces
+    # the quantities of the effect that the scene names among its outputs
+    measures: tuple[el.Measure, ...] = ()
     # (body, mass, acceleration) of the products that stand in V as one number
     weights: tuple[tuple[str, sympy.Expr, sympy.Expr], ...] = ()
 
@@ -85,7 +89,7 @@ def effect_terms(effect: el.Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     components = tuple((part, unit, _pieces(value)) for part, unit, value in reported)
     friction = None if law is None else _friction(effect.name, law, hold)
     return EffectTerms(
-        potential, loads, pulls, friction, hold, components, weights_of(effect, bodies)
+        potential, loads, pulls, friction, hold, components, weights=weights_of(effect, bodies)
     )
 
 
@@ -101,6 +105,13 @@ def _pull(s: sympy.Expr, f: sympy.Expr) -> sympy.Expr:
     pieces = continue_powers(as_pieces(f))
     turns = pieces.atoms(Relational)
     return pieces.xreplace({c: c.xreplace({SPEED: rate(s)}) for c in turns if c.has(SPEED)})
+
+
+def measured(measure: el.Measure) -> el.Measure:
+    """A measure with its kinks as pieces, by the conditions of the forces."""
+    if measure.along is None:
+        return measure._replace(value=_pieces(measure.value))
+    return measure._replace(value=_pull(measure.along, measure.value))
 
 
 def _friction(

@@ -14,6 +14,7 @@ from codegen.declare.state import State
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration, Velocity
 from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
+from codegen.derive.effect_measures import terms_in_scene
 from codegen.derive.effect_terms import EffectTerms, effect_terms
 from codegen.derive.inertia import inertia
 from codegen.derive.peaked_functions import PeakedFunction, peaked_functions
@@ -174,9 +175,18 @@ def _constraint_equations(element: Constraint, driver: bool) -> ConstraintEquati
         return ConstraintEquations(element.name, element.kind, driver, *terms)
 
 
-def _effect_equations(name: str, effect: Effect, bodies: tuple[Body, ...]) -> EffectEquations:
-    with name_errors(effect):
-        return EffectEquations(name, effect.kind, effect_terms(effect, bodies))
+def _effect_equations(
+    effects: dict[str, Effect], scene: Scene, bodies: tuple[Body, ...]
+) -> tuple[EffectEquations, ...]:
+    """The equations of the effects that act in a scene, or whose geometry it asks for."""
+    found = []
+    for name, effect in effects.items():
+        with name_errors(effect):
+            if effect.kind == TRACKED:
+                found.append(EffectEquations(name, effect.kind, effect_terms(effect, bodies)))
+            elif (terms := terms_in_scene(effect, scene, bodies)) is not None:
+                found.append(EffectEquations(name, effect.kind, terms))
+    return tuple(found)
 
 
 def derive(model: Model, scene: Scene) -> Equations:
@@ -195,11 +205,7 @@ def derive(model: Model, scene: Scene) -> Equations:
         *(q for c in constraints for _, q in c.statement.own),
     )
     dynamic = scene.analysis != "kinematics"
-    effects = tuple(
-        _effect_equations(name, effect, bodies)
-        for name, effect in model.acting(scene).items()
-        if dynamic or effect.kind == TRACKED
-    )
+    effects = _effect_equations(model.acting(scene), scene, bodies)
     overrides = dict(scene.parameters)
     mass, force = inertia(bodies, states, coordinates) if dynamic else ((), ())
     used = _symbols((mass, force, [s.expressions for s in states]), constraints, effects)

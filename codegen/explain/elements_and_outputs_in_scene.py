@@ -11,7 +11,7 @@ from codegen.explain.ledger_records import OutputEntry, Part
 from codegen.model import Model
 from codegen.model.bodies import FORMS
 from codegen.model.fidelities import NONE
-from codegen.model.requested_outputs import ALL, GROUPS, TRACKED
+from codegen.model.requested_outputs import ALL, GROUPS, OF_ANALYSIS, TRACKED
 
 
 class Inventory:
@@ -131,10 +131,10 @@ def output_inventory(model: Model, scene: Scene) -> tuple[OutputEntry, ...]:
         why = "named by the scene" if reported else "the scene does not name it"
         if scene.outputs is None:
             why = "reported where no output is named" if reported else "not reported unless named"
-        if scene.analysis == "kinematics" and word != "paths":
-            reported, why = False, "a kinematic scene has no masses and no forces"
-        elif scene.analysis == "equilibrium" and word in ("powers", "works"):
-            reported, why = False, "a scene for equilibrium has no motion"
+        if word not in OF_ANALYSIS[scene.analysis]:
+            kinematic = scene.analysis == "kinematics"
+            lacks = "a kinematic scene has no masses and no forces"
+            reported, why = False, lacks if kinematic else "a scene for equilibrium has no motion"
         entries.append(OutputEntry(word, reported, why))
     single = [word for word in scene.outputs or () if word not in GROUPS]
     return (*entries, *(OutputEntry(word, True, "named by the scene") for word in single))

@@ -88,6 +88,7 @@ def fingerprint(equations: Equations) -> str:
         lines += [f"  friction {terms.friction}"] if terms.friction else []
         lines += [f"  hold {terms.hold}"] if terms.hold else []
         lines += [f"  reported {terms.reported}"] if terms.reported else []
+        lines += [f"  measures {terms.measures}"] if terms.measures else []
     lines += [f"switch {switch.g}{switch.at_zero}" for switch in equations.switches]
     lines.append(f"left out {equations.left_out}")
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import sympy
 
 from codegen.declare.symbols import SPEED, Acceleration, Parameter, t
-from codegen.derive.effect_terms import EffectTerms, FrictionTerms
+from codegen.derive.effect_terms import EffectTerms, FrictionTerms, Measure
 from codegen.derive.equations import Equations
 from codegen.derive.piecewise_conditions import Boundary
 from codegen.errors import ModelError
@@ -37,6 +37,7 @@ class Reaction(NamedTuple):
     component: str
     unit: str
     value: int
+    words: tuple[str, ...] = ("reaction",)  # the outputs of the element of which it is a part
 
 
 class SceneGraph:
@@ -159,10 +160,12 @@ class SceneGraph:
         self.potential = graph.zero  # V
         self.gradient = [graph.zero] * self.n  # ∂V/∂q
         self.forces = [graph.zero] * self.n  # Q with the forces of the potential and Q_v
-        self.powers: list[tuple[str, int]] = []  # (effect, power) of effects without a potential
-        # effect → power of all its forces, those of a potential included, where its work is an
-        # output
+        # (effect, power) of the forces without a potential
+        self.powers: list[tuple[str, int]] = []
+        # effect → power of all its forces, those of a potential included, where that or its work is
+        # an output
         self.working: dict[str, int] = {}
+        self.conservative: set[str] = set()  # the effects that have a potential
         self.frictions: list[Friction] = []  # the forces that follow from reactions
         outputs = {*(equations.scene.outputs or ())}
         workless = {contact.effect for contact in equations.contacts if not contact.moving}
@@ -170,21 +173,28 @@ class SceneGraph:
         workless |= states
         for effect in equations.effects:
             terms = effect.terms
+            ending = "s", f"({effect.name})"
             with graph.serving(effect.name):
                 energy = graph.zero
                 if terms.potential is not None:
                     energy = self.translate(terms.potential)
+                    self.conservative.add(effect.name)
                     self.potential = graph.add(self.potential, energy)
                     self._gather(self.gradient, {energy: graph.one})
                 power = self._apply_forces(terms, energy)
                 if (terms.loads or terms.pulls) and effect.name not in workless:
                     self.powers.append((effect.name, power))
-                if effect.name not in states and outputs & {"works", f"work({effect.name})"}:
+                asked = outputs & {f"{word}{of}" for word in ("power", "work") for of in ending}
+                if asked and effect.name not in states:
                     stored = self.moving.jet(energy).first.value()
                     self.working[effect.name] = graph.sub(power, stored)
                 for part, unit, value in terms.reported:
-                    reaction = Reaction(effect.name, part, unit, self.translate(value))
+                    reaction = Reaction(
+                        effect.name, part, unit, self.translate(value), _words(unit)
+                    )
                     self.reactions.append(reaction)
+                for measure in terms.measures:
+                    self._measure(effect.name, measure)
                 if terms.friction:
                     self._friction(effect.name, terms.friction)
         with graph.serving("masses"):
@@ -224,6 +234,15 @@ class SceneGraph:
             power = graph.add(power, graph.mul(value, self.v[k]))
         return power
 
+    def _measure(self, name: str, measure: Measure) -> None:
+        """Add a quantity of an effect that is an output; it switches nothing itself."""
+        translate, inner = self.translate.comparing, dict[sympy.Expr, int]()
+        if measure.along is not None and measure.value.has(SPEED):
+            inner[SPEED] = self.motion.jet(self.translate(measure.along)).first.value()
+        value = translate.scoped(inner)(measure.value)
+        row = Reaction(name, measure.row, measure.unit, value, (measure.quantity,))
+        self.reactions.append(row)
+
     def _gather(self, totals: list[int], weights: dict[int, int]) -> None:
         """Add Σ weight ∂value/∂q to the totals, one a coordinate."""
         slopes = self.slopes.gradient(weights)
@@ -246,16 +265,16 @@ class SceneGraph:
         sizes = [self.size([self.along(entry, self.lam) for entry in load]) for load in loads]
         pressing = graph.total(sizes)
         force = friction.choice(graph, stiction, graph.neg(graph.mul(coefficient, pressing)))
-        kind = "force" if terms.unit == "N" else "torque"
-        self.reactions.append(Reaction(name, kind, terms.unit, force))
-        if terms.sticks:
-            self.reactions.append(Reaction(name, "normal", "N", pressing))
+        kind, words = "force" if terms.unit == "N" else "torque", _words(terms.unit)
+        self.reactions.append(Reaction(name, kind, terms.unit, force, words))
+        normal = words if terms.sticks else words[1:]
+        self.reactions.append(Reaction(name, "normal", "N", pressing, normal))
         if terms.limit is not None:
             limit = graph.mul(self.translate(terms.limit), pressing)
-            self.reactions.append(Reaction(name, "limit", terms.unit, limit))
+            self.reactions.append(Reaction(name, "limit", terms.unit, limit, words))
         power = graph.mul(force, self.translate(terms.slip))
         self.powers.append((name, power))
-        self.working[name] = power
+        self.working[name] = graph.add(self.working.get(name, graph.zero), power)
 
     def _load(self, joint: str, entry: tuple[tuple[str, sympy.Expr], ...]) -> dict[int, int]:
         """Row → factor of a sum of components of a joint's reaction."""
@@ -273,3 +292,8 @@ class SceneGraph:
     def size(self, vector: list[int]) -> int:
         """√(vᵀv)."""
         return self.graph.power(self.graph.dot(vector, vector), 0.5)
+
+
+def _words(unit: str) -> tuple[str, ...]:
+    """The outputs of which a component that an effect reports is a part, by its unit."""
+    return ("reaction", *{"N": ("force",), "N m": ("torque",)}.get(unit, ()))

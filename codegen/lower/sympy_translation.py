@@ -56,18 +56,25 @@ class Translator:
         graph: Graph,
         environment: Mapping[sympy.Expr, int],
         switches: Sequence[Switch] | None,
+        compares: bool = False,
     ) -> None:
         self.graph, self.environment, self.switches = graph, dict(environment), switches
+        self._compares = compares  # whether a condition that no switch has is compared
         self._known: dict[sympy.Basic, int] = {}
         self._ranks: dict[int, int] = {}
 
     def scoped(self, bindings: Mapping[sympy.Expr, sympy.Expr | int]) -> "Translator":
         """A translator that knows an element's placeholders in addition to the model's symbols."""
-        inner = Translator(self.graph, self.environment, self.switches)
+        inner = Translator(self.graph, self.environment, self.switches, self._compares)
         for place, meaning in bindings.items():
             inner.environment[place] = meaning if isinstance(meaning, int) else self(meaning)
         inner._known = {place: inner.environment[place] for place in bindings}
         return inner
+
+    @property
+    def comparing(self) -> "Translator":
+        """A translator of the same symbols for what a run only reads: it needs no switches."""
+        return Translator(self.graph, self.environment, self.switches, compares=True)
 
     def __call__(self, expression: Any) -> int:
         """The value of `expression`; a failure of SymPy's names what the graph serves."""
@@ -206,7 +213,7 @@ class Translator:
                 rests = graph.is_sliding(switch)
                 holds = graph.logical(Op.AND, holds, graph.negation(rests))
             return graph.negation(holds) if opposite else holds
-        if kinds(node, Coordinate, Velocity):
+        if kinds(node, Coordinate, Velocity) and not self._compares:
             raise ModelError(
                 f"'{graph.serves}': the condition {node} stands where nothing may switch (a "
                 "constraint or a driver); write the motion as one smooth expression."

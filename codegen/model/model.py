@@ -19,6 +19,7 @@ from codegen.model.forces import Forces
 from codegen.model.parameters_and_tables import Values
 from codegen.model.scene_variations import Variations
 from codegen.model.states import States
+from codegen.model.stops_and_clearances import Limits
 from codegen.model.transmissions import Transmissions
 from codegen.plain_values import shown
 from codegen.public_callables import (
@@ -30,7 +31,7 @@ from codegen.public_callables import (
 )
 
 
-class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Transmissions, States):
+class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Limits, Transmissions, States):
     """A planar machine.
 
     Parameters

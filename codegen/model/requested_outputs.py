@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Reported, label
+from codegen.declare.element import EXERTED, QUANTITIES, Effect, Reported, label
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.value_reader import Reader
@@ -15,8 +15,15 @@ from codegen.model.base import Declarations, Place
 from codegen.plain_values import InvalidName, bounded, plain_name, shown
 
 ALL = ("reactions", "energy", "powers")  # outputs of a scene that names none
-GROUPS = (*ALL, "paths", "works")
-ONE = re.compile(r"(reaction|power|path|work)\((\w+)\)\Z")
+GROUPS = (*ALL, "paths", "works", *(f"{quantity}s" for quantity in QUANTITIES))
+SINGLE = ("reaction", "power", "path", "work", *QUANTITIES)
+ONE = re.compile(rf"({'|'.join(SINGLE)})\((\w+)\)\Z")
+OF_ANALYSIS = {
+    "dynamics": GROUPS,
+    "equilibrium": tuple(group for group in GROUPS if group not in ("powers", "works")),
+    "kinematics": ("paths", *(f"{word}s" for word in QUANTITIES if word not in EXERTED)),
+}
+"""Analysis → the groups of outputs that a scene for it may have, which ``"all"`` means."""
 TRACKED = "tracked point"
 
 
@@ -68,9 +75,11 @@ class Outputs(Declarations):
             if {body.name for body in bodies_of(self.effects[name])} <= present
         )
 
-    def _read_outputs(self, read: Reader, where: str, outputs: Any) -> tuple[str, ...] | None:
-        """The words in a fixed order, each once; None for all that there is."""
-        if outputs is None or (isinstance(outputs, str) and outputs == "all"):
+    def _read_outputs(
+        self, read: Reader, where: str, outputs: Any, analysis: Any
+    ) -> tuple[str, ...] | None:
+        """The words in a fixed order, each once; None for those of a scene that names none."""
+        if outputs is None or (isinstance(outputs, str) and outputs == "default"):
             return None
         try:
             given = [outputs] if isinstance(outputs, str) else bounded(outputs)
@@ -80,9 +89,12 @@ class Outputs(Declarations):
                 f"{where}: outputs={what} is no list; write outputs=['energy', 'power(gas)']."
             )
             return None
-        words = []
+        words = list[str]()
         for word in given:
-            if problem := self._output_problem(word):
+            if plain_name(word) in ("all", "default"):
+                every = OF_ANALYSIS.get(plain_name(analysis), GROUPS)
+                words += every if plain_name(word) == "all" else ALL
+            elif problem := self._output_problem(word):
                 read.note(f"{where}: {problem}")
             else:
                 words.append(str(word))
@@ -98,8 +110,9 @@ class Outputs(Declarations):
         acting = [n for n in (*self.joints, *self.drivers, *self.effects) if n not in points]
         if match is None:
             words = [f"{group}({n})" for group in ("reaction", "power", "work") for n in acting]
+            words += [f"{quantity}({n})" for quantity in QUANTITIES for n in self.effects]
             words += [f"path({n})" for n in points]
-            return f"no output {word!r}; {nearest(word, (*GROUPS, *words))}"
+            return f"no output {word!r}; {nearest(word, ('all', 'default', *GROUPS, *words))}"
         group, name = match.groups()
         if group == "path" and name not in points:
             hint = nearest(name, points) if points else "declare it with model.track(...)."

@@ -107,7 +107,7 @@ class Variations(Scenes):
         read.overrides(_mapping(given["parameters"]), self.parameters, where)
         read.flag(given["frozen"], f"{where}: frozen")
         read.choice(given["analysis"], ANALYSES, f"{where}, analysis")
-        self._read_outputs(read, where, given["outputs"])
+        self._read_outputs(read, where, given["outputs"], given["analysis"])
         self._read_fidelities(read, where, _mapping(given["fidelity"]), None)
         kinds = {"request": Request, "owner": Variations, "root": Scene | None}
         if any(not isinstance(given[word], kind) for word, kind in kinds.items()) or (

@@ -72,9 +72,12 @@ class Scenes(Fidelities, Outputs):
             ``"equilibrium"`` nothing that only a motion needs.
         outputs
             Outputs in addition to the motion: ``"reactions"``, ``"energy"``, ``"powers"``, or
-            those of one element, ``"reaction(A)"``, ``"power(gas)"``; all unless given, which
-            ``"all"`` says in an extension. Two have to be named: ``"paths"`` of tracked points, or
-            ``"path(tip)"``; ``"works"``, or ``"work(gas)"``, integrated along a simulation.
+            those of one element, ``"reaction(A)"``, ``"power(gas)"``; these three unless given,
+            which ``"default"`` says in an extension or a list. The others have to be named:
+            ``"force(strut)"``, and ``torque``, ``length``, ``angle``, ``rate``, ``deflection``,
+            ``gap``, ``penetration`` and ``potential`` in the same way; ``"path(tip)"`` of a tracked
+            point; ``"work(gas)"``, integrated along a simulation. ``"forces"``, ``"paths"``,
+            ``"works"`` and so on are those of all elements, and ``"all"`` is everything.
         """
         base = self.scenes.get(name)
         values = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)
@@ -115,7 +118,7 @@ class Scenes(Fidelities, Outputs):
             parameters=read.overrides(words["parameters"], self.parameters, where),
             frozen=read.flag(chosen["frozen"], f"{where}: frozen"),
             analysis=read.choice(chosen["analysis"], ANALYSES, f"{where}, analysis"),
-            outputs=self._read_outputs(read, where, chosen["outputs"]),
+            outputs=self._read_outputs(read, where, chosen["outputs"], chosen["analysis"]),
         )
         return request, frozenset(explicit)
 

@@ -8,6 +8,7 @@ from codegen.declare.element import Constraint, Effect
 from codegen.elements.forces.elastic_belt import ElasticBelt
 from codegen.elements.forces.gear_with_backlash import GearWithBacklash
 from codegen.elements.forces.motor import Motor
+from codegen.elements.forces.one_way_clutch import OneWayClutch
 from codegen.elements.joints.belt import Belt
 from codegen.elements.joints.rolling_disc import RollingDisc
 from codegen.elements.joints.screw import Screw
@@ -190,6 +191,22 @@ class Transmissions(Declarations):
         along = self._read.axis(axis, name)
         start = self._value(offset, "m", f"offset of '{name}'")
         return self._declare(RollingDisc(name, *self._pair(name, disc, line), size, along, start))
+
+    def one_way_clutch(self, name: str, driver: Body, driven: Body, capacity: Any) -> Effect:
+        """A freewheel: `driver` turns `driven` counter-clockwise, which may overrun it.
+
+        Parameters
+        ----------
+        driver, driven
+            The bodies i and j of ω_j - ω_i ≥ 0; for a clutch that drives clockwise exchange them.
+        capacity
+            T_c in N m, the torque at which the clutch slips.
+        """
+        where = f"one-way clutch '{name}'"
+        advice = "a clutch couples two bodies that turn."
+        first, second = (self._body(where, body, advice) for body in (driver, driven))
+        most = self._value(capacity, "N m", f"capacity of {where}", "positive")
+        return self._declare(OneWayClutch(name, first, second, most))
 
     def _wheels(self, where: str, i: Any, j: Any, carrier: Any) -> tuple[Body, Body, Body]:
         """Two wheels and the body that carries them, the ground unless one is given."""

@@ -82,6 +82,11 @@ bushing
     kx, ky = (model.parameter(k, 90.0, unit="N/m") for k in ("k_x", "k_y"))
     cx, cy = (model.parameter(c, 3.0, unit="N s/m") for c in ("c_x", "c_y"))
     model.bushing("rubber", P, Q, stiffness=(kx, ky, 5.0), damping=(cx, cy, 0.2))
+clearance joint
+    K = model.parameter("K", 1e9)
+    mu = model.parameter("mu", 0.1)
+    model.clearance_joint("pin", P, Q, clearance=1e-4, stiffness=K, damping=0.5, coefficient=mu,
+                          creep=1e-3, radius=0.01)
 contact
     k = model.parameter("k", 1e4, unit="N/m")
     c = model.parameter("c", 20.0, unit="N s/m")
@@ -113,6 +118,9 @@ motor
     T_s = model.parameter("T_s", 0.8, unit="N m")
     omega_0 = model.parameter("omega_0", 300.0, unit="rad/s")
     model.motor("motor", on=j, from_=i, stall_torque=T_s, no_load_speed=omega_0)
+one-way clutch
+    T_c = model.parameter("T_c", 40.0, unit="N m")
+    model.one_way_clutch("freewheel", driver=i, driven=j, capacity=T_c)
 potential
     model.potential("pendulum", 20 * (1 - cos(i.phi)))
 rigid contact
@@ -123,6 +131,10 @@ spring
     l0 = model.parameter("l_0", 0.8, unit="m")
     c = model.parameter("c", 3.0, unit="N s/m")
     model.spring("strut", P, Q, stiffness=k, free_length=l0, damping=c)
+stop
+    k = model.parameter("k", 500.0, unit="N m/rad")
+    pin = model.revolute("pin", P, Q)
+    model.stop("limit", pin, lower=-pi / 3, upper=pi / 2, stiffness=k)
 torque
     model.torque("motor", on=j, value=10 - 2 * j.omega, when=j.omega > 0)
 torsion spring

@@ -5,23 +5,22 @@ closing the joints allows, velocities as little as Phi_q v = nu allows.
 """
 
 from collections.abc import Iterable
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AssemblyError, RedundancyError
-from codegen.plain_values import finite_float, shown
 from runtime.assembly import redundancy
 from runtime.assembly.accurate_start_near_singularity import start_on_branch
 from runtime.assembly.joint_closing import CLOSED, Closing, Task, close
 from runtime.assembly.redundancy import Dependency, Findings
+from runtime.assembly.start_values import MOVED, Start, start_of_state, start_values
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.module_tables import Description
-from runtime.mechanism.table_rows import unknown
-from runtime.results.assembled_state import Assembly, Moved, Redundant
+from runtime.results.assembled_state import Assembly, Moved, Redundant, State
 from runtime.validation.finite_equations import require_finite
 from runtime.validation.parameters import parameter_values
 
@@ -31,65 +30,32 @@ Key = TypeVar("Key")
 _VELOCITY_CLOSED = 1e-9  # accuracy: residual of Φ_q v = ν, scaled, in parts of the largest speed
 # measured: weight of a coordinate that the scene names no value of; the others have 1
 _UNNAMED_WEIGHT = 1e-3
-_MOVED = 1e-9  # accuracy: change of a start value, relative to its size, that is reported
 _UNRESOLVED = 1e-8  # accuracy: rad; distance of neighbouring numbers at which sin φ has no digits
 _LARGEST = 1e100  # safety: lengths and angles above this overflow when they are squared
 
 
-class Start(NamedTuple):
-    """Start values as arrays, whether they are fixed, and whether they are given; each (n,)."""
-
-    q: FloatArray
-    v: FloatArray
-    fixed_q: BoolArray
-    fixed_v: BoolArray
-    given_q: BoolArray
-
-
-def start_values(mechanism: Mechanism, guess: Values | None) -> Start:
-    """The scene's start values, with the user's in place of those of the same name."""
-    description = mechanism.description
-    table, n = description.coordinates, len(description.coordinates)
-    places = {row.velocity: (1, k) for k, row in enumerate(table)}
-    places |= {row.name: (0, k) for k, row in enumerate(table)}
-    values = np.array([description.neutral, np.zeros(n)])
-    fixed, named = np.zeros((2, 2, n), np.bool_)
-    for row in description.start:
-        if row.role != "neutral":
-            place = places[row.name]
-            values[place], fixed[place], named[place] = row.value, row.role == "fixed", True
-    problems = []
-    for name, value in (guess or {}).items():
-        finite = finite_float(value)
-        if finite is None:
-            problems.append(f"Start value {name} is {shown(value)}; it must be a finite number.")
-        elif name in places:
-            values[places[name]], named[places[name]] = finite, True
-        else:
-            names = [*table.names, *(row.velocity for row in table)]
-            problems.append(unknown("coordinate or velocity", name, names))
-    if problems:
-        raise AssemblyError(problems)
-    return Start(values[0], values[1], fixed[0], fixed[1], named[0])
-
-
 def assemble(
     mechanism: Mechanism, guess: Values | None = None, parameters: Values | None = None,
-    t: float = 0.0, *, release: bool = False,
+    t: float = 0.0, *, start_at: Values | State | None = None, release: bool = False,
 ) -> Assembly:  # fmt: skip
-    """Assemble at time t, from the start values of the scene and of `guess`.
+    """Assemble at time t, from the start values of the scene, of `guess` and of `start_at`.
 
-    With `release`, fixed positions are guesses and start velocities zero, as a search for
+    Values of the latter are kept; a state is kept as far as joints and drivers allow. With
+    `release`, fixed positions are guesses and start velocities zero, as a search for
     equilibrium takes them.
     """
     equations = Equations(mechanism, parameter_values(mechanism, parameters))
-    start = start_values(mechanism, guess)
+    if isinstance(start_at, State):
+        start = start_of_state(start_at)
+    else:
+        start = start_values(mechanism, guess, start_at)
     if release:
         none = np.zeros_like(start.fixed_q)
         start = start._replace(fixed_q=none, fixed_v=none, v=np.zeros_like(start.v))
     t = float(t)
     drivers = mechanism.description.driver_rows
-    _require_magnitude(equations, t, start.q, {**(guess or {}), **(parameters or {})})
+    said = {} if isinstance(start_at, State) else start_at or {}
+    _require_magnitude(equations, t, start.q, {**(guess or {}), **said, **(parameters or {})})
     _require_resolved_angles(mechanism.description, t, start.q)
     size, matrix = equations.size(t, start.q), equations.jacobian(t, start.q)
     task = Task(
@@ -272,7 +238,7 @@ def _report(
             Moved(row.name, float(start.q[k]), float(closing.q[k]), row.unit),
             Moved(row.velocity, float(start.v[k]), float(v[k]), row.velocity_unit),
         )
-        small = _MOVED * task.scale[k]
+        small = MOVED * task.scale[k]
         moved += [one for one in pair if abs(one.by) > small * max(1.0, abs(one.reached))]
     redundant = {}
     for k, sources in findings.lasting:

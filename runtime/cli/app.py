@@ -61,9 +61,7 @@ def simulate(
     """Dynamics: the motion of the machine under the forces that act on it."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
-        # A run of no length is the assembled state; every other one has a positive span.
-        t_eval = [t_end] if t_end == t_start else _instants(t_start, t_end, points)
-        return machine.simulate(t_end, t_eval, t_start=t_start, **words(run), **values)
+        return machine.simulate(t_end, points, t_start=t_start, **words(run), **values)
 
     _run(analyse, model, scene, settings, guess, generated, out, as_json)
 
@@ -114,7 +112,7 @@ def report(
             inverse = machine.description.has_masses
             driven = machine.inverse_dynamics if inverse else machine.kinematics
             return driven(instants, **values)
-        return machine.simulate(t_end, instants, t_start=t_start, **words(run), **values)
+        return machine.simulate(t_end, points, t_start=t_start, **words(run), **values)
 
     if out.suffix != ".html":
         common.refuse((f"{out}: a report is an .html page. Change the ending.",), 2, as_json)

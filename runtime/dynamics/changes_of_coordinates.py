@@ -9,7 +9,7 @@ over as well: what ends a run is an outcome in these.
 """
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,14 @@ from runtime.core.loop_record import Plan
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import PARTITION
 from runtime.hybrid.loop_branch_guard import LEAST
+from runtime.integrate.checkpoints import (
+    Checkpoint,
+    Checkpoints,
+    Snapshot,
+    Watch,
+    restore,
+    snapshot,
+)
 from runtime.integrate.problem import Options, Passage, Stops
 from runtime.integrate.recording_buffers import in_order
 from runtime.integrate.run import Progress, Run
@@ -47,6 +55,37 @@ _ALIKE = {
 }  # in all coordinates too
 
 
+class RunsSnapshot(NamedTuple):
+    """Where the runs of a change of coordinates stand."""
+
+    less: Snapshot | None
+    whole: Snapshot | None
+    reduced: bool  # whether the reduced coordinates are those of the present leg
+    made: tuple[float, Vector, Vector] | None  # state for which the run in these was made
+    start: tuple[float, Vector]
+    free: npt.NDArray[np.bool_]
+    largest: Vector
+    until: int
+    patience: int
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes that it takes."""
+        return sum(kept.nbytes for kept in (self.less, self.whole) if kept is not None)
+
+    def plain(self) -> "RunsSnapshot":
+        """The same without what is found again."""
+        less, whole = (None if kept is None else kept.plain() for kept in (self.less, self.whole))
+        return self._replace(less=less, whole=whole)
+
+    @property
+    def longest(self) -> float:
+        """Length of the last step and of the next one, the larger, s."""
+        present = self.less if self.reduced else self.whole
+        assert present is not None
+        return present.longest
+
+
 @dataclass(frozen=True)
 class _Leg:
     """A part of the run in one kind of coordinates."""
@@ -62,6 +101,7 @@ class Changes:
     def __init__(self, taken: "ReducedCoordinates", options: Options) -> None:
         self.taken, self.reduced, self.options = taken, taken.reduced, options
         self.less: Run | None = None  # in reduced coordinates
+        self.made: tuple[float, Vector, Vector] | None = None  # the state for which that was made
         self.whole: Run | None = None  # in all of them, where needed
         self.legs: list[_Leg] = []
         self.largest = np.zeros(self.reduced.system.loops)
@@ -69,17 +109,55 @@ class Changes:
 
     def run(self, progress: Progress) -> Trajectory:
         """The whole run, in all coordinates."""
+        made = Checkpoints(self)
+        path = self._begin().execute(progress, made)
+        return replace(self._joined(path), checkpoints=made)
+
+    def _begin(self) -> Run:
+        """The first run, in the coordinates that suit the start."""
         begin = self.taken.begin
         self.start = begin.t, begin.q  # where the present leg starts
         self.free = np.isin(np.arange(len(begin.q)), self.reduced.kept)  # what is independent there
         if self._is_safe(begin.t, begin.q, begin.v, LEAST, 0.0):
-            first = self._make_less(begin.t, begin.q, begin.v)
+            self.present = self._make_less(begin.t, begin.q, begin.v)
         else:
-            first = self._make_whole()
-        return self._joined(first.execute(progress, self))
+            self.present = self._make_whole()
+        return self.present
+
+    def retaken(
+        self, kept: Checkpoint | None, watched: Watch, known: tuple[float, Vector] | None,
+        progress: Progress | None,
+    ) -> Trajectory:  # fmt: skip
+        """The run from a checkpoint; see `Coordinates.retaken`."""
+        if kept is None:
+            return self._joined(self._begin().execute(progress, watched(self)))
+        place: RunsSnapshot = kept.state
+        self.start = known if known is not None and known[0] >= place.start[0] else place.start
+        self.free, self.largest = place.free, place.largest.copy()
+        self.until, self.patience = place.until, place.patience
+        if place.less is not None and place.made is not None:
+            restore(self._make_less(*place.made), place.less)
+        if place.whole is not None:
+            restore(self._make_whole(), place.whole)
+        run = self.less if place.reduced else self.whole
+        assert run is not None
+        self.present = run
+        return self._joined(run.execute(progress, watched(self), started=True))
+
+    def snapshot(self) -> RunsSnapshot:
+        """Where the runs stand."""
+        less, whole = (None if run is None else snapshot(run) for run in (self.less, self.whole))
+        return RunsSnapshot(
+            less, whole, self.present is self.less, self.made, self.start, self.free,
+            self.largest.copy(), self.until, self.patience,
+        )  # fmt: skip
 
     def __call__(self, run: Run, code: int) -> tuple[Run, int]:
         """Change coordinates where that is due; see `runtime.integrate.run.Change`."""
+        self.present, code = self._changed(run, code)
+        return self.present, code
+
+    def _changed(self, run: Run, code: int) -> tuple[Run, int]:
         if run is self.whole:
             r = run.state.record
             free = r["plan"] == Plan.FREE and not r["lent"] and r["steps"] >= self.until
@@ -152,6 +230,7 @@ class Changes:
     # -- runs --------------------------------------------------------------------------------
 
     def _make_less(self, t: float, q: Vector, v: Vector) -> Run:
+        self.made = t, q.copy(), v.copy()
         problem = replace(self.taken.problem(t, q, v), t0=self.taken.begin.t)
         problem = replace(problem, stops=self._stops_of_all(problem.stops))
         check(self.taken.system, problem, self.options)

@@ -61,23 +61,39 @@ def controllers_of(mechanism: Mechanism, functions: Functions | None) -> dict[in
     if problems:
         raise InputError(f"{description.title}: {problem}" for problem in problems)
     return {
-        description.sampled.index(name): _controller(description, name, function)
+        description.sampled.index(name): _Function(description, name, function)
         for name, function in given.items()
     }
 
 
-def _controller(
-    description: Description, name: str, function: Callable[[Sample], Any]
-) -> Controller:
-    def compute(t: float, q: Vector, v: Vector) -> float:
-        with note_user_error(f"the function given as controllers={{'{name}': ...}}"):
-            answer = function(Sample(description, t, q, v))
+class _Function:
+    """A user's function for one sampled value; it remembers what it answered."""
+
+    def __init__(
+        self, description: Description, name: str, function: Callable[[Sample], Any]
+    ) -> None:
+        self.description, self.name, self.function = description, name, function
+        self.answers: dict[tuple[float, int], float] = {}
+
+    def __call__(self, t: float, q: Vector, v: Vector) -> float:
+        """The answer at the instant t, s, in the state (q, v), (n,) each."""
+        with note_user_error(f"the function given as controllers={{'{self.name}': ...}}"):
+            answer = self.function(Sample(self.description, t, q, v))
         value = finite_float(answer)
         if value is None:
             raise AnalysisError(
-                f"{description.title}: the controller of '{name}' answers {shown(answer)} at "
-                f"t = {t:.9g} s; it must answer a finite number."
+                f"{self.description.title}: the controller of '{self.name}' answers "
+                f"{shown(answer)} at t = {t:.9g} s; it must answer a finite number."
             )
+        self.answers[t, hash((q.tobytes(), v.tobytes()))] = value
         return value
 
-    return compute
+    def again(self, t: float, q: Vector, v: Vector) -> float:
+        """The answer of before, as a function may have a memory; else a new one."""
+        before = self.answers.get((t, hash((q.tobytes(), v.tobytes()))))
+        return self(t, q, v) if before is None else before
+
+
+def remembered(controllers: Mapping[int, Controller]) -> dict[int, Controller]:
+    """The controllers of a run that is taken again: they answer as they did."""
+    return {k: getattr(function, "again", function) for k, function in controllers.items()}

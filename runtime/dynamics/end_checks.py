@@ -197,7 +197,10 @@ def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> Flo
     if moves:
         behind = values(slice(None, -1), apart)
         same = (events[1:] == events[:-1])[:, None]
-        behind = np.where(same & (sides[1:] * behind < -least), behind, 0.0)
+        # A sample in the instant of an event may have the modes of either side of it.
+        until = np.searchsorted(run.events.t, samples.t[1:] + apart, side="right")
+        either = (until == events[1:])[:, None] | (sides[:-1] * behind < -least)
+        behind = np.where(same & either & (sides[1:] * behind < -least), behind, 0.0)
         wrong[:-1] = np.where(wrong[:-1] == 0.0, behind, wrong[:-1])
     wrong[:-1] = np.where(wrong[:-1] == 0.0, again, wrong[:-1])
     return wrong

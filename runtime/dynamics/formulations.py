@@ -9,10 +9,13 @@ from runtime.assembly.kernels_for_redundant_constraints import projection_only, 
 from runtime.assembly.masses_far_apart import suited_to_masses
 from runtime.core.system import System
 from runtime.dynamics.changes_of_coordinates import Changes
+from runtime.dynamics.controllers import remembered
 from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.integrate.checkpoints import Checkpoint, Checkpoints, Watch, restore
 from runtime.integrate.method import IMPLICIT
 from runtime.integrate.problem import Correction, Formulation, Options, Problem
-from runtime.integrate.run import Progress, integrate
+from runtime.integrate.recording_buffers import in_order
+from runtime.integrate.run import Progress, Run, integrate
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
@@ -28,6 +31,7 @@ _CORRECTIONS = ("step", "stage")
 class Coordinates:
     """The coordinates that are integrated, and their equations."""
 
+    name: Formulation
     mechanism: Mechanism  # with kernels of least norm where constraints are redundant
     system: System
     mobility: FloatArray  # typical changes of all coordinates, (n,)
@@ -43,12 +47,34 @@ class Coordinates:
 
     def run(self, options: Options, progress: Progress) -> Trajectory:
         """One integration from the start; its run in all coordinates."""
+        begin, made = self.begin, Checkpoints()
+        problem = self.problem(begin.t, begin.q, begin.v)
+        path = integrate(self.system, problem, options, progress, made)
+        return replace(path, checkpoints=made)
+
+    def retaken(
+        self, options: Options, kept: Checkpoint | None, watched: Watch,
+        known: tuple[float, FloatArray] | None = None, progress: Progress | None = None,
+    ) -> Trajectory:  # fmt: skip
+        """The run from a checkpoint, None: its start, with the same steps and samples of its own.
+
+        `watched` makes the `Change` that decides how far it goes. `known` is a state that it
+        passed, in all coordinates: angles are followed from there.
+        """
         begin = self.begin
-        return integrate(self.system, self.problem(begin.t, begin.q, begin.v), options, progress)
+        problem = self.problem(begin.t, begin.q, begin.v)
+        problem = replace(problem, controllers=remembered(problem.controllers))
+        run = Run(self.system, problem, options)
+        if kept is not None:
+            restore(run, kept.state)
+        path = run.execute(progress, watched(None), started=kept is not None)
+        return replace(path, events=in_order(path.events, path.final_t, self.system.rigid))
 
 
 class CartesianCoordinates(Coordinates):
     """The machine's own coordinates."""
+
+    name = "cartesian"
 
     def __init__(self, ready: PreparedSimulation, method: str, correction: Correction) -> None:
         super().__init__(ready)
@@ -88,6 +114,8 @@ class ReducedCoordinates(Coordinates):
     Raises InputError with all reasons why this machine has none.
     """
 
+    name = "reduced"
+
     def __init__(self, ready: PreparedSimulation, correction: Correction) -> None:
         super().__init__(ready)
         _refuse(ready, correction)
@@ -109,6 +137,13 @@ class ReducedCoordinates(Coordinates):
     def run(self, options: Options, progress: Progress) -> Trajectory:
         """One integration from the start, past dead centres in all coordinates."""
         return Changes(self, options).run(progress)
+
+    def retaken(
+        self, options: Options, kept: Checkpoint | None, watched: Watch,
+        known: tuple[float, FloatArray] | None = None, progress: Progress | None = None,
+    ) -> Trajectory:  # fmt: skip
+        """As of all coordinates; a state `known` is from where angles are followed."""
+        return Changes(self, options).retaken(kept, watched, known, progress)
 
     def cartesian(self, method: str) -> CartesianCoordinates:
         """The machine's own coordinates, in which a run passes dead centres."""

@@ -13,13 +13,15 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError
-from runtime.assembly.assemble import assemble, start_values
+from runtime.assembly.assemble import assemble
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
 from runtime.assembly.masses_far_apart import suited_to_masses
+from runtime.assembly.start_values import start_values
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.driven_motion_past_kinks import follow_past_kinks
 from runtime.dynamics.end_checks import check_result
+from runtime.dynamics.motion_at_instants import DrivenMotionAtInstants
 from runtime.dynamics.output_quantities import evaluate
 from runtime.integrate.problem import Options
 from runtime.mechanism.dense_equations import Equations, magnitudes
@@ -28,8 +30,8 @@ from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import Event, SingularPosition
 from runtime.results.result import Result
-from runtime.validation.arguments import instants
 from runtime.validation.masses import require_masses
+from runtime.validation.output_instants import instants
 from runtime.validation.parameters import parameter_values
 from runtime.validation.requirements_of_contact_and_stiction import require_no_rigid, require_slip
 from runtime.validation.table_ranges import name_left_tables
@@ -70,6 +72,7 @@ def kinematics(
         events=sorted([*crossed, *kinks], key=lambda event: event.time),
         not_unique=start.not_unique, singular=motion.singular,
     )  # fmt: skip
+    result._motion = DrivenMotionAtInstants(mechanism, p, start, preferred, times)
     equations = Equations(mechanism, p)
     name_left_tables(result, equations, every=True)
     check_result(result, equations, magnitudes(equations, start.t, start.q), Options(rtol=0.0))

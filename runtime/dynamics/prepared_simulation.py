@@ -1,6 +1,7 @@
 """The assembled start of a simulation, from which several runs may be made."""
 
 from contextlib import suppress
+from copy import copy
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,15 +9,16 @@ from numpy.typing import ArrayLike
 
 from codegen.errors import AssemblyError
 from runtime.assembly.assemble import assemble
+from runtime.assembly.start_values import start_note
 from runtime.dynamics.controllers import Functions, controllers_of
 from runtime.integrate.problem import Options, Stops
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress
-from runtime.results.assembled_state import Assembly
-from runtime.validation.arguments import instants
+from runtime.results.assembled_state import Assembly, State
 from runtime.validation.masses import require_masses
+from runtime.validation.output_instants import instants, uniform
 from runtime.validation.parameters import parameter_values
 from runtime.validation.requirements_of_contact_and_stiction import require_apart
 from runtime.validation.scene_support import refuse_massless, refuse_structure
@@ -47,7 +49,8 @@ class PreparedSimulation:
 
     def __init__(
         self, mechanism: Mechanism, t_end: float, *, t_start: float, parameters: Values | None,
-        guess: Values | None, start: Assembly | None, controllers: Functions | None = None,
+        guess: Values | None, start: Assembly | State | Values | None,
+        controllers: Functions | None = None,
     ) -> None:  # fmt: skip
         if not mechanism.description.has_masses:
             refuse_massless(mechanism)
@@ -55,33 +58,54 @@ class PreparedSimulation:
         self.controllers = controllers_of(mechanism, controllers)
         self.p = p = parameter_values(mechanism, parameters)  # with derived constants, (np,)
         require_masses(mechanism, p)
-        begin = start if start is not None else assemble(mechanism, guess, parameters, t_start)
+        given = start if not isinstance(start, Assembly) else None
+        if isinstance(start, Assembly):
+            begin = start
+        else:
+            t_start = start.t if isinstance(start, State) else t_start
+            begin = assemble(mechanism, guess, parameters, t_start, start_at=given)
         equations, self.given_t = Equations(mechanism, p), begin.t
         sizes = magnitudes(equations, begin.t, begin.q)
         self.passages = passages_of(equations, begin.t, self.t_end, sizes)
-        if self.passages is not None and start is None:
+        if self.passages is not None and not isinstance(start, Assembly | State):
             behind = self.passages.first_instant(begin.q, begin.v)
             if behind > begin.t:
                 # Start velocities that are given may fit the law before the kink alone.
                 with suppress(AssemblyError):
-                    begin = assemble(mechanism, guess, parameters, behind)
+                    begin = assemble(mechanism, guess, parameters, behind, start_at=given)
                     self.passages = passages_of(equations, behind, self.t_end, sizes)
         self.begin, self.sizes = begin, sizes
+        self.note = start_note(mechanism, begin, guess, given)
         least = float(self.sizes.min(initial=1.0))
         require_apart(mechanism, p, begin.t, begin.q, begin.v, least)
         if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
             refuse_structure(mechanism)
+
+    def until(self, t_end: float) -> "PreparedSimulation":
+        """The same start, of runs to another end, s."""
+        other, equations = copy(self), Equations(self.mechanism, self.p)
+        other.t_end = t_end
+        other.passages = passages_of(equations, self.begin.t, t_end, self.sizes)
+        return other
 
     @property
     def stops(self) -> Stops | None:
         """Instants at which the steps of a run end, known before it gets there."""
         return None if self.passages is None else self.passages.stops()
 
-    def instants(self, t_eval: ArrayLike | None) -> FloatArray | None:
-        """The instants of the samples, s: what is asked for at the start, where that begins."""
-        if t_eval is None:
+    def instants(self, t_eval: ArrayLike | int | str | None) -> FloatArray | None:
+        """The instants of the samples, s, those asked for at the start where that begins.
+
+        So many, by default 501, or those of an array; None: the end of every step.
+        """
+        if isinstance(t_eval, str):  # "steps"
             return None
-        times = instants(t_eval)
+        if t_eval is None or isinstance(t_eval, int):
+            if self.t_end < self.given_t:
+                return None  # the run is refused
+            times = uniform(self.given_t, self.t_end, t_eval)
+        else:
+            times = instants(t_eval)
         return np.where(times == self.given_t, self.begin.t, times)
 
     def run(self, taken: "Coordinates", options: Options, progress: Progress) -> Trajectory:

@@ -15,6 +15,7 @@ from runtime.dynamics.end_check_screening import screen_run
 from runtime.dynamics.end_checks import check_result
 from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formulate
 from runtime.dynamics.friction_jam import describe_jam, end_at_jam
+from runtime.dynamics.motion_at_instants import SimulatedMotion
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.switches_within_tolerance import describe_unresolved_switches
@@ -24,7 +25,7 @@ from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
-from runtime.results.assembled_state import Assembly
+from runtime.results.assembled_state import Assembly, State
 from runtime.results.event_records import Event
 from runtime.results.result import Result
 from runtime.results.samples import Partition
@@ -40,9 +41,10 @@ _LEAVING = {
 
 
 def simulate(
-    mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | None = None, *,
+    mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | int | str | None = None, *,
     t_start: float = 0.0, method: str = "dop853", rtol: float = 1e-8, atol: float | None = None,
-    parameters: Values | None = None, guess: Values | None = None, start: Assembly | None = None,
+    parameters: Values | None = None, guess: Values | None = None,
+    start: Assembly | State | Values | None = None,
     controllers: Functions | None = None,
     correction: Correction = "step", formulation: Formulation = "cartesian",
     time_scale: float | None = None, first_step: float | None = None,
@@ -91,6 +93,9 @@ def finish_simulation(
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
     run = end_at_jam(mechanism, run, ready.p, ready.t_end - begin.t)
     result = _result(mechanism, run, ready, began)
+    if run.checkpoints is not None:
+        end = run.final_t
+        result._motion = SimulatedMotion(ready, coordinates, options, run.checkpoints, end)
     if works:
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
@@ -170,7 +175,8 @@ def _result(
     ]
     result = Result(
         mechanism.description, samples, p, analysis="simulation", outcome=run.outcome,
-        message=_message(mechanism, run, p) + redundancy_note(begin), stats=stats, events=events,
+        message=_message(mechanism, run, p) + redundancy_note(begin) + ready.note, stats=stats,
+        events=events,
         partitions=partitions, not_unique=begin.not_unique,
     )  # fmt: skip
     if run.outcome in _LEAVING:

@@ -10,8 +10,16 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.integrate.sampling import INTERVAL, WEIGHTS
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.results.result import Result
 from runtime.results.samples import Samples
+
+
+def along_intervals(t: FloatArray, power: FloatArray) -> FloatArray:
+    """Integrals of a power, W, over the intervals of a quadrature: (k,) each, k samples of it."""
+    nodes = power[1:].reshape(-1, INTERVAL)[:, :-1]
+    pieces: FloatArray = 0.5 * np.diff(t[::INTERVAL]) * (nodes @ WEIGHTS)
+    return pieces
 
 
 def integrate_works(result: Result, count: int, times: npt.ArrayLike | None) -> None:
@@ -28,8 +36,7 @@ def integrate_works(result: Result, count: int, times: npt.ArrayLike | None) -> 
     if result.failed:
         kept[-1:] = True
     for name, column in result.description.work_rows.items():
-        power = samples.power[1:count, column].reshape(-1, INTERVAL)[:, :-1]
-        pieces = 0.5 * np.diff(ends) * (power @ WEIGHTS)
+        pieces = along_intervals(samples.t[:count], samples.power[:count, column])
         work = np.full(len(samples.t), np.nan)
         work[:count:INTERVAL] = np.concatenate([[0.0], np.cumsum(pieces)])[: len(ends)]
         result.works[name] = work[kept]

@@ -47,17 +47,18 @@ _CLOSE = 1e-6  # safety: of the run; nearer to a pole or a lock-up, that is why 
 
 
 def integrate(
-    system: System, problem: Problem, options: Options, progress: Progress | None = None
-) -> Trajectory:
+    system: System, problem: Problem, options: Options, progress: Progress | None = None,
+    change: Change | None = None,
+) -> Trajectory:  # fmt: skip
     """Integrate an initial-value problem.
 
-    `progress` is called now and then with the time reached and the number of steps taken. A
-    `KeyboardInterrupt`, here or, after 128 steps, from the keyboard, ends the run with what was
-    computed; one from the keyboard before that, or in the last steps, is raised. Raises InputError
-    with everything that is wrong with the problem and its options.
+    `progress` is called now and then with the time reached and the number of steps taken, `change`
+    as its type says. A `KeyboardInterrupt`, here or, after 128 steps, from the keyboard, ends the
+    run with what was computed; one from the keyboard before that, or in the last steps, is raised.
+    Raises InputError with everything that is wrong with the problem and its options.
     """
     check(system, problem, options)
-    path = Run(system, problem, options).execute(progress)
+    path = Run(system, problem, options).execute(progress, change)
     return replace(path, events=in_order(path.events, path.final_t, system.rigid))
 
 
@@ -140,15 +141,18 @@ class Run:
         self.recording.add_events(record["t"], struck, kinds, self.state.y.ravel())
         record["events"] += len(struck)
 
-    def execute(self, progress: Progress | None, change: Change | None = None) -> Trajectory:
+    def execute(
+        self, progress: Progress | None, change: Change | None = None, *, started: bool = False
+    ) -> Trajectory:
         """Run to the end or to whatever stops the run before.
 
-        Where `change` goes on in other coordinates, the result is that of the last run.
+        Where `change` goes on in other coordinates, the result is that of the last run. A run that
+        has `started` goes on.
         """
         began = time.thread_time()  # others on the machine take no part in it
         run, fixed_chunk, stopped = self, self.state.options.chunk, False
         with SignalDeferral(computing=True, at_once=False) as signals:
-            code = self.start()
+            code = _GOING if started else self.start()
             if code == Outcome.OK:
                 code = _GOING
             if change is not None:
@@ -242,7 +246,7 @@ class Run:
         state, r = self.state, self.state.record
         last = r["next_stop"] == state.table[ft.STOPS] - 1
         if last and state.stops is not None and state.stops.further is not None:
-            state.set_stops(state.stops.further())
+            state.set_further_stops()
             return _GOING
         passage = self._passage(int(r["next_stop"]))
         if passage.outcome is not Outcome.OK:

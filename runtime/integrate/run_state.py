@@ -144,6 +144,22 @@ class RunState:
         self.record["next_stop"] = 0
         self.record["stop"] = times[0] if len(times) else np.inf
 
+    def set_further_stops(self) -> None:
+        """Go on to the next part of the instants known beforehand."""
+        assert self.stops is not None
+        assert self.stops.further is not None
+        self.set_stops(self.stops.further())
+
+    def find_stop(self, t: float) -> None:
+        """Look for the next of the instants known beforehand, where the run stands at `t`, s."""
+        arrays, r = self.wiring.arrays, self.record
+        self.set_stops(self.stops)
+        while self.stops is not None and self.stops.further and self.stops.times[-1] < t:
+            self.set_further_stops()
+        times = arrays["stop_times"]
+        r["next_stop"] = np.searchsorted(times, t)
+        r["stop"] = times[r["next_stop"]] if r["next_stop"] < len(times) else np.inf
+
     def leave_kink(self) -> None:
         """Stand behind the kink before which the run stands."""
         assert self.stops is not None
@@ -192,10 +208,15 @@ class RunState:
             self.record[name] = getattr(method, name)
         self.record["exponent"] = 1.0 / method.estimate_order
 
+    def set_functions(self, name: str) -> None:
+        """Write the functions of the method `name` into the table."""
+        self.method = find_method(name)
+        self.table[METHOD_SLOTS] = function_table(name)
+
     def use_method(self, name: str) -> None:
         """Take the next steps with the method `name`, for which nothing is to be remembered."""
-        self._take(find_method(name))
-        self.table[METHOD_SLOTS] = function_table(name)
+        self.set_functions(name)
+        self._take(self.method)
         self.wiring.arrays["method_integers"][:] = 0
         self.method.restart(self.table, self.record["t"], self.record["h"])
 

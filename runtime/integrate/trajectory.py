@@ -1,11 +1,15 @@
 """The result of an integration: samples, events and changes between them, and its cost."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.outcomes import Outcome
+
+if TYPE_CHECKING:
+    from runtime.integrate.checkpoints import Checkpoints
 
 
 @dataclass(frozen=True)
@@ -86,3 +90,4 @@ class Trajectory:
     note: str = ""  # what else is to be said about the outcome; empty as a rule
     methods: tuple[tuple[float, str], ...] = ()  # from when on each was used: one, but for "auto"
     decay: float = 0.0  # of the fastest motion in a step of "auto": mean of -h Re λ
+    checkpoints: "Checkpoints | None" = None  # None: it was not asked to make any

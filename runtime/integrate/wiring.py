@@ -1,7 +1,7 @@
 """The table of addresses for one run, and the arrays that it points to."""
 
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -42,6 +42,11 @@ class Wiring(NamedTuple):
 
     table: Integers
     arrays: dict[str, Any]
+
+    @property
+    def block(self) -> Integers:
+        """The memory of all arrays that the table allots."""
+        return cast(Any, self.arrays).block  # type: ignore[no-any-return]
 
 
 @cache

@@ -45,7 +45,9 @@ class Description(NamedTuple):
     drivers: tuple[str, ...]
     switches: Table[Switch]
     reactions: Table[ReactionRow]
-    # whose power is reported; of kind "work", ``work(NAME)``, it is there to be integrated
+    # (source, kind): an "effect" or "driver"; the "nonconservative" forces of an effect that has a
+    # potential; ``power(NAME)``, of kind "power", of all its forces; ``work(NAME)``, of kind
+    # "work", the same to be integrated
     powers: Table[Effect]
     start: Table[StartValue]
     jacobian_rows: Indices
@@ -123,7 +125,19 @@ class Description(NamedTuple):
         """Number of the first powers, which with the energies make a balance; -1: not all."""
         outputs = self.outputs
         known = outputs is None or {"energy", "powers"} <= {*outputs}
-        return len(self.powers) - len(self.work_rows) if known and self.has_masses else -1
+        balanced = sum(row.kind not in ("power", "work") for row in self.powers)
+        return balanced if known and self.has_masses else -1
+
+    @property
+    def whole_powers(self) -> dict[str, int]:
+        """Effect or driver → the row of the power of all that it exerts."""
+        rows = {}
+        for k, row in enumerate(self.powers):
+            if row.kind in ("effect", "driver"):
+                rows[row.name] = k
+            elif row.kind in ("power", "work"):
+                rows[row.name[len(f"{row.kind}(") : -1]] = k
+        return rows
 
     @property
     def driver_rows(self) -> npt.NDArray[np.bool_]:

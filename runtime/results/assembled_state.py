@@ -45,6 +45,31 @@ class Redundant(NamedTuple):
 @named_attributes
 @checked_class
 @dataclass(frozen=True)
+class State:
+    """A state of a machine at time t in s: coordinates q and velocities v, shape (n,) each."""
+
+    t: float
+    q: FloatArray
+    v: FloatArray
+    coordinates: Table[Coordinate] = field(default=Table(), repr=False)
+
+    def __getitem__(self, name: str) -> float:
+        """Value of a coordinate or velocity by name."""
+        return value_of(self, name)
+
+
+def value_of(state: "State | Assembly", name: str) -> float:
+    """A coordinate or velocity of a state by name."""
+    for index, row in enumerate(state.coordinates):
+        if type(name) is str and name in row[:2]:
+            return float(state.q[index] if name == row.name else state.v[index])
+    names = [text for row in state.coordinates for text in row[:2]]
+    raise UnknownNameError(unknown("coordinate or velocity", name, names))
+
+
+@named_attributes
+@checked_class
+@dataclass(frozen=True)
 class Assembly:
     """An assembled state at time t.
 
@@ -81,11 +106,7 @@ class Assembly:
 
     def __getitem__(self, name: str) -> float:
         """Value of a coordinate or velocity by name."""
-        for index, row in enumerate(self.coordinates):
-            if type(name) is str and name in row[:2]:
-                return float(self.q[index] if name == row.name else self.v[index])
-        names = [text for row in self.coordinates for text in row[:2]]
-        raise UnknownNameError(unknown("coordinate or velocity", name, names))
+        return value_of(self, name)
 
     def __repr__(self) -> str:
         """The report, and the positions and velocities."""

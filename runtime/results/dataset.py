@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from runtime.results.effect_series import quantity_of
 from runtime.results.result import Result
 
 if TYPE_CHECKING:
@@ -17,14 +18,21 @@ def dataset(result: Result) -> "xr.Dataset":
     description, samples = result.description, result.samples
     data = _motion(result)
     if description.has_masses:
-        sources = [k for k, row in enumerate(description.powers) if row.kind != "work"]
-        data["source"] = _texts(description.powers[k].name for k in sources)
-        data["power"] = ("time", "source"), samples.power[:, sources], {"units": "W"}
+        whole = description.whole_powers
+        data["source"] = _texts(whole)
+        data["power"] = ("time", "source"), samples.power[:, list(whole.values())], {"units": "W"}
+        parts = [k for k, row in enumerate(description.powers) if row.kind == "nonconservative"]
+        if parts:
+            over = "time", "nonconservative_source"
+            data[over[1]] = _texts(description.powers[k].name for k in parts)
+            about = {"units": "W", "long_name": "power of the forces without a potential"}
+            data["nonconservative_power"] = over, samples.power[:, parts], about
         if not description.leaves_out("energy"):
             energy = np.column_stack([samples.energy, samples.energy.sum(axis=1)])
             data["part"] = ["kinetic", "potential", "total"]
             data["energy"] = ("time", "part"), energy, {"units": "J"}
         _add_reactions(data, result)
+    _add_effects(data, result)
     if result.works:
         data["worker"] = _texts(result.works)
         work = np.column_stack(list(result.works.values()))
@@ -78,7 +86,8 @@ def _motion(result: Result) -> "xr.Dataset":
 
 def _add_reactions(data: "xr.Dataset", result: Result) -> None:
     description = result.description
-    rows = [row for row in description.reactions if row.element not in description.tracked]
+    effects = description.effects.names
+    rows = [row for row in description.reactions if row.element not in effects]
     joints = list(dict.fromkeys(row.element for row in rows))
     units = {row.component: row.unit for row in rows}
     components = list(units)
@@ -90,3 +99,29 @@ def _add_reactions(data: "xr.Dataset", result: Result) -> None:
     data.coords["component_unit"] = "component", _texts(units.values())
     about = {"units": "N, N m", "long_name": "first body on second, in joint axes"}
     data["reaction"] = ("time", "joint", "component"), reaction, about
+
+
+def _add_effects(data: "xr.Dataset", result: Result) -> None:
+    """A variable for each quantity of effects, over time and effect; not a number of others."""
+    description = result.description
+    effects = {*description.effects.names} - {*description.tracked}
+    found: dict[str, dict[str, tuple[int, str]]] = {}  # quantity → label → column and unit
+    for column, row in enumerate(description.reactions):
+        if row.element in effects:
+            quantity = quantity_of(row) or "component"
+            part = row.component.removeprefix(quantity).removeprefix(".")
+            label = f"{row.element}.{part}" if part else row.element
+            found.setdefault(quantity, {})[label] = column, row.unit
+    labels = list(dict.fromkeys(label for parts in found.values() for label in parts))
+    if labels:
+        data["effect"] = _texts(labels)
+    for quantity, parts in found.items():
+        values = np.full((len(result.t), len(labels)), np.nan)
+        for label, (column, _) in parts.items():
+            values[:, labels.index(label)] = result.samples.reaction[:, column]
+        units = {unit for _, unit in parts.values()}
+        if len(units) > 1:
+            of_label = (parts[label][1] if label in parts else "" for label in labels)
+            data.coords[f"{quantity}_unit"] = "effect", _texts(of_label)
+        about = {"units": units.pop()} if len(units) == 1 else {}
+        data[quantity] = ("time", "effect"), values, about

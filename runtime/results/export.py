@@ -17,6 +17,7 @@ from codegen.errors import InputError
 from codegen.whole_files import whole_file
 from runtime.results.dataset import dataset
 from runtime.results.result import Result
+from runtime.results.saved_result import GROUP, saved_result
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -69,11 +70,13 @@ def columns(result: Result) -> dict[str, FloatArray]:
         table[f"{row.velocity} [{row.velocity_unit}]"] = samples.v[:, index]
     for index, row in enumerate(description.coordinates):
         table[f"a({row.name}) [{row.acceleration_unit}]"] = samples.a[:, index]
-    for index, reaction in enumerate(description.reactions):
-        table[f"{reaction.name} [{reaction.unit}]"] = samples.reaction[:, index]
+    for index, part in enumerate(description.reactions):
+        table[f"{part.name} [{part.unit}]"] = samples.reaction[:, index]
+    for name, index in description.whole_powers.items():
+        table[f"power({name}) [W]"] = samples.power[:, index]
     for index, source in enumerate(description.powers):
-        if source.kind != "work":
-            table[f"power({source.name}) [W]"] = samples.power[:, index]
+        if source.kind == "nonconservative":
+            table[f"nonconservative power({source.name}) [W]"] = samples.power[:, index]
     for name in result.works:
         table[f"work({name}) [J]"] = result.work(name)
     if description.has_masses:
@@ -108,6 +111,10 @@ def _write_netcdf(result: Result, path: Path) -> None:
 
     file = netCDF4.Dataset(path.name, mode="w", format="NETCDF4", memory=1 << 16)
     dataset(result).dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
+    content = np.frombuffer(saved_result(result), np.uint8)
+    group = file.createGroup(GROUP)
+    group.createDimension("byte", len(content))
+    group.createVariable(GROUP, "u1", ("byte",))[:] = content
     path.write_bytes(file.close())
 
 

@@ -5,7 +5,7 @@ import os
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +19,9 @@ from codegen.public_callables import checked_class, declared_attributes, named_a
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
 from runtime.results.accuracy_target_record import ReachedAccuracy
+from runtime.results.assembled_state import State
 from runtime.results.event_records import Event, SingularPosition
+from runtime.results.motion_at_instants import Motion, at, resume, state
 from runtime.results.samples import Partition, Samples, plain
 from runtime.results.series_lookup import TimeSeries
 
@@ -77,6 +79,7 @@ class Result(TimeSeries):
     singular: tuple[SingularPosition, ...]
     accuracy: ReachedAccuracy | None
     parameters: dict[str, float]
+    _motion: Motion | None  # behind the samples; None: of an analysis without one
 
     def __init__(
         self, description: Description, samples: Samples, p: FloatArray, *, analysis: str,
@@ -100,6 +103,7 @@ class Result(TimeSeries):
         self.events, self.partitions = tuple(events), tuple(partitions)
         self.not_unique, self.singular = tuple(not_unique), tuple(singular)
         self.works, self.accuracy, self.contradiction = {}, None, ""
+        self._motion = None
         self.parameters = {
             row.name: float(value) for row, value in zip(description.parameters, p, strict=False)
         }
@@ -140,8 +144,85 @@ class Result(TimeSeries):
 
         return save(self, Path(path))
 
+    def at(
+        self, t: float | npt.ArrayLike, side: Literal["before", "after"] | None = None
+    ) -> "Result":
+        """The motion at any instant: a result like this one, with its samples at `t`.
+
+        The run is taken again from a checkpoint shortly before, with the same steps, so that a
+        quantity is what it is with `t` among the instants of `t_eval`, to the last digit.
+
+        Parameters
+        ----------
+        t
+            An instant in s or several, in any order, from the start of the run to its end.
+        side
+            "before" or "after": the side on which the state is taken where `t` is the instant of
+            one of `events`; unless given, that of a sample: before a change of modes.
+
+        Returns
+        -------
+        Result
+            Of one instant, shape (1,), or of as many as there are in `t`.
+
+        Raises
+        ------
+        InputError
+            If `t` are no instants of the result, or it is that of an equilibrium.
+        """
+        return at(self, self._motion, t, side)
+
+    def state(
+        self, t: float | None = None, side: Literal["before", "after"] | None = None
+    ) -> State:
+        """The state at an instant, at which another simulation may start.
+
+        Parameters
+        ----------
+        t, side
+            An instant in s, and the side of an event, as `at` takes them; unless given, the last
+            sample.
+
+        Raises
+        ------
+        InputError
+            If the result has no sample, or `t` is none of its instants.
+        """
+        return state(self, t, side)
+
+    def resume(
+        self, t_end: float, t_eval: "npt.ArrayLike | int | str | None" = None, *,
+        max_steps: int | None = None, progress: bool = True,
+    ) -> "Result":  # fmt: skip
+        """Go on with a simulation from where it stopped, with everything that it was given.
+
+        It takes the steps of a run that went through at once, with the same bits; where laws of
+        time are no sums of powers and sines, steps end at instants that depend on the whole time,
+        and Baumgarte's time, unless given, is a part of it: there both agree to the tolerance.
+
+        Parameters
+        ----------
+        t_end, t_eval
+            As `simulate` takes them, both after the instant at which the run stopped.
+        max_steps, progress
+            Trial steps, those before included; whether a terminal shows a bar.
+
+        Returns
+        -------
+        Result
+            From that instant on; works, counts and `at` are those since the start.
+
+        Raises
+        ------
+        InputError
+            If `t_end` does not lie behind, this is no simulation, or one with an accuracy target.
+        AnalysisError
+            If the run ended where no motion goes on.
+        """
+        return resume(self, self._motion, t_end, t_eval, max_steps, progress)
+
     def plot(self, *names: str) -> "Figure":
-        """Draw series over time, those of one unit in one panel.
+        """Draw series over time, those of one unit in one panel, as `at` has them.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Series of a result by name: reactions, modes, powers, works, energies; and any series."""
+"""Series of a result by name: reactions, modes, energies; and any series."""
 
 import numpy as np
 import numpy.typing as npt
@@ -6,20 +6,18 @@ import numpy.typing as npt
 from codegen.errors import InputError
 from codegen.public_callables import checked_class
 from runtime.mechanism.table_rows import unknown
-from runtime.results.motion_lookup import FloatArray, MotionSeries, by_names
+from runtime.results.effect_series import QUANTITIES, EffectSeries, quantity_of
+from runtime.results.motion_lookup import FloatArray, by_names
 
 ENERGIES = ("kinetic", "potential", "total")
 
 
 @checked_class
-class TimeSeries(MotionSeries):
+class TimeSeries(EffectSeries):
     """Samples of a motion, with the tables that name them; see `Result`.
 
     A name that the scene does not have is refused by an `InputError` with the nearest ones.
     """
-
-    works: dict[str, FloatArray]
-    analysis: str
 
     @by_names
     def reaction(self, joint: str, component: str) -> FloatArray:
@@ -96,69 +94,6 @@ class TimeSeries(MotionSeries):
         return self.samples.share[:, self._switch(condition)]
 
     @by_names
-    def power(self, source: str) -> FloatArray:
-        """Power of an effect or driver on the machine.
-
-        Parameters
-        ----------
-        source
-            Name of the effect or driver.
-
-        Returns
-        -------
-        (k,) float64
-            In W.
-
-        Raises
-        ------
-        InputError
-            If there is no such effect or driver, or the scene was declared without its power.
-        """
-        rows = self.description.powers
-        if source in self._sources:
-            self._require_output("power", source)
-        names = [row.name for row in rows if row.kind != "work"]
-        if source not in names:
-            raise self._unknown("power of", source, names)
-        return self.samples.power[:, rows.index(source)]
-
-    @by_names
-    def work(self, source: str) -> FloatArray:
-        """Work of an effect or driver on the machine since the start of a simulation.
-
-        The integral of all that it exerts, also of a part that has a potential. Impacts, which
-        change velocities at an instant, do no work here; see `runtime.dynamics.work`.
-
-        Parameters
-        ----------
-        source
-            Name of the effect or driver.
-
-        Returns
-        -------
-        (k,) float64
-            In J.
-
-        Raises
-        ------
-        InputError
-            If there is no such effect or driver, the scene was declared without its work, or the
-            analysis was no simulation.
-        """
-        if source in self.works:
-            return self.works[source]
-        description = self.description
-        if source in description.work_rows:
-            raise InputError(
-                f"{description.title}: work({source}) is integrated along the steps of a "
-                f"simulation, and this is a result of {self.analysis}; ask for simulate, or for "
-                f"power({source})."
-            )
-        if source in self._sources and source not in description.tracked:
-            raise InputError(description.suggest_output(f"work({source})"))
-        raise self._unknown("work of", source, description.work_rows or self._sources)
-
-    @by_names
     def energy(self, part: str = "total") -> FloatArray:
         """Energy over time.
 
@@ -194,7 +129,8 @@ class TimeSeries(MotionSeries):
         ----------
         name
             Of a coordinate, a velocity, `a(coordinate)`, `joint.component`, `point.x`, an energy,
-            the power of a source, or `work(source)`.
+            the power of a source, or `work(source)`; of an effect `strut.force` or `force(strut)`,
+            and so on for lengths, rates and the like.
 
         Returns
         -------
@@ -214,13 +150,26 @@ class TimeSeries(MotionSeries):
             return self.reaction(reaction.element, reaction.component), reaction.unit
         if name in ENERGIES and description.has_masses:
             return self.energy(name), "J"
-        if name.startswith("work(") and name[5:-1] in self.works:
-            return self.work(name[5:-1]), "J"
-        if name in description.powers.names:
+        if name in description.whole_powers:
             return self.power(name), "W"
+        word, _, rest = name.partition("(")
+        if rest.endswith(")") and word in (*QUANTITIES, "power", "work"):
+            return self._of_effect(word, rest[:-1])
+        owner, _, component = name.partition(".")
+        if owner in description.effects.names and component in QUANTITIES:
+            return self._of_effect(component, owner)
         names = [text for row in description.coordinates for text in row[:2]]
         names += description.reactions.names
         raise self._unknown("series", name, names)
+
+    def _of_effect(self, word: str, effect: str) -> tuple[FloatArray, str]:
+        """A quantity of an effect that has one component, or its power or work, and the unit."""
+        values: FloatArray = getattr(self, word)(effect)
+        if word in ("power", "work"):
+            return values, "W" if word == "power" else "J"
+        rows = [r for r in self.description.reactions if r.element == effect]
+        own = [row for row in rows if row.component == word]
+        return values, (own or [row for row in rows if quantity_of(row) == word])[0].unit
 
     def _switch(self, condition: str) -> int:
         switches = self.description.switches
@@ -231,14 +180,3 @@ class TimeSeries(MotionSeries):
         if len(of_effect) == 1:
             return of_effect[0]
         raise self._unknown("condition", condition, full)
-
-    @property
-    def _sources(self) -> tuple[str, ...]:
-        """Effects and drivers, which may have power and do work."""
-        return (*self.description.effects.names, *self.description.drivers)
-
-    def _require_output(self, output: str, *element: str) -> None:
-        """Refuse an output that the scene was declared without."""
-        if self.description.leaves_out(output, *element):
-            named = f"{output}({element[0]})" if element else output
-            raise InputError(self.description.suggest_output(named))

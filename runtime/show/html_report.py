@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from codegen.figures_and_html import finish_axes, html_figure, html_page, new_figure
+from runtime.results.effect_series import quantity_of
+from runtime.results.motion_at_instants import for_curves
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -104,6 +106,7 @@ def _last(result: "Result") -> Iterator[tuple[str, object]]:
 
 def _figures(result: "Result") -> Iterator["Figure"]:
     """Coordinates and velocities by unit, then reactions by unit, a picture each."""
+    result = for_curves(result)
     description = result.description
     if len(result.t) < 2:
         return
@@ -113,6 +116,8 @@ def _figures(result: "Result") -> Iterator["Figure"]:
         groups.setdefault(f"velocity, {row.velocity_unit}", []).append(row.velocity)
     for reaction in description.reactions:
         kind = "driver" if reaction.element in description.drivers else "reaction"
+        if reaction.element in description.effects.names:
+            kind = quantity_of(reaction) or "effect"
         groups.setdefault(f"{kind}, {reaction.unit}", []).append(reaction.name)
     for title, names in groups.items():
         moving = [name for name in names if np.ptp(result.series(name)[0]) > 0.0]

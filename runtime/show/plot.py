@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from codegen.figures_and_html import new_figure
+from runtime.results.motion_at_instants import for_curves
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 
 def plot(result: "Result", names: Sequence[str] = ()) -> "Figure":
     """Draw series of a result (as in `Result.series`; or every angle), one panel for each unit."""
+    result = for_curves(result)
     coordinates = result.description.coordinates
     chosen = list(names) or [row.name for row in coordinates if row.is_angle]
     panels: dict[str, list[str]] = {}

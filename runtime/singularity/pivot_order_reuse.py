@@ -30,15 +30,15 @@ class PivotOrders:
 
     def __init__(self, constraints: ScaledConstraints) -> None:
         self.constraints = constraints
-        self._known: list[PivotOrder] = []
+        self.known: tuple[PivotOrder, ...] = ()
 
     def near(self, entries: Vector) -> PivotOrder:
         """Order of pivots of the Jacobian with these entries, or of one that hardly differs."""
-        for known in self._known:
+        for known in self.known:
             if np.abs(known.entries - entries).max() < _KNOWN:
                 return known
         order = self._choose(entries)
-        self._known = [order, *self._known[: _KEPT - 1]]
+        self.known = (order, *self.known[: _KEPT - 1])
         return order
 
     def _choose(self, entries: Vector) -> PivotOrder:

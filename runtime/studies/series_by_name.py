@@ -7,7 +7,8 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from runtime.mechanism.module_tables import Description
-from runtime.mechanism.table_rows import unknown
+from runtime.mechanism.table_rows import ReactionRow, unknown
+from runtime.results.effect_series import quantity_of
 from runtime.results.result import Result
 from runtime.results.series_lookup import ENERGIES
 
@@ -19,13 +20,15 @@ _LISTED = 24  # names of a kind that a message lists
 def series_names(description: Description) -> dict[str, list[str]]:
     """Kind → names of the series that a scene's results have."""
     has_energy = description.has_masses and not description.leaves_out("energy")
+    rows, effects = description.reactions, description.effects.names
     found = {
         "coordinates": [row.name for row in description.coordinates],
         "velocities": [row.velocity for row in description.coordinates],
         "accelerations": [f"a({row.name})" for row in description.coordinates],
-        "reactions": list(description.reactions.names),
+        "reactions": [row.name for row in rows if row.element not in effects],
+        "quantities of effects": [row.name for row in rows if row.element in effects],
         "energies": list(ENERGIES) if has_energy else [],
-        "powers": list(description.powers.names),
+        "powers": list(description.whole_powers),
     }
     return {kind: listed for kind, listed in found.items() if listed}
 
@@ -102,16 +105,18 @@ def group_magnitude(result: Result, name: str) -> float:
     The total energy of a machine without losses is zero or nearly so where the potential is counted
     from a convenient height, and a bearing may carry nothing in one direction: such a series is
     rounding, which cannot be measured by itself. Energies are measured by all energies, the
-    components of a joint's force by the whole force.
+    components of a joint's or an effect's force by the whole force.
     """
     if name in ENERGIES:
         return magnitude(result.samples.energy)
-    reactions = result.description.reactions
-    part = next((row for row in reactions if name == f"{row.element}.{row.component}"), None)
-    if part is None:
+    rows, effects = result.description.reactions, result.description.effects.names
+    if name not in rows.names:
         return 0.0
+
+    def group(row: ReactionRow) -> tuple[str, ...]:
+        return row.element, row.unit, quantity_of(row) if row.element in effects else ""
+
+    own = group(rows[name])
     return max(
-        magnitude(result.reaction(row.element, row.component))
-        for row in reactions
-        if (row.element, row.unit) == (part.element, part.unit)
+        magnitude(result.samples.reaction[:, k]) for k, row in enumerate(rows) if group(row) == own
     )

@@ -12,10 +12,12 @@ import numpy.typing as npt
 
 from codegen import argument_readers as readers
 from codegen.argument_readers import Reader, optional
-from codegen.errors import AnalysisError, InputError
-from codegen.plain_values import KindError, shown
+from codegen.errors import InputError
+from codegen.plain_values import KindError
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
-from runtime.results.assembled_state import Assembly
+from runtime.results.assembled_state import Assembly, State
+from runtime.results.result import Result
+from runtime.validation.output_instants import read_instants
 
 
 def check(mechanism: Mechanism, **given: Any) -> dict[str, Any]:
@@ -28,38 +30,22 @@ def check(mechanism: Mechanism, **given: Any) -> dict[str, Any]:
     return values
 
 
-def instants(t_eval: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """The output instants as an array, checked."""
-    try:
-        given = np.asarray(None if np.ma.is_masked(t_eval) else t_eval)
-    except KeyboardInterrupt:
-        raise
-    except BaseException:
-        given = np.asarray(None)
-    if given.dtype.kind not in "iuf":
-        raise AnalysisError(f"t_eval is {shown(t_eval)}; it must be instants in s.")
-    times = np.atleast_1d(given.astype(np.float64))
-    if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all():
-        raise AnalysisError("t_eval must be at least one finite instant in s, in one dimension.")
-    backwards = np.flatnonzero(np.diff(times) <= 0.0)
-    if len(backwards):
-        place = int(backwards[0])
-        raise AnalysisError(
-            f"t_eval must increase: instant {place + 1} is {times[place + 1]:g} s "
-            f"after {times[place]:g} s. Sort it and drop repetitions."
-        )
-    return times
-
-
 def _contradictions(given: Mapping[str, Any]) -> list[str]:
-    """Arguments that contradict an assembled start."""
+    """Arguments that contradict a start."""
     problems = []
+    if isinstance(given["start"], dict):
+        return [
+            f"{name} is given in start and in guess: start sets a value, guess only begins a "
+            "search with it. Leave one of them out."
+            for name in given["start"]
+            if name in (given.get("guess") or {})
+        ]
     if given.get("guess"):
         problems.append(
             "start and guess are both given, but an assembled start has all its values. Give one "
             "of them, or put the guess into assemble(guess)."
         )
-    if given.get("t_start", 0.0) != 0.0:
+    if given.get("t_start", 0.0) not in (0.0, given["start"].t):
         problems.append(
             f"start and t_start = {given['t_start']:g} s are both given, but start belongs "
             f"to t = {given['start'].t:g} s. Leave t_start out, or assemble at that time."
@@ -75,9 +61,17 @@ def _tolerances(value: Any) -> Any:
 
 
 def _start_of(mechanism: Mechanism) -> Reader:
-    def read(value: Any) -> Assembly:
-        if not isinstance(value, Assembly):
-            raise KindError("it must be what assemble() returns.")
+    def read(value: Any) -> Assembly | State | dict[str, float]:
+        if isinstance(value, Mapping):
+            values: dict[str, float] = _values(value)
+            return values
+        if isinstance(value, Result):
+            value = value.state()
+        if not isinstance(value, Assembly | State):
+            raise KindError(
+                "it must be what assemble() returns, a result or its state(t), or values by name, "
+                'such as {"crank.phi": 0.5}.'
+            )
         names = value.coordinates.names
         if names and names != mechanism.description.coordinates.names:
             raise KindError(
@@ -108,6 +102,7 @@ def _state_readers(mechanism: Mechanism, prefix: str = "") -> dict[str, Reader]:
     return dict.fromkeys((f"{prefix}q", f"{prefix}v"), read)
 
 
+_values = readers.values('{"crank.phi": 0.5}')
 _tolerance = readers.number("a positive finite number", above=0.0)
 _instant = readers.number("a finite number of seconds")
 _length = optional(readers.number("a positive number of seconds", above=0.0))
@@ -116,9 +111,9 @@ _KINDS: dict[str, Reader] = {
     **dict.fromkeys(("rtol", "accuracy"), optional(_tolerance)),
     **dict.fromkeys(("first_step", "max_step", "time_scale"), _length),
     "atol": optional(_tolerances),
-    "t_eval": optional(instants),
+    "t_eval": optional(read_instants),
     "parameters": optional(readers.values('{"mass": 2.0}')),
-    "guess": optional(readers.values('{"crank.phi": 0.5}')),
+    "guess": optional(_values),
     "quantities": optional(readers.texts('("crank.phi",)')),
     "correction": readers.text("the name of a correction"),
     **dict.fromkeys(("method", "formulation"), optional(readers.text("a name"))),

@@ -9,6 +9,7 @@ from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray
 
 _AHEAD = tuple(10.0**k for k in range(-12, 0))  # safety: of a second; where a run was to go next
+_OF_FORCES = "effect", "nonconservative"  # kinds of powers
 _PLACES = (
     "a power, a root or a logarithm at or below zero, a division by zero, a table's end, an "
     "exponential that overflows (1/(1 + exp(x)) is (1 - tanh(x/2))/2)"
@@ -73,7 +74,7 @@ def _forces(
     equations.kernels.powers(t, q, v, equations.p, modes, idle, powers)
     rows = zip(description.powers, powers, strict=True)
     working = {row.name for row in description.powers}
-    blamed = [row.name for row, power in rows if row.kind == "effect" and _bad(power)]
+    blamed = [row.name for row, power in rows if row.kind in _OF_FORCES and _bad(power)]
     if not blamed:
         blamed = [row.name for row in description.effects if row.name not in working]
     if blamed:

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 from codegen import build
 from codegen.errors import FAILURES, LinkwrightError
-from runtime import accuracy, load, matters
+from runtime import accuracy, load, load_result, matters
 from runtime.machine_facade import Machine
 from tests.fuzz.nonsense import KINDS, NUMBERS, POSITIVE, TEXTS
 
@@ -94,6 +94,13 @@ def calls(free: Machine, driven: Machine) -> list[Call]:
         Call("Result.save", result.save, {"path": "a.csv"}, {"path": set()}),
         Call("Result.reaction", result.reaction, {"joint": joint, "component": "fx"},
              {"joint": set(), "component": set()}),
+        Call("Result.at", result.at, {"t": 0.005}, {"t": NUMBERS, "side": NONE}),
+        Call("Result.state", result.state, {"t": 0.005}, {"t": NUMBERS | NONE, "side": NONE}),
+        Call("Result.resume", result.resume, {"t_end": 0.02}, {
+            "t_end": POSITIVE, "t_eval": NONE, "max_steps": NONE | {"one", "data array"},
+            "progress": {"true"},
+        }),
+        Call("load_result", load_result, {"path": "a.nc"}, {"path": set(), "machine": NONE}),
         Call("Assembly[]", assembly.__getitem__, {"name": name}, {"name": set()}),
         Call("Table.index", free.coordinates.index, {"item": name}, {"item": set()}),
         Call("load", load, {"model": "hard/pendulum"},
@@ -120,6 +127,7 @@ def calls(free: Machine, driven: Machine) -> list[Call]:
     for analysis in ("kinematics", "inverse_dynamics"):
         times = NUMBERS | {"list", "tuple", "array", "range"}
         accepts = {**values, "t_eval": times, "t_start": NUMBERS, "progress": {"true"}}
+        accepts["t_end"] = NUMBERS | NONE
         described.append(Call(analysis, getattr(driven, analysis), {"t_eval": [0.0]}, accepts))
     return described
 

@@ -64,7 +64,7 @@ def test_ball_without_clearance_stays_and_the_walls_take_turns(
 
 def test_impact_tears_loose_what_stuck(colliding: Callable[[str], Machine]) -> None:
     machine = colliding("tray")
-    run = machine.simulate(1.0, rtol=1e-11, parameters={"e": 1.0, "push": 40.0})
+    run = machine.simulate(1.0, "steps", rtol=1e-11, parameters={"e": 1.0, "push": 40.0})
     struck = next(e for e in run.events if e.what == "impact")
     vx = [machine.coordinates.index(f"{name}.x") for name in ("tray", "block")]
     before = run.v("block.x")[run.t <= struck.time][-1]

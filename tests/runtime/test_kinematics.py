@@ -74,7 +74,7 @@ def test_start_values_belong_to_the_start(driven: Machine, sign: int) -> None:
 
 
 def test_one_instant_is_enough(driven: Machine) -> None:
-    result = driven.kinematics(0.25)
+    result = driven.kinematics([0.25])
     assert result.t.tolist() == [0.25]
     assert result.q("slider.x")[0] == pytest.approx(_slider(np.array([0.25]))[0][0], abs=1e-14)
 

@@ -234,7 +234,7 @@ def test_every_method_passes_dead_centres(workshop: Path, method: str) -> None:
 
 def test_samples_at_the_ends_of_steps_are_in_order(workshop: Path) -> None:
     machine = rocking(workshop, "swing")
-    less = machine.simulate(3.0, formulation="reduced", progress=False)
+    less = machine.simulate(3.0, "steps", formulation="reduced", progress=False)
     assert len(less.t) == less.stats["steps"] + 1
     assert np.all(np.diff(less.t) > 0.0)
     assert less.stats["rejected"] < less.stats["steps"]

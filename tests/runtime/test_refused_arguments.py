@@ -41,7 +41,7 @@ NAN = float("nan")
         ({"guess": {"bar.phi": 10**400}}, "bar.phi is 1000"),
         ({"parameters": [1.0]}, "parameters is .*mapping from names"),
         ({"parameters": {1: 2.0}}, "parameters is .*; its name 1 is no text"),
-        ({"start": {"bar.phi": 1.0}}, "start is .*what assemble.. returns"),
+        ({"start": [1.0]}, "start is .*what assemble.. returns"),
         ({"t_eval": "abc"}, "must be instants in s"),
         ({"t_eval": "1.0"}, "must be instants in s"),
         ({"t_eval": [True]}, "must be instants in s"),

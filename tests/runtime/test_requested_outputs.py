@@ -74,7 +74,7 @@ def test_works_are_the_energy_that_the_motion_has(told: Result) -> None:
 
 def test_works_do_not_depend_on_the_instants(machine: Machine, told: Result) -> None:
     few = machine.simulate(3.0, [1.5, 3.0], rtol=1e-10)
-    steps = machine.simulate(3.0, rtol=1e-10)
+    steps = machine.simulate(3.0, "steps", rtol=1e-10)
     assert few.t.tolist() == [1.5, 3.0]
     assert len(steps.t) == steps.stats["steps"] + 1
     for name in told.works:

@@ -112,6 +112,11 @@ def test_a_function_of_ones_own(servo: Callable[[str], Machine]) -> None:
     for u in seen:
         phi, omega = turn(phi, omega, u, 0.01)
     assert_allclose([r.q("arm.phi")[-1], r.v("arm.omega")[-1]], [phi, omega], atol=1e-9)
+    # A run that is taken again does not ask again, since a function may have a memory.
+    assert r.at(r.t[::-1]).samples.v.tolist() == r.samples.v[::-1].tolist()
+    assert len(calls) == 100
+    r.resume(1.2)
+    assert_allclose(calls, 0.01 * np.arange(120), atol=1e-12)
 
 
 def test_controllers_are_asked_for_by_name(servo: Callable[[str], Machine]) -> None:

@@ -1,4 +1,4 @@
-"""What effects return: potential, forces, laws of friction and contact, reported components."""
+"""What effects return: potential, forces, laws of friction and contact, reported quantities."""
 
 from dataclasses import replace
 from itertools import chain
@@ -23,7 +23,7 @@ from codegen.declare.return_values.calls import (
 )
 from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.errors import ModelError
-from codegen.plain_values import shown
+from codegen.plain_values import plain_name, shown
 
 Weights = tuple[tuple[str, sympy.Expr, sympy.Expr], ...]
 """(body, mass, acceleration) of the products that stand in a potential as one number."""
@@ -136,6 +136,33 @@ def _pulls(effect: Any, bodies: tuple[Body, ...]) -> el.Pulls:
     return tuple((position_scalar(effect, "scalar of pulls()", s), f) for s, f in pulls)
 
 
+def measures_of(effect: Any, bodies: tuple[Body, ...]) -> tuple[el.Measure, ...] | None:
+    """The quantities that an effect says it has; None of one that says nothing."""
+    value = call_optional_method(effect, "measures", None, bodies)
+    if value is None:
+        return None
+    word, needed = "measures()", "a tuple of Measure(quantity, component, unit, value, along)"
+    measures = []
+    for quantity, component, given, number, along in rows(effect, word, value, 5, needed):
+        if plain_name(quantity) not in el.QUANTITIES:
+            raise refusal(effect, word, quantity, f"one of {', '.join(el.QUANTITIES)}")
+        scalar = None
+        if along is not None:
+            scalar = expression(effect, word, along)
+            scalar = position_scalar(effect, "scalar of measures()", scalar)
+        measures.append(
+            el.Measure(
+                plain_name(quantity),
+                name(effect, word, component) if component != "" else "",
+                unit(effect, word, given),
+                expression(effect, word, number),
+                scalar,
+            )
+        )
+    refuse_duplicates(effect, word, [measure.row for measure in measures])
+    return tuple(measures)
+
+
 def _reported(effect: Any, bodies: tuple[Body, ...]) -> el.Reported:
     value = call_optional_method(effect, "reported", (), bodies)
     reported = tuple(
@@ -159,6 +186,8 @@ def effect_expressions(effect: Effect, bodies: tuple[Body, ...]) -> list[sympy.B
     law, hold, pulls, reported = optional_terms(effect, bodies)
     expressions += chain.from_iterable(pulls)
     expressions += [value for _, _, value in reported]
+    for measure in measures_of(effect, bodies) or ():
+        expressions += (measure.value, measure.along)
     expressions += vars(hold).values() if hold else ()
     if law:
         loads = (f for load in law.contacts for entry in load for _, f in entry)

@@ -5,7 +5,7 @@ from typing import Literal
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, label
+from codegen.declare.element import Effect, Measure, label
 from codegen.declare.symbols import Coordinate
 from codegen.elements.forces.scalar_measures import same_body
 from codegen.elements.registry import element
@@ -49,6 +49,10 @@ class AppliedForce(Effect):
         torque = (self.point.y - y) * fx - (self.point.x - x) * fy
         return {other.x: -fx, other.y: -fy, **other.torque(torque)}
 
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """F, in the axes in which it is given."""
+        return Measure("force", "fx", "N", self.fx), Measure("force", "fy", "N", self.fy)
+
     def problems(self) -> list[str]:
         """The ground cannot be pushed, and a particle bears no moment."""
         problems = exertion_problems(self, self.point.body, self.from_)
@@ -79,6 +83,10 @@ class AppliedTorque(Effect):
         if self.from_ is None or self.from_.fixed:
             return on
         return on | self.from_.torque(-self.value)
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """The torque."""
+        return (Measure("torque", "", "N m", self.value),)
 
     def problems(self) -> list[str]:
         """The ground cannot be turned, and a particle has nothing to turn."""

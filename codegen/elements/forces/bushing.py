@@ -3,7 +3,7 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Pulls, label
+from codegen.declare.element import Effect, Measure, Pulls, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED
 from codegen.elements.forces import scalar_measures as measures
@@ -49,6 +49,21 @@ class Bushing(Effect):
         rows = zip(self.stiffness, self.damping, self.displacements, strict=True)
         pairs = ((s, c * SPEED + (0 if self._conservative else k * s)) for k, c, s in rows)
         return tuple((s, force) for s, force in pairs if force != 0)
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """The displacements, their rates, and the force and torque on body j."""
+        found: tuple[Measure, ...] = ()
+        rows = zip(AXES, self.stiffness, self.damping, self.displacements, strict=True)
+        for (axis, *_), k, c, s in rows:
+            force, unit = -k * s - c * SPEED, "rad" if axis == "phi" else "m"
+            found += (
+                Measure("deflection", axis, unit, s),
+                Measure("rate", axis, f"{unit}/s", SPEED, s),
+                Measure("torque", "", "N m", force, s)
+                if axis == "phi"
+                else Measure("force", f"f{axis}", "N", force, s),
+            )
+        return found
 
     def problems(self) -> list[str]:
         """A body against itself, and numbers that no bushing has."""

@@ -3,7 +3,7 @@
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Effect, Reported, Sticking, label
+from codegen.declare.element import Effect, Measure, Reported, Sticking, label
 from codegen.declare.element_conditions import (
     Condition,
     number_problems,
@@ -74,8 +74,12 @@ class DryFriction(Effect):
     def force(self) -> sympy.Expr:
         """f, N."""
         direction = side(self.name) if self.creep is None else sympy.tanh(self.slip / self.creep)
-        pressing = self.normal if is_constant(self.normal) else sympy.Max(self.normal, 0)
-        return -self.coefficient * pressing * direction
+        return -self.coefficient * self.pressing * direction
+
+    @property
+    def pressing(self) -> sympy.Expr:
+        """N, where something presses; else 0."""
+        return self.normal if is_constant(self.normal) else sympy.Max(self.normal, 0)
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
         """Q = Jᵀ f."""
@@ -90,6 +94,13 @@ class DryFriction(Effect):
     def reported(self, bodies: tuple[Body, ...]) -> Reported:
         """f itself."""
         return (("force", "N", self.force),)
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """The slip and N, beside f."""
+        return (
+            Measure("rate", "", "m/s", self.slip),
+            Measure("force", "normal", "N", self.pressing),
+        )
 
     def problems(self) -> list[str]:
         """A slip that is no velocity, and numbers that no friction has."""

@@ -9,14 +9,12 @@ from codegen.declare.body import Body
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import rate
 from codegen.elements.forces.given_load_friction import coefficient_problems, coefficients
-from codegen.elements.forces.scalar_measures import angle_problems, relative_angle, span
+from codegen.elements.forces.joint_coordinate import JOINTS, joint_coordinate
+from codegen.elements.forces.scalar_measures import angle_problems
 from codegen.elements.joints.revolute import Revolute
-from codegen.elements.joints.revolute_translational import RevoluteTranslational
 from codegen.elements.joints.translational import Translational
 from codegen.elements.registry import element
 from codegen.plain_values import shown
-
-JOINTS = (Revolute, Translational, RevoluteTranslational)
 
 
 @element
@@ -65,17 +63,12 @@ class JointFriction(el.Effect):
     def friction(self) -> el.FrictionLaw:
         """The slip along which it acts, and the normal force."""
         joint, mu = self.joint, self.coefficient
+        along, _ = joint_coordinate(joint)
         if isinstance(joint, Revolute):
             pressing: tuple[Any, ...] = ((("fx", sympy.S.One),), (("fy", sympy.S.One),))
-            along = relative_angle(joint.i.body, joint.j.body)
             return el.FrictionLaw(
                 joint.name, mu * self.radius, self.creep, along, (pressing,), "N m"
             )
-        ux, uy = joint.axis
-        c, s = joint.i.body.rotation
-        dx, dy = span(joint.i, joint.j)
-        size = sympy.sqrt(ux**2 + uy**2)
-        along = ((ux * c - uy * s) * dx + (ux * s + uy * c) * dy) / size
         ends: tuple[Any, ...] = (((("fy", sympy.S.One),),),)
         if self.length is not None:
             half = sympy.Rational(1, 2)

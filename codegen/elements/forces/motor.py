@@ -3,7 +3,7 @@
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Effect, Pulls, label
+from codegen.declare.element import Effect, Measure, Pulls, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED
 from codegen.elements.forces import scalar_measures as measures
@@ -32,6 +32,11 @@ class Motor(measures.TurnMeasures, Effect):
         """T tends to make θ = φ_j - φ_i larger."""
         line = SPEED / self.no_load_speed - self.voltage
         return ((self.angle, self.stall_torque * line),)
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """θ, ω and T."""
+        line = self.voltage - SPEED / self.no_load_speed
+        return measures.along_scalar(self.angle, "rad", self.stall_torque * line)
 
     def problems(self) -> list[str]:
         """A body against itself, and numbers that no motor has."""

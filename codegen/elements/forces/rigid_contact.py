@@ -3,9 +3,10 @@
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Effect, Pulls, Reported, Rigid
+from codegen.declare.element import Effect, Measure, Pulls, Reported, Rigid
 from codegen.declare.element_conditions import hold_conditions
 from codegen.declare.symbols import side
+from codegen.elements.forces.scalar_measures import along_scalar
 from codegen.elements.forces.spring_damper_contact import gap_problems
 from codegen.elements.registry import element
 
@@ -48,6 +49,11 @@ class RigidContact(Effect):
     def reported(self, bodies: tuple[Body, ...]) -> Reported:
         """The reaction, positive: it pushes."""
         return (("force", "N", side(self.name) * self._scale(bodies)),)
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """The gap and its rate; the force is reported."""
+        gap, rate, _ = along_scalar(self.gap, "m", sympy.S.Zero, named="gap")
+        return gap, rate
 
     def problems(self) -> list[str]:
         """A gap that is none, and numbers that no impact has."""

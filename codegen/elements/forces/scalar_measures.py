@@ -1,9 +1,11 @@
 """Scalars s(q, t) along which forces act, such as lengths, angles and gaps, and their checks."""
 
+from typing import ClassVar
+
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Element, Pulls, label
+from codegen.declare.element import Effect, Element, Measure, Pulls, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds, rate
 
@@ -61,6 +63,26 @@ def angle_problems(element: Element, *bodies: Body) -> list[str]:
     ]
 
 
+WORDS = {
+    "m": ("length", "force", "N"),
+    "rad": ("angle", "torque", "N m"),
+    "": ("length", "force", ""),
+}
+"""Unit of a scalar → what it is called, and the force along it with its unit."""
+
+
+def along_scalar(
+    s: sympy.Expr, unit: str, force: sympy.Expr, *, named: str | None = None
+) -> tuple[Measure, ...]:
+    """A scalar, its rate and the force along it, which may contain `SPEED`, as outputs."""
+    word, exerted, force_unit = WORDS[unit]
+    return (
+        Measure(named or word, "", unit, s),
+        Measure("rate", "", f"{unit or 1}/s", SPEED, s),
+        Measure(exerted, "", force_unit, force, s),
+    )
+
+
 class SpanMeasures:
     """The length between two points and its rate, as expressions for other elements and outputs."""
 
@@ -107,6 +129,8 @@ def line_problems(element: Element, i: Point, j: Point) -> list[str]:
 class SpringDamper(Effect):
     """f = F0 + k (s - s0) + c ṡ + F along a scalar s; V exists where k, s0 and F0 are constant."""
 
+    unit: ClassVar[str] = "m"
+    """Of s."""
     stiffness: sympy.Expr
     damping: sympy.Expr
     actuator: sympy.Expr
@@ -131,6 +155,13 @@ class SpringDamper(Effect):
         if not self._conservative:
             force += self.stiffness * (s - free) + self.preload
         return () if force == 0 else ((s, force),)
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """s, its rate, s - s0, and f."""
+        s, free = self.scalar
+        force = self.stiffness * (s - free) + self.preload + self.damping * SPEED + self.actuator
+        found = along_scalar(s, self.unit, force)
+        return (*found, Measure("deflection", "", self.unit, s - free))
 
     @property
     def _conservative(self) -> bool:

@@ -3,10 +3,15 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Pulls, label
+from codegen.declare.element import Effect, Measure, Pulls, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
-from codegen.elements.forces.scalar_measures import distance, is_constant, same_body
+from codegen.elements.forces.scalar_measures import (
+    along_scalar,
+    distance,
+    is_constant,
+    same_body,
+)
 from codegen.elements.registry import element
 
 
@@ -45,6 +50,10 @@ def gap_problems(where: str, gap: sympy.Expr, bodies: tuple[Body, ...]) -> list[
     ]
 
 
+SIDES = "first", "second"
+"""Components of what has two gaps, in their order."""
+
+
 class GapSprings(Effect):
     """A spring and a damper along each of some gaps g, while g < 0: f = k g + c ġ (Haug 8.4.2).
 
@@ -61,6 +70,11 @@ class GapSprings(Effect):
         """The gaps, which only a negative value closes."""
         raise NotImplementedError
 
+    @property
+    def gap_unit(self) -> str:
+        """Their unit: "m", "rad", or none where it is not known."""
+        return "m"
+
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
         """V of the springs."""
         if not self._conservative or self.stiffness == 0:
@@ -71,13 +85,27 @@ class GapSprings(Effect):
         """The damper along each gap, and a spring that varies."""
         return tuple((g, _closed(f, g)) for g in self.gaps if (f := self._pull(g)) != 0)
 
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """Each gap, its rate, the penetration, and the force, positive where it pushes."""
+        found: tuple[Measure, ...] = ()
+        for side, gap in zip(SIDES if len(self.gaps) > 1 else ("",), self.gaps, strict=True):
+            force = -_closed(sympy.Add(*self._push_and_drag(gap)), gap)
+            rows = along_scalar(gap, self.gap_unit, force, named="gap")
+            rows += (Measure("penetration", "", self.gap_unit, _closed(-gap, gap)),)
+            found += tuple(row._replace(component=side) for row in rows)
+        return found
+
     def _pull(self, gap: sympy.Expr) -> sympy.Expr:
+        push, drag = self._push_and_drag(gap)
+        return drag if self._conservative else push + drag
+
+    def _push_and_drag(self, gap: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr]:
         push = self.stiffness * gap
         drag = self.damping * SPEED
         if not self.may_pull and drag != 0:
             # Where the damper would pull it takes back what the spring pushes, and no more.
             drag = sympy.Piecewise((drag, push + drag < 0), (-push, True))
-        return drag if self._conservative else push + drag
+        return push, drag
 
     @property
     def _conservative(self) -> bool:

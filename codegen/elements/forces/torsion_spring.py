@@ -19,6 +19,7 @@ class TorsionSpring(measures.TurnMeasures, measures.SpringDamper):
     """
 
     kind = "torsion spring"
+    unit = "rad"
     name: str
     i: Body
     j: Body

@@ -48,7 +48,7 @@ def reaction_outputs(
 ) -> tuple[Output, ...]:
     """The reported rows of REACTIONS whose values depend on a mode, or on none."""
     values, outputs = scene.graph.values, []
-    for row, (element, part, unit, value) in enumerate(reported):
+    for row, (element, part, unit, value, _) in enumerate(reported):
         depends = (values[k].op is Op.MODE for k in dependencies(scene.graph.values, [value]))
         if any(depends) is switched:
             note = f"{element} {part}, {unit}" if unit else f"{element} {part}"

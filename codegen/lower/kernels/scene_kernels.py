@@ -154,11 +154,17 @@ def _switching_kernels(scene: SceneGraph, resting: bool) -> list[Kernel]:
 def _powers(scene: SceneGraph, selection: Selection) -> list[tuple[str, str, int]]:
     """Q·q̇ of each effect; λ Φ_t of each driver (its force -Φ_qᵀ λ on velocities Φ_q q̇ = ν).
 
-    A user's equation that contains the time does work as a driver does. Behind them stand the
-    powers whose integrals are outputs; those of effects include their potential.
+    A user's equation that contains the time does work as a driver does. Of an effect with a
+    potential the first are the powers of its other forces, which make a balance with the energies.
+    Behind them stand, where they are outputs, the powers of all its forces, and those whose
+    integrals are.
     """
-    graph = scene.graph
-    powers = [(name, "effect", power) for name, power in scene.powers]
+    graph, stored = scene.graph, scene.conservative
+    powers = [
+        (name, "nonconservative" if name in stored else "effect", power)
+        for name, power in scene.powers
+        if name not in stored or selection.balance()
+    ]
     row = 0
     for element in scene.equations.constraints:
         rows = range(row, row + len(element.terms.phi))
@@ -167,6 +173,10 @@ def _powers(scene: SceneGraph, selection: Selection) -> list[tuple[str, str, int
             work = graph.dot((scene.nu[k] for k in rows), (scene.lam[k] for k in rows))
             powers.append((element.name, "driver", graph.neg(work)))
     working = scene.working | {name: w for name, _, w in powers if name not in scene.working}
-    works = ((name, w) for name, w in working.items() if selection.work(name) and w != graph.zero)
     selected = [row for row in powers if selection.power(row[0])]
-    return [*selected, *((f"work({name})", "work", value) for name, value in works)]
+    for name, value in working.items():
+        if selection.work(name) and value != graph.zero:
+            selected.append((f"work({name})", "work", value))
+        elif name in stored and selection.whole_power(name):
+            selected.append((f"power({name})", "power", value))
+    return selected

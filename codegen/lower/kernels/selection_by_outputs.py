@@ -26,15 +26,29 @@ class Selection:
         """Whether the power of an effect or driver is."""
         return self.moves and self._one("power", source)
 
+    def balance(self) -> bool:
+        """Whether the powers that make a balance with the energies are."""
+        return self.moves and (self.outputs is None or "powers" in self.outputs)
+
+    def whole_power(self, source: str) -> bool:
+        """Whether a power is that includes what a potential takes, which has to be named."""
+        return self.outputs is not None and self.power(source)
+
     def work(self, source: str) -> bool:
         """Whether the work of an effect or driver is, which has to be named."""
         return self.moves and self.outputs is not None and self._one("work", source)
 
     def reactions(self, scene: SceneGraph) -> list[Reaction]:
         """The forces that are, of elements that transmit them."""
-        every = {row.element for row in scene.reactions}
-        named = {name for name in every if self._massive and self._one("reaction", name)}
-        return [row for row in scene.reactions if row.element in named | self._needed]
+        return [row for row in scene.reactions if self._reported(row)]
+
+    def _reported(self, row: Reaction) -> bool:
+        if "reaction" in row.words and row.element in self._needed:
+            return True
+        asked = (self._one(word, row.element) for word in row.words if word != "reaction")
+        if self.outputs is not None and any(asked):
+            return True
+        return "reaction" in row.words and self._massive and self._one("reaction", row.element)
 
     def multipliers(self, scene: SceneGraph) -> tuple[int, ...]:
         """Constraints on whose multipliers an output depends; all where none is named."""

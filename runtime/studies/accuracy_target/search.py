@@ -21,6 +21,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
+from codegen.errors import InputError
 from codegen.termination_signals import SignalDeferral
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.controllers import Functions
@@ -32,7 +33,7 @@ from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.wiring import function_table
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
-from runtime.results.assembled_state import Assembly
+from runtime.results.assembled_state import Assembly, State
 from runtime.results.result import Result
 from runtime.studies.accuracy_target import run_difference as runs
 from runtime.studies.accuracy_target.choice_of_coordinates import (
@@ -46,8 +47,6 @@ from runtime.studies.accuracy_target.run_difference import Pair, Quantities, Run
 from runtime.studies.series_by_name import require_numbers
 from runtime.studies.timing import processor_time
 
-POINTS = 501  # output instants if the user gives none
-
 _FIRST, _SLOPE = 5e-4, 0.9  # measured: rtol of the first run for a target of 1e-3; its power law
 _LOOSEST, _TIGHTEST = 1e-3, 1e-14  # safety: rtol of any run
 _LAST = 3e-14  # measured: the same where errors are small; a tighter run errs more, by rounding
@@ -60,9 +59,9 @@ _SAMPLED = 1e-3  # safety: longest step, of the whole time, where runs agree to 
 
 
 def simulate_to(
-    mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | None, *, accuracy: float,
-    quantities: Sequence[str] | None, t_start: float, method: str | None,
-    parameters: Values | None, guess: Values | None, start: Assembly | None,
+    mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | int | str | None, *,
+    accuracy: float, quantities: Sequence[str] | None, t_start: float, method: str | None,
+    parameters: Values | None, guess: Values | None, start: Assembly | State | Values | None,
     correction: Correction, formulation: Formulation | None, time_scale: float | None,
     first_step: float | None, max_step: float | None, max_steps: int | None, max_bytes: int,
     progress: Progress, controllers: Functions | None = None,
@@ -88,11 +87,14 @@ def simulate_to(
         start=start,
         controllers=controllers,
     )
-    first, last = ready.begin.t, float(t_end)
-    times = np.linspace(first, last, POINTS if last > first else 1)
+    if isinstance(t_eval, str):
+        raise InputError(
+            f'{mechanism.title}: t_eval = "steps" and accuracy are both given; an accuracy '
+            "compares runs at the same instants, which are no steps. Give instants, or how many."
+        )
     options = Options(
-        t_eval=times if t_eval is None else ready.instants(t_eval), time_scale=time_scale,
-        first_step=first_step, h_max=max_step, max_steps=max_steps, max_bytes=max_bytes,
+        t_eval=ready.instants(t_eval), time_scale=time_scale, first_step=first_step,
+        h_max=max_step, max_steps=max_steps, max_bytes=max_bytes,
     )  # fmt: skip
     chosen = runs.quantities_of(mechanism.description, quantities, ready.sizes)
     choices = Choices(ready, method, formulation, correction)

@@ -145,6 +145,53 @@ model.torsion_spring('s', a, b, torque=lambda angle, rate: gamma(rate))
             "model.motor('m', b.at(0, 0), stall_torque=1, no_load_speed=2)",
             ["motor 'm': Point of 'b' is no body; a motor turns a rotor"],
         ),
+        (
+            "model.stop('s', 'pin', 0, 1, stiffness=3)",
+            ["stop 's': 'pin' is no joint with a coordinate; give a revolute, a translational or"],
+        ),
+        (
+            "model.stop('s', model.weld('w', a, b), 0, 1, stiffness=3)",
+            ["stop 's': 'w' is no joint with a coordinate; give a revolute, a translational or"],
+        ),
+        ("model.stop('s', a.x, stiffness=3)", ["stop 's' has no limit; give lower=, upper= or b"]),
+        (
+            "model.stop('s', a.vx, 0, restitution=0.5)",
+            ["stop 's': a_vx depends on no coordinate", "contains the velocity a_vx; a stop limit"],
+        ),
+        (
+            "model.stop('s', a.x, 1, 0, stiffness=-3, damping=-1)",
+            [
+                "stop 's': the upper limit 0 is not above the lower one, 1; exchange them",
+                "stop 's': the stiffness is -3 N/m; give a positive number, or restitution=",
+                "stop 's': the damping is -1 N s/m; give a number that is not negative",
+            ],
+        ),
+        (
+            "model.stop('s', a.x, 1, 0, restitution=0.5)",
+            ["stop 's': the upper limit 0 is not above the lower one, 1; exchange them"],
+        ),
+        (
+            "model.stop('s', a.phi, 0, stiffness=3, restitution=1)",
+            ["stop 's' has both restitution= and stiffness= or damping=; give restitution= for"],
+        ),
+        ("model.stop('s', a.x, 0)", ["stop 's' has neither stiffness= nor restitution=; give"]),
+        (
+            "model.clearance_joint('p', a, a.at(1, 0), -1, 0, exponent=0.5, damping=-2)",
+            [
+                "clearance joint 'p' is between body 'a' and itself; give two",
+                "clearance joint 'p': the clearance is -1 m; give a positive number",
+                "clearance joint 'p': the stiffness is 0; give a positive number",
+                "clearance joint 'p': the exponent is 0.5; give one of at least 1, 1.5 for Hertz",
+                "clearance joint 'p': the damping is -2 s/m; give a number that is not negative",
+            ],
+        ),
+        (
+            "model.clearance_joint('p', a, model.particle('q', 1.0), 1, 3, coefficient=0.1)",
+            [
+                "clearance joint 'p' has a coefficient of friction but no creep speed; give both",
+                "clearance joint 'p' rubs on 'q', which is a particle and cannot turn; use a body",
+            ],
+        ),
         ("model.bushing('r', a, b)", ["bushing 'r': stiffness and damping are all 0"]),
         ("model.bushing('r', a, b, 3)", ["stiffness of bushing 'r': 3 must be three"]),
         ("model.bushing('r', a, a, (1, 2, 3))", ["bushing 'r' is between body 'a' and itself"]),

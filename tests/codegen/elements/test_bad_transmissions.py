@@ -89,6 +89,17 @@ model.revolute('B', b, arm.at(2, 0))
             ["screw 'S' needs the angle of 'p', which has none; use a body with an angle"],
         ),
         (
+            "model.one_way_clutch('C', a, a, -1)",
+            [
+                "one-way clutch 'C' is between body 'a' and itself; give two",
+                "one-way clutch 'C': the capacity is -1 N m; give a positive number",
+            ],
+        ),
+        (
+            "model.one_way_clutch('C', a.at(0, 0), model.particle('p', 1.0), 2)",
+            ["one-way clutch 'C': Point of 'a' is no body; a clutch couples two bodies"],
+        ),
+        (
             "model.rolling_disc('R', a, b, -1, axis=(0, 0))",
             [
                 "rolling disc 'R': the axis .0, 0. has no direction; give one",

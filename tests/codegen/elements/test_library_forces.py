@@ -25,6 +25,8 @@ FORMULAS = {
     "test_joint_friction": ("friction",),
     "test_rigid_contact": ("rigid contact",),
     "test_exerted_by_bodies": ("line force", "motor"),
+    "test_one_way_clutch": ("one-way clutch",),
+    "test_stops_and_clearances": ("clearance joint", "stop"),
     "test_transmissions": ("elastic belt", "gear with backlash"),
 }
 """File of this folder → the kinds whose formulas it writes by hand."""

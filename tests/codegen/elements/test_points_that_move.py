@@ -84,6 +84,10 @@ LAWS: dict[str, tuple[Build, list[tuple[Callable[..., Number], Callable[..., Num
         lambda m, i, j: m.contact("e", i, j, stiffness=K, damping=C, free_length=DEPTH),
         [(length, lambda s, v: K * (s - DEPTH) + C * v)],
     ),
+    "clearance joint": (
+        lambda m, i, j: m.clearance_joint("e", i, j, 0.01, K, damping=C),
+        [(length, lambda s, v: K * (s - 0.01) ** 1.5 * (1 + C * v))],
+    ),
     "line force": (
         lambda m, i, j: m.line_force("e", i, j, lambda s, v: K * s**2 + C * v),
         [(length, lambda s, v: K * s**2 + C * v)],
@@ -112,6 +116,8 @@ LAWS: dict[str, tuple[Build, list[tuple[Callable[..., Number], Callable[..., Num
 
 FIXED = {
     "motor",
+    "one-way clutch",
+    "stop",
     "elastic belt",
     "gear with backlash",
     "torsion spring",

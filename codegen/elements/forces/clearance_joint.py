@@ -1,0 +1,117 @@
+"""Revolute joint with clearance: a journal that is free in its bearing until it touches it."""
+
+import sympy
+
+from codegen.declare.body import Body, Point
+from codegen.declare.element import Effect, Pulls, label
+from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.symbols import SPEED, Coordinate, rate
+from codegen.elements.forces.scalar_measures import distance, same_body, span
+from codegen.elements.registry import element
+
+
+@element
+class ClearanceJoint(Effect):
+    """f = K δⁿ (1 + χ δ̇) while the eccentricity e exceeds the clearance c, with δ = e - c.
+
+    e is the distance of the journal's centre j from that of the bearing i. Inside the clearance
+    nothing acts, also at e = 0, where the direction of e has no meaning; contact and its end are
+    events of a run. K δⁿ is Hertz' law for n = 3/2. χ is the damping of Hunt and Crossley (1975);
+    Lankarani and Nikravesh (1990) give it for a restitution ε at an impact of speed v as
+    χ = 3 (1 - ε²)/(4 v). The joint has no potential, and all its work is booked. Where the surfaces
+    part faster than 1/χ the law pulls; they do not after such an impact.
+
+    The friction -μ f tanh(v_t/v_c) acts at the contact, at the radius R of the journal from its
+    centre, against its speed v_t along the bearing's wall; v_c is the speed below which it creeps
+    (P. Flores, J. Ambrósio, J. C. P. Claro, H. M. Lankarani: Kinematics and Dynamics of Multibody
+    Systems with Imperfect Joints, Springer 2008).
+    """
+
+    kind = "clearance joint"
+    name: str
+    i: Point
+    j: Point
+    clearance: sympy.Expr
+    stiffness: sympy.Expr
+    exponent: sympy.Expr
+    damping: sympy.Expr
+    coefficient: sympy.Expr
+    creep: sympy.Expr | None
+    radius: sympy.Expr
+
+    @property
+    def eccentricity(self) -> sympy.Expr:
+        """e, m."""
+        return distance(self.i, self.j)
+
+    @property
+    def excess(self) -> sympy.Expr:
+        """(e² - c²)/2, m²: positive in contact, and smooth at e = 0, which e is not."""
+        dx, dy = span(self.i, self.j)
+        return (dx**2 + dy**2 - self.clearance**2) / 2
+
+    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+        """The normal force: f along e is f/e along the excess, and ṡ = e ė."""
+        e = self.eccentricity
+        force = self.stiffness * self._depth() * (1 + self.damping * SPEED / e) / e
+        return ((self.excess, self._touching(force)),)
+
+    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+        """The friction, at one place of both surfaces."""
+        if self.coefficient == 0 or self.creep is None:
+            return {}
+        (dx, dy), e = span(self.i, self.j), self.eccentricity
+        one, other = self.i.body, self.j.body
+        wall = e + self.radius  # from the bearing's centre to the contact
+        slip = (dx * (self.j.vy - self.i.vy) - dy * (self.j.vx - self.i.vx)) / e
+        slip += self.radius * other.angular_velocity - wall * one.angular_velocity
+        closing = rate(self.excess) / e
+        normal = self.stiffness * self._depth() * (1 + self.damping * closing)
+        drag = -self.coefficient * normal * sympy.tanh(slip / self.creep)
+        found: dict[Coordinate, sympy.Expr] = {}
+        for point, sign, arm in ((self.i, -1, wall), (self.j, 1, self.radius)):
+            body = point.body
+            if body.fixed:
+                continue
+            (x, y), f = body.position, sign * drag / e
+            fx, fy = -f * dy, f * dx
+            turn = (point.x - x) * fy - (point.y - y) * fx + sign * drag * arm
+            found |= {body.x: fx, body.y: fy, **body.torque(turn)}
+        return {q: self._touching(force) for q, force in found.items()}
+
+    def problems(self) -> list[str]:
+        """Two points of one body, and numbers of no bearing."""
+        where = label(self)
+        problems = same_body(where, self.bodies)
+        rubs = self.coefficient != 0
+        if rubs and self.creep is None:
+            problems.append(f"{where} has a coefficient of friction but no creep speed; give both.")
+        problems += [
+            f"{where} rubs on '{body.name}', which is a particle and cannot turn; use a body, or "
+            "leave coefficient= out."
+            for body in self.bodies
+            if rubs and not body.turns
+        ]
+        return problems + number_problems(self)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """A clearance, a contact that resists, and a friction that does."""
+        positive = sign_conditions(
+            ("clearance", self.clearance, "m"), ("stiffness", self.stiffness, ""),
+            ("creep speed", self.creep, "m/s"), positive=True,
+        )  # fmt: skip
+        text = "the exponent is {:g}; give one of at least 1, 1.5 for Hertz' law."
+        exponent = Condition(text, (self.exponent,), low=1.0)
+        more = sign_conditions(
+            ("damping", self.damping, "s/m"), ("coefficient of friction", self.coefficient, ""),
+            ("radius", self.radius, "m"),
+        )  # fmt: skip
+        return (*positive, exponent, *more)
+
+    def _depth(self) -> sympy.Expr:
+        """δⁿ, by δ = (e² - c²)/(e + c)."""
+        over = self.eccentricity + self.clearance
+        return (2 * self.excess) ** self.exponent / over**self.exponent
+
+    def _touching(self, value: sympy.Expr) -> sympy.Expr:
+        return sympy.Piecewise((value, 2 * self.excess > 0), (0, True))

@@ -1,0 +1,84 @@
+"""Stops: springs with dampers that limit a coordinate."""
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.element import label
+from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.symbols import Coordinate, Velocity, kinds
+from codegen.elements.forces.spring_damper_contact import GapSprings
+from codegen.elements.registry import element
+
+
+@element
+class Stop(GapSprings):
+    """f = k (s - s_limit) + c ṡ where a coordinate s is below its lower or above its upper limit.
+
+    s is the angle of a revolute joint, the travel of a sliding one, or any expression of
+    coordinates; k and c are along s. A stop never holds s back: where its damper would, it is cut
+    off. Contact and its end are events of a run. The springs have the potential k (s - s_limit)²/2.
+    """
+
+    kind = "stop"
+    name: str
+    scalar: sympy.Expr
+    lower: sympy.Expr | None
+    upper: sympy.Expr | None
+    stiffness: sympy.Expr
+    damping: sympy.Expr
+    on: tuple[Body, ...]
+    unit: str
+    may_pull = False
+
+    @property
+    def gaps(self) -> tuple[sympy.Expr, ...]:
+        """What is left before each stop."""
+        below = () if self.lower is None else (self.scalar - self.lower,)
+        return below if self.upper is None else (*below, self.upper - self.scalar)
+
+    @property
+    def gap_unit(self) -> str:
+        """That of the coordinate."""
+        return self.unit
+
+    def problems(self) -> list[str]:
+        """What is no position, and numbers of no stop."""
+        problems = stop_problems(label(self), self.scalar, self.lower, self.upper)
+        return problems + number_problems(self)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """Stops that resist, the upper one above the lower one."""
+        force = "N m" if self.unit == "rad" else "N"
+        per = f"/{self.unit}" if self.unit else ""
+        stiffness = sign_conditions(
+            ("stiffness", self.stiffness, f"{force}{per}"), positive=True,
+            advice=", or restitution= for a stop that does not yield",
+        )  # fmt: skip
+        damping = sign_conditions(("damping", self.damping, f"{force} s{per}"))
+        return (*limit_conditions(self.lower, self.upper), *stiffness, *damping)
+
+
+def stop_problems(
+    where: str, scalar: sympy.Expr, lower: sympy.Expr | None, upper: sympy.Expr | None
+) -> list[str]:
+    """No limit at all, or a limit of what is no position."""
+    problems = []
+    if lower is None and upper is None:
+        problems.append(f"{where} has no limit; give lower=, upper= or both.")
+    if not kinds(scalar, Coordinate):
+        problems.append(
+            f"{where}: {scalar} depends on no coordinate and never reaches a limit; give a joint, "
+            "or an expression of coordinates."
+        )
+    return problems + [
+        f"{where}: {scalar} contains the velocity {v.name}; a stop limits a position."
+        for v in kinds(scalar, Velocity)
+    ]
+
+
+def limit_conditions(lower: sympy.Expr | None, upper: sympy.Expr | None) -> tuple[Condition, ...]:
+    """An upper limit above the lower one."""
+    if lower is None or upper is None:
+        return ()
+    text = "the upper limit {1:g} is not above the lower one, {2:g}; exchange them."
+    return (Condition(text, (upper - lower, upper, lower), open=True),)

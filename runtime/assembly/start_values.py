@@ -1,0 +1,94 @@
+"""Start values of a run: the scene's, and the user's in their place; what became of them."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.errors import AssemblyError
+from codegen.plain_values import finite_float, shown
+from runtime.mechanism.dense_equations import FloatArray
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.table_rows import unknown
+from runtime.results.assembled_state import Assembly, State
+
+BoolArray = npt.NDArray[np.bool_]
+
+MOVED = 1e-9  # accuracy: change of a start value, relative to its size, that is reported
+
+
+class Start(NamedTuple):
+    """Start values as arrays, whether they are fixed, and whether they are given; each (n,)."""
+
+    q: FloatArray
+    v: FloatArray
+    fixed_q: BoolArray
+    fixed_v: BoolArray
+    given_q: BoolArray
+
+
+def start_values(
+    mechanism: Mechanism, guess: Values | None, fixed_values: Values | None = None
+) -> Start:
+    """The scene's start values, with the user's in place of those of the same name.
+
+    Those of `fixed_values` are kept, as those that the scene fixes.
+    """
+    description = mechanism.description
+    table, n = description.coordinates, len(description.coordinates)
+    places = {row.velocity: (1, k) for k, row in enumerate(table)}
+    places |= {row.name: (0, k) for k, row in enumerate(table)}
+    values = np.array([description.neutral, np.zeros(n)])
+    fixed, named = np.zeros((2, 2, n), np.bool_)
+    for row in description.start:
+        if row.role != "neutral":
+            place = places[row.name]
+            values[place], fixed[place], named[place] = row.value, row.role == "fixed", True
+    problems = []
+    given = [(name, value, False) for name, value in (guess or {}).items()]
+    given += [(name, value, True) for name, value in (fixed_values or {}).items()]
+    for name, value, kept in given:
+        finite = finite_float(value)
+        if finite is None:
+            problems.append(f"Start value {name} is {shown(value)}; it must be a finite number.")
+        elif name in places:
+            values[places[name]], named[places[name]] = finite, True
+            fixed[places[name]] |= kept
+        else:
+            names = [*table.names, *(row.velocity for row in table)]
+            problems.append(unknown("coordinate or velocity", name, names))
+    if problems:
+        raise AssemblyError(problems)
+    return Start(values[0], values[1], fixed[0], fixed[1], named[0])
+
+
+def start_of_state(state: State) -> Start:
+    """All values of a state, none of them fixed."""
+    free = np.zeros(len(state.q), np.bool_)
+    return Start(state.q.copy(), state.v.copy(), free, free.copy(), ~free)
+
+
+def start_note(
+    mechanism: Mechanism, begin: Assembly, guess: Values | None, given: Values | State | None
+) -> str:
+    """Sentences on what became of the start values and guesses of a user."""
+    description, parts = mechanism.description, list[str]()
+    units = {row.name: row.unit for row in description.coordinates}
+    units |= {row.velocity: row.velocity_unit for row in description.coordinates}
+    if isinstance(given, State):
+        moved = ", ".join(f"{m.name} by {m.by:.3g} {m.unit}" for m in begin.moved)
+        parts.append(
+            f"It starts from a state at t = {given.t:.9g} s"
+            f"{f', which joints and drivers moved ({moved})' if moved else ''}."
+        )
+    elif given:
+        kept = ", ".join(f"{name} = {value:.6g} {units[name]}" for name, value in given.items())
+        parts.append(f"start sets {kept}.")
+    fixed = {row.name for row in description.start if row.role == "fixed"}
+    for name, value in (guess or {}).items():
+        reached = f"{begin[name]:.6g} {units[name]}"
+        if name in fixed:
+            parts.append(f"guess takes the place of the fixed start value: {name} = {reached}.")
+        elif abs(begin[name] - value) > MOVED * max(1.0, abs(value)):
+            parts.append(f"guess {name} = {value:.6g} became {reached}: start= sets a value.")
+    return "".join(f" {part}" for part in parts)

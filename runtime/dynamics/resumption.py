@@ -1,0 +1,138 @@
+"""A run that goes on where another stopped.
+
+It begins at a checkpoint of that run, before steps that its end has cut, and takes the steps of a
+run that went through at once: from there on both have the same bits.
+"""
+
+import time as clock
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from codegen.argument_readers import count, flag, number, optional, read_arguments
+from codegen.errors import AnalysisError, InputError
+from runtime.core.outcomes import Outcome
+from runtime.dynamics.formulations import formulate
+from runtime.dynamics.motion_at_instants import SimulatedMotion
+from runtime.dynamics.simulation import finish_simulation
+from runtime.integrate.checkpoints import Checkpoint, Checkpoints, Keeper
+from runtime.integrate.sampling import INTERVAL
+from runtime.integrate.trajectory import Events, Partitions, Trajectory
+from runtime.mechanism.dense_equations import FloatArray
+from runtime.progress_bar import bar
+from runtime.results.result import Result
+from runtime.validation.output_instants import read_instants, uniform
+
+_LIMITS = {Outcome.OK, Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED}
+
+
+def resume(
+    result: Result, motion: SimulatedMotion, t_end: Any, t_eval: Any, max_steps: Any, progress: Any
+) -> Result:
+    """See `Result.resume`."""
+    began, title = clock.perf_counter(), result.description.title
+    others = {"max_steps": optional(count(1)), "progress": flag}
+    given = read_arguments(title, others, {"max_steps": max_steps, "progress": progress})
+    max_steps, progress = given["max_steps"], given["progress"]
+    last, times = _read(result, motion, t_end, t_eval)
+    ready = motion.ready.until(last)
+    old = motion.options
+    coordinates = formulate(ready, motion.coordinates.name, old.method, old.correction)
+    works = bool(result.works)
+    asked = np.union1d([motion.end], times) if works and times is not None else times
+    options = replace(
+        old, t_eval=np.array([motion.end]) if works and asked is None else asked,
+        quadrature=works, max_steps=max_steps,
+    )  # fmt: skip
+    goes_on = result.outcome is Outcome.OK
+    rows = motion.checkpoints.until(motion.end) if goes_on else motion.checkpoints.rows
+    kept = rows[-1] if rows else None
+    made = list[Checkpoints]()
+
+    def watched(change: Keeper | None) -> Checkpoints:
+        made.append(Checkpoints(change, rows, motion.checkpoints.spacing))
+        return made[0]
+
+    known, first = None if kept is None else motion.known(result, kept.t), motion.end
+    with bar(f"resume {title}", progress) as report:
+        span = max(last - first, 1e-300)
+        run = coordinates.retaken(
+            options, kept, watched, known, lambda t, _: report(max(0.0, (t - first) / span))
+        )
+    new = SimulatedMotion(ready, coordinates, options, made[0], run.final_t)
+    done = new.works_from(kept, run, first) if works else None
+    path = replace(_behind(run, kept, first, times, works), checkpoints=made[0])
+    plain = replace(options, t_eval=times, quadrature=False)
+    found = finish_simulation(ready, coordinates, plain, began, lambda _: None, path, works=False)
+    if done is not None:
+        _add_works(found, result, motion, *done)
+    found.message = f"Resumed at t = {first:.9g} s. {found.message}"
+    return found
+
+
+def _read(
+    result: Result, motion: SimulatedMotion, t_end: Any, t_eval: Any
+) -> tuple[float, FloatArray | None]:
+    """The new end, s, and the instants of the samples; None: the ends of steps."""
+    title = result.description.title
+    readers = {"t_end": number("a finite number of seconds"), "t_eval": optional(read_instants)}
+    given = read_arguments(title, readers, {"t_end": t_end, "t_eval": t_eval})
+    last, chosen = given["t_end"], given["t_eval"]
+    if result.accuracy is not None:
+        raise InputError(
+            f"{title}: an accuracy is that of a whole run, and this result has one. Simulate anew "
+            f"up to t_end = {last:g} s with this accuracy."
+        )
+    if result.outcome not in _LIMITS:
+        raise AnalysisError(
+            f"{title}: the run ended at t = {motion.end:.9g} s ({result.outcome}), and goes on "
+            f"there no more than it did before. {result.outcome.advice}"
+        )
+    if last <= motion.end:
+        raise InputError(
+            f"{title}: t_end = {last:g} s must lie after t = {motion.end:.9g} s, where the run "
+            "stopped; `at` has all instants before."
+        )
+    if isinstance(chosen, str):
+        return last, None
+    times = uniform(motion.end, last, chosen) if not isinstance(chosen, np.ndarray) else chosen
+    if not motion.end <= times[0] <= times[-1] <= last:
+        raise InputError(
+            f"{title}: t_eval goes from {times[0]:g} to {times[-1]:g} s; the run that goes on "
+            f"lies between t = {motion.end:.9g} s and {last:g} s."
+        )
+    return last, times
+
+
+def _behind(
+    run: Trajectory, kept: Checkpoint | None, first: float, times: FloatArray | None, works: bool
+) -> Trajectory:
+    """What a run did from an instant on, with its samples at `times`; None: the ends of steps."""
+    rows = np.arange(len(run.t))
+    if works:  # of a quadrature the ends of intervals; from a checkpoint there is no first one
+        rows = rows[0 if kept is None else INTERVAL - 1 :: INTERVAL]
+    ends = run.t[rows]
+    rows = rows[ends >= first if times is None else np.isin(ends, times)]
+    log, sets = run.events, run.partitions
+    later, since = log.t > first, max(int(np.searchsorted(sets.t, first, side="right")) - 1, 0)
+    return replace(
+        run, t=run.t[rows], q=run.q[rows], v=run.v[rows], modes=run.modes[rows], first_t=first,
+        events=Events(*(column[later] for column in vars(log).values())),
+        partitions=Partitions(np.maximum(sets.t[since:], first), sets.independent[since:]),
+        crossings=tuple(crossing for crossing in run.crossings if crossing.t > first),
+    )  # fmt: skip
+
+
+def _add_works(
+    found: Result, result: Result, motion: SimulatedMotion, ends: FloatArray,
+    totals: dict[str, FloatArray],
+) -> None:  # fmt: skip
+    """Works since the start of the first run; those of a state in which it stopped are unknown."""
+    _, before = motion.at(result, np.array([motion.end]))
+    places = np.searchsorted(ends, found.t)
+    known = places < len(ends)
+    for name, total in totals.items():
+        work = np.full(len(found.t), np.nan)
+        work[known] = before[name][0] + total[places[known]]
+        found.works[name] = work

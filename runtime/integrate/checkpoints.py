@@ -1,0 +1,177 @@
+"""Checkpoints of a run: states of its arrays, from which it is retaken with the same bits.
+
+All that a run needs to go on lies in its arrays, so that copies of these are a place to begin at.
+They are made between chunks of steps, which costs a run nothing that can be measured. The motion at
+any instant is then the run from the checkpoint before it, with the samples that are asked for.
+"""
+
+import time
+from bisect import bisect_left
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, Protocol
+
+from runtime.core import function_table_slots as ft
+from runtime.core.array_types import Integers, Vector
+from runtime.core.loop_record import Plan
+from runtime.core.outcomes import Outcome
+from runtime.integrate.run import Change, Run
+from runtime.integrate.step import Signal
+
+_SPACING = 0.02  # measured: s of computing between two; what a look at an instant may take
+_MOST_BYTES = 2**25  # safety: of all; where they are more, every second is dropped
+_FREE = 10.0  # safety: steps before the end of a run, on which that does not show
+_GOING, _OK = int(Signal.GOING), int(Outcome.OK)
+# What a run says for itself, of the samples and of its end.
+_OWN = (
+    "every_step", "samples", "next_sample", "t_end", "duration", "h_max", "h_min", "max_steps",
+    "unlimited",
+)  # fmt: skip
+_NUMBERS = [ft.MODIFIED, ft.SLIDING_COUNT, ft.STABILIZED, ft.EACH_STAGE, ft.CORRECTING]
+
+
+class Snapshot(NamedTuple):
+    """The state of one `Run`, in copies."""
+
+    record: Any  # (1,), of the type `RUN`
+    block: Integers  # all arrays of the table that are not made elsewhere
+    numbers: Integers  # of the table, those that change
+    p: Vector  # parameters, with what the kernels take from them in sliding modes
+    methods: tuple[tuple[float, str], ...]
+    crossings: tuple[Any, ...]
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes that it takes."""
+        return int(self.block.nbytes + self.record.nbytes + self.p.nbytes)
+
+    def plain(self) -> "Snapshot":
+        """The same without orders of pivots, which are found again."""
+        return self._replace(crossings=(*self.crossings[:-1], ()))
+
+    @property
+    def longest(self) -> float:
+        """Length of the last step and of the next one, the larger, s."""
+        return float(max(self.record["h"][0], self.record["usual"][0]))
+
+
+def snapshot(run: Run) -> Snapshot:
+    """The state of a run that stands between two steps, away from singular positions."""
+    state, crossings = run.state, run.crossings
+    found = crossings.note, crossings.tries, crossings.began
+    return Snapshot(
+        state.wiring.arrays["record"].copy(), state.wiring.block.copy(), state.table[_NUMBERS],
+        state.p.copy(), tuple(state.methods),
+        (*found, tuple(crossings.passed), crossings.positions.orders.known),
+    )  # fmt: skip
+
+
+def restore(run: Run, kept: Snapshot) -> None:
+    """Put a fresh run of the same problem, perhaps with another end, where another stood.
+
+    It writes its own samples.
+    """
+    state, crossings = run.state, run.crossings
+    own = {name: state.record[name].item() for name in _OWN}
+    state.wiring.arrays["record"][:] = kept.record
+    state.wiring.block[:] = kept.block
+    state.table[_NUMBERS], state.p[:] = kept.numbers, kept.p
+    state.methods = list(kept.methods)
+    state.set_functions(state.methods[-1][1])
+    r = state.record
+    for name, number in own.items():
+        r[name] = number
+    state.find_stop(float(r["t"]))
+    crossings.note, crossings.tries, crossings.began, passed, known = kept.crossings
+    crossings.passed = list(passed)
+    crossings.positions.orders.known = known
+
+
+class Checkpoint(NamedTuple):
+    """Where a run stood between two steps."""
+
+    t: float  # s
+    state: Any  # a `Snapshot`, or what changes of coordinates make of those of their runs
+
+
+class Keeper(Protocol):
+    """What changes the coordinates of a run."""
+
+    def __call__(self, run: Run, code: int) -> tuple[Run, int]:
+        """A `Change`."""
+
+    def snapshot(self) -> Any:
+        """The state of all its runs, which tells its `nbytes`, and its `longest` step."""
+
+
+class Checkpoints:
+    """The checkpoints of one run, in order of time; the `Change` that makes them."""
+
+    def __init__(
+        self, change: Keeper | None = None, rows: Sequence[Checkpoint] = (), spacing: float = 0.0
+    ) -> None:
+        self.change, self.rows = change, list(rows)
+        self.spacing, self.bytes = max(spacing, _SPACING), sum(row.state.nbytes for row in rows)
+        self.due = time.perf_counter() + self.spacing
+
+    def __call__(self, run: Run, code: int) -> tuple[Run, int]:
+        """Make a checkpoint where the last one was made long ago."""
+        if self.change is not None:
+            run, code = self.change(run, code)
+        if code == _GOING and time.perf_counter() >= self.due:
+            r = run.state.record
+            if r["plan"] == Plan.FREE and not r["lent"]:
+                kept = snapshot(run) if self.change is None else self.change.snapshot()
+                self._add(Checkpoint(float(r["t"]), kept))
+        return run, code
+
+    def _add(self, row: Checkpoint) -> None:
+        self.rows.append(row)
+        self.bytes += row.state.nbytes
+        if self.bytes > _MOST_BYTES and len(self.rows) > 2:
+            self.rows, self.spacing = self.rows[::2], 2.0 * self.spacing
+            self.bytes = sum(kept.state.nbytes for kept in self.rows)
+        self.due = time.perf_counter() + self.spacing
+
+    def few(self, most: int) -> "list[Checkpoint]":
+        """The last of them, and of the others every so many, within some bytes.
+
+        Orders of pivots that singular positions were looked for with are left out.
+        """
+        every = max(1, -(-self.bytes // most))
+        rows = self.rows[::-1][::every][::-1]
+        return [row._replace(state=row.state.plain()) for row in rows]
+
+    def before(self, t: float) -> Checkpoint | None:
+        """The last checkpoint before the instant `t`, s; None: only the start of the run is."""
+        place = bisect_left(self.rows, t, key=lambda row: row.t)
+        return self.rows[place - 1] if place else None
+
+    def until(self, t: float) -> "list[Checkpoint]":
+        """Those on whose steps nothing shows yet of a run that ends at `t`, s."""
+        return [row for row in self.rows if row.t + _FREE * row.state.longest < t]
+
+    def groups(self, times: Sequence[float]) -> list[tuple[Checkpoint | None, slice]]:
+        """Ascending instants, by the checkpoints before them."""
+        starts = [self.before(t) for t in times]
+        cuts = [k for k in range(len(times)) if k == 0 or starts[k] is not starts[k - 1]]
+        ends = [*cuts[1:], len(times)]
+        return [(starts[a], slice(a, b)) for a, b in zip(cuts, ends, strict=True)]
+
+
+Watch = Callable[[Keeper | None], Change]
+"""Makes the `Change` of a run that is taken again, around its change of coordinates, if any."""
+
+
+class Until:
+    """A `Change` that ends a run as soon as it has passed an instant, s."""
+
+    def __init__(self, last: float, change: Change | None = None) -> None:
+        self.last, self.change = last, change
+
+    def __call__(self, run: Run, code: int) -> tuple[Run, int]:
+        """What the other change says, unless the instant lies behind."""
+        if self.change is not None:
+            run, code = self.change(run, code)
+        if code == _GOING and run.state.record["t"] >= self.last:
+            code = _OK
+        return run, code

@@ -1,0 +1,182 @@
+"""Instants between the samples of a result, and the sides of its events."""
+
+from copy import copy
+from typing import TYPE_CHECKING, Any, Literal, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.errors import InputError
+from codegen.plain_values import shown
+from runtime.core.unit_roundoff import EPS
+from runtime.results.assembled_state import State
+from runtime.results.samples import Samples
+
+if TYPE_CHECKING:
+    from runtime.results.result import Result
+
+FloatArray = npt.NDArray[np.float64]
+Side = Literal["before", "after"]
+
+_CLOSE = 40.0  # accuracy: units of rounding about a kink of a function of time, which has a width
+_PATIENCE = 1.0  # measured: s of integration that a picture takes once more
+_A_STEP = 4  # layout: points of a curve in a step of the run
+_LEAST, _MOST = 1000, 8000  # layout: points of a curve, and events of which both sides are drawn
+_SHOWN = 6  # layout: instants that a message names
+
+
+class Motion(Protocol):
+    """What a result asks for its motion at other instants than its own."""
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last instant, s."""
+
+    def at(self, result: Any, times: FloatArray) -> tuple[Samples, dict[str, FloatArray]]:
+        """Samples, and works by name, at ascending instants, (k,), s."""
+
+    def saved(self) -> dict[str, Any]:
+        """What a file keeps of it, as `packed_values` takes it."""
+
+    def resumed(
+        self, result: Any, t_end: Any, t_eval: Any, max_steps: int | None, progress: bool
+    ) -> Any:
+        """The result of going on to another end; see `Result.resume`."""
+
+
+def at(result: "Result", motion: Motion | None, t: Any, side: Side | None) -> "Result":
+    """See `Result.at`."""
+    title = result.description.title
+    if motion is None:
+        raise InputError(
+            f"{title}: at() needs the motion behind the result, and this is one of "
+            f"{result.analysis}. Ask a result of simulate, kinematics or inverse_dynamics."
+        )
+    if side not in (None, "before", "after"):
+        raise InputError(f'{title}: side is {shown(side)}; it must be "before" or "after".')
+    times = _instants(title, t)
+    first, last = _span(result, motion)
+    outside = times[(times < first) | (times > last)]
+    if len(outside):
+        named = ", ".join(f"{x:.9g}" for x in outside[:_SHOWN])
+        more = f" and {len(outside) - _SHOWN} more" if len(outside) > _SHOWN else ""
+        raise InputError(
+            f"{title}: t = {named}{more} s lies outside of the result, which goes from "
+            f"t = {first:.9g} to {last:.9g} s. Ask within, or simulate for longer."
+        )
+    return _sampled(result, motion, times, np.clip(_on_side(result, times, side), first, last))
+
+
+def for_curves(result: "Result") -> "Result":
+    """A result with so many instants that its curves look smooth, and both sides of its events.
+
+    Where the run took long it is the result itself, since its motion takes as long again.
+    """
+    motion, stats, count = result._motion, result.stats, len(result.t)
+    if motion is None or count < 2 or stats.get("integration_seconds", 0.0) > _PATIENCE:
+        return result
+    first, last = float(result.t[0]), float(result.t[-1])
+    points = int(np.clip(_A_STEP * stats.get("steps", 0), _LEAST, _MOST)) + 1
+    events = np.unique([event.time for event in result.events if first < event.time < last])
+    events = events[: 0 if len(events) > _MOST else None]
+    between = np.union1d(np.linspace(first, last, points), result.t)
+    sides = [_on_side(result, events, side) for side in ("before", "after")]
+    moved = np.concatenate([between, *sides])
+    order = np.argsort(moved, kind="stable")
+    times = np.concatenate([between, events, events])[order]
+    return _sampled(result, motion, times, np.clip(moved[order], first, last))
+
+
+def _sampled(result: "Result", motion: Motion, times: FloatArray, moved: FloatArray) -> "Result":
+    """The result with other instants, (k,) s; its motion is taken where they are moved to."""
+    unique, place = np.unique(moved, return_inverse=True)
+    samples, works = _taken(result, motion, unique)
+    found = copy(result)
+    vars(found).pop("data", None)
+    found.samples = Samples._make(array[place] for array in samples)._replace(t=times)
+    found.works = {name: work[place] for name, work in works.items()}
+    return found
+
+
+def _taken(
+    result: "Result", motion: Motion, times: FloatArray
+) -> tuple[Samples, dict[str, FloatArray]]:
+    """At ascending instants; that at which an analysis failed is the last sample itself."""
+    known = result.failed and len(result.t) and times[-1] == result.t[-1]
+    asked = times[:-1] if known else times
+    if not known:
+        return motion.at(result, asked)
+    row = Samples._make(array[-1:] for array in result.samples)
+    works = {name: work[-1:] for name, work in result.works.items()}
+    if not len(asked):
+        return row, works
+    samples, before = motion.at(result, asked)
+    joined = Samples._make(map(np.concatenate, zip(samples, row, strict=True)))
+    return joined, {name: np.concatenate([before[name], works[name]]) for name in works}
+
+
+def _span(result: "Result", motion: Motion) -> tuple[float, float]:
+    """First and last instant, s; of an analysis that failed the last sample is the last."""
+    first, last = motion.span
+    return first, float(result.t[-1]) if result.failed and len(result.t) else last
+
+
+def _instants(title: str, t: Any) -> FloatArray:
+    """Finite instants in any order, (k,)."""
+    try:
+        given = np.asarray(None if np.ma.is_masked(t) else t)
+    except KeyboardInterrupt:
+        raise
+    except BaseException:
+        given = np.asarray(None)
+    fits = given.dtype.kind in "iuf" and given.ndim < 2 and given.size > 0
+    if not fits or not np.isfinite(given).all():
+        raise InputError(
+            f"{title}: t is {shown(t)}; it must be an instant in s, or some of them in one "
+            "dimension, all finite numbers."
+        )
+    return np.atleast_1d(given.astype(np.float64))
+
+
+def _on_side(result: "Result", times: FloatArray, side: Side | None) -> FloatArray:
+    """Instants, those of events moved to the side that is asked for, s."""
+    if side is None or not result.events:
+        return times
+    of_time = {function.title for function in result.description.time_functions}
+    moved = times.copy()
+    for event in result.events:
+        reach = _CLOSE * EPS * abs(event.time) if event.name in of_time else 0.0
+        here = np.abs(times - event.time) <= reach
+        if side == "after":
+            moved[here] = np.nextafter(event.time, np.inf)
+        elif reach:
+            moved[here] = event.time - reach
+    return moved
+
+
+def state(result: "Result", t: float | None, side: Side | None) -> State:
+    """See `Result.state`."""
+    title = result.description.title
+    if t is not None:
+        times = _instants(title, t)
+        if len(times) != 1:
+            raise InputError(f"{title}: a state is that of one instant; t has {len(times)}.")
+        result = at(result, result._motion, t, side)
+    elif not len(result.t):
+        raise InputError(f"{title}: the result has no sample, and no state to start from.")
+    q, v = result.samples.q[-1].copy(), result.samples.v[-1].copy()
+    return State(float(result.t[-1]), q, v, result.description.coordinates)
+
+
+def resume(
+    result: "Result", motion: Motion | None, t_end: Any, t_eval: Any, max_steps: int | None,
+    progress: bool,
+) -> "Result":  # fmt: skip
+    """See `Result.resume`."""
+    if motion is None:
+        raise InputError(
+            f"{result.description.title}: a simulation goes on, and this is a result of "
+            f"{result.analysis}. Simulate from it, start=result."
+        )
+    found: Result = motion.resumed(result, t_end, t_eval, max_steps, progress)
+    return found
