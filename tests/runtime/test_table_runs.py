@@ -66,7 +66,7 @@ def test_steps_end_at_knots(kind: Kind, method: str, tmp_path: Path) -> None:
     model = Model("cart")
     law = model.table("law", X, Y, kind=kind)
     machine = load(pushed(law, model), folder=tmp_path)
-    run = machine.simulate(END, method=method)
+    run = machine.simulate(END, t_eval="steps", method=method)
     assert not run.failed
     place = float(run.q("cart.x")[-1])
     assert_allclose(time_to(law.table, place), END, atol=4e-8)
