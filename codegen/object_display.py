@@ -31,3 +31,9 @@ def html_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     body = "".join(f"<tr>{''.join(map(cell, row))}</tr>" for row in rows)
     titles = "".join(f"<th style='text-align:left'>{escape(title)}</th>" for title in head)
     return f"<table><thead><tr>{titles}</tr></thead><tbody>{body}</tbody></table>" if body else ""
+
+
+def counted(number: int, noun: str) -> str:
+    """The number with its noun, "1 body" or "3 bodies"."""
+    plural = f"{noun[:-1]}ies" if noun.endswith("y") else f"{noun}s"
+    return f"{number} {noun if number == 1 else plural}"

@@ -10,7 +10,7 @@ import numpy as np
 from codegen import argument_readers as readers
 from codegen.errors import FAILURES, InputError
 from codegen.plain_values import KindError
-from runtime.results.saved_result import GROUP, KINDS
+from runtime.results.saved_result import GROUP, KINDS, events_of, partitions_of
 
 if TYPE_CHECKING:
     from runtime.machine_facade import Machine
@@ -122,6 +122,8 @@ def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     from runtime.validation.parameters import parameter_values
 
     kept, parameters = saved["motion"], saved["parameters"]
+    if kept is not None and "parts" in kept:
+        return _joined(mechanism, saved)
     p, motion, variant = parameter_values(mechanism, parameters), None, mechanism
     if kept is not None:
         state = State(kept["t"], kept["q"], kept["v"])
@@ -133,12 +135,33 @@ def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     result = Result(
         mechanism.description, samples, p, analysis=saved["analysis"],
         outcome=Outcome[saved["outcome"]], message=saved["message"], stats=saved["stats"],
-        events=saved["events"], partitions=saved["partitions"],
+        events=events_of(saved["events"]), partitions=partitions_of(saved["partitions"]),
         not_unique=saved["not_unique"], singular=saved["singular"],
     )  # fmt: skip
     result.works, result.accuracy = saved["works"], saved["accuracy"]
     result.contradiction, result._motion = saved["contradiction"], motion
+    result.ended_by = saved["ended_by"]
     return result
+
+
+def _joined(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
+    """The result of several runs, with other joints each."""
+    from runtime.dynamics.joined_results import joined
+    from runtime.mechanism.sibling_scenes import sibling
+
+    results = []
+    for part, change in zip(saved["motion"]["parts"], [None, *saved["reconnections"]], strict=True):
+        if change is not None:
+            watched = next(
+                row
+                for row in mechanism.description.watched
+                if (row.target, row.action) == (change.joint, change.action)
+            )
+            mechanism = sibling(mechanism, watched)
+        results.append(_result(mechanism, part))
+    found = joined(results, saved["reconnections"])
+    found.message = saved["message"]
+    return found
 
 
 def _samples(mechanism: "Mechanism", p: "FloatArray", kept: dict[str, Any]) -> "Samples":

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
+from codegen.declare.condition import WatchedCondition
 from codegen.errors import FAILURES, SceneError
 from codegen.object_display import html_of, listed
 from codegen.plain_values import InvalidName, is_a, plain_name, shown
@@ -26,6 +27,7 @@ class Choices:
     frozen: bool = False
     analysis: Analysis = "dynamics"
     outputs: tuple[str, ...] | None = None
+    until: tuple[WatchedCondition, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,10 +35,12 @@ class Request(Choices):
     """The request of a scene, by name and unresolved; an extension builds on it.
 
     `without` names bodies, joints, effects and drivers that do not take part; `fidelity` may name
-    groups of alternatives too.
+    groups of alternatives too. `connected` are the joints that act of those that come and go;
+    None: those at the start of a run.
     """
 
     without: tuple[str, ...] = ()
+    connected: tuple[str, ...] | None = None
 
     def extended(self, by: "Request", explicit: frozenset[str]) -> "Request":
         """The request, overridden by that of an extension.
@@ -54,6 +58,7 @@ class Request(Choices):
         changes |= {k: tuple(dict.fromkeys(both(k))) for k in ("effects", "drivers")}
         for key in ("fidelity", "start", "guess", "parameters"):
             changes[key] = tuple(dict(both(key)).items())
+        changes["until"] = tuple({one.name: one for one in both("until")}.values())
         return replace(self, **changes)
 
 
@@ -72,6 +77,9 @@ class Owner(Protocol):
     @property
     def name(self) -> str:
         """Of the machine."""
+
+    def reconnected(self, scene: "Scene", connected: tuple[str, ...]) -> "Scene":
+        """The scene in which other joints act of those that come and go."""
 
     def varied(self, scene: "Scene", *, out: Any, taken: Any, **changes: Any) -> "Scene":
         """The scene with elements out and in, and other words changed."""
@@ -93,6 +101,8 @@ class Scene(Choices):
         Joints that do not act although their bodies take part.
     states
         The states that take part, of first order or sampled.
+    connected
+        The joints that act of those that come and go in a run.
     fidelity
         Effect or coupler → how it is taken, where it has more than one fidelity and the scene says.
     start
@@ -107,6 +117,8 @@ class Scene(Choices):
         ``"kinematics"`` compiles no mass and no force, ``"equilibrium"`` nothing of motion.
     outputs
         The outputs computed in addition to the motion; None means all.
+    until
+        The conditions that end a run.
     request, owner
         The request that the scene resolves, and the model that declared it.
     expression, root, problems
@@ -117,6 +129,7 @@ class Scene(Choices):
     bodies: tuple[str, ...]
     inactive_joints: tuple[str, ...]
     states: tuple[str, ...] = ()
+    connected: tuple[str, ...] = ()
     request: Request = field(default=Request(), repr=False, compare=False)
     owner: Owner | None = field(default=None, repr=False, compare=False)
     expression: str = field(default="", repr=False, compare=False)

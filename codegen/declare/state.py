@@ -11,6 +11,7 @@ from typing import Any
 import sympy
 
 from codegen.declare.body import Body
+from codegen.declare.condition import WatchedCondition
 from codegen.declare.element import Effect
 from codegen.declare.symbols import Coordinate, Velocity, own_coordinate
 
@@ -23,6 +24,14 @@ class Clock:
 
     every: sympy.Expr
     delay: sympy.Expr
+
+
+@dataclass(frozen=True, eq=False)
+class Trigger:
+    """What is 1 where a condition holds that renews a value once it begins to, and the value."""
+
+    indicator: sympy.Expr
+    sample: sympy.Expr
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +53,10 @@ class State:
     clock, sample
         When the value is renewed, and by which expression; None for a state of first order, and
         an expression for a value that a run brings.
+    triggers
+        The conditions that renew it, of a latch.
     given
-        Whether its rate, or clock, is declared.
+        Whether its rate, clock or triggers are declared.
     """
 
     name: str
@@ -55,6 +66,7 @@ class State:
     rate: sympy.Expr = sympy.S.Zero
     clock: Clock | None = None
     sample: sympy.Expr | None = None
+    triggers: tuple[Trigger, ...] = ()
     given: bool = False
     integral = own_coordinate("integral", "The integral of y, the coordinate whose rate y is.")
 
@@ -72,7 +84,16 @@ class State:
     def expressions(self) -> tuple[sympy.Expr, ...]:
         """All that determines it."""
         clock = (self.clock.every, self.clock.delay) if self.clock else ()
-        return tuple(e for e in (self.rate, self.sample, *clock) if e is not None)
+        renewed = (e for trigger in self.triggers for e in (trigger.indicator, trigger.sample))
+        return tuple(e for e in (self.rate, self.sample, *clock, *renewed) if e is not None)
+
+    @property
+    def conditions(self) -> tuple[WatchedCondition, ...]:
+        """The conditions that renew it, as effects."""
+        return tuple(
+            WatchedCondition(self.name, trigger.indicator, "sample", self.name)
+            for trigger in self.triggers
+        )
 
 
 @dataclass(frozen=True, eq=False)

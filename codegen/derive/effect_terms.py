@@ -8,6 +8,7 @@ from sympy.core.relational import Relational
 
 from codegen.declare import element as el
 from codegen.declare.body import Body
+from codegen.declare.condition import WatchedCondition
 from codegen.declare.return_values.effects import (
     forces_of,
     optional_terms,
@@ -52,6 +53,7 @@ class EffectTerms:
     measures: tuple[el.Measure, ...] = ()
     # (body, mass, acceleration) of the products that stand in V as one number
     weights: tuple[tuple[str, sympy.Expr, sympy.Expr], ...] = ()
+    watched: sympy.Expr | None = None  # 1 where a condition holds that a run watches, else 0
 
     @cached_property
     def gradient(self) -> tuple[tuple[Coordinate, sympy.Expr], ...]:
@@ -88,8 +90,16 @@ def effect_terms(effect: el.Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     pulls = tuple((s, _pull(s, f)) for s, f in along) + elastic
     components = tuple((part, unit, _pieces(value)) for part, unit, value in reported)
     friction = None if law is None else _friction(effect.name, law, hold)
+    watched = _pieces(effect.indicator) if isinstance(effect, WatchedCondition) else None
     return EffectTerms(
-        potential, loads, pulls, friction, hold, components, weights=weights_of(effect, bodies)
+        potential,
+        loads,
+        pulls,
+        friction,
+        hold,
+        components,
+        weights=weights_of(effect, bodies),
+        watched=watched,
     )
 
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import sympy
 
 from codegen.declare.body import Body
+from codegen.declare.condition import WATCHED, WatchedCondition
 from codegen.declare.element import Constraint, Effect, Element, Statement, label
 from codegen.declare.return_values.calls import name_errors
 from codegen.declare.return_values.elements import bodies_of, replaced_body
@@ -29,7 +30,7 @@ from codegen.derive.scene_conditions import (
 from codegen.derive.table_ranges import TableRange, table_ranges
 from codegen.derive.time_functions import TimeFunction, time_functions
 from codegen.model import Model
-from codegen.model.requested_outputs import TRACKED
+from codegen.model.base import TRACKED
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,7 @@ class SampledValue(NamedTuple):
     sample: sympy.Expr | None  # None: a run brings it
     every: sympy.Expr  # s
     delay: sympy.Expr  # s
+    watched: int = -1  # number of the condition that renews it, in place of a clock
 
 
 MassEntry = tuple[int, int, sympy.Expr]  # (row, column, entry) of M
@@ -92,15 +94,22 @@ class Equations:
     conditions: tuple[ElementCondition, ...] = ()  # on parameters, in terms of `parameters` alone
     profiles: tuple[Profile, ...] = ()
     states: tuple[State, ...] = ()
+    watched: tuple[WatchedCondition, ...] = ()
 
     @property
     def sampled(self) -> tuple[SampledValue, ...]:
         """The states that a clock renews."""
-        return tuple(
-            SampledValue(s.name, s.symbol, s.sample, s.clock.every, s.clock.delay)
-            for s in self.states
-            if s.clock
-        )
+        one, zero = sympy.S.One, sympy.S.Zero
+        values, numbers = list[SampledValue](), dict[str, list[int]]()
+        for k, condition in enumerate(self.watched):
+            numbers.setdefault(condition.target, []).append(k)
+        for s in self.states:
+            if s.clock:
+                clock = s.clock
+                values.append(SampledValue(s.name, s.symbol, s.sample, clock.every, clock.delay))
+            for k, trigger in zip(numbers.get(s.name, ()), s.triggers, strict=True):
+                values.append(SampledValue(s.name, s.symbol, trigger.sample, one, zero, k))
+        return tuple(values)
 
     @property
     def time_functions(self) -> tuple[TimeFunction, ...]:
@@ -205,7 +214,11 @@ def derive(model: Model, scene: Scene) -> Equations:
         *(q for c in constraints for _, q in c.statement.own),
     )
     dynamic = scene.analysis != "kinematics"
+    watched = model.watched(scene)
     effects = _effect_equations(model.acting(scene), scene, bodies)
+    effects += tuple(
+        EffectEquations(one.name, one.kind, effect_terms(one, bodies)) for one in watched
+    )
     overrides = dict(scene.parameters)
     mass, force = inertia(bodies, states, coordinates) if dynamic else ((), ())
     used = _symbols((mass, force, [s.expressions for s in states]), constraints, effects)
@@ -214,7 +227,7 @@ def derive(model: Model, scene: Scene) -> Equations:
         for p in model.parameters.values()
         if p.name in used
     )
-    taking_part = {*joints, *drivers, *(e.name for e in effects)}
+    taking_part = {*joints, *drivers, *(e.name for e in effects if e.kind != WATCHED)}
     everything: list[Element] = [*model.joints.values(), *model.drivers.values()]
     everything += model.effects.values()
     equations = Equations(
@@ -229,6 +242,7 @@ def derive(model: Model, scene: Scene) -> Equations:
         left_out=tuple((e.name, e.kind) for e in everything if e.name not in taking_part),
         unused=tuple(name for name in model.parameters if name not in used),
         states=states,
+        watched=watched,
     )
     if parameters and not scene.frozen:
         acting = acting_elements(model, scene)

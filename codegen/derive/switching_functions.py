@@ -235,3 +235,5 @@ def _expressions(terms: EffectTerms) -> Iterator[sympy.Expr]:
     yield from (e for _, e in terms.loads)
     if terms.potential is not None:
         yield terms.potential
+    if terms.watched is not None:
+        yield terms.watched

@@ -87,7 +87,8 @@ def operation_table(program: Program) -> tuple[tuple[str, int], ...]:
 # tables that a module leaves out where empty
 OPTIONAL = (
     *("folded", "unused", "rigid", "stiction", "shares", "time_functions", "conditions"),
-    *("profiles", "peaks", "table_ranges", "states", "sampled", "controllers"),
+    *("profiles", "peaks", "table_ranges", "states", "sampled", "controllers", "triggers"),
+    "watched",
 )
 
 NAMES = (

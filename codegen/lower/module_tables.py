@@ -77,6 +77,9 @@ class Description:
     # (name, column of its integral, unit, nominal size) of each state
     states: tuple[tuple[str, int, str, float], ...]
     sampled: tuple[str, ...]  # the states that a clock renews
+    triggers: tuple[int, ...]  # of each of SAMPLED its condition in WATCHED, -1: a clock
+    # (name, action, target, scene) of the conditions that a run watches
+    watched: tuple[tuple[str, str, str, str], ...]
     controllers: tuple[str, ...]  # those whose samples a run brings
     jacobian: Pattern  # pattern of Φ_q
     mass: Pattern  # pattern of M
@@ -99,6 +102,7 @@ def describe(
         *((name, value, "fixed") for name, value in fixed.items()),
         *((name, value, "guess") for name, value in named.guess if name not in fixed),
     )
+    triggers = tuple(s.watched for s in equations.sampled)
     parameters = tuple((p.name, p.value, p.unit, p.sign) for p in equations.parameters)
     return Description(
         model=equations.model,
@@ -111,7 +115,9 @@ def describe(
         folded=parameters if named.frozen else (),
         # what follows from a joint's reaction is friction in it, whatever its author calls it
         effects=tuple(
-            (e.name, "friction" if e.terms.friction else e.kind) for e in equations.effects
+            (e.name, "friction" if e.terms.friction else e.kind)
+            for e in equations.effects
+            if e.terms.watched is None
         ),
         left_out=equations.left_out,
         unused=equations.unused,
@@ -137,6 +143,8 @@ def describe(
             (s.name, scene.columns[s.integral], s.unit, s.nominal) for s in equations.states
         ),
         sampled=tuple(s.name for s in equations.sampled),
+        triggers=triggers if any(k >= 0 for k in triggers) else (),
+        watched=tuple((one.name, one.action, one.target, one.scene) for one in equations.watched),
         controllers=tuple(s.name for s in equations.sampled if s.sample is None),
         jacobian=Pattern.of(scene.jacobian),
         mass=Pattern.of(scene.mass),

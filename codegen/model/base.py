@@ -12,6 +12,7 @@ import sympy
 
 from codegen.declare import symbols as sy
 from codegen.declare.body import Body, Point
+from codegen.declare.connection import Connection
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.name_rules_and_hints import name_problem, nearest
 from codegen.declare.particle_and_ground import Ground, Particle
@@ -46,10 +47,11 @@ def _marked(method: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
+TRACKED = "tracked point"  # kind of a point whose place is an output
 TABLES: dict[str, type[Any]] = {
     "bodies": Body, "parameters": sy.ParameterDeclaration, "joints": Constraint,
     "drivers": Constraint, "effects": Effect, "scenes": Scene, "fidelities": dict, "groups": dict,
-    "couplers": tuple, "states": State,
+    "couplers": tuple, "states": State, "connections": Connection,
 }  # fmt: skip
 """Attributes of a model that list what is declared, by name, and the kind of their entries."""
 
@@ -70,6 +72,7 @@ class Declarations:
     scenes: dict[str, Scene]
     couplers: dict[str, tuple[Body, ...]]
     states: dict[str, State]
+    connections: dict[str, Connection]
     files: tuple[Path, ...]
     noted: frozenset[str]
     """Elements that hold stand-ins for what was noted; no more is said of them."""
@@ -198,6 +201,8 @@ class Declarations:
         word, table = "effect", "effects"
         if isinstance(element, Body):
             word, table = "particle" if isinstance(element, Particle) else "body", "bodies"
+        elif element.kind == TRACKED:
+            word = TRACKED
         elif isinstance(element, Constraint):
             word = "driver" if role(element.kind) == "driver" else "joint"
             table = f"{word}s"

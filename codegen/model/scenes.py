@@ -1,15 +1,18 @@
 """The scenes of a declaration."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any, cast
 
+from sympy import S
+
 from codegen.declare.body import Body
+from codegen.declare.condition import WatchedCondition
 from codegen.declare.element import Constraint
 from codegen.declare.name_rules_and_hints import name_problem, nearest
 from codegen.declare.return_values.constraints import own_coordinates, place_near
-from codegen.declare.return_values.effects import effect_expressions
+from codegen.declare.return_values.effects import effect_expressions, friction_law
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene, name_of
 from codegen.declare.state import states_in
@@ -17,17 +20,18 @@ from codegen.declare.symbols import Coordinate, Velocity
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
 from codegen.errors import FAILURES, ModelError
 from codegen.model.bodies import Form
+from codegen.model.connections import MOST, Connections
 from codegen.model.fidelities import NONE, Fidelities
 from codegen.model.requested_outputs import Outputs
 from codegen.plain_values import plain_name, shown
 
 DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
 """Keywords of a scene that an extension inherits unless it names them."""
-UNCHANGED = ("start", "parameters", *DEFAULTS)
+UNCHANGED = ("start", "parameters", "until", *DEFAULTS)
 """Fields that a scene takes from its request as they are."""
 
 
-class Scenes(Fidelities, Outputs):
+class Scenes(Fidelities, Outputs, Connections):
     """The scenes of a declaration."""
 
     def scene(
@@ -36,7 +40,8 @@ class Scenes(Fidelities, Outputs):
         couplers: Mapping[str | Body, Form] | None = None,
         fidelity: Mapping[Any, str] | None = None, start: Values | None = None,
         guess: Values | None = None, parameters: Values | None = None, frozen: bool | None = None,
-        analysis: Analysis | None = None, outputs: Names | None = None
+        analysis: Analysis | None = None, outputs: Names | None = None,
+        until: Mapping[str, Any] | None = None,
     ) -> Scene:  # fmt: skip
         """Declare a scene: the elements that take part in a question.
 
@@ -70,25 +75,28 @@ class Scenes(Fidelities, Outputs):
         analysis
             ``"dynamics"`` unless given. ``"kinematics"`` compiles neither masses nor forces,
             ``"equilibrium"`` nothing that only a motion needs.
+        until
+            Conditions that end a run, by name: ``{"landed": ball.y < 0}``. A run ends at the
+            instant at which one begins to hold, located as events are.
         outputs
             Outputs in addition to the motion: ``"reactions"``, ``"energy"``, ``"powers"``, or
             those of one element, ``"reaction(A)"``, ``"power(gas)"``; these three unless given,
             which ``"default"`` says in an extension or a list. The others have to be named:
             ``"force(strut)"``, and ``torque``, ``length``, ``angle``, ``rate``, ``deflection``,
-            ``gap``, ``penetration`` and ``potential`` in the same way; ``"path(tip)"`` of a tracked
-            point; ``"work(gas)"``, integrated along a simulation. ``"forces"``, ``"paths"``,
+            ``gap``, ``penetration`` and ``potential`` in the same way; ``"point(tip)"``, tracked;
+            ``"work(gas)"``, integrated along a simulation. ``"forces"``, ``"points"``,
             ``"works"`` and so on are those of all elements, and ``"all"`` is everything.
         """
         base = self.scenes.get(name)
         values = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)
-        bare = all(map(_is_empty, values)) and _none_of(frozen, analysis, outputs)
+        bare = all(map(_is_empty, (*values, until))) and _none_of(frozen, analysis, outputs)
         if bare and base is not None and base.request != Request():
             return base
         where, read = f"scene '{name}'", self._read
         request, explicit = self._read_request(
             read, where, effects, drivers, without=without, couplers=couplers, fidelity=fidelity,
             start=start, guess=guess, parameters=parameters, frozen=frozen, analysis=analysis,
-            outputs=outputs,
+            outputs=outputs, until=until,
         )  # fmt: skip
         if extends is not None:
             request = self._extend(read, where, extends, request, explicit)
@@ -99,7 +107,34 @@ class Scenes(Fidelities, Outputs):
             self._note(f"{where} is declared twice; give each scene its own name.")
         else:
             self._put("scenes", name, scene)
+            self._put_siblings(scene)
         return scene
+
+    def _put_siblings(self, scene: Scene) -> None:
+        """Declare the scenes in which a run goes on once other joints act."""
+        present = self._present(scene.bodies, scene.request.without)
+        if len(present) > MOST:
+            self._note(
+                f"scene '{scene.name}': {len(present)} joints come and go, {', '.join(present)}; "
+                f"{MOST} are the most. Leave some of them out by without=."
+            )
+            return
+        for connected in self._reachable(present, scene.connected)[1:]:
+            sibling = self.reconnected(scene, connected)
+            if sibling.name in self.scenes:
+                self._note(f"scene '{sibling.name}' follows from '{scene.name}'; rename it.")
+            else:
+                self._put("scenes", sibling.name, sibling)
+
+    def reconnected(self, scene: Scene, connected: tuple[str, ...]) -> Scene:
+        """The scene in which a run goes on where other joints act of those that come and go."""
+        self._require_scene("reconnected", scene)
+        connected = tuple(name for name in self.connections if name in connected)
+        request = replace(scene.request, connected=connected)
+        first = self._connected_name("", scene.connected)
+        name = self._connected_name(scene.name.removesuffix(first), connected)
+        about = {"expression": scene.expression, "root": scene.root}
+        return self._compose(Reader(), name, request, **about)
 
     def _read_request(
         self, read: Reader, where: str, effects: Names, drivers: Names, **words: Any
@@ -119,8 +154,38 @@ class Scenes(Fidelities, Outputs):
             frozen=read.flag(chosen["frozen"], f"{where}: frozen"),
             analysis=read.choice(chosen["analysis"], ANALYSES, f"{where}, analysis"),
             outputs=self._read_outputs(read, where, chosen["outputs"], chosen["analysis"]),
+            until=self._read_until(read, where, words.get("until")),
         )
         return request, frozenset(explicit)
+
+    def _read_until(self, read: Reader, where: str, until: Any) -> tuple[WatchedCondition, ...]:
+        """The conditions that end a run, each with a name that nothing else has."""
+        read_conditions = []
+        for key, when in read.mapping(until, "until", "{'landed': ball.y < 0}", where).items():
+            place = f"{where}, until"
+            if problem := name_problem("condition", key):
+                read.note(f"{place}: {problem}")
+                continue
+            if key in self._kinds:
+                read.note(f"{place}: '{key}' is the name of a {self._kinds[key]}; give another.")
+            if when is None:
+                read.note(f"{place}: '{key}' is None; give a condition, such as ball.y < 0.")
+                continue
+            indicator = read.gated(S.One, "", f"{place}, '{key}'", when)
+            read_conditions.append(WatchedCondition(key, indicator, "until"))
+        return tuple(read_conditions)
+
+    def watched(self, scene: Scene) -> tuple[WatchedCondition, ...]:
+        """The conditions that a run in a scene watches."""
+        if scene.analysis != "dynamics":
+            return ()
+        present, connected = self._present(scene.bodies, scene.request.without), scene.connected
+        of_joints = (
+            self.connections[name].watched(name in connected, self.reconnected(scene, after).name)
+            for name, after in self._neighbours(present, connected)
+        )
+        of_states = (one for name in scene.states for one in self.states[name].conditions)
+        return (*scene.until, *of_states, *filter(None, of_joints))
 
     def _roles(self) -> dict[str, str]:
         """What a name that stands in the wrong list of a scene stands for."""
@@ -182,10 +247,14 @@ class Scenes(Fidelities, Outputs):
         included, excluded = self._group_members(read, where, how, named)
         removed = (*request.without, *excluded)
         absent = (*removed, *self._absent_bodies(read, where, removed, how))
+        first, acts = self._connected_at_first(), request.connected
+        connected = tuple(n for n in (first if acts is None else acts) if n not in absent)
+        absent += tuple(n for n in self.connections if n not in connected)
         idle = {e for e, word in how.items() if word == NONE}
         present = [b for b in self.bodies if b not in absent]
         acting = {*named, *included, *self._output_points(request.outputs, present)}
-        acting -= idle | {*request.without}
+        gone = {n for n in self.connections if n not in connected}
+        acting -= idle | {*request.without} | self._rubbing_in(acting, gone)
         read.problems += [
             f"{where}: '{e}' has a fidelity but does not act; name it among the effects."
             for e in how
@@ -197,15 +266,34 @@ class Scenes(Fidelities, Outputs):
             bodies=tuple(present),
             effects=tuple(e for e in self.effects if e in acting),
             drivers=tuple(d for d in self.drivers if d in driving),
+            connected=connected,
             inactive_joints=tuple(n for n in dict.fromkeys(absent) if n in self.joints),
             fidelity=tuple((n, w) for n, w in how.items() if n in acting or n not in self.effects),
             guess=self._locate_contacts(request.start, absent, request.guess),
             request=request,
             owner=cast(Owner, self),
-            **{key: getattr(request, key) for key in UNCHANGED},
+            **{key: getattr(request, key) for key in UNCHANGED}
+            | {"outputs": self._outputs_without(request.outputs, gone)},
             **about,
         )
         return replace(scene, states=self._states_of(scene, named)) if self.states else scene
+
+    def _rubbing_in(self, effects: Iterable[str], joints: set[str]) -> set[str]:
+        """The frictions among effects that rub in these joints, which do not act."""
+        found = set()
+        for name in effects:
+            with suppress(*FAILURES):  # reported by `build`
+                law = friction_law(self.effects[name]) if joints else None
+                found |= {name} if law and law.joint in joints else set()
+        return found
+
+    @staticmethod
+    def _outputs_without(
+        outputs: tuple[str, ...] | None, joints: set[str]
+    ) -> tuple[str, ...] | None:
+        """The outputs that do not belong to these joints, which do not act."""
+        gone = {f"reaction({name})" for name in joints}
+        return None if outputs is None else tuple(word for word in outputs if word not in gone)
 
     def _states_of(self, scene: Scene, named: tuple[str, ...]) -> tuple[str, ...]:
         """The states that are `named` or that something which acts contains."""
@@ -216,6 +304,9 @@ class Scenes(Fidelities, Outputs):
         for effect in self.acting(scene).values():
             with suppress(*FAILURES):  # reported by `build`
                 found |= states_in(*effect_expressions(effect, bodies))
+        changes = (self.connections[name] for name in self._present(scene.bodies, ()))
+        indicators = [e for one in changes for e in (one.released, one.engaged) if e is not None]
+        found |= states_in(*(one.indicator for one in scene.until), *indicators)
         pending = found & {*self.states}
         while pending:
             parts = (e for name in pending for e in self.states[name].expressions)

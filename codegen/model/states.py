@@ -6,7 +6,7 @@ from typing import Any
 import sympy
 
 from codegen.declare import units as quantities
-from codegen.declare.state import Clock, State
+from codegen.declare.state import Clock, State, Trigger
 from codegen.declare.symbols import Velocity
 from codegen.model.base import Declarations
 from codegen.plain_values import plain_name, shown
@@ -59,7 +59,7 @@ class States(Declarations):
         known = {s.symbol: s for s in self.states.values()}
         symbol: object = state
         found = known.get(symbol) if isinstance(symbol, Velocity) else None
-        if found is None or found.clock is not None:
+        if found is None or found.clock is not None or found.triggers:
             self._note(f"state_equation({shown(state)}, ...): give what model.state(...) answered.")
         elif found.given:
             self._note(f"state '{found.name}' has two rates; give one.")
@@ -67,10 +67,10 @@ class States(Declarations):
             self._set_rate(found, rate, f"state '{found.name}'")
 
     def sampled(
-        self, name: str, every: Any, value: Any = None, delay: Any = 0, start: Any = 0,
-        unit: str = "", nominal: Any = 1,
+        self, name: str, every: Any = None, value: Any = None, delay: Any = 0, start: Any = 0,
+        unit: str = "", nominal: Any = 1, when: Any = None,
     ) -> Velocity:  # fmt: skip
-        """A value that is renewed by a clock and kept in between: the output of a controller.
+        """A value that a clock or an event renews, and that is kept in between.
 
         It answers the symbol of the value, as `state` does. At t = 0, `every`, 2 `every` … the
         expression is evaluated; values that are renewed at one instant are so in the order of
@@ -80,6 +80,8 @@ class States(Declarations):
         ----------
         every
             The period of the clock, s.
+        when
+            In place of a clock: a condition; the value is renewed each time it begins to hold.
         value
             An expression of t, q, q̇, states and parameters in `unit`; or a function of the value
             itself that answers one, ``lambda e: e + k*error``; None where a run brings a function
@@ -92,6 +94,13 @@ class States(Declarations):
             As in `state`.
         """
         where = f"sampled value '{name}'"
+        if (every is None) == (when is None):
+            self._note(f"{where}: give every=, the period of its clock, or when=, a condition.")
+        if when is not None:
+            indicator = self._read.gated(sympy.S.One, "", where, when)
+            declared = self._declare_state(name, where, start, unit, nominal)
+            sample = self._expression(ZERO if value is None else value, declared, unit, where)
+            return self._renewed(declared, (Trigger(indicator, sample),))
         period = self._value(every, "s", f"period of {where}", "positive")
         wait = self._value(delay, "s", f"delay of {where}", "nonnegative")
         if period.is_number and not period > 0:
@@ -103,6 +112,35 @@ class States(Declarations):
         declared = replace(declared, clock=Clock(period, wait), sample=sample, given=True)
         if declared.name in self.states:
             self._put("states", declared.name, declared)
+        return declared.symbol
+
+    def latch(self, name: str, when: Any, reset: Any = None) -> sympy.Basic:
+        """A condition with a memory: once `when` has held, it holds, until `reset` begins to hold.
+
+        It answers the condition, which may stand in ``when=`` of forces, in other conditions and in
+        a Piecewise. Its value, 1 or 0, is a state of the name.
+
+        Parameters
+        ----------
+        when, reset
+            Conditions of t, q, q̇, states and parameters; without `reset` it holds for good.
+        """
+        where = f"latch '{name}'"
+        both = [(when, sympy.S.One)] + ([] if reset is None else [(reset, ZERO)])
+        if when is None:
+            self._note(f"{where}: when=None is no condition; compare coordinates, velocities or t.")
+            both = []
+        triggers = tuple(
+            Trigger(self._read.gated(sympy.S.One, "", where, condition), value)
+            for condition, value in both
+        )
+        declared = self._declare_state(name, where, 0, "", 1)
+        return self._renewed(declared, triggers) > sympy.Rational(1, 2)
+
+    def _renewed(self, declared: State, triggers: tuple[Trigger, ...]) -> Velocity:
+        """Declare what conditions renew."""
+        if declared.name in self.states:
+            self._put("states", declared.name, replace(declared, triggers=triggers, given=True))
         return declared.symbol
 
     def _declare_state(self, name: str, where: str, start: Any, unit: str, nominal: Any) -> State:

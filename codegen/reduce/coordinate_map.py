@@ -21,7 +21,7 @@ _FAR = 0.16  # measured: of the largest ρ²; nearer to a dead centre no run ret
 _MOSTLY = 0.5  # measured: share of positions; 0.65 at least of 36 loops that serve, 0 of one
 EVENT_KERNELS = (
     *("switching", "switching_rates", "gap_accelerations", "holds", "restitution"),
-    *("peak_arguments", "samples", "clocks"),
+    *("peak_arguments", "samples", "clocks", "watched"),
 )
 """Kernels that are repeated in the coordinates that are kept."""
 

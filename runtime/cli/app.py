@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from codegen.errors import InputError
+from codegen.object_display import counted
 from codegen.termination_signals import finish, keep_results
 from runtime.cli import common, studies
 from runtime.cli.common import (
@@ -24,6 +25,7 @@ from runtime.cli.common import (
     Model,
     MotionStart,
     Scene,
+    Start,
     TEnd,
     TStart,
     Values,
@@ -55,12 +57,14 @@ Points = Annotated[int, option("Number of output instants, ends included.", min=
 @with_run_options
 def simulate(
     model: Model, t_end: TEnd, t_start: MotionStart = 0.0, scene: Scene = None,
-    settings: Values = None, guess: Guess = None, generated: Generated = None,
-    points: Points = 501, out: Out = None, as_json: Json = False, **run: Any,
+    settings: Values = None, start: Start = None, guess: Guess = None,
+    generated: Generated = None, points: Points = 501, out: Out = None, as_json: Json = False,
+    **run: Any,
 ) -> None:  # fmt: skip
     """Dynamics: the motion of the machine under the forces that act on it."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
+        values |= common.kept_values(start)
         return machine.simulate(t_end, points, t_start=t_start, **words(run), **values)
 
     _run(analyse, model, scene, settings, guess, generated, out, as_json)
@@ -100,8 +104,8 @@ def inverse(
 def report(
     model: Model, out: Annotated[Path, option("The page to write, .html.")],
     t_end: TEnd = 1.0, t_start: MotionStart = 0.0, scene: Scene = None, settings: Values = None,
-    guess: Guess = None, generated: Generated = None, points: Points = 501, as_json: Json = False,
-    **run: Any,
+    start: Start = None, guess: Guess = None, generated: Generated = None, points: Points = 501,
+    as_json: Json = False, **run: Any,
 ) -> None:  # fmt: skip
     """A page about a run: a simulation, or the driven motion where drivers leave no freedom."""
 
@@ -112,6 +116,7 @@ def report(
             inverse = machine.description.has_masses
             driven = machine.inverse_dynamics if inverse else machine.kinematics
             return driven(instants, **values)
+        values |= common.kept_values(start)
         return machine.simulate(t_end, points, t_start=t_start, **words(run), **values)
 
     if out.suffix != ".html":
@@ -167,7 +172,7 @@ def _run(
         count = len(result.t)
         until = f" up to t = {result.t[-1]:g} s" if failed and count else ""
         subject = "What was computed" if failed else "Saved"
-        common.write_line(f"  {subject}: {count} instants{until} in {saved}")
+        common.write_line(f"  {subject}: {counted(count, 'instant')}{until} in {saved}")
     elif failed:
         common.write_line("  Nothing was saved; give --out FILE to keep what was computed.")
     if as_json:

@@ -28,6 +28,9 @@ Guess = Annotated[list[str] | None, option("NAME=VALUE: a start value, in SI uni
 Generated = Annotated[
     Path | None, option("Folder of the generated modules, as --out of build names it.")
 ]
+Start = Annotated[
+    list[str] | None, option("NAME=VALUE: a start value that is kept, in SI units.", "--start")
+]
 Json = Annotated[bool, option("Print one JSON object on stdout.", "--json")]
 TEnd = Annotated[float, option("Last instant in s.", "--t-end")]
 OptionalTEnd = Annotated[float | None, option("Last instant in s.", "--t-end")]
@@ -43,7 +46,18 @@ def start_values(parameters: list[str] | None, guess: list[str] | None) -> dict[
     """The arguments `parameters` and `guess` of an analysis, from the options --set and --guess."""
     values: dict[str, dict[str, float]] = {"parameters": {}, "guess": {}}
     options = [("parameters", "--set", text) for text in parameters or ()]
-    options += [("guess", "--guess", text) for text in guess or ()]
+    return _read(values, options + [("guess", "--guess", text) for text in guess or ()])
+
+
+def kept_values(start: list[str] | None) -> dict[str, Any]:
+    """The argument `start` of a simulation, from the option --start."""
+    return _read({"start": {}}, [("start", "--start", text) for text in start]) if start else {}
+
+
+def _read(
+    values: dict[str, dict[str, float]], options: list[tuple[str, str, str]]
+) -> dict[str, Any]:
+    """The values, with those of options: argument, option, and its text."""
     problems = []
     for argument, option, text in options:
         name, _, value = text.partition("=")

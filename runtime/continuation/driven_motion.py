@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from codegen.object_display import counted
 from codegen.termination_signals import SignalDeferral
 from runtime.continuation import motion_across_branch_point as across
 from runtime.continuation import singular_position_messages as classification
@@ -298,7 +299,7 @@ def follow(
     }
     t, q, v = times[:done], state.q_out[:done], state.v_out[:done]
     if outcome is Outcome.OK:
-        message = f"{len(times)} instants from t = {times[0]:g} to {times[-1]:g} s."
+        message = f"{counted(len(times), 'instant')} from t = {times[0]:g} to {times[-1]:g} s."
     elif done == 0 or state.t > times[done - 1]:
         t, q, v = np.append(t, state.t), np.vstack([q, state.q]), np.vstack([v, state.v])
     message += continuation.notes + classification.crossings(crossed)

@@ -40,6 +40,7 @@ SLIDING_COUNT = TABLE.number("sliding_count")  # functions in sliding mode
 STABILIZED = TABLE.number("stabilized")  # 1: constraints are stabilized by Baumgarte's terms
 PEAKS = TABLE.number("peaks")  # functions of the position that may peak within a step
 SAMPLED = TABLE.number("sampled")  # values that clocks renew
+WATCHED = TABLE.number("watched_count")  # conditions that are watched
 CONTROLLERS = TABLE.number("controllers")  # those among them that Python computes
 QUEUE = TABLE.number("queue")  # samples of one value that wait for their delay, at most
 EACH_STAGE = TABLE.number("each_stage")  # 1: every stage returns onto the constraints
@@ -110,6 +111,7 @@ resolved_part_of = TABLE.function("resolved_part", RESOLVED_PART)
 
 # Of runs with sampled values alone.
 renew_of = TABLE.function("renew", PART)
+watch_of = TABLE.function("watch", PART)
 
 # The run: see `workspace_rows` for the rows of the first two.
 TABLE.floats("workspace", WORKSPACE_SIZE)
@@ -172,11 +174,13 @@ TABLE.floats("peak_exponents", PEAKS)
 TABLE.matrix("peak_rows", (8, None), PEAKS)  # u, du/dt at both ends, between
 
 # Values that clocks renew: see `integrate.sampled_values`.
-TABLE.integers("sampled_columns due", SAMPLED)
+TABLE.integers("sampled_columns sample_triggers due", SAMPLED)
 TABLE.floats("sample_clocks", (2, SAMPLED))  # period and delay of each, s
 TABLE.integers("ticks", (2, SAMPLED))  # numbers of the next sample and of the next to act
 TABLE.floats("sample_values", SAMPLED)
 TABLE.matrix("waiting_samples", SAMPLED, QUEUE)
+TABLE.integers("ends_run", WATCHED)  # 1: the condition ends the run
+TABLE.floats("watched_before watched_now", WATCHED)  # 1: it holds
 
 # The search for consistent modes; the function of the event that was located.
 TABLE.integers("candidate_modes members signs former_modes", SWITCHES)

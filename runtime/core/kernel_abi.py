@@ -103,7 +103,7 @@ class Kernels:
     `peak_arguments` are the arguments of the functions in PEAKS and their rates.
     `dead_centres` are x² of each loop in closed form, its rate, and the largest that it may be.
     `samples` are those of SAMPLED, computed where `modes`, here one for each of these, is 1;
-    `clocks` their periods and delays, s.
+    `clocks` their periods and delays, s. `watched` is 1 where a condition of WATCHED holds.
     """
 
     constants: Kernel = _kernel("constants", "p", _skip_1)
@@ -139,6 +139,7 @@ class Kernels:
     dead_centres: Kernel = _kernel("dead_centres", "t q v p out", _skip_5)
     samples: Kernel = _kernel("samples", "t q v p modes out", _no_samples)
     clocks: Kernel = _kernel("clocks", "p out", _skip_2)
+    watched: Kernel = _kernel("watched", "t q v p modes out", _no_samples)
 
     def table(self) -> Integers:
         """Addresses in the order of the fields, with which every function table begins."""
@@ -178,6 +179,7 @@ accelerations_tangent_of = _fetcher("accelerations_tangent")
 correction_tangent_of = _fetcher("correction_tangent")
 dead_centres_of = _fetcher("dead_centres")
 samples_of = _fetcher("samples")
+watched_of = _fetcher("watched")
 
 
 def gather(module: ModuleType) -> Kernels:

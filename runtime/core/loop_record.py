@@ -112,6 +112,7 @@ _INTEGERS += [
     "pace_events",  # number of events at `pace_start`
     "unlimited",  # 1: a run whose steps get ever shorter goes on
     "slower",  # doublings in a row of which each covers less time than the one before
+    "stopped_by",  # condition that has ended the run, or -1
     "plan",  # about a singular position, a `Plan`
     "resumed",  # 1: it goes on from a run in other coordinates, whose modes it takes over
 ]

@@ -42,6 +42,9 @@ class System(Kernels):
     independent: tuple[int, ...] | None = None
     sampled: tuple[int, ...] = ()  # velocities that a clock renews
     sampled_names: tuple[str, ...] = ()
+    # of each of them the condition that renews it, -1: a clock
+    triggers: tuple[int, ...] = ()
+    watches: tuple[int, ...] = ()  # conditions that are watched, 1: one ends the run
     controllers: tuple[int, ...] = ()  # numbers of those among them that a run brings
     loops: int = 0  # that the kernels close in closed form, on one branch: those of `dead_centres`
 

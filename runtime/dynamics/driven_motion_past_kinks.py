@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from codegen.object_display import counted
 from runtime.continuation.driven_motion import follow
 from runtime.continuation.driven_motion_state import DrivenMotion
 from runtime.core.outcomes import Outcome
@@ -102,7 +103,7 @@ def _of_instants(
     if motion.outcome is not Outcome.OK:
         return motion
     _, _, notes = motion.message.partition(" s.")
-    message = f"{len(times)} instants from t = {times[0]:g} to {times[-1]:g} s.{notes}"
+    message = f"{counted(len(times), 'instant')} from t = {times[0]:g} to {times[-1]:g} s.{notes}"
     if end is None:
         return motion._replace(message=message)
     t, passage = end

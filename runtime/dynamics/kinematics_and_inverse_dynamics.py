@@ -85,10 +85,7 @@ def inverse_dynamics(
     """Motion, reactions, drives and powers at the instants `t_eval`; options as `kinematics`."""
     description = mechanism.description
     if not description.has_masses:
-        raise AnalysisError(
-            f"{description.title}: inverse dynamics needs masses, and this scene has a body "
-            f"without. Give every body a mass and an inertia, or ask for kinematics."
-        )
+        raise AnalysisError(description.need_masses("inverse dynamics", ", or ask for kinematics"))
     p = parameter_values(mechanism, parameters)
     require_masses(mechanism, p)
     options |= {"parameters": parameters, "analysis": "inverse dynamics"}

@@ -87,8 +87,11 @@ class SimulatedMotion:
 
     def known(self, result: Result, t: float) -> tuple[float, FloatArray] | None:
         """The last sample up to the instant `t`, s, and all its coordinates."""
-        row = int(np.searchsorted(result.t, t, side="right")) - 1
-        return (float(result.t[row]), result.samples.q[row]) if row >= 0 else None
+        rows = np.flatnonzero(result.t <= t)
+        if not len(rows):
+            return None
+        row = rows[result.t[rows].argmax()]
+        return float(result.t[row]), result.samples.q[row]
 
     def _evaluated(self, run: Trajectory, times: FloatArray) -> Samples:
         """All that is computed from the states of a run at these instants."""
@@ -137,8 +140,8 @@ class SimulatedMotion:
         rows = np.flatnonzero(known & (result.t <= t))
         if not len(rows):
             return self.ready.begin.t, dict.fromkeys(result.works, 0.0)
-        works = {name: float(work[rows[-1]]) for name, work in result.works.items()}
-        return float(result.t[rows[-1]]), works
+        row = rows[result.t[rows].argmax()]
+        return float(result.t[row]), {name: float(w[row]) for name, w in result.works.items()}
 
     def works_from(
         self, kept: Checkpoint | None, run: Trajectory, base: float

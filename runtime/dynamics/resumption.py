@@ -35,6 +35,11 @@ def resume(
     others = {"max_steps": optional(count(1)), "progress": flag}
     given = read_arguments(title, others, {"max_steps": max_steps, "progress": progress})
     max_steps, progress = given["max_steps"], given["progress"]
+    if result.ended_by:
+        raise InputError(
+            f"{title}: the run ended where '{result.ended_by}' began to hold, and would end there "
+            "again. Simulate from it, start=result, in a scene without this condition."
+        )
     last, times = _read(result, motion, t_end, t_eval)
     ready = motion.ready.until(last)
     old = motion.options

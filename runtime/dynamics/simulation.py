@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from codegen.object_display import counted
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.modes_and_event_kinds import KNOTS
@@ -130,7 +131,10 @@ def _result(
     """Outputs at the samples; a run that stopped early gets its last state as one more."""
     p, begin = ready.p, ready.begin
     t, q, v, modes = run.t, run.q, run.v, run.modes
-    if run.outcome is not Outcome.OK and (len(t) == 0 or run.final_t > t[-1]):
+    watched = mechanism.description.watched
+    ended = run.stopped_by >= 0 and not watched[run.stopped_by].reconnects
+    early = run.outcome is not Outcome.OK or ended
+    if early and (len(t) == 0 or run.final_t > t[-1]):
         t = np.append(t, run.final_t)
         q, v = np.vstack([q, run.final_q]), np.vstack([v, run.final_v])
         modes = np.vstack([modes, run.final_modes[None, :]])
@@ -181,6 +185,11 @@ def _result(
     )  # fmt: skip
     if run.outcome in _LEAVING:
         name_left_tables(result, Equations(mechanism, p))
+    if ended:
+        result.ended_by = watched[run.stopped_by].name
+    elif run.stopped_by >= 0:
+        table = mechanism.description.coordinates
+        result.reconnection = run.stopped_by, State(run.final_t, run.final_q, run.final_v, table)
     if run.outcome is Outcome.CONTRADICTED:
         result.contradiction = f"At t = {run.final_t:.9g} s it stopped. {run.note}"
     return result
@@ -219,9 +228,12 @@ def _crossings_note(mechanism: Mechanism, run: Trajectory) -> str:
 
 def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
     """How the run ended, with time and element."""
+    if run.stopped_by >= 0:
+        name, note = mechanism.description.watched[run.stopped_by].name, run.note
+        return f"Ended at t = {run.final_t:.9g} s, where '{name}' began to hold. {note}".rstrip()
     if run.outcome is Outcome.OK:
         return (
-            f"Reached t = {run.final_t:g} s in {run.statistics.steps} steps."
+            f"Reached t = {run.final_t:g} s in {counted(run.statistics.steps, 'step')}."
             f"{_methods_note(run)}{_crossings_note(mechanism, run)} {run.note}"
         ).rstrip()
     description = mechanism.description

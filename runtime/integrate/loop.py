@@ -180,6 +180,14 @@ def follow_plan(context: Integers) -> int:
 
 
 @inner
+def watch_events(context: Context) -> int:
+    """After events: what begins with a condition that is watched."""
+    if context[ft.WATCHED] == 0 or run_record(context).changed == 0:
+        return Signal.PROCEED
+    return int(ft.watch_of(context)(context))
+
+
+@inner
 def renew_when_due(context: Context) -> int:
     """Renew the sampled values that are due at the end of the step."""
     r = run_record(context)
@@ -207,6 +215,8 @@ def advance(context: Integers, budget: int) -> int:
             signal = accept_step(context)
         if signal == Signal.PROCEED:
             signal = judge_events(context)
+        if signal == Signal.PROCEED:
+            signal = watch_events(context)
         if signal == Signal.PROCEED:
             signal = follow_plan(context)
         if signal == Signal.PROCEED:

@@ -41,7 +41,7 @@ _LONGEST_CHUNK = 16384  # safety: steps before an interrupt is heard, at most
 _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
 # As integers: looking up a member of an enumeration is slow in Python 3.11.
 _GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
-_KINK, _SAMPLE = int(Signal.KINK), int(Signal.SAMPLE)
+_KINK, _SAMPLE, _STOP = int(Signal.KINK), int(Signal.SAMPLE), int(Signal.STOP)
 _STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
 _CLOSE = 1e-6  # safety: of the run; nearer to a pole or a lock-up, that is why it ends
 
@@ -127,6 +127,8 @@ class Run:
                     code = self.crossings.leave_start()
             elif self.crossings.note:
                 code = Outcome.SINGULAR  # whichever way the search for a start ended
+        if code == Outcome.OK and self.state.system.watches and not self.state.record["resumed"]:
+            code = self._watch_start()
         self.recording.flush()
         if self.state.system.switches and not self.state.record["resumed"]:
             self._log_first_impacts()
@@ -193,6 +195,7 @@ class Run:
                     code, run.note = int(Outcome.MEMORY), notes.memory_note(run.recording)
                 if code == _GOING and (signals.arrived or stopped):
                     code, signals.answered = int(Outcome.INTERRUPTED), not stopped
+            code = int(Outcome.OK) if code == _STOP else code
             if code in (*_STUCK, Outcome.CONTRADICTED):
                 code = run._end_at_lock_up(run._end_at_pole(code))
         return run.result(Outcome(code), time.thread_time() - began)
@@ -262,7 +265,16 @@ class Run:
             number = np.array([state.system.switches + passage.source])
             self.recording.add_events(r["t"], number, [passage.event], state.y.ravel())
             r["events"] += 1
+        if code == Outcome.OK and state.system.watches:
+            code = self._watch_start()
         return _GOING if code == Outcome.OK else code
+
+    def _watch_start(self) -> int:
+        """What begins with a condition that holds from the first instant on; a code or STOP."""
+        from runtime.integrate.sampled_values import watch_now
+
+        code = int(watch_now(self.state.table))
+        return int(Outcome.OK) if code == Signal.PROCEED else code
 
     def _take_first_samples(self) -> None:
         """Let the values that clocks renew at the very first instant act from there on."""
@@ -323,6 +335,7 @@ class Run:
             v=y[:, n:],
             modes=modes,
             outcome=outcome,
+            stopped_by=int(r["stopped_by"]),
             index=int(r["index"]),
             first_t=self.first_t,
             final_t=stopped,

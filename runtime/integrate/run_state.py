@@ -28,7 +28,7 @@ _METHOD_NUMBERS = (
 )  # fmt: skip
 # What a run knows of its switching functions, samples and events whatever its coordinates.
 _OF_SWITCHES = ("modes", "switching_rows", "share", "recent_events")
-_OF_CLOCKS = ("ticks", "waiting_samples")
+_OF_CLOCKS = ("ticks", "waiting_samples", "watched_before")
 _OF_ENERGY = ("balances", "usual_part", "rounding")
 _OF_EVENTS = (
     "t", "usual", "samples", "next_sample", "event_span", "flight", "shrinking", "standing",
@@ -112,7 +112,7 @@ class RunState:
         r["energy"], r["balances"] = np.nan, 1
         r["growth_limit"] = r["ratio_limit"] = GROWTH_LIMIT
         r["event_span"] = r["sample_at"] = np.inf
-        r["index"] = -1
+        r["index"] = r["stopped_by"] = -1
         r["permitted"] = 1.0
         r["quiet"] = r["blind_from"] = r["blind_to"] = r["doubtful"] = -np.inf
 
@@ -195,7 +195,7 @@ class RunState:
             sliding = int(np.count_nonzero(self.modes == SLIDING))
             self.table[ft.SLIDING_COUNT] = sliding
             self.table[ft.MODIFIED] = sliding + self.table[ft.STABILIZED]
-        if self.system.sampled:
+        if self.system.sampled or self.system.watches:
             for name in _OF_CLOCKS:
                 arrays[name][:] = other.wiring.arrays[name]
         self.methods = other.methods

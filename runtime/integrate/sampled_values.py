@@ -1,4 +1,4 @@
-"""Values that clocks renew, and keep in between: steps end at samples, and the method starts anew.
+"""Values that clocks and conditions renew: steps end there, and the method starts anew.
 
 They are velocities without accelerations. At a sample the kernel `samples` computes those that are
 due; where a run brings functions of its own, Python does.
@@ -9,8 +9,9 @@ import numpy as np
 from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context, i8
 from runtime.core.jit import ADDRESSES, addressed, compiled, inner
-from runtime.core.kernel_abi import samples_of
+from runtime.core.kernel_abi import samples_of, watched_of
 from runtime.core.loop_record import run_record
+from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import Y0, row_of
 from runtime.integrate.clocks import CLOCK
@@ -19,16 +20,28 @@ from runtime.integrate.sampling import INSTANTS, QUADRATURE, record
 from runtime.integrate.step import Signal
 from runtime.linalg.vectors import copy_vector
 
+_MOST_ROUNDS = 8  # safety: rounds at one instant in which values renew one another
+
 
 @inner
 def next_instant(context: Context) -> float:
-    """The next instant at which a value is sampled or acts, s."""
+    """The next instant at which a clock samples a value, or a sample acts, s."""
     clocks, ticks, at = context.sample_clocks, context.ticks, np.inf
     for k in range(context[ft.SAMPLED]):
-        at = min(at, ticks[2 * k] * clocks[2 * k])
-        if clocks[2 * k + 1] > 0.0:
-            at = min(at, ticks[2 * k + 1] * clocks[2 * k] + clocks[2 * k + 1])
+        if context.sample_triggers[k] < 0:
+            at = min(at, ticks[2 * k] * clocks[2 * k])
+            if clocks[2 * k + 1] > 0.0:
+                at = min(at, ticks[2 * k + 1] * clocks[2 * k] + clocks[2 * k + 1])
     return at
+
+
+@inner
+def evaluate_samples(context: Context) -> None:
+    """Write the samples that are due at Y0."""
+    samples_of(context)(
+        run_record(context).t, context.q0, context.v0, context.parameters, context.due,
+        context.sample_values,
+    )  # fmt: skip
 
 
 @compiled(i8(ADDRESSES))
@@ -48,37 +61,44 @@ def compute_samples(context: Context) -> int:
                 break
             context.v0[context.sampled_columns[k]] = waiting[k, ticks[2 * k + 1] % length]
             ticks[2 * k + 1] += 1
-        due[k] = 1 if ticks[2 * k] * every <= now else 0
-    values = context.sample_values
-    samples_of(context)(r.t, context.q0, context.v0, context.parameters, due, values)
+        due[k] = 1 if context.sample_triggers[k] < 0 and ticks[2 * k] * every <= now else 0
+    evaluate_samples(context)
     return int(context[ft.CONTROLLERS])
 
 
 @compiled(i8(ADDRESSES))
 def take_samples(context: Context) -> int:
-    """Let the samples that were computed act, or wait for their delay; the next instant."""
-    r = run_record(context)
-    clocks, ticks, due = context.sample_clocks, context.ticks, context.due
+    """Let the samples that were computed act, or wait for their delay."""
+    ticks, due, length = context.ticks, context.due, context[ft.QUEUE]
     for k in range(context[ft.SAMPLED]):
         if due[k] == 0:
             continue
-        if clocks[2 * k + 1] > 0.0:
-            context.waiting_samples[k, ticks[2 * k] % context[ft.QUEUE]] = context.sample_values[k]
+        if context.sample_triggers[k] >= 0:
+            context.v0[context.sampled_columns[k]] = context.sample_values[k]
+            continue
+        if context.sample_clocks[2 * k + 1] > 0.0:
+            context.waiting_samples[k, ticks[2 * k] % length] = context.sample_values[k]
         else:
             context.v0[context.sampled_columns[k]] = context.sample_values[k]
             ticks[2 * k + 1] += 1
         ticks[2 * k] += 1
-    r.sample_at = next_instant(context)
+    run_record(context).sample_at = next_instant(context)
     return 0
 
 
-@compiled(i8(ADDRESSES))
-def go_on(context: Context) -> int:
-    """Go on with the samples that were computed; returns `Signal.PROCEED` or an outcome's code."""
-    r = run_record(context)
+@inner
+def start_with_samples(context: Context) -> int:
+    """Go on with the samples that were computed; returns the code of an outcome."""
     take_samples(context)
     outcome = start_anew(context)
-    r.energy = np.nan  # forces are others from here on
+    run_record(context).energy = np.nan  # forces are others from here on
+    return int(outcome)
+
+
+@inner
+def replace_samples(context: Context) -> None:
+    """Give the samples of the results at this instant the values that were renewed."""
+    r = run_record(context)
     last = r.samples - 1
     if r.every_step == QUADRATURE and last >= 0 and context.out_times[last] == r.t:
         copy_vector(row_of(context, Y0), context.out_states[last])
@@ -88,7 +108,64 @@ def go_on(context: Context) -> int:
             break
         record(context, at, Y0)
         r.next_sample += 1
-    return Signal.PROCEED if outcome == Outcome.OK else outcome
+
+
+@inner
+def update_watched(context: Context) -> int:
+    """Evaluate the conditions at Y0; how many values are due as one has begun to hold.
+
+    `run.index` receives the first that ends the run, or stays as it is.
+    """
+    r, modes = run_record(context), context.kernel_modes
+    before, now, due = context.watched_before, context.watched_now, context.due
+    for k in range(context[ft.SWITCHES]):
+        modes[k] = 0 if context.modes[k] == SLIDING else context.modes[k]
+    watched_of(context)(r.t, context.q0, context.v0, context.parameters, modes, now)
+    count = 0
+    for k in range(context[ft.SAMPLED]):
+        i = context.sample_triggers[k]
+        due[k] = 1 if i >= 0 and now[i] != 0.0 and before[i] == 0.0 else 0
+        count += due[k]
+    for i in range(context[ft.WATCHED]):
+        if now[i] != 0.0 and before[i] == 0.0 and context.ends_run[i] != 0 and r.stopped_by < 0:
+            r.stopped_by = i
+        before[i] = now[i]
+    return count
+
+
+@addressed(ft.PART)
+def watch(context: Context) -> int:
+    """Renew what conditions renew that have begun to hold; `Signal.STOP` where one ends the run."""
+    r = run_record(context)
+    for _ in range(_MOST_ROUNDS + context[ft.SAMPLED]):
+        count = update_watched(context)
+        if count == 0:
+            return Signal.STOP if r.stopped_by >= 0 else Signal.PROCEED
+        evaluate_samples(context)
+        outcome = start_with_samples(context)
+        replace_samples(context)
+        if outcome != Outcome.OK:
+            return int(outcome)
+    r.index = -1
+    return Outcome.ZENO
+
+
+@compiled(i8(ADDRESSES))
+def watch_now(context: Context) -> int:
+    """`watch`, for calls from Python."""
+    return int(watch(context))
+
+
+@compiled(i8(ADDRESSES))
+def go_on(context: Context) -> int:
+    """Go on with the samples that were computed, and watch what they change; a signal or code."""
+    outcome = start_with_samples(context)
+    replace_samples(context)
+    if outcome != Outcome.OK:
+        return int(outcome)
+    if context[ft.WATCHED] != 0:
+        return int(watch(context))
+    return Signal.PROCEED
 
 
 @addressed(ft.PART)

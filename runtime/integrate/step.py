@@ -38,6 +38,7 @@ class Signal(IntEnum):
     PROCEED = -4  # the step goes on with its next part
     KINK = -6  # an explicit function of time may bend or jump here
     RETRY = -5  # the step is not taken; the next one is shorter
+    STOP = -9  # a condition that ends the run begins to hold
     SAMPLE = -8  # a function in Python computes a sampled value
     LEAVE = -7  # it is not taken, as other coordinates are due
 

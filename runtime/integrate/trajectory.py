@@ -77,6 +77,7 @@ class Trajectory:
     v: Matrix  # (k, n)
     modes: IntegerMatrix  # (k, s): in force on the step that ends at or contains the sample
     outcome: Outcome
+    stopped_by: int  # the condition that has ended the run; -1: none
     index: int  # the switching function or constraint that the outcome concerns; -1: none
     first_t: float  # where the run began
     final_t: float  # where the run stopped, ready to go on from

@@ -94,11 +94,12 @@ def _resolved_part() -> int:
 
 
 @cache
-def _renew() -> int:
-    """The address of what renews sampled values, which other machines do without."""
-    from runtime.integrate.sampled_values import renew_in_step
+def _discrete() -> tuple[int, int]:
+    """The addresses of what renews sampled values and watches conditions."""
+    from runtime.integrate.sampled_values import renew_in_step, watch
 
-    return int(addresses([renew_in_step])[0])
+    renew, watching = addresses([renew_in_step, watch]).tolist()
+    return renew, watching
 
 
 _kernels = cache(System.table)  # addresses of a machine's kernels, in the order of the table
@@ -134,15 +135,18 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         ft.METHOD_INTEGERS_SIZE: integers,
         ft.PEAKS: len(system.peaks),
         ft.SAMPLED: len(system.sampled),
+        ft.WATCHED: len(system.watches),
         ft.CONTROLLERS: len(system.controllers),
         ft.LOG_ROWS: log_rows,
         ft.CORRECTING: ConstraintReturn.BY_PARTITION,
     }
+    slots = ft.TABLE.slots
     if system.peaks:
-        numbers[ft.TABLE.slots["resolved_part"]] = _resolved_part()
-    if system.sampled:
+        numbers[slots["resolved_part"]] = _resolved_part()
+    if system.sampled or system.watches:
         clocks = read_clocks(system, p)
-        numbers |= {ft.QUEUE: queue_length(clocks), ft.TABLE.slots["renew"]: _renew()}
+        renew, watch = _discrete()
+        numbers |= {ft.QUEUE: queue_length(clocks), slots["renew"]: renew, slots["watch"]: watch}
     table[list(numbers)] = list(numbers.values())
     arrays = ft.TABLE.allot(table)
     place(table, arrays, "parameters", p)
@@ -158,6 +162,8 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         _describe_switches(system, p, arrays)
     if system.sampled:
         arrays["sampled_columns"][:], arrays["sample_clocks"][:] = system.sampled, clocks.ravel()
+        arrays["sample_triggers"][:] = system.triggers
+    arrays["ends_run"][:] = system.watches
     return Wiring(table, arrays)
 
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from codegen.errors import InputError
-from codegen.object_display import html_of, html_table
+from codegen.object_display import counted, html_of, html_table
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class
 from runtime.core.kernel_abi import Kernels
@@ -75,8 +75,9 @@ class MechanismTables:
         description, parameters = self.description, self.parameters
         drivers = int(description.driver_rows.sum())
         rows = [
-            f"{description.title}: {len(description.bodies)} bodies, {len(self.coordinates)} "
-            f"coordinates, {len(self.constraints)} constraints"
+            f"{description.title}: {counted(len(description.bodies), 'body')}, "
+            f"{counted(len(self.coordinates), 'coordinate')}, "
+            f"{counted(len(self.constraints), 'constraint')}"
             + (f" ({drivers} of drivers)" if drivers else ""),
             f"  bodies      {', '.join(description.bodies)}",
             f"  effects     {', '.join(self.effects.names) or 'none'}",

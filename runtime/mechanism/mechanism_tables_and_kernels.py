@@ -47,6 +47,11 @@ class Mechanism:
         return every if self.sufficient is None else self.sufficient
 
     @cached_property
+    def siblings(self) -> dict[str, "Mechanism"]:
+        """Scene → the mechanism of it, of those in which a run goes on with other joints."""
+        return {self.description.scene: self}
+
+    @cached_property
     def kernel_table(self) -> npt.NDArray[np.int64]:
         """Addresses of the kernels, for compiled loops of the runtime."""
         return self.kernels.table()

@@ -22,6 +22,7 @@ from runtime.mechanism.table_rows import (
     Table,
     TableRange,
     TimeFunction,
+    Watched,
 )
 
 Indices = npt.NDArray[np.int64]
@@ -74,12 +75,26 @@ class Description(NamedTuple):
     profiles: tuple[ProfileRow, ...] = ()
     states: Table[State] = Table()
     sampled: tuple[str, ...] = ()  # states that clocks renew
+    triggers: tuple[int, ...] = ()  # of each the condition that renews it, -1: a clock
+    watched: Table[Watched] = Table()  # conditions that a run watches
     controllers: tuple[str, ...] = ()  # those among them whose samples a run brings
 
     @property
     def title(self) -> str:
         """`model/scene`, as messages name it."""
         return f"{self.model}/{self.scene}"
+
+    def need_masses(self, asked: str, instead: str = "") -> str:
+        """Sentences on what needs masses and forces, in a scene without, and how to have it."""
+        if self.analysis == "kinematics":
+            return (
+                f"{self.title}: {asked} needs masses and forces, which a scene with "
+                f"analysis='kinematics' leaves out. Load scene.with_(analysis='dynamics'){instead}."
+            )
+        return (
+            f"{self.title}: {asked} needs masses, and this scene has a body without. Give every "
+            f"body a mass and an inertia{instead}."
+        )
 
     def suggest_output(self, output: str) -> str:
         """Sentence on an output that the scene does not ask for, and how to have it."""
@@ -98,7 +113,7 @@ class Description(NamedTuple):
 
     @property
     def tracked(self) -> tuple[str, ...]:
-        """Points whose paths are reported."""
+        """Points that are outputs."""
         return tuple(row.name for row in self.effects if row.kind == "tracked point")
 
     @property

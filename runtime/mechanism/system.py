@@ -47,6 +47,8 @@ def common_system(
         table_parts=description.table_parts,
         sampled=description.sampled_columns,
         sampled_names=sampled,
+        triggers=description.triggers or (-1,) * len(sampled),
+        watches=tuple(int(row.action != "sample") for row in description.watched),
         controllers=tuple(map(sampled.index, description.controllers)),
         peaks=tuple((PeakKind[kind.upper()], exponent) for _, kind, exponent in description.peaks),
     )

@@ -124,6 +124,20 @@ class State(NamedTuple):
     nominal: float
 
 
+class Watched(NamedTuple):
+    """A condition that a run watches, what it does to its target, and the scene that follows."""
+
+    name: str
+    action: str
+    target: str
+    scene: str
+
+    @property
+    def reconnects(self) -> bool:
+        """Whether a joint is released or engages."""
+        return self.action in {"release", "engage"}
+
+
 class Constraint(NamedTuple):
     """One scalar equation of a joint or a driver."""
 

@@ -38,9 +38,13 @@ def dataset(result: Result) -> "xr.Dataset":
         work = np.column_stack(list(result.works.values()))
         data["work"] = ("time", "worker"), work, {"units": "J"}
     if description.tracked:
-        data["point"], data["axis"] = _texts(description.tracked), ["x", "y"]
-        paths = np.stack([result.path(name) for name in description.tracked], axis=1)
-        data["path"] = ("time", "point", "axis"), paths, {"units": "m"}
+        data["place"], data["axis"] = _texts(description.tracked), ["x", "y"]
+        for variable, axes, unit in (("point", "x y", "m"), ("point_velocity", "vx vy", "m/s")):
+            places = [
+                [result.point(name, axis) for axis in axes.split()] for name in description.tracked
+            ]
+            values = np.moveaxis(np.array(places), 2, 0)
+            data[variable] = ("time", "place", "axis"), values, {"units": unit}
     if switches := description.switches:
         data["switch"] = _texts(row.title for row in switches)
         data.coords["switch_kind"] = "switch", _texts(row.kind for row in switches)

@@ -75,7 +75,7 @@ def for_curves(result: "Result") -> "Result":
     motion, stats, count = result._motion, result.stats, len(result.t)
     if motion is None or count < 2 or stats.get("integration_seconds", 0.0) > _PATIENCE:
         return result
-    first, last = float(result.t[0]), float(result.t[-1])
+    first, last = float(result.t.min()), float(result.t.max())
     points = int(np.clip(_A_STEP * stats.get("steps", 0), _LEAST, _MOST)) + 1
     events = np.unique([event.time for event in result.events if first < event.time < last])
     events = events[: 0 if len(events) > _MOST else None]

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from codegen import __version__
 from codegen import argument_readers as readers
 from codegen.errors import InputError
-from codegen.object_display import html_of, html_table, listed
+from codegen.object_display import counted, html_of, html_table, listed
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class, declared_attributes, named_attributes
 from runtime.core.outcomes import Outcome
@@ -22,6 +22,7 @@ from runtime.results.accuracy_target_record import ReachedAccuracy
 from runtime.results.assembled_state import State
 from runtime.results.event_records import Event, SingularPosition
 from runtime.results.motion_at_instants import Motion, at, resume, state
+from runtime.results.reconnection import Reconnection
 from runtime.results.samples import Partition, Samples, plain
 from runtime.results.series_lookup import TimeSeries
 
@@ -67,6 +68,12 @@ class Result(TimeSeries):
         Of a simulation with an accuracy target: the accuracy reached, and how it was estimated.
     parameters
         Parameter values by name.
+    ended_by
+        The condition of the scene's ``until=`` that ended the run; empty if none did.
+    reconnections
+        The joints that were released or engaged in a run, with their impulses.
+    reconnection
+        Of a part of a run: the condition that ended it, and the state there.
     """
 
     outcome: Outcome
@@ -79,6 +86,9 @@ class Result(TimeSeries):
     singular: tuple[SingularPosition, ...]
     accuracy: ReachedAccuracy | None
     parameters: dict[str, float]
+    ended_by: str
+    reconnections: tuple[Reconnection, ...]
+    reconnection: tuple[int, State] | None
     _motion: Motion | None  # behind the samples; None: of an analysis without one
 
     def __init__(
@@ -104,6 +114,7 @@ class Result(TimeSeries):
         self.not_unique, self.singular = tuple(not_unique), tuple(singular)
         self.works, self.accuracy, self.contradiction = {}, None, ""
         self._motion = None
+        self.ended_by, self.reconnections, self.reconnection = "", (), None
         self.parameters = {
             row.name: float(value) for row, value in zip(description.parameters, p, strict=False)
         }
@@ -263,9 +274,14 @@ class Result(TimeSeries):
         """The headline, and what there is to look up."""
         rows = self.description.coordinates
         lines = [self.headline, f"  coordinates  {listed(f'{r.name} ({r.unit})' for r in rows)}"]
-        if self.samples.reaction.shape[-1]:
-            joints = dict.fromkeys(row.element for row in self.description.reactions)
+        effects = self.description.effects.names
+        parts = dict.fromkeys(row.element for row in self.description.reactions)
+        if joints := [name for name in parts if name not in effects]:
             lines.append(f"  reactions    {listed(joints)} (N, N m)")
+        if acting := [n for n in parts if n in effects and n not in self.description.tracked]:
+            lines.append(f"  effects      {listed(acting)}")
+        if points := self.description.tracked:
+            lines.append(f"  points       {listed(points)} (m)")
         if self.events:
             lines.append(f"  events       {len(self.events)}, in .events")
         return "\n".join(lines)
@@ -291,6 +307,6 @@ class Result(TimeSeries):
         span = f"t = {self.t[0]:g}{ends} s" if count else "nothing computed"
         return (
             f"{self.description.title}, {self.analysis}: "
-            f"{count} instant{'' if count == 1 else 's'}, {span}\n"
+            f"{counted(count, 'instant')}, {span}\n"
             f"  {self.outcome.name}: {self.message}"
         )

@@ -1,10 +1,14 @@
 """What a .nc file keeps of a result beside its series, so that `load_result` gives it back."""
 
+from collections.abc import Sequence
 from typing import Any
+
+import numpy as np
 
 from runtime.results.accuracy_target_record import Estimate, ReachedAccuracy, Trial
 from runtime.results.event_records import Event, SingularPosition
 from runtime.results.packed_values import pack
+from runtime.results.reconnection import Reconnection
 from runtime.results.result import Result
 from runtime.results.samples import Partition
 
@@ -12,30 +16,74 @@ GROUP = "linkwright"
 """Name of the group in a file, and of its only variable."""
 
 KINDS: tuple[type[Any], ...] = (
-    Estimate, ReachedAccuracy, Trial, Event, SingularPosition, Partition
+    Estimate, ReachedAccuracy, Trial, SingularPosition, Reconnection
 )  # fmt: skip
 """Records of a result that are packed as they are."""
 
 
 def saved_result(result: Result) -> bytes:
     """States, works, events and settings; all else follows from these by the machine."""
+    return pack(saved_fields(result))
+
+
+def saved_fields(result: Result) -> dict[str, Any]:
+    """What is kept of a result, by name."""
     samples, motion = result.samples, result._motion
-    return pack(
-        {
-            "title": result.description.title,
-            "analysis": result.analysis,
-            "outcome": result.outcome.name,
-            "message": result.message,
-            "contradiction": result.contradiction,
-            "parameters": result.parameters,
-            "stats": result.stats,
-            "samples": {name: getattr(samples, name) for name in ("t", "q", "v", "modes")},
-            "works": result.works,
-            "events": list(result.events),
-            "partitions": list(result.partitions),
-            "not_unique": result.not_unique,
-            "singular": list(result.singular),
-            "accuracy": result.accuracy,
-            "motion": None if motion is None else motion.saved(),
-        }
-    )
+    return {
+        "title": result.description.title,
+        "analysis": result.analysis,
+        "outcome": result.outcome.name,
+        "message": result.message,
+        "contradiction": result.contradiction,
+        "parameters": result.parameters,
+        "stats": result.stats,
+        "samples": {name: getattr(samples, name) for name in ("t", "q", "v", "modes")},
+        "works": result.works,
+        "events": _event_columns(result.events),
+        "partitions": _partition_columns(result.partitions),
+        "not_unique": result.not_unique,
+        "singular": list(result.singular),
+        "accuracy": result.accuracy,
+        "motion": None if motion is None else motion.saved(),
+        "ended_by": result.ended_by,
+        "reconnections": list(result.reconnections),
+    }
+
+
+def _event_columns(events: Sequence[Event]) -> dict[str, Any]:
+    """Many events in few arrays; they have states of the same shape."""
+    names = list(dict.fromkeys(event.name for event in events))
+    return {
+        "names": names,
+        "name": np.array([names.index(event.name) for event in events], np.int64),
+        "time": np.array([event.time for event in events]),
+        "direction": np.array([event.direction for event in events], np.int64),
+        "q": np.array([event.q for event in events]),
+        "v": np.array([event.v for event in events]),
+    }
+
+
+def events_of(columns: dict[str, Any]) -> list[Event]:
+    """The events again."""
+    names = [columns["names"][k] for k in columns["name"]]
+    times, directions = columns["time"].tolist(), columns["direction"].tolist()
+    return [
+        Event(*row)
+        for row in zip(names, times, directions, columns["q"], columns["v"], strict=True)
+    ]
+
+
+def _partition_columns(partitions: Sequence[Partition]) -> dict[str, Any]:
+    """Many partitions, of which few differ."""
+    sets = list(dict.fromkeys(one.independent for one in partitions))
+    return {
+        "sets": sets,
+        "set": np.array([sets.index(one.independent) for one in partitions], np.int64),
+        "time": np.array([one.time for one in partitions]),
+    }
+
+
+def partitions_of(columns: dict[str, Any]) -> list[Partition]:
+    """The partitions again."""
+    times = columns["time"].tolist()
+    return [Partition(t, columns["sets"][k]) for t, k in zip(times, columns["set"], strict=True)]

@@ -48,23 +48,37 @@ class Equilibrium(Result):
         Whether the machine returns after a small push.
     frequencies
         Natural frequencies about the rest position in Hz, of the stable directions, ascending;
-        none where the stiffness is known on one side only.
-    stiffness
-        Eigenvalues of the reduced stiffness relative to the reduced mass, in 1/s^2, ascending;
-        of complex ones the real part.
+        none where the stiffness is known on one side only. `natural_frequencies` are the same in
+        rad/s.
+    eigenvalues
+        Those of M⁻¹ K, the squared natural frequencies ω², in 1/s^2, ascending; negative in
+        directions in which the machine falls away; of complex ones the real part.
+    stiffness_matrix
+        K, the reduced stiffness, in the coordinates `independent`: change of the force along one of
+        them for a unit change of another, the joints kept, shape (f, f), in N/m, N or N m/rad.
+    independent
+        Names of these coordinates.
     gradient
         Largest unbalanced generalized force, as a share of the forces that act.
     """
 
     stability: Stability
     frequencies: FloatArray
-    stiffness: FloatArray
+    natural_frequencies: FloatArray
+    eigenvalues: FloatArray
+    stiffness_matrix: FloatArray
+    independent: tuple[str, ...]
     gradient: float
 
-    def __init__(self, *samples: Any, judged: Judgement, gradient: float, **outcome: Any) -> None:
+    def __init__(
+        self, *samples: Any, judged: Judgement, gradient: float,
+        stiffness: tuple[FloatArray, tuple[str, ...]], **outcome: Any,
+    ) -> None:  # fmt: skip
         super().__init__(*samples, analysis="equilibrium", **outcome)
         self.stability, self.gradient = judged.stability, gradient
-        self.stiffness, self.frequencies = judged.stiffness, judged.frequencies
+        self.eigenvalues, self.natural_frequencies = judged.eigenvalues, judged.frequencies
+        self.frequencies = judged.frequencies / (2.0 * np.pi)
+        self.stiffness_matrix, self.independent = stiffness
 
     @property
     def stable(self) -> bool:
@@ -99,10 +113,7 @@ def equilibrium(
             f"There is no equilibrium method {method!r}; there are: {', '.join(METHODS)}."
         )
     if not description.has_masses:
-        raise AnalysisError(
-            f"{mechanism.title}: equilibrium needs forces on bodies with mass, and this scene has "
-            f"a body without. Give every body a mass and an inertia."
-        )
+        raise AnalysisError(description.need_masses("equilibrium"))
     require_no_rigid(mechanism, "equilibrium")
     require_no_sticking(mechanism, "equilibrium")
     p = parameter_values(mechanism, parameters)
@@ -131,12 +142,22 @@ def equilibrium(
     stats["wall_seconds"] = clock.perf_counter() - began
     result = Equilibrium(
         description, samples, p, judged=judged, gradient=position.unbalanced,
+        stiffness=_stiffness(statics, position),
         outcome=Outcome.OK if position.balanced else Outcome.UNBALANCED,
         message=_message(description, position, judged, ran) + redundancy_note(start),
         stats=stats, not_unique=start.not_unique,
     )  # fmt: skip
     name_left_tables(result, equations)
     return result
+
+
+def _stiffness(
+    statics: StaticEquations, position: RestPosition
+) -> tuple[FloatArray, tuple[str, ...]]:
+    """The reduced stiffness without the scales of its coordinates, and their names."""
+    columns, names = position.part.independent, statics.equations.description.coordinates.names
+    scale = statics.scale[columns]
+    return position.stiffness.matrix / np.outer(scale, scale), tuple(names[k] for k in columns)
 
 
 def _search(

@@ -25,8 +25,8 @@ class Judgement(NamedTuple):
     """Stability of a position and the numbers behind it."""
 
     stability: Stability
-    stiffness: FloatArray
-    frequencies: FloatArray
+    eigenvalues: FloatArray  # of M^-1 K, 1/s^2, ascending
+    frequencies: FloatArray  # rad/s
     flutter: bool
 
 
@@ -53,14 +53,14 @@ def judge(statics: StaticEquations, position: RestPosition) -> Judgement:
     flutter = not bool(real.all())
     light = float(np.linalg.eigvalsh(root @ root.T).max())
     flat = max(_FLAT * largest, 1e-9 * float(position.effort.max()) / light)
-    stiffnesses = np.array(values, dtype=np.float64)
-    frequencies = np.sqrt(stiffnesses[real & (stiffnesses > flat)]) / (2.0 * np.pi)
+    eigenvalues = np.array(values, dtype=np.float64)
+    frequencies = np.sqrt(eigenvalues[real & (eigenvalues > flat)])
     if position.stiffness.edges:
-        return Judgement(Stability.UNKNOWN, stiffnesses, np.zeros(0), flutter)
-    if flutter or bool((stiffnesses < -flat).any()):
+        return Judgement(Stability.UNKNOWN, eigenvalues, np.zeros(0), flutter)
+    if flutter or bool((eigenvalues < -flat).any()):
         stability = Stability.UNSTABLE
-    elif bool((stiffnesses <= flat).any()):
+    elif bool((eigenvalues <= flat).any()):
         stability = Stability.INDIFFERENT
     else:
         stability = Stability.STABLE
-    return Judgement(stability, stiffnesses, frequencies, flutter)
+    return Judgement(stability, eigenvalues, frequencies, flutter)

@@ -29,6 +29,18 @@ def refuse_states(mechanism: Mechanism, question: str) -> None:
         )
 
 
+def refuse_early_ends(mechanism: Mechanism, question: str) -> None:
+    """Refuse a comparison of runs that end, or change joints, at instants of their own."""
+    rows = [row for row in mechanism.description.watched if row.action != "sample"]
+    if rows:
+        names = ", ".join(repr(row.name) for row in rows)
+        raise AnalysisError(
+            f"{mechanism.title}: {question} compares runs at the same instants, and {names} may "
+            "end a run, or change its joints, at an instant of its own. Give rtol=, or take a "
+            "scene without."
+        )
+
+
 def require_energy(mechanism: Mechanism) -> None:
     """Refuse a search for equilibrium where the potential was left out."""
     description = mechanism.description
@@ -59,10 +71,7 @@ def refuse_massless(mechanism: Mechanism) -> NoReturn:
             f"analysis='kinematics' leaves out, so there is nothing to integrate. Ask for "
             f"kinematics, or load scene.with_(analysis='dynamics')."
         )
-    raise AnalysisError(
-        f"{description.title}: a simulation needs masses, and this scene has a body without. Give "
-        f"every body a mass and an inertia, or ask for kinematics."
-    )
+    raise AnalysisError(description.need_masses("a simulation", ", or ask for kinematics"))
 
 
 def driven_note(mechanism: Mechanism, freedom: int) -> str:

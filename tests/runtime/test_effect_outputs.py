@@ -352,3 +352,17 @@ def test_flanks_of_gears_with_backlash_and_rotor_of_a_motor(folder: Path) -> Non
     assert first.max() > 1.0
     torque = 0.5 * (1 - found.v("small.omega") / 20.0)
     assert_allclose(found.torque("drive"), torque, atol=1e-12)
+
+
+def test_a_kinematic_scene_is_not_said_to_lack_the_masses_that_are_declared(folder: Path) -> None:
+    model = machine_of_everything()
+    model.scene("moved", drivers=["hand", "turn"], analysis="kinematics")
+    machine = load(model, "moved", folder=folder)
+    found = machine.kinematics([0.0])
+    for ask in (machine.equilibrium, lambda: machine.inverse_dynamics([0.0]), found.energy):
+        with pytest.raises(InputError) as caught:
+            ask()
+        assert "analysis='kinematics' leaves out. Load scene.with_(" in str(caught.value)
+        assert "Give every" not in str(caught.value)
+    assert found.message == "1 instant from t = 0 to 0 s."
+    assert "2 bodies" in repr(machine)

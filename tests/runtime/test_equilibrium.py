@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from codegen.errors import AnalysisError
+from codegen.errors import AnalysisError, InputError
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 from runtime.statics.stability import Stability
@@ -43,6 +43,11 @@ def test_pendulum_from_afar_and_its_frequency(pendulum: Machine, method: str) ->
     assert rest.stable
     frequency = np.sqrt(2.0 * 9.81 / (0.5 + 2.0)) / (2.0 * np.pi)
     np.testing.assert_allclose(rest.frequencies, [frequency], rtol=1e-8)
+    np.testing.assert_allclose(rest.natural_frequencies, [2.0 * np.pi * frequency], rtol=1e-8)
+    np.testing.assert_allclose(rest.eigenvalues, rest.natural_frequencies**2, rtol=1e-12)
+    # m g L in N m/rad of the angle; m g/L in N/m of the place, with L = 1 m
+    np.testing.assert_allclose(rest.stiffness_matrix, [[2.0 * 9.81]], rtol=1e-7)
+    assert rest.independent in {("bar.phi",), ("bar.x",)}
     assert rest.reaction("pin", "fy")[0] == pytest.approx(2.0 * 9.81, rel=1e-12)
     assert rest.reaction("pin", "fx")[0] == pytest.approx(0.0, abs=1e-9)
 
@@ -52,7 +57,10 @@ def test_upright_pendulum_is_told_to_be_unstable(pendulum: Machine) -> None:
     assert rest["bar.phi"] == pytest.approx(np.pi / 2, abs=1e-12)
     assert rest.stability is Stability.UNSTABLE
     assert not rest.stable
-    assert rest.stiffness[0] == pytest.approx(-2.0 * 9.81 / 2.5, rel=1e-8)
+    assert rest.eigenvalues[0] == pytest.approx(-2.0 * 9.81 / 2.5, rel=1e-8)
+    assert len(rest.natural_frequencies) == 0
+    with pytest.raises(InputError, match="stiffness"):
+        _ = rest.stiffness
     assert "small push drives it away" in rest.message
 
 
@@ -96,7 +104,7 @@ def test_nothing_to_balance(driven: Machine) -> None:
 
 def test_masses_are_needed(make: Callable[..., Machine]) -> None:
     machine = make("slider_crank", "bare", driven=True, masses=False)
-    with pytest.raises(AnalysisError, match="equilibrium needs forces on bodies with mass"):
+    with pytest.raises(AnalysisError, match="equilibrium needs masses"):
         machine.equilibrium()
 
 

@@ -181,6 +181,8 @@ def test_works_go_on_from_the_last_one_known(tmp_path: Path, t_eval: object) -> 
     energy = found.energy() - run.at(0.0).energy()
     assert found.work("damper") == pytest.approx(energy, abs=1e-7)
     assert len(run._motion.checkpoints.rows) > 1
+    again = found.at([40.0, 1.0])
+    assert again.work("damper") == pytest.approx(run.at([40.0, 1.0]).work("damper"), abs=1e-9)
 
 
 def test_derived_quantities_come_along(gas: Machine, tmp_path: Path) -> None:

@@ -34,3 +34,17 @@ def sampling_kernels(scene: SceneGraph) -> list[Kernel]:
         storing("samples", summary, "t q v p modes out", values, names),
         storing("clocks", "Period and delay of each of SAMPLED.", "p out", clocks, times),
     ]
+
+
+def watching_kernels(scene: SceneGraph) -> list[Kernel]:
+    """The kernel `watched`, of scenes with conditions that a run watches: 1 where one holds."""
+    values, names = list[int](), list[str]()
+    for effect in scene.equations.effects:
+        if effect.terms.watched is not None:
+            with scene.graph.serving(effect.name), errors_at(f"condition '{effect.name}'"):
+                values.append(scene.translate(effect.terms.watched))
+            names.append(effect.name)
+    if not values:
+        return []
+    summary = "1 where a condition of WATCHED holds, else 0."
+    return [storing("watched", summary, "t q v p modes out", values, names)]

@@ -10,7 +10,7 @@ from codegen.lower.kernels.corrections import correction
 from codegen.lower.kernels.inverse_mass_ratio import inverse_mass_ratio, weak_pivot
 from codegen.lower.kernels.peak_arguments import peak_arguments
 from codegen.lower.kernels.rigid_contact_and_stiction import hold_kernels, reaction_outputs
-from codegen.lower.kernels.samples import sampling_kernels
+from codegen.lower.kernels.samples import sampling_kernels, watching_kernels
 from codegen.lower.kernels.selection_by_outputs import Selection
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.module_tables import Description, describe
@@ -72,7 +72,7 @@ def lower(equations: Equations) -> Lowered:
     peaks = equations.peaked_functions if equations.mass and selection.moves else ()
     if peaks:
         kernels.append(peak_arguments(scene, peaks))
-    kernels += [*condition_kernels(scene), *sampling_kernels(scene)]
+    kernels += [*condition_kernels(scene), *sampling_kernels(scene), *watching_kernels(scene)]
     _note_weights(scene)
     program = with_constants(
         scene.graph, tuple(kernels), len(equations.parameters), weak_pivot(spread)

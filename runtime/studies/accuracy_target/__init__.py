@@ -9,6 +9,7 @@ from runtime.integrate.problem import Formulation
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
+from runtime.validation.scene_support import refuse_early_ends
 
 FINEST = 1e-12  # accuracy: tightest target; rounding shows below it
 COARSEST = 0.1  # accuracy: loosest target
@@ -23,7 +24,7 @@ def accuracy_or_tolerances(
     tolerances = {name: value for name, value in settings.items() if value is not None}
     chosen: dict[str, Any] = {"method": method, "formulation": formulation}
     if accuracy is None and quantities is None:
-        from runtime.dynamics.simulation import simulate
+        from runtime.dynamics.connected_simulation import simulate
 
         chosen = {name: value for name, value in chosen.items() if value is not None}
         return partial(simulate, mechanism, **tolerances, **chosen)
@@ -44,6 +45,7 @@ def accuracy_or_tolerances(
         problems += _unknown_quantities(mechanism.description, quantities or ())
     if accuracy is None or problems:
         raise InputError(f"{mechanism.title}: {text}" for text in problems)
+    refuse_early_ends(mechanism, "accuracy=")
     from runtime.studies.accuracy_target.search import simulate_to
 
     return partial(simulate_to, mechanism, accuracy=accuracy, quantities=quantities, **chosen)

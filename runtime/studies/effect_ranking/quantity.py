@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from codegen.errors import InputError
+from codegen.object_display import counted
 from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
 from runtime.results.series_lookup import ENERGIES
@@ -74,7 +75,7 @@ class Series(NamedTuple):
         (rises,) = np.nonzero((level[:-1] < 0.0) & (level[1:] >= 0.0))
         if len(rises) < 2:
             raise InputError(
-                f"it crosses its mean upwards {len(rises)} time{'' if len(rises) == 1 else 's'} "
+                f"it crosses its mean upwards {counted(len(rises), 'time')} "
                 "between the ends, which is not enough for a period; take a later end."
             )
         first, last = (_crossing(self.t, level, int(k)) for k in (rises[0], rises[-1]))
@@ -204,7 +205,7 @@ def _event(word: str, effect: str, number: int, result: Result) -> QuantityValue
         return QuantityValue(float(count), "", float(count))
     if count < number:
         raise InputError(
-            f"{description.title}: {effect} has {count} event{'' if count == 1 else 's'} up to "
+            f"{description.title}: {effect} has {counted(count, 'event')} up to "
             f"t = {result.t[-1]:g} s, so there is no number {number}; take a later end."
         )
     return QuantityValue(times[number - 1], "s", float(result.t[-1]))

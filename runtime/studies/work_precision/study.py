@@ -25,7 +25,7 @@ from runtime.studies.work_precision.interpretation import fastest
 from runtime.studies.work_precision.json_records import environment
 from runtime.studies.work_precision.measurement_of_settings_and_models import Measurement
 from runtime.studies.work_precision.timed_runs import Runner
-from runtime.validation.scene_support import refuse_massless, require_motion
+from runtime.validation.scene_support import refuse_early_ends, refuse_massless, require_motion
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
@@ -153,6 +153,7 @@ def _comparison(
     """The quantities that are compared, the instants in s, and the reference from a file."""
     description = machine.description
     require_motion(machine.mechanism, "accuracy")
+    refuse_early_ends(machine.mechanism, "accuracy")
     if not description.has_masses:
         refuse_massless(machine.mechanism)
     names = series_by_name.distinct_quantities(description, quantities)

@@ -14,7 +14,7 @@ from runtime import load, matters
 from runtime.cli.app import app
 from runtime.machine_facade import Machine
 
-IN_ANOTHER_FORM = {"t_end", "t_eval", "parameters", "start", "max_bytes", "progress", "self"}
+IN_ANOTHER_FORM = {"t_end", "t_eval", "parameters", "max_bytes", "progress", "self"}
 IN_ANOTHER_FORM |= {"controllers"}  # functions
 """Words of `Machine.simulate` that no option gives, or one of another name."""
 
@@ -127,3 +127,11 @@ def test_a_ranking_takes_formulation_folder_and_the_long_name(rod: Path) -> None
     assert not (rod.parent / "generated").exists()
     with pytest.raises(AnalysisError, match="inverse dynamics"):
         matters(rod, analysis="inverse-dynamics", **words)  # type: ignore[arg-type]
+
+
+def test_start_values_are_kept(run) -> None:  # type: ignore[no-untyped-def]
+    done = run("simulate", "rod_pendulum", "--t-end", "0.1", "--start", "bar.phi=0.7", "--json")
+    assert "start sets bar.phi = 0.7 rad." in json.loads(done.stdout)["message"], done.stderr
+    done = run("simulate", "rod_pendulum", "--t-end", "0.1", "--start", "bar.phi")
+    assert done.exit_code == 2
+    assert "--start bar.phi: write NAME=VALUE" in done.stderr

@@ -1,0 +1,110 @@
+"""Joints of a declaration that are released or engage in the course of a run."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import sympy
+
+from codegen.declare.connection import Connection
+from codegen.declare.element import Constraint
+from codegen.declare.name_rules_and_hints import nearest
+from codegen.declare.return_values.elements import bodies_of
+from codegen.declare.scene import name_of
+from codegen.model.base import Declarations
+from codegen.plain_values import shown
+
+MOST = 4  # safety: joints of a scene that come and go; each set of them is a module of its own
+
+
+class Connections(Declarations):
+    """Joints that come and go."""
+
+    def release(self, joint: Constraint | str, when: Any, until: Any = None) -> None:
+        """Let a joint go once a condition begins to hold: a latch opens, a sling lets go.
+
+        The constraint leaves, and the run goes on with the degrees of freedom that it held, with
+        the same positions and velocities. Declare it before the scenes.
+
+        Parameters
+        ----------
+        joint
+            A joint, or its name; it acts at the start of a run.
+        when
+            A condition of t, q, q̇, states and parameters.
+        until
+            A condition under which the joint engages again, as with `engage`.
+        """
+        self._connect("release", joint, True, when, until)
+
+    def engage(self, joint: Constraint | str, when: Any, until: Any = None) -> None:
+        """Let a joint act from where a condition begins to hold: a latch catches, a pin drops in.
+
+        There the joint must close by itself. Velocities that it does not permit end in an impact:
+        M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν; the impulse is in the result's message and events.
+
+        Parameters
+        ----------
+        joint
+            A joint, or its name; it does not act at the start of a run.
+        when
+            A condition of t, q, q̇, states and parameters.
+        until
+            A condition under which the joint is released again.
+        """
+        self._connect("engage", joint, False, until, when)
+
+    def _connect(
+        self, word: str, joint: Any, acts_first: bool, released: Any, engaged: Any
+    ) -> None:
+        name, where = name_of(joint), f"{word} of joint"
+        if name not in self.joints:
+            self._note(f"model.{word}: there is no joint '{name}'; {nearest(name, self.joints)}")
+            return
+        if name in self.connections:
+            self._note(f"{where} '{name}': it comes and goes already; give all in one call.")
+        if (released if acts_first else engaged) is None:
+            self._note(f"{where} '{name}': when={shown(None)} is no condition; give one.")
+        indicators = [
+            None if when is None else self._read.gated(sympy.S.One, "", f"{where} '{name}'", when)
+            for when in (released, engaged)
+        ]
+        self._put("connections", name, Connection(name, acts_first, *indicators))
+
+    def _connected_at_first(self) -> tuple[str, ...]:
+        return tuple(name for name, one in self.connections.items() if one.acts_first)
+
+    def _present(self, bodies: tuple[str, ...], absent: tuple[str, ...]) -> tuple[str, ...]:
+        """Joints that come and go in a scene with these bodies and without what is absent."""
+        known = {"ground", *bodies}
+        return tuple(
+            name
+            for name in self.connections
+            if name not in absent and {body.name for body in bodies_of(self.joints[name])} <= known
+        )
+
+    def _neighbours(
+        self, present: tuple[str, ...], connected: tuple[str, ...]
+    ) -> Iterator[tuple[str, tuple[str, ...]]]:
+        """Joints that may change where `connected` act, and those that act afterwards."""
+        for name in present:
+            one, acts = self.connections[name], name in connected
+            if (one.released if acts else one.engaged) is not None:
+                after = {*connected} ^ {name}
+                yield name, tuple(joint for joint in self.connections if joint in after)
+
+    def _reachable(
+        self, present: tuple[str, ...], connected: tuple[str, ...]
+    ) -> list[tuple[str, ...]]:
+        """All sets of joints that may act in a run, those at its start first."""
+        found = [connected]
+        for known in found:  # which grows meanwhile
+            found += [c for _, c in self._neighbours(present, known) if c not in found]
+        return found
+
+    def _connected_name(self, name: str, connected: tuple[str, ...]) -> str:
+        """Name of a scene's sibling in which other joints act."""
+        first = {*self._connected_at_first()}
+        gone = [n for n in self.connections if n in first - {*connected}]
+        come = [n for n in self.connections if n in {*connected} - first]
+        name += f"_without_{'_'.join(gone)}" if gone else ""
+        return name + (f"_with_{'_'.join(come)}" if come else "")

@@ -1,0 +1,158 @@
+"""One result of runs that follow one another with other joints."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.errors import InputError
+from runtime.mechanism.dense_equations import FloatArray
+from runtime.mechanism.module_tables import Description
+from runtime.results.motion_at_instants import Motion
+from runtime.results.reconnection import Reconnection
+from runtime.results.result import Result
+from runtime.results.samples import Samples
+from runtime.results.saved_result import saved_fields
+
+_TABLES = (
+    "coordinates", "constraints", "parameters", "effects", "switches", "reactions", "powers"
+)  # fmt: skip
+
+
+def joined(results: Sequence[Result], changes: Sequence[Reconnection]) -> Result:
+    """One result of runs that follow one another, in the tables of all their machines."""
+    description = _union([result.description for result in results])
+    pieces = [_in_tables(result, description, result.samples) for result in results]
+    kept = [np.ones(len(piece.t), np.bool_) for piece in pieces]
+    for k in range(1, len(pieces)):
+        if len(pieces[k].t) and any(len(p.t) and p.t[-1] == pieces[k].t[0] for p in pieces[:k]):
+            kept[k][0] = False
+    samples = Samples(
+        *(
+            np.concatenate([column[rows] for column, rows in zip(columns, kept, strict=True)])
+            for columns in zip(*pieces, strict=True)
+        )
+    )
+    last = results[-1]
+    parameters = np.array([last.parameters.get(row.name, row.default)
+                           for row in description.parameters])  # fmt: skip
+    result = Result(
+        description, samples, parameters, analysis=last.analysis, outcome=last.outcome,
+        message=" ".join([*map(str, changes), last.message]),
+        stats=_totals([result.stats for result in results]),
+        events=[event for result in results for event in result.events],
+        partitions=[one for result in results for one in result.partitions],
+        not_unique=tuple(dict.fromkeys(n for result in results for n in result.not_unique)),
+        singular=[one for result in results for one in result.singular],
+    )  # fmt: skip
+    result.contradiction = " ".join(filter(None, (r.contradiction for r in results)))
+    result.reconnections = tuple(changes)
+    result.ended_by = last.ended_by
+    motions = [one._motion for one in results]
+    if all(motion is not None for motion in motions):
+        result._motion = JoinedMotion(tuple(results), description)
+    totals: dict[str, float] = {}
+    works: dict[str, list[FloatArray]] = {name: [] for r in results for name in r.works}
+    for one, rows in zip(results, kept, strict=True):
+        for name, parts in works.items():
+            work = one.works.get(name, np.zeros(len(one.t)))
+            parts.append(totals.get(name, 0.0) + work[rows])
+            totals[name] = totals.get(name, 0.0) + (float(work[-1]) if len(work) else 0.0)
+    result.works.update({name: np.concatenate(parts) for name, parts in works.items()})
+    return result
+
+
+def _union(descriptions: Sequence[Description]) -> Description:
+    """The first description with what the others have besides."""
+    first = descriptions[0]
+    tables = {}
+    for name in _TABLES:
+        rows = [row for d in descriptions for row in getattr(d, name)]
+        tables[name] = type(getattr(first, name))(dict.fromkeys(rows))
+    gone = {*tables["effects"]}
+    tables["left_out"] = type(first.left_out)(row for row in first.left_out if row not in gone)
+    drivers = tuple(dict.fromkeys(name for d in descriptions for name in d.drivers))
+    return first._replace(**tables, drivers=drivers)
+
+
+def _in_tables(result: Result, description: Description, samples: Samples) -> Samples:
+    """Samples of a result by the rows of other tables; what does not act exerts nothing."""
+    own = result.description
+
+    def spread(values: npt.NDArray[Any], table: str, missing: float) -> npt.NDArray[Any]:
+        rows = list(getattr(description, table))
+        places = {row: k for k, row in enumerate(getattr(own, table))}
+        out = np.full((len(values), len(rows)), missing, values.dtype)
+        for k, row in enumerate(rows):
+            if row in places:
+                out[:, k] = values[:, places[row]]
+        return out
+
+    def rows_of(name: str, table: str, missing: float) -> npt.NDArray[Any]:
+        return spread(getattr(samples, name), table, missing)
+
+    return samples._replace(
+        q=rows_of("q", "coordinates", np.nan), v=rows_of("v", "coordinates", np.nan),
+        a=rows_of("a", "coordinates", np.nan), lam=rows_of("lam", "constraints", 0.0),
+        reaction=rows_of("reaction", "reactions", 0.0), power=rows_of("power", "powers", 0.0),
+        modes=rows_of("modes", "switches", 0), share=rows_of("share", "switches", np.nan),
+    )  # fmt: skip
+
+
+def _totals(stats: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Counts of all runs together; of what is a largest value the largest."""
+    largest = {"crossing_error", "largest_correction"}
+    return {
+        name: (max if name in largest else sum)(one.get(name, 0) for one in stats)
+        for name in stats[0]
+    }
+
+
+@dataclass(frozen=True)
+class JoinedMotion:
+    """The motions behind a joined result."""
+
+    results: tuple[Result, ...]
+    description: Description
+
+    @property
+    def _motions(self) -> list[Motion]:
+        return [one._motion for one in self.results if one._motion is not None]
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last instant, s."""
+        return self._motions[0].span[0], self._motions[-1].span[1]
+
+    def at(self, result: Result, times: FloatArray) -> tuple[Samples, dict[str, FloatArray]]:
+        """At ascending instants, (k,), of the span, s; at a change of joints just before it."""
+        parts, works = list[Samples](), list[dict[str, FloatArray]]()
+        before = dict.fromkeys(result.works, 0.0)
+        low = -np.inf
+        for one, motion in zip(self.results, self._motions, strict=True):
+            high = motion.span[1] if one is not self.results[-1] else np.inf
+            here = times[(times > low) & (times <= high)]
+            if len(here):
+                samples, found = motion.at(one, here)
+                parts.append(_in_tables(one, self.description, samples))
+                works.append({k: total + found.get(k, 0.0 * here) for k, total in before.items()})
+            for name, work in one.works.items():
+                before[name] += float(work[-1]) if len(work) else 0.0
+            low = high
+        joined_works = {name: np.concatenate([w[name] for w in works]) for name in result.works}
+        return Samples._make(map(np.concatenate, zip(*parts, strict=True))), joined_works
+
+    def saved(self) -> dict[str, Any]:
+        """What a file keeps of each of them."""
+        source = self._motions[0].saved()["source"]
+        return {"source": source, "parts": [saved_fields(one) for one in self.results]}
+
+    def resumed(self, result: Result, *_: Any) -> Result:
+        """None: the run that goes on is the last of several."""
+        raise InputError(
+            f"{self.description.title}: joints came and went in this run, and only a run with the "
+            "same joints goes on bit for bit. Simulate anew to a later end, or start=result in the "
+            f"scene {self.results[-1].description.scene!r}."
+        )

@@ -1,0 +1,24 @@
+"""The instants at which a joint was released or engaged in a run."""
+
+from typing import NamedTuple
+
+
+class Reconnection(NamedTuple):
+    """A joint that came or went."""
+
+    t: float  # s
+    joint: str
+    action: str  # "release" or "engage"
+    # component → impulse of the joint on its second body, N s or N m s; empty at a release
+    impulse: dict[str, float]
+    energy_lost: float  # kinetic energy that the impact took, J
+
+    def __str__(self) -> str:
+        """In a sentence."""
+        if self.action == "release":
+            return f"Joint '{self.joint}' was released at t = {self.t:.9g} s."
+        parts = ", ".join(f"{name} {value:.6g}" for name, value in self.impulse.items())
+        return (
+            f"Joint '{self.joint}' engaged at t = {self.t:.9g} s with the impulse ({parts}) N s, "
+            f"N m s, which took {self.energy_lost:.6g} J."
+        )

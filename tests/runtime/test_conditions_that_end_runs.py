@@ -1,0 +1,159 @@
+"""Runs that end where a condition begins to hold; latches, and values that events renew."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from sympy import Not, Piecewise, sin
+
+from codegen import Model, build, t
+from codegen.errors import AnalysisError, InputError, ModelError
+from runtime import load
+from runtime.core.outcomes import Outcome
+from runtime.machine_facade import Machine
+
+G = 9.81
+METHODS = ("dop853", "dopri5", "radau5", "bdf")
+
+
+def thrown(name: str) -> tuple[Model, dict[object, float]]:
+    model = Model(name, gravity=(0, -G))
+    ball = model.particle("ball", 1.0)
+    return model, {ball.x: 0.0, ball.y: 2.0, ball.vx: 1.0, ball.vy: 0.0}
+
+
+@pytest.fixture(scope="module")
+def falling(workshop: Path) -> Machine:
+    model, start = thrown("until_landed")
+    ball = model.bodies["ball"]
+    conditions = {"landed": ball.y < 0, "far": ball.x > 100}
+    model.scene("falls", ["gravity"], start=start, until=conditions)
+    return load(model, folder=workshop)
+
+
+@pytest.mark.parametrize("formulation", ["cartesian", "reduced"])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_run_ends_where_its_condition_begins(
+    falling: Machine, method: str, formulation: str
+) -> None:
+    r = falling.simulate(5.0, method=method, formulation=formulation, rtol=1e-10)
+    assert (r.outcome, r.ended_by) == (Outcome.OK, "landed")
+    assert_allclose([r.t[-1], r.q("ball.y")[-1]], [np.sqrt(4 / G), 0.0], atol=1e-9)
+    assert "'landed' began to hold" in r.message
+    assert_allclose(r.at(0.3).q("ball.y"), 2 - G * 0.09 / 2, atol=1e-9)
+
+
+def test_the_last_instant_is_a_sample_besides_those_asked_for(falling: Machine) -> None:
+    r = falling.simulate(5.0, [0.1, 0.2, 1.0, 2.0], rtol=1e-10)
+    assert_allclose(r.t, [0.1, 0.2, np.sqrt(4 / G)])
+    assert falling.simulate(0.1, [0.1]).ended_by == ""
+
+
+def test_one_that_holds_at_the_start_ends_the_run_there(falling: Machine) -> None:
+    r = falling.simulate(5.0, start={"ball.y": -1.0})
+    assert (r.ended_by, r.t[-1]) == ("landed", 0.0)
+
+
+def test_a_resumed_run_would_end_there_again(falling: Machine) -> None:
+    r = falling.simulate(5.0)
+    with pytest.raises(InputError, match=r"'landed'.*end there again"):
+        r.resume(6.0)
+    with pytest.raises(AnalysisError, match=r"accuracy=.*'landed', 'far'"):
+        falling.simulate(5.0, accuracy=1e-6)
+
+
+def test_a_result_comes_back_from_its_file(falling: Machine, tmp_path: Path) -> None:
+    from runtime import load_result
+
+    r = falling.simulate(5.0)
+    r.save(tmp_path / "falls.nc")
+    assert load_result(tmp_path / "falls.nc", falling).ended_by == "landed"
+
+
+def test_conditions_of_the_time_and_of_several(workshop: Path) -> None:
+    model, start = thrown("until_both")
+    ball = model.bodies["ball"]
+    model.scene("late", ["gravity"], start=start, until={"late": t > 0.25})
+    model.scene("both", ["gravity"], start=start, until={"both": (ball.y < 1.9) & (ball.x > 0.4)})
+    assert_allclose(load(model, "late", folder=workshop).simulate(1.0).t[-1], 0.25)
+    assert_allclose(load(model, "both", folder=workshop).simulate(1.0).t[-1], 0.4, atol=1e-9)
+
+
+def test_conditions_that_are_none() -> None:
+    model, _ = thrown("until_wrong")
+    ball = model.bodies["ball"]
+    model.scene("a", until={"ball": ball.y < 0, "x y": ball.y < 1, "plain": ball.y, "none": None})
+    with pytest.raises(ModelError) as caught:
+        build(model, compile=False)
+    text = str(caught.value)
+    for part in ("'ball' is the name of a", "x y", "'plain'", "'none' is None"):
+        assert part in text, part
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_latch_remembers(workshop: Path, method: str) -> None:
+    model = Model("latched")
+    mass = model.particle("mass", 1.0)
+    model.absolute("rail", mass, "y", 0.0)
+    pushed = model.latch("pushed", when=mass.x > 0.3, reset=t > 1.0)
+    model.force("push", mass, fx=3.0, when=pushed)
+    model.force("drag", mass, fx=-0.5, when=Not(pushed))
+    model.scene("runs", ["push", "drag"], start={mass.x: 0.0, mass.vx: 1.0})
+    r = load(model, folder=workshop).simulate(1.5, [0.1, 0.9, 1.5], method=method, rtol=1e-11)
+    begin = 2 - np.sqrt(4 - 1.2)  # t - t²/4 = 0.3
+    v = 1 - 0.5 * begin
+    v1, x1 = v + 3 * (1 - begin), 0.3 + v * (1 - begin) + 1.5 * (1 - begin) ** 2
+    assert_allclose(r.q("mass.x")[-1], x1 + v1 * 0.5 - 0.25 * 0.25, atol=1e-9)
+    assert_allclose(r.v("pushed.value"), [0, 1, 0], atol=1e-14)
+
+
+def test_a_value_that_events_renew(workshop: Path) -> None:
+    model = Model("counting")
+    mass = model.particle("mass", 1.0)
+    model.absolute("rail", mass, "y", 0.0)
+    model.driver("shake", mass.x, sin(3 * t))
+    count = model.sampled("count", when=mass.x > 0, value=lambda n: n + 1)
+    last = model.sampled("last", when=mass.x > 0, value=t, unit="s")
+    model.scene("runs", [count, last], drivers=["shake"])
+    r = load(model, folder=workshop).simulate(10.0, [10.0], rtol=1e-9)
+    period = 2 * np.pi / 3
+    assert r.v("count.value")[-1] == 1 + np.floor(10 / period)
+    assert_allclose(r.v("last.value")[-1], 4 * period, atol=1e-8)
+
+
+def test_a_latch_in_a_potential_or_a_law_is_refused() -> None:
+    model = Model("latch_in_law")
+    mass = model.particle("mass", 1.0)
+    on = model.latch("on", when=mass.x > 1)
+    model.potential("stored", Piecewise((mass.x, on), (0, True)))
+    model.scene("runs", ["stored"])
+    with pytest.raises(ModelError, match="velocity on_value"):
+        build(model, compile=False)
+
+
+@pytest.fixture(scope="module")
+def pendulum(workshop: Path) -> Machine:
+    model = Model("until_overloaded", gravity=(0, -G))
+    bob = model.particle("bob", 1.0)
+    model.distance("rod", model.ground.at(0, 0), bob, 1.0)
+    model.scene("swings", ["gravity"], start={bob.x: 1.0, bob.vy: 0.0}, guess={bob.y: 0.0})
+    return load(model, folder=workshop)
+
+
+def test_a_run_ends_where_a_reaction_grows_too_large(pendulum: Machine) -> None:
+    name = "rod.fx"
+    sign = np.sign(pendulum.simulate(0.3, [0.3], rtol=1e-11).series(name)[0][0])
+    limit = {"overload": (name, ">" if sign > 0 else "<", sign * 20.0)}
+    r = pendulum.simulate(3.0, rtol=1e-11, until=limit)
+    assert (r.ended_by, r.outcome) == ("overload", Outcome.OK)
+    assert_allclose(-3 * G * r.q("bob.y")[-1], 20.0, rtol=1e-9)
+    assert_allclose(abs(r.series(name)[0][-1]), 20.0, rtol=1e-9)
+    assert not pendulum.simulate(3.0, until={"never": ("total", ">", 1e3)}).ended_by
+
+
+def test_conditions_on_outputs_that_are_none(pendulum: Machine) -> None:
+    with pytest.raises(InputError, match=r"until=.*write until="):
+        pendulum.simulate(1.0, until={"a": "rod.fx > 3"})  # type: ignore[dict-item]
+    with pytest.raises(InputError, match=r"'rod\.fz'"):
+        pendulum.simulate(1.0, until={"a": ("rod.fz", ">", 3.0)})
