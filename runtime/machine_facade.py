@@ -110,6 +110,13 @@ class Machine(MachineStates):
         AnalysisError
             If the scene has no masses, nothing is left to integrate, or not even the beginning can
             be computed to the `accuracy` asked for.
+
+        Examples
+        --------
+        >>> m = lw.load("pendulum.py", scene="swing")
+        >>> r = m.simulate(10.0, rtol=1e-10, parameters={"length": 1.2})
+        >>> r.q("bob.phi")[-1], r.reaction("hinge", "fy").max()  # rad, N
+        >>> m.simulate(10.0, np.linspace(0.0, 10.0, 1001), guess={"bob.phi": 0.5})
         """
         from runtime.dynamics.output_conditions import read_conditions, simulate_until
         from runtime.studies.accuracy_target import accuracy_or_tolerances
@@ -166,6 +173,11 @@ class Machine(MachineStates):
             machine starts in a singular configuration and no velocities say on which branch.
         AssemblyError, InputError
             As `simulate`.
+
+        Examples
+        --------
+        >>> r = lw.load("slide.py").kinematics([0.0, 0.5, 1.0])  # s
+        >>> r.q("slide.x"), r.v("slide.vx"), r.a("slide.x")  # m, m/s, m/s^2
         """
         from runtime.dynamics.kinematics_and_inverse_dynamics import kinematics
 
@@ -196,6 +208,11 @@ class Machine(MachineStates):
             motion does not determine its force.
         AssemblyError, InputError
             As `simulate`.
+
+        Examples
+        --------
+        >>> r = lw.load("slide.py").inverse_dynamics([0.0, 0.5, 1.0])  # s
+        >>> r.reaction("feed", "fx")  # N: what the driver exerts
         """
         from runtime.dynamics.kinematics_and_inverse_dynamics import inverse_dynamics
 
@@ -252,6 +269,11 @@ class Machine(MachineStates):
             that sticks, if forces at the start are not finite, or if `method` does not exist.
         AssemblyError, InputError
             As `simulate`.
+
+        Examples
+        --------
+        >>> rest = lw.load("pendulum.py").equilibrium(guess={"bob.phi": -1.0})
+        >>> rest["bob.phi"], rest.stable, rest.frequencies  # rad, bool, Hz
         """
         from runtime.statics.equilibrium import equilibrium
 
