@@ -28,6 +28,7 @@ from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.event_records import Event
+from runtime.results.event_words import event_words
 from runtime.results.result import Result
 from runtime.results.samples import Partition
 from runtime.validation.finite_equations import describe_infinite
@@ -165,10 +166,11 @@ def _result(
     parts = mechanism.description.table_parts
     knots = {k for k, part in enumerate(parts) if part == KNOTS}  # of which steps alone take notice
     titles += [function.title for function in mechanism.description.time_functions]
+    words = event_words(mechanism.description, log.index, log.direction, run.modes[:1])
     events = [
-        Event(titles[int(index)], float(time), int(direction), at_q, at_v)
-        for time, index, direction, at_q, at_v in zip(
-            log.t, log.index, log.direction, log.q, log.v, strict=True
+        Event(titles[int(index)], float(time), int(direction), at_q, at_v, word)
+        for time, index, direction, at_q, at_v, word in zip(
+            log.t, log.index, log.direction, log.q, log.v, words, strict=True
         )
         if index not in knots
     ]
