@@ -29,7 +29,7 @@ from codegen.derive.scene_conditions import (
 )
 from codegen.derive.time_functions import TimeFunction, time_functions
 from codegen.model import Model
-from codegen.model.requested_outputs import TRACKED
+from codegen.model.base import TRACKED
 
 
 @dataclass(frozen=True)

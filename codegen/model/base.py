@@ -47,6 +47,7 @@ def _marked(method: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
+TRACKED = "tracked point"  # kind of a point whose place is an output
 TABLES: dict[str, type[Any]] = {
     "bodies": Body, "parameters": sy.ParameterDeclaration, "joints": Constraint,
     "drivers": Constraint, "effects": Effect, "scenes": Scene, "fidelities": dict, "groups": dict,
@@ -200,6 +201,8 @@ class Declarations:
         word, table = "effect", "effects"
         if isinstance(element, Body):
             word, table = "particle" if isinstance(element, Particle) else "body", "bodies"
+        elif element.kind == TRACKED:
+            word = TRACKED
         elif isinstance(element, Constraint):
             word = "driver" if role(element.kind) == "driver" else "joint"
             table = f"{word}s"

@@ -111,7 +111,7 @@ class Description(NamedTuple):
 
     @property
     def tracked(self) -> tuple[str, ...]:
-        """Points whose paths are reported."""
+        """Points that are outputs."""
         return tuple(row.name for row in self.effects if row.kind == "tracked point")
 
     @property

@@ -55,9 +55,11 @@ class Table(tuple[RowT, ...]):
         return html_table(*self._columns()) or "<p>no rows</p>"
 
     def _columns(self) -> tuple[tuple[str, ...], list[tuple[object, ...]]]:
-        """Names of the columns, and the rows, which are named tuples."""
+        """Names of the columns in which something stands, and the rows, which are named tuples."""
         rows: list[Any] = [*self]
-        return (rows[0]._fields if rows else ()), rows
+        fields = rows[0]._fields if rows else ()
+        used = [k for k in range(len(fields)) if any(row[k] not in ("", None) for row in rows)]
+        return tuple(fields[k] for k in used), [tuple(row[k] for k in used) for row in rows]
 
     @overload
     def __getitem__(self, item: SupportsIndex | str) -> RowT: ...
