@@ -24,7 +24,7 @@ rocking
 
 from sympy import pi, sin
 
-from linkwright import Model, t
+from codegen import Model, t
 
 model = Model("scotch_yoke", gravity=(0, -9.81))
 
