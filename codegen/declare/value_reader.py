@@ -123,10 +123,10 @@ class Reader:
         Events of the condition bear the `label`, if there is one.
         """
         force = self.value(value, unit, where)
-        if label and (not isinstance(label, str) or when is None):
-            self.note(
-                f"{where}: label={shown(label)} names the events of when=; give both, in words."
-            )
+        given: object = label
+        if label and (when is None or not isinstance(given, str)):
+            what = shown(given)
+            self.note(f"{where}: label={what} names the events of when=; give both, in words.")
             label = ""
         if when is None:
             return force
