@@ -9,6 +9,7 @@ import numpy.typing as npt
 from codegen.object_display import counted
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
+from runtime.core.modes_and_event_kinds import KNOTS
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.controllers import Functions
 from runtime.dynamics.end_check_screening import screen_run
@@ -17,7 +18,7 @@ from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formu
 from runtime.dynamics.friction_jam import describe_jam, end_at_jam
 from runtime.dynamics.motion_at_instants import SimulatedMotion
 from runtime.dynamics.output_quantities import evaluate
-from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.dynamics.prepared_simulation import Handover, PreparedSimulation
 from runtime.dynamics.switches_within_tolerance import describe_unresolved_switches
 from runtime.dynamics.work import integrate_works
 from runtime.integrate.problem import MOST_STEPS, Correction, Formulation, Options
@@ -27,10 +28,19 @@ from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.event_records import Event
+from runtime.results.event_words import event_words
+from runtime.results.reconnection import Ending
 from runtime.results.result import Result
 from runtime.results.samples import Partition
 from runtime.validation.finite_equations import describe_infinite
 from runtime.validation.scene_support import driven_note
+from runtime.validation.table_ranges import name_left_tables
+
+# Ends of a run that tries to go where a table has no number.
+_LEAVING = {
+    *(Outcome.OUT_OF_RANGE, Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL, Outcome.NEWTON_FAILED),
+    *(Outcome.INCONSISTENT, Outcome.SINGULAR, Outcome.DISCONTINUOUS),
+}
 
 
 def simulate(
@@ -38,7 +48,7 @@ def simulate(
     t_start: float = 0.0, method: str = "dop853", rtol: float = 1e-8, atol: float | None = None,
     parameters: Values | None = None, guess: Values | None = None,
     start: Assembly | State | Values | None = None,
-    controllers: Functions | None = None,
+    controllers: Functions | None = None, handover: Handover | None = None,
     correction: Correction = "step", formulation: Formulation = "cartesian",
     time_scale: float | None = None, first_step: float | None = None,
     max_step: float | None = None, max_steps: int | None = None,
@@ -57,6 +67,7 @@ def simulate(
         guess=guess,
         start=start,
         controllers=controllers,
+        handover=handover,
     )
     coordinates = formulate(ready, formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.
@@ -154,12 +165,16 @@ def _result(
         "wall_seconds": clock.perf_counter() - began,
     }
     titles, log = [switch.title for switch in mechanism.description.switches], run.events
+    parts = mechanism.description.table_parts
+    knots = {k for k, part in enumerate(parts) if part == KNOTS}  # of which steps alone take notice
     titles += [function.title for function in mechanism.description.time_functions]
+    words = event_words(mechanism.description, log.index, log.direction, run.modes[:1])
     events = [
-        Event(titles[int(index)], float(time), int(direction), at_q, at_v)
-        for time, index, direction, at_q, at_v in zip(
-            log.t, log.index, log.direction, log.q, log.v, strict=True
+        Event(titles[int(index)], float(time), int(direction), at_q, at_v, word)
+        for time, index, direction, at_q, at_v, word in zip(
+            log.t, log.index, log.direction, log.q, log.v, words, strict=True
         )
+        if index not in knots
     ]
     names = mechanism.description.coordinates.names
     partitions = [
@@ -172,11 +187,14 @@ def _result(
         events=events,
         partitions=partitions, not_unique=begin.not_unique,
     )  # fmt: skip
+    if run.outcome in _LEAVING:
+        name_left_tables(result, Equations(mechanism, p))
     if ended:
         result.ended_by = watched[run.stopped_by].name
     elif run.stopped_by >= 0:
         table = mechanism.description.coordinates
-        result.reconnection = run.stopped_by, State(run.final_t, run.final_q, run.final_v, table)
+        end = State(run.final_t, run.final_q, run.final_v, table)
+        result.reconnection = Ending(run.stopped_by, end, run.discrete)
     if run.outcome is Outcome.CONTRADICTED:
         result.contradiction = f"At t = {run.final_t:.9g} s it stopped. {run.note}"
     return result

@@ -214,7 +214,8 @@ class TimeFunction(NamedTuple):
     """An explicit function of time, as operations; see `codegen.lower.time_programs`.
 
     A row is (operation, rows that it takes ...); ("const", number), ("p", slot) or ("t",); or
-    ("table", row, (knots, coefficients), derivative, periodic).
+    ("table", row, (knots, coefficients), derivative, periodic[, beyond]), undefined beyond its ends
+    unless it says "extrapolate".
     """
 
     name: str  # of the element
@@ -229,6 +230,17 @@ class TimeFunction(NamedTuple):
     def title(self) -> str:
         """As events name it."""
         return f"{self.name}: next piece of its function of time"
+
+
+class TableRange(NamedTuple):
+    """A table that is undefined beyond its ends, and what it is taken at, as operations."""
+
+    name: str  # of the element
+    table: str
+    at: str
+    low: float
+    high: float
+    rows: tuple[tuple[Any, ...], ...]  # as of a `TimeFunction`, with ("q", slot) and ("v", slot)
 
 
 class StartValue(NamedTuple):
