@@ -78,7 +78,7 @@ class PreparedSimulation:
         self.note = start_note(mechanism, begin, guess, given)
         least = float(self.sizes.min(initial=1.0))
         require_apart(mechanism, p, begin.t, begin.q, begin.v, least)
-        if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
+        if begin.is_determined and not equations.velocity_rhs(begin.t, begin.q).any():
             refuse_structure(mechanism)
 
     def until(self, t_end: float) -> "PreparedSimulation":

@@ -55,9 +55,11 @@ class Table(tuple[RowT, ...]):
         return html_table(*self._columns()) or "<p>no rows</p>"
 
     def _columns(self) -> tuple[tuple[str, ...], list[tuple[object, ...]]]:
-        """Names of the columns, and the rows, which are named tuples."""
+        """Names of the columns that have entries, and the rows."""
         rows: list[Any] = [*self]
-        return (rows[0]._fields if rows else ()), rows
+        names = rows[0]._fields if rows else ()
+        shown = [k for k in range(len(names)) if any(row[k] is not None for row in rows)]
+        return tuple(names[k] for k in shown), [tuple(row[k] for k in shown) for row in rows]
 
     @overload
     def __getitem__(self, item: SupportsIndex | str) -> RowT: ...
@@ -103,6 +105,11 @@ class Coordinate(NamedTuple):
     def is_length(self) -> bool:
         """True for a position in metres."""
         return self.unit == "m"
+
+    @property
+    def is_state(self) -> bool:
+        """Whether it is the integral of a state, which is its velocity."""
+        return self.state_unit is not None
 
     @property
     def velocity_unit(self) -> str:

@@ -64,7 +64,9 @@ def _motion(result: Result) -> "xr.Dataset":
     """Coordinates, velocities, accelerations and residuals."""
     import xarray as xr
 
-    table, samples, over = result.description.coordinates, result.samples, ("time", "coordinate")
+    description, samples, over = result.description, result.samples, ("time", "coordinate")
+    table = description.positions
+    columns = [k for k, row in enumerate(description.coordinates) if not row.is_state]
 
     def about(name: str, unit: str) -> dict[str, str]:
         units = sorted({getattr(row, unit) for row in table})
@@ -73,18 +75,25 @@ def _motion(result: Result) -> "xr.Dataset":
     positions = {"units": "m, rad", "long_name": "largest |Phi|"}
     velocities = {"units": "m/s, rad/s", "long_name": "largest |Phi_q v - nu|"}
     variables: dict[str, Any] = {
-        "q": (over, samples.q, about("coordinates", "unit")),
-        "v": (over, samples.v, about("velocities", "velocity_unit")),
-        "a": (over, samples.a, about("accelerations", "acceleration_unit")),
+        "q": (over, samples.q[:, columns], about("coordinates", "unit")),
+        "v": (over, samples.v[:, columns], about("velocities", "velocity_unit")),
+        "a": (over, samples.a[:, columns], about("accelerations", "acceleration_unit")),
         "constraint_residual": ("time", samples.residual[:, 0], positions),
         "velocity_residual": ("time", samples.residual[:, 1], velocities),
     }
     coords: dict[str, Any] = {
         "time": ("time", samples.t, {"units": "s"}),
-        "coordinate": list(table.names),
+        "coordinate": [row.name for row in table],
         "velocity": ("coordinate", [row.velocity for row in table]),
         "unit": ("coordinate", [row.unit for row in table]),
     }
+    if states := description.states:
+        units = ", ".join(sorted({row.unit or "1" for row in states}))
+        values = samples.v[:, [row.column for row in states]]
+        name = "first-order states and sampled values"
+        variables["y"] = ("time", "state"), values, {"units": units, "long_name": name}
+        coords["state"] = list(states.names)
+        coords["state_unit"] = "state", [row.unit or "1" for row in states]
     return xr.Dataset(variables, coords=coords, attrs=result.about())
 
 

@@ -272,8 +272,11 @@ class Result(TimeSeries):
 
     def __repr__(self) -> str:
         """The headline, and what there is to look up."""
-        rows = self.description.coordinates
+        rows, states = self.description.positions, self.description.states
         lines = [self.headline, f"  coordinates  {listed(f'{r.name} ({r.unit})' for r in rows)}"]
+        if states:
+            units = (f"{row.name} ({row.unit or '1'})" for row in states)
+            lines.append(f"  states       {listed(units)}")
         effects = self.description.effects.names
         parts = dict.fromkeys(row.element for row in self.description.reactions)
         if joints := [name for name in parts if name not in effects]:
@@ -288,13 +291,16 @@ class Result(TimeSeries):
 
     def _repr_html_(self) -> str:
         """The same with a table of the coordinates, for notebooks."""
-        q, rows = self.samples.q, self.description.coordinates
         if not len(self.t):
             return html_of(repr(self))
-        numbers = zip(q[0], q[-1], q.min(axis=0), q.max(axis=0), strict=True)
+        names = [*(row.name for row in self.description.positions), *self.description.states.names]
+        columns = ((name, *self.series(name)) for name in names)
         table = html_table(
             ("coordinate", "unit", "first", "last", "least", "greatest"),
-            ((row.name, row.unit, *map(float, of)) for row, of in zip(rows, numbers, strict=True)),
+            (
+                (name, unit, *map(float, (x[0], x[-1], x.min(), x.max())))
+                for name, x, unit in columns
+            ),
         )
         text = [line for line in repr(self).splitlines() if not line.startswith("  coordinates ")]
         return html_of("\n".join(text), table)

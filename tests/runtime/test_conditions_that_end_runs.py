@@ -105,7 +105,7 @@ def test_a_latch_remembers(workshop: Path, method: str) -> None:
     v = 1 - 0.5 * begin
     v1, x1 = v + 3 * (1 - begin), 0.3 + v * (1 - begin) + 1.5 * (1 - begin) ** 2
     assert_allclose(r.q("mass.x")[-1], x1 + v1 * 0.5 - 0.25 * 0.25, atol=1e-9)
-    assert_allclose(r.v("pushed.value"), [0, 1, 0], atol=1e-14)
+    assert_allclose(r.y("pushed"), [0, 1, 0], atol=1e-14)
 
 
 def test_a_value_that_events_renew(workshop: Path) -> None:
@@ -118,8 +118,8 @@ def test_a_value_that_events_renew(workshop: Path) -> None:
     model.scene("runs", [count, last], drivers=["shake"])
     r = load(model, folder=workshop).simulate(10.0, [10.0], rtol=1e-9)
     period = 2 * np.pi / 3
-    assert r.v("count.value")[-1] == 1 + np.floor(10 / period)
-    assert_allclose(r.v("last.value")[-1], 4 * period, atol=1e-8)
+    assert r.y("count")[-1] == 1 + np.floor(10 / period)
+    assert_allclose(r.y("last")[-1], 4 * period, atol=1e-8)
 
 
 def test_a_latch_in_a_potential_or_a_law_is_refused() -> None:
