@@ -27,6 +27,7 @@ from codegen.derive.scene_conditions import (
     expressions_in,
     profiles_of,
 )
+from codegen.derive.table_ranges import TableRange, table_ranges
 from codegen.derive.time_functions import TimeFunction, time_functions
 from codegen.model import Model
 from codegen.model.base import TRACKED
@@ -119,6 +120,11 @@ class Equations:
     def peaked_functions(self) -> tuple[PeakedFunction, ...]:
         """The functions of the position that may peak between the ends of a step."""
         return peaked_functions(self.constraints, self.effects, self.switches)
+
+    @property
+    def table_ranges(self) -> tuple[TableRange, ...]:
+        """The tables that a motion may leave."""
+        return table_ranges(self.constraints, self.effects)
 
     def with_effects(self, effects: tuple[EffectEquations, ...]) -> "Equations":
         """These equations with other effects, their switching functions and their conditions."""

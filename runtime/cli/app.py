@@ -112,7 +112,7 @@ def report(
     def analyse(machine: "Machine", **values: Any) -> "Result":
         instants = _instants(t_start, t_end, points)
         if machine.description.drivers and machine.is_determined:
-            refuse_run_options(run, machine.description.title)
+            refuse_run_options({"start": start, **run}, machine.description.title)
             inverse = machine.description.has_masses
             driven = machine.inverse_dynamics if inverse else machine.kinematics
             return driven(instants, **values)

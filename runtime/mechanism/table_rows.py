@@ -55,11 +55,11 @@ class Table(tuple[RowT, ...]):
         return html_table(*self._columns()) or "<p>no rows</p>"
 
     def _columns(self) -> tuple[tuple[str, ...], list[tuple[object, ...]]]:
-        """Names of the columns that have entries, and the rows."""
+        """Names of the columns in which something stands, and the rows, which are named tuples."""
         rows: list[Any] = [*self]
-        names = rows[0]._fields if rows else ()
-        shown = [k for k in range(len(names)) if any(row[k] is not None for row in rows)]
-        return tuple(names[k] for k in shown), [tuple(row[k] for k in shown) for row in rows]
+        fields = rows[0]._fields if rows else ()
+        used = [k for k in range(len(fields)) if any(row[k] not in ("", None) for row in rows)]
+        return tuple(fields[k] for k in used), [tuple(row[k] for k in used) for row in rows]
 
     @overload
     def __getitem__(self, item: SupportsIndex | str) -> RowT: ...
@@ -105,11 +105,6 @@ class Coordinate(NamedTuple):
     def is_length(self) -> bool:
         """True for a position in metres."""
         return self.unit == "m"
-
-    @property
-    def is_state(self) -> bool:
-        """Whether it is the integral of a state, which is its velocity."""
-        return self.state_unit is not None
 
     @property
     def velocity_unit(self) -> str:
@@ -219,7 +214,8 @@ class TimeFunction(NamedTuple):
     """An explicit function of time, as operations; see `codegen.lower.time_programs`.
 
     A row is (operation, rows that it takes ...); ("const", number), ("p", slot) or ("t",); or
-    ("table", row, (knots, coefficients), derivative, periodic).
+    ("table", row, (knots, coefficients), derivative, periodic[, beyond]), undefined beyond its ends
+    unless it says "extrapolate".
     """
 
     name: str  # of the element
@@ -234,6 +230,17 @@ class TimeFunction(NamedTuple):
     def title(self) -> str:
         """As events name it."""
         return f"{self.name}: next piece of its function of time"
+
+
+class TableRange(NamedTuple):
+    """A table that is undefined beyond its ends, and what it is taken at, as operations."""
+
+    name: str  # of the element
+    table: str
+    at: str
+    low: float
+    high: float
+    rows: tuple[tuple[Any, ...], ...]  # as of a `TimeFunction`, with ("q", slot) and ("v", slot)
 
 
 class StartValue(NamedTuple):

@@ -69,11 +69,11 @@ def _motion(result: Result) -> "xr.Dataset":
     columns = [k for k, row in enumerate(description.coordinates) if not row.is_state]
 
     def about(name: str, unit: str) -> dict[str, str]:
-        units = sorted({getattr(row, unit) for row in table})
-        return {"units": ", ".join(units), "long_name": name}
+        units = {getattr(row, unit) for row in table}
+        return {"long_name": name} | ({"units": units.pop()} if len(units) == 1 else {})
 
-    positions = {"units": "m, rad", "long_name": "largest |Phi|"}
-    velocities = {"units": "m/s, rad/s", "long_name": "largest |Phi_q v - nu|"}
+    positions = {"long_name": "largest |Phi|, m or rad"}
+    velocities = {"long_name": "largest |Phi_q v - nu|, m/s or rad/s"}
     variables: dict[str, Any] = {
         "q": (over, samples.q[:, columns], about("coordinates", "unit")),
         "v": (over, samples.v[:, columns], about("velocities", "velocity_unit")),
@@ -86,6 +86,8 @@ def _motion(result: Result) -> "xr.Dataset":
         "coordinate": [row.name for row in table],
         "velocity": ("coordinate", [row.velocity for row in table]),
         "unit": ("coordinate", [row.unit for row in table]),
+        "velocity_unit": ("coordinate", [row.velocity_unit for row in table]),
+        "acceleration_unit": ("coordinate", [row.acceleration_unit for row in table]),
     }
     if states := description.states:
         units = ", ".join(sorted({row.unit or "1" for row in states}))
@@ -110,7 +112,7 @@ def _add_reactions(data: "xr.Dataset", result: Result) -> None:
         reaction[:, joint, component] = result.reaction(row.element, row.component)
     data["joint"], data["component"] = _texts(joints), _texts(components)
     data.coords["component_unit"] = "component", _texts(units.values())
-    about = {"units": "N, N m", "long_name": "first body on second, in joint axes"}
+    about = {"long_name": "first body on second, in joint axes, in component_unit"}
     data["reaction"] = ("time", "joint", "component"), reaction, about
 
 
