@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.joined_results import joined
-from runtime.dynamics.reconnection import Gap, cross, known_parameters
+from runtime.dynamics.reconnection import Gap, carried, cross, known_parameters
 from runtime.dynamics.simulation import simulate as simulate_once
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.sibling_scenes import sibling
@@ -47,7 +47,7 @@ def simulate(mechanism: Mechanism, t_end: float, t_eval: Any = None, **settings:
         results.append(run)
         if run.reconnection is None or run.outcome is not Outcome.OK:
             break
-        row, end = run.reconnection
+        row, end, memory = run.reconnection
         at_once = at_once + 1 if changes and changes[-1].t == end.t else 0
         if end.t >= t_end:
             break
@@ -62,7 +62,9 @@ def simulate(mechanism: Mechanism, t_end: float, t_eval: Any = None, **settings:
             run.outcome, run.message = Outcome.INCONSISTENT, str(gap)
             break
         changes.append(change)
-        mechanism, settings = after, {**settings, "start": begin, "guess": None, "t_start": 0.0}
+        settings |= {"start": begin, "guess": None, "t_start": 0.0}
+        settings["memory"] = carried(mechanism, after, memory)
+        mechanism = after
     return results[0] if len(results) == 1 else joined(results, changes)
 
 

@@ -11,7 +11,7 @@ from codegen.errors import AssemblyError
 from runtime.assembly.assemble import assemble
 from runtime.assembly.start_values import start_note
 from runtime.dynamics.controllers import Functions, controllers_of
-from runtime.integrate.problem import Options, Stops
+from runtime.integrate.problem import Memory, Options, Stops
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
@@ -50,11 +50,11 @@ class PreparedSimulation:
     def __init__(
         self, mechanism: Mechanism, t_end: float, *, t_start: float, parameters: Values | None,
         guess: Values | None, start: Assembly | State | Values | None,
-        controllers: Functions | None = None,
+        controllers: Functions | None = None, memory: Memory | None = None,
     ) -> None:  # fmt: skip
         if not mechanism.description.has_masses:
             refuse_massless(mechanism)
-        self.mechanism, self.t_end = mechanism, float(t_end)
+        self.mechanism, self.t_end, self.memory = mechanism, float(t_end), memory
         self.controllers = controllers_of(mechanism, controllers)
         self.p = p = parameter_values(mechanism, parameters)  # with derived constants, (np,)
         require_masses(mechanism, p)

@@ -6,6 +6,7 @@ end in an impact of all constraints, M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν
 
 import numpy as np
 
+from runtime.integrate.problem import Memory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.table_rows import Watched
@@ -39,6 +40,28 @@ def cross(
         impulse = _impulses(after, equations, watched.target, end.t, q, v, multipliers)
     start = State(end.t, q, v, after.description.coordinates)
     return start, Reconnection(end.t, watched.target, watched.action, impulse, lost)
+
+
+def carried(before: Mechanism, after: Mechanism, memory: Memory | None) -> Memory | None:
+    """What clocks and conditions remember, by the values and conditions of another mechanism.
+
+    Conditions that end runs and change joints are judged anew.
+    """
+    if memory is None:
+        return None
+    known, table = before.description.sampled, after.description
+    places = [known.index(name) if name in known else -1 for name in table.sampled]
+    ticks = [memory.ticks[2 * k : 2 * k + 2] if k >= 0 else np.zeros(2, np.int64) for k in places]
+    waiting = tuple(memory.waiting[k] if k >= 0 else np.zeros(0) for k in places)
+    held = dict(zip(_renewing(before), memory.held.tolist(), strict=True))
+    now = [held[key] if key in held and key[0] else 0.0 for key in _renewing(after)]
+    return Memory(np.array(ticks, np.int64).ravel(), waiting, np.array(now))
+
+
+def _renewing(mechanism: Mechanism) -> list[tuple[str, int]]:
+    """Of each condition the value that it renews, and which of that value's it is; others ""."""
+    names = [row.target if row.action == "sample" else "" for row in mechanism.description.watched]
+    return [(name, names[:k].count(name)) for k, name in enumerate(names)]
 
 
 def known_parameters(mechanism: Mechanism, parameters: Values) -> Values:

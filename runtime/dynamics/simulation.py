@@ -21,7 +21,7 @@ from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.switches_within_tolerance import describe_unresolved_switches
 from runtime.dynamics.work import integrate_works
-from runtime.integrate.problem import MOST_STEPS, Correction, Formulation, Options
+from runtime.integrate.problem import MOST_STEPS, Correction, Formulation, Memory, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
@@ -51,10 +51,12 @@ def simulate(
     time_scale: float | None = None, first_step: float | None = None,
     max_step: float | None = None, max_steps: int | None = None,
     max_bytes: int = 2**30, progress: Progress = silent, step_limit: int = MOST_STEPS,
+    memory: Memory | None = None,
 ) -> Result:  # fmt: skip
     """Integrate the equations of motion from the assembled start; see `Machine.simulate`.
 
-    `step_limit` is that of a study, which is no wish to go on where steps get ever shorter.
+    `step_limit` is that of a study, which is no wish to go on where steps get ever shorter;
+    `memory` that of a run with other joints before.
     """
     began = clock.perf_counter()
     ready = PreparedSimulation(
@@ -65,6 +67,7 @@ def simulate(
         guess=guess,
         start=start,
         controllers=controllers,
+        memory=memory,
     )
     coordinates = formulate(ready, formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.
@@ -189,7 +192,8 @@ def _result(
         result.ended_by = watched[run.stopped_by].name
     elif run.stopped_by >= 0:
         table = mechanism.description.coordinates
-        result.reconnection = run.stopped_by, State(run.final_t, run.final_q, run.final_v, table)
+        end = State(run.final_t, run.final_q, run.final_v, table)
+        result.reconnection = run.stopped_by, end, run.memory
     if run.outcome is Outcome.CONTRADICTED:
         result.contradiction = f"At t = {run.final_t:.9g} s it stopped. {run.note}"
     return result

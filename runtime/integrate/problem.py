@@ -52,6 +52,14 @@ class Stops(NamedTuple):
     further: Callable[[], "Stops | None"] | None = None
 
 
+class Memory(NamedTuple):
+    """What clocks and conditions remember of a run from whose end another one goes on."""
+
+    ticks: Integers  # (2 sampled,): numbers of each value's next sample, and of the next that acts
+    waiting: tuple[Vector, ...]  # of each value the samples that do not act yet, in their order
+    held: Vector  # (watched,): 1 where a condition held
+
+
 @dataclass(frozen=True)
 class Problem:
     """An initial-value problem."""
@@ -70,6 +78,7 @@ class Problem:
     stops: Stops | None = None  # None: the run ends its steps where it likes
     # number of a sampled value → what computes its samples
     controllers: Mapping[int, Controller] = field(default_factory=dict)
+    memory: Memory | None = None  # None: clocks and conditions begin with the run
 
 
 @dataclass(frozen=True)

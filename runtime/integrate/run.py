@@ -349,4 +349,5 @@ class Run:
             decay=state.mean_decay,
             crossings=tuple(self.crossings.passed),
             note=note,
+            memory=state.memory if r["stopped_by"] >= 0 else None,
         )

@@ -7,6 +7,7 @@ import numpy as np
 
 from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.outcomes import Outcome
+from runtime.integrate.problem import Memory
 
 if TYPE_CHECKING:
     from runtime.integrate.checkpoints import Checkpoints
@@ -91,4 +92,5 @@ class Trajectory:
     note: str = ""  # what else is to be said about the outcome; empty as a rule
     methods: tuple[tuple[float, str], ...] = ()  # from when on each was used: one, but for "auto"
     decay: float = 0.0  # of the fastest motion in a step of "auto": mean of -h Re λ
+    memory: Memory | None = None  # of clocks and conditions, where one of these has ended the run
     checkpoints: "Checkpoints | None" = None  # None: it was not asked to make any

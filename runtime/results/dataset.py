@@ -90,10 +90,10 @@ def _motion(result: Result) -> "xr.Dataset":
         "acceleration_unit": ("coordinate", [row.acceleration_unit for row in table]),
     }
     if states := description.states:
-        units = ", ".join(sorted({row.unit or "1" for row in states}))
-        values = samples.v[:, [row.column for row in states]]
-        name = "first-order states and sampled values"
-        variables["y"] = ("time", "state"), values, {"units": units, "long_name": name}
+        units = {row.unit or "1" for row in states}
+        about_y = {"long_name": "first-order states and sampled values"}
+        about_y |= {"units": units.pop()} if len(units) == 1 else {}
+        variables["y"] = ("time", "state"), samples.v[:, [row.column for row in states]], about_y
         coords["state"] = list(states.names)
         coords["state_unit"] = "state", [row.unit or "1" for row in states]
     return xr.Dataset(variables, coords=coords, attrs=result.about())

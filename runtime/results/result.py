@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from runtime.integrate.problem import Memory
+
 FloatArray = npt.NDArray[np.float64]
 
 
@@ -73,7 +75,8 @@ class Result(TimeSeries):
     reconnections
         The joints that were released or engaged in a run, with their impulses.
     reconnection
-        Of a part of a run: the condition that ended it, and the state there.
+        Of a part of a run: the condition that ended it, the state there, and what clocks and
+        conditions remember.
     """
 
     outcome: Outcome
@@ -88,7 +91,7 @@ class Result(TimeSeries):
     parameters: dict[str, float]
     ended_by: str
     reconnections: tuple[Reconnection, ...]
-    reconnection: tuple[int, State] | None
+    reconnection: "tuple[int, State, Memory | None] | None"
     _motion: Motion | None  # behind the samples; None: of an analysis without one
 
     def __init__(
