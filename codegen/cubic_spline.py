@@ -1,81 +1,71 @@
-"""Cubic splines through points: plain numbers, which every stage may hold.
+"""Curves through the points of a table: cubic splines, and others by kind.
 
 The coefficients are computed with Python's own floats, one operation after the other: those of a
 linear-algebra library differ in the last digit from machine to machine, and with them would the
 generated text.
 """
 
-import hashlib
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Literal
 
-MARGIN = 1e-9  # accuracy: rounding of a law's argument beyond its ends, in parts of its length
+from codegen.piecewise_cubic import Beyond, Row, Table
+from codegen.shape_preserving_slopes import akima_slopes, monotone_slopes
 
-Row = tuple[float, float, float, float]
+Kind = Literal["linear", "pchip", "akima", "spline"]
+Ends = Literal["not-a-knot", "natural"]
 
-
-@dataclass(frozen=True)
-class Table:
-    """A function given by points: twice continuously differentiable, a cubic between two knots."""
-
-    name: str  # an identifier
-    knots: tuple[float, ...]  # ascending; the last of a periodic table is the first, a period later
-    rows: tuple[Row, ...]  # (c0, c1, c2, c3): c0 + c1 s + c2 s² + c3 s³ with s from the left knot
-    periodic: bool  # one that does not repeat is undefined (nan) beyond its ends
-
-    @cached_property
-    def digest(self) -> str:
-        """SHA-256 of the numbers."""
-        return hashlib.sha256(repr((self.knots, self.rows, self.periodic)).encode()).hexdigest()
-
-    def __call__(self, x: Any, order: int = 0) -> Any:
-        """The value or a derivative at a number of any kind; complex numbers by their real part."""
-        first, last = self.knots[0], self.knots[-1]
-        at = float(getattr(x, "real", x))
-        if self.periodic:
-            turns = math.floor((at - first) / (last - first))
-            x, at = x - turns * (last - first), at - turns * (last - first)
-        elif not -MARGIN * (last - first) <= at - first <= (1 + MARGIN) * (last - first):
-            return math.nan
-        inner = sum(knot <= at for knot in self.knots[1:-1])
-        s, (c0, c1, c2, c3) = x - self.knots[inner], self.rows[inner]
-        if order == 0:
-            return c0 + s * (c1 + s * (c2 + s * c3))
-        if order == 1:
-            return c1 + s * (2 * c2 + s * (3 * c3))
-        return 2 * c2 + s * (6 * c3) if order == 2 else 6 * c3 + 0 * s
+SMOOTH: dict[Kind, int] = {"linear": 0, "pchip": 1, "akima": 1, "spline": 2}
+"""How many derivatives of a kind are continuous."""
 
 
-def fit(name: str, x: Sequence[float], y: Sequence[float], periodic: bool) -> Table:
-    """The interpolating cubic spline: periodic, or with the not-a-knot condition at both ends.
+def fit(
+    name: str, x: Sequence[float], y: Sequence[float], periodic: bool, kind: Kind = "spline",
+    ends: Ends = "not-a-knot", beyond: Beyond = "stop",
+) -> Table:  # fmt: skip
+    """The curve of a `kind` through points.
 
-    At least four points; x strictly ascending, and of a periodic one the last y the first.
+    Of x, strictly ascending, as many as `codegen.declare.table_function.FEWEST` asks for; of a
+    periodic one the last y is the first. `ends` is the condition of a spline that does not repeat:
+    at the ends the third derivative is continuous one knot further in, or the second is zero.
     """
     h = [b - a for a, b in pairwise(x)]
     rise = [(b - a) / step for (a, b), step in zip(pairwise(y), h, strict=True)]
-    slopes = _periodic_slopes(h, rise) if periodic else _open_slopes(h, rise)
-    rows = []
-    for k, step in enumerate(h):
-        bend = (slopes[k] + slopes[k + 1] - 2 * rise[k]) / step
-        rows.append((y[k], slopes[k], (rise[k] - slopes[k]) / step - bend, bend / step))
-    return Table(name, tuple(x), tuple(rows), periodic)
+    rows: list[Row] = [(y[k], m, 0.0, 0.0) for k, m in enumerate(rise)]
+    if kind != "linear":
+        if kind == "spline":
+            slopes = _periodic_slopes(h, rise) if periodic else _open_slopes(h, rise, ends)
+        elif kind == "pchip":
+            slopes = monotone_slopes(h, rise, periodic)
+        else:
+            slopes = akima_slopes(rise, periodic)
+        rows = [_piece(y[k], step, rise[k], *slopes[k : k + 2]) for k, step in enumerate(h)]
+    if periodic:
+        beyond = "stop"  # it has no ends
+    return Table(name, tuple(x), tuple(rows), periodic, beyond, SMOOTH[kind], kind)
 
 
-def _open_slopes(h: list[float], rise: list[float]) -> list[float]:
-    """Slopes at the knots, the third derivative continuous at the second and the last but one."""
+def _piece(value: float, h: float, rise: float, left: float, right: float) -> Row:
+    """The cubic with a value at the left knot and slopes at both."""
+    bend = (left + right - 2 * rise) / h
+    return value, left, (rise - left) / h - bend, bend / h
+
+
+def _open_slopes(h: list[float], rise: list[float], ends: Ends) -> list[float]:
+    """Slopes at the knots of an open curve, for a condition at its ends."""
+    inner = zip(pairwise(h), pairwise(rise), strict=True)
+    sides = [3 * (b * c + a * d) for (a, b), (c, d) in inner]
+    middle = [2 * (a + b) for a, b in pairwise(h)]
+    if ends == "natural":
+        return _tridiagonal(
+            [0.0, *h[1:], 1.0], [2.0, *middle, 2.0], [1.0, *h[:-1], 0.0],
+            [3 * rise[0], *sides, 3 * rise[-1]],
+        )  # fmt: skip
     first, last = h[0] + h[1], h[-1] + h[-2]
     start = ((h[0] + 2 * first) * h[1] * rise[0] + h[0] ** 2 * rise[1]) / first
     end = (h[-1] ** 2 * rise[-2] + (2 * last + h[-1]) * h[-2] * rise[-1]) / last
-    inner = zip(pairwise(h), pairwise(rise), strict=True)
     return _tridiagonal(
-        [0.0, *h[1:], last],
-        [h[1], *(2 * (a + b) for a, b in pairwise(h)), h[-2]],
-        [first, *h[:-1], 0.0],
-        [start, *(3 * (b * c + a * d) for (a, b), (c, d) in inner), end],
+        [0.0, *h[1:], last], [h[1], *middle, h[-2]], [first, *h[:-1], 0.0], [start, *sides, end]
     )
 
 

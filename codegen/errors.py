@@ -83,3 +83,7 @@ class AnalysisError(InputError):
 
 class NoAttributeError(ModelError, AttributeError):
     """Part of a declaration is not there, or does not change; an `AttributeError` as well."""
+
+
+class TableWarning(UserWarning):
+    """A curve through the points of a table is not what the points show."""

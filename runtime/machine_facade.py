@@ -15,6 +15,7 @@ from runtime.validation.scene_support import refuse_states, require_energy, requ
 
 if TYPE_CHECKING:
     from runtime.dynamics.controllers import Functions
+    from runtime.dynamics.output_conditions import Conditions
     from runtime.integrate.problem import Correction, Formulation
     from runtime.results.assembled_state import Assembly, State
     from runtime.results.result import Result
@@ -35,8 +36,8 @@ class Machine(MachineStates):
         t_start: float = 0.0, method: str | None = None, rtol: float | None = None,
         atol: float | None = None, parameters: Values | None = None,
         guess: Values | None = None, start: "Assembly | State | Result | Values | None" = None,
-        controllers: "Functions | None" = None, correction: "Correction" = "step",
-        formulation: "Formulation | None" = None,
+        controllers: "Functions | None" = None, until: "Conditions | None" = None,
+        correction: "Correction" = "step", formulation: "Formulation | None" = None,
         time_scale: float | None = None, first_step: float | None = None,
         max_step: float | None = None, max_steps: int | None = None,
         max_bytes: int = 2**30, progress: bool = True,
@@ -82,6 +83,10 @@ class Machine(MachineStates):
             it at each of its samples, ``lambda sample: -4.0 * sample.q("arm.phi")``, from
             `Sample.t`, `q`, `v` and `y`. A call takes some microseconds, where an expression takes
             one; `accuracy` calls the function in several runs.
+        until
+            Conditions on series of the result that end the run, by name: ``{"overload":
+            ("hinge.fx", ">", 500.0)}``. The run is made twice, to its end and to there. Conditions
+            on positions and velocities belong into the scene, ``until=`` of `Model.scene`.
         correction, time_scale
             States return onto the constraints once a "step" (dependent coordinates from independent
             ones), at every "stage", by "projection", "baumgarte" or "hybrid", for which see
@@ -105,7 +110,15 @@ class Machine(MachineStates):
         AnalysisError
             If the scene has no masses, nothing is left to integrate, or not even the beginning can
             be computed to the `accuracy` asked for.
+
+        Examples
+        --------
+        >>> m = lw.load("pendulum.py", scene="swing")
+        >>> r = m.simulate(10.0, rtol=1e-10, parameters={"length": 1.2})
+        >>> r.q("bob.phi")[-1], r.reaction("hinge", "fy").max()  # rad, N
+        >>> m.simulate(10.0, np.linspace(0.0, 10.0, 1001), guess={"bob.phi": 0.5})
         """
+        from runtime.dynamics.output_conditions import read_conditions, simulate_until
         from runtime.studies.accuracy_target import accuracy_or_tolerances
 
         require_motion(self.mechanism, "simulate")
@@ -118,9 +131,12 @@ class Machine(MachineStates):
             method=method, formulation=formulation,
         )  # fmt: skip
         settings = {name: given.pop(name) for name in _SETTINGS}
+        conditions = () if until is None else read_conditions(self.mechanism.title, until)
         analyse = accuracy_or_tolerances(self.mechanism, **settings)
         with bar(f"simulate {self.mechanism.title}", given.pop("progress")) as report:
-            return analyse(**given, progress=report)
+            if until is None:
+                return analyse(**given, progress=report)
+            return simulate_until(analyse, conditions, {**given, "progress": report})
 
     @shows_compilation
     def kinematics(
@@ -157,6 +173,11 @@ class Machine(MachineStates):
             machine starts in a singular configuration and no velocities say on which branch.
         AssemblyError, InputError
             As `simulate`.
+
+        Examples
+        --------
+        >>> r = lw.load("slide.py").kinematics([0.0, 0.5, 1.0])  # s
+        >>> r.q("slide.x"), r.v("slide.vx"), r.a("slide.x")  # m, m/s, m/s^2
         """
         from runtime.dynamics.kinematics_and_inverse_dynamics import kinematics
 
@@ -187,6 +208,11 @@ class Machine(MachineStates):
             motion does not determine its force.
         AssemblyError, InputError
             As `simulate`.
+
+        Examples
+        --------
+        >>> r = lw.load("slide.py").inverse_dynamics([0.0, 0.5, 1.0])  # s
+        >>> r.reaction("feed", "fx")  # N: what the driver exerts
         """
         from runtime.dynamics.kinematics_and_inverse_dynamics import inverse_dynamics
 
@@ -243,6 +269,11 @@ class Machine(MachineStates):
             that sticks, if forces at the start are not finite, or if `method` does not exist.
         AssemblyError, InputError
             As `simulate`.
+
+        Examples
+        --------
+        >>> rest = lw.load("pendulum.py").equilibrium(guess={"bob.phi": -1.0})
+        >>> rest["bob.phi"], rest.stable, rest.frequencies  # rad, bool, Hz
         """
         from runtime.statics.equilibrium import equilibrium
 

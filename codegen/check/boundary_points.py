@@ -84,7 +84,8 @@ def vanishes(jump: Jump, known: Numbers) -> bool:
             numbers = {s: sympy.Float(random.uniform(-2.0, 2.0)) for s in sorted(free, key=str)}
             numbers |= known
             numbers[q] = place.evalf(_DIGITS, subs=numbers)
-            if not _size(jump.change, numbers) <= _ZERO * _size(sizes(jump.change), numbers):
+            size, most = _size(jump.change, numbers), _size(sizes(jump.change), numbers)
+            if _undefined(size, most) or not size <= _ZERO * most:
                 return False
         return True
     return False
@@ -100,11 +101,16 @@ def differs(
         place = map(sympy.Float, point + distance * normal)
         return _size(expression, known | dict(zip(moving, place, strict=True)))
 
-    here = at(change, 0.0)
-    if not here > _ZERO * at(sizes(change), 0.0):
+    here, most = at(change, 0.0), at(sizes(change), 0.0)
+    if _undefined(here, most) or not here > _ZERO * most:
         return False
     beside = [at(change, sign * far) for sign in (-1, 1) for far in _BESIDE]
-    return all(bool(abs(one - here) < here / 2) for one in beside)
+    return not _undefined(*beside) and all(bool(abs(one - here) < here / 2) for one in beside)
+
+
+def _undefined(*sizes: Any) -> bool:
+    """Whether one of some sizes is nan, which SymPy does not compare."""
+    return any(isinstance(size, float) for size in sizes)
 
 
 def _size(expression: sympy.Expr, numbers: Numbers) -> Any:

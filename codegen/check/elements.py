@@ -42,6 +42,7 @@ from codegen.declare.symbols import (
     kinds,
     side,
 )
+from codegen.declare.table_function import Interpolant
 from codegen.errors import ModelError
 from codegen.model import Model
 from codegen.plain_values import shown
@@ -71,7 +72,14 @@ def effect_problems(
     model: Model, effect: el.Effect, bodies: tuple[Body, ...], known: frozenset[sympy.Symbol]
 ) -> Iterator[str]:
     """Problems of what an effect returns for the bodies of a scene."""
-    for speed in kinds(potential_of(effect, bodies) or sympy.S.Zero, Velocity):
+    potential = potential_of(effect, bodies) or sympy.S.Zero
+    for node in sorted(potential.atoms(Interpolant), key=str):
+        if node.table.smooth == 0 and kinds(node.at, Coordinate):
+            yield (
+                f"{el.label(effect)}: its potential contains table '{node.table.name}' of kind "
+                "'linear', whose slope, the force, jumps at every point; give it kind='pchip'."
+            )
+    for speed in kinds(potential, Velocity):
         yield (
             f"{el.label(effect)}: its potential contains the velocity {speed.name}; return a "
             "force that depends on a velocity by forces()."

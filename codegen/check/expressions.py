@@ -77,11 +77,28 @@ def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -
         elif node.func in STEPS and not is_known_beforehand(node):
             yield f"{where}: {node} jumps where coordinates say; only the time and parameters may."
         elif isinstance(node, Interpolant):
+            if not may_switch:
+                yield from _table_problems(where, node)
             stack.append(node.at)
         elif node.func in (*FUNCTIONS, *KINKED, *STEPS) or isinstance(node, ARITHMETIC):
             stack += node.args
         elif not node.is_number:
             yield f"{where}: {node} cannot be compiled; known are {KNOWN}, powers and Piecewise."
+
+
+def _table_problems(where: str, node: Interpolant) -> Iterator[str]:
+    """What a table lacks where accelerations need its second derivative, and nothing switches."""
+    table = node.table
+    if is_known_beforehand(node.at) or (table.smooth >= 2 and table.held is None):
+        return
+    if table.smooth < 2:
+        fault, remedy = f"of kind '{table.kind}'", "give it kind='spline'"
+    else:
+        fault, remedy = "with beyond='hold'", "give it points further out"
+    yield (
+        f"{where}: table '{table.name}' {fault} is taken at {node.at}, where accelerations need "
+        f"continuous second derivatives; {remedy}."
+    )
 
 
 def _piecewise_problems(where: str, node: sympy.Piecewise) -> Iterable[str]:

@@ -102,7 +102,7 @@ def _continuous(effect: Effect, bodies: tuple[Body, ...]) -> Iterator[tuple[str,
     known = potential is None or isinstance(effect, GapSprings)
     energy = [] if known else [("potential", "J", potential)]
     for word, unit, expression in (*energy, *scalars):
-        yield word, unit, as_pieces(expression)
+        yield word, unit, as_pieces(expression, may_switch=False)  # tables have no steps
 
 
 class Step(NamedTuple):

@@ -12,7 +12,7 @@ from codegen.derive.equations import active_joints
 from codegen.model import Model
 from codegen.model.requested_outputs import ONE
 
-GEOMETRY = ("path", *(word for word in QUANTITIES if word not in EXERTED))
+GEOMETRY = ("point", *(word for word in QUANTITIES if word not in EXERTED))
 
 
 def output_problems(model: Model, scene: Scene) -> Iterator[str]:
@@ -40,7 +40,7 @@ def output_problems(model: Model, scene: Scene) -> Iterator[str]:
             if reason := _missing_output(model, scene, group, name):
                 yield f"{where}: there is no output '{word}', as {reason}"
             continue
-        if group == "path":  # the point's body takes no part, or the scene leaves out the point
+        if group == "point":  # the point's body takes no part, or the scene leaves out the point
             (body,) = bodies_of(model.effects[name])
             gone = name if body.name in scene.bodies else body.name
             kind, advice = "point" if gone == name else model.kind(gone), f"take '{gone}' in"

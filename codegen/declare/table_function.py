@@ -7,16 +7,18 @@ from typing import Any
 
 import sympy
 
-from codegen.cubic_spline import Table
+from codegen.cubic_spline import Kind
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import Coordinate, Time, Velocity
 from codegen.declare.units import in_unit, is_quantity, same_dimension
 from codegen.errors import FAILURES, ModelError
+from codegen.piecewise_cubic import Table
 from codegen.plain_values import KindError, plain_float, shown
 from codegen.public_callables import error_boundary
 
 DEGREE = 3
-FEWEST = 4
+# formula: the fewest points of each kind; of a periodic table one more, its first point again
+FEWEST: dict[Kind, int] = {"linear": 2, "pchip": 2, "akima": 3, "spline": 4}
 # accuracy: difference of a periodic table's first and last value, in parts of the largest
 CLOSED = 1e-12
 
@@ -140,13 +142,16 @@ def _other_dimension(expression: sympy.Expr, unit: str) -> str | None:
     return None
 
 
-def point_problems(x: list[float], y: list[float], periodic: bool) -> Iterator[str]:
-    """Why no spline goes through points."""
+def point_problems(x: list[float], y: list[float], periodic: bool, kind: Kind) -> Iterator[str]:
+    """Why no curve of a kind goes through points."""
     if len(x) != len(y):
         yield f"{len(x)} abscissae and {len(y)} values; give as many of one as of the other."
         return
-    if len(x) < FEWEST:
-        yield f"{len(x)} points are too few for a cubic spline; give at least {FEWEST}."
+    fewest = FEWEST[kind] + (periodic and kind != "spline")
+    if len(x) < fewest:
+        name = "cubic spline" if kind == "spline" else f"table of kind {kind!r}"
+        repeats = " that repeats" if periodic else ""
+        yield f"{len(x)} points are too few for a {name}{repeats}; give at least {fewest}."
         return
     for k, (left, right) in enumerate(pairwise(x)):
         if right == left:

@@ -69,7 +69,7 @@ def statement_terms(statement: Statement) -> ConstraintTerms:
 def _derive(
     phi: tuple[sympy.Expr, ...], reaction: JointReaction | ConjugateReaction | None
 ) -> ConstraintTerms:
-    phi = tuple(map(as_pieces, phi))
+    phi = tuple(as_pieces(e, may_switch=False) for e in phi)
     coordinates = tuple(kinds(sympy.Tuple(*phi), Coordinate))
     multipliers = tuple(Multiplier(f"lambda_{k}", real=True) for k in range(len(phi)))
     reactions: Reactions = ()

@@ -17,7 +17,7 @@ from codegen.declare.return_values.effects import (
 )
 from codegen.declare.symbols import SPEED, Coordinate, Time, kinds, rate, side, t
 from codegen.derive.fast_derivative import derivative
-from codegen.derive.piecewise_conditions import as_pieces
+from codegen.derive.piecewise_conditions import as_pieces, tables_by_branches
 from codegen.derive.power_continuation import continue_powers
 
 Measure = el.Measure
@@ -86,7 +86,8 @@ def effect_terms(effect: el.Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     forces = sorted(forces_of(effect, bodies).items(), key=lambda pair: pair[0].name)
     loads = tuple((q, f) for q, f in ((q, _pieces(force)) for q, force in forces) if f != 0)
     law, hold, along_scalars, reported = optional_terms(effect, bodies)
-    pulls = tuple((s, _pull(s, f)) for s, f in along_scalars if f != 0) + elastic
+    along = ((tables_by_branches(s), f) for s, f in along_scalars if f != 0)
+    pulls = tuple((s, _pull(s, f)) for s, f in along) + elastic
     components = tuple((part, unit, _pieces(value)) for part, unit, value in reported)
     friction = None if law is None else _friction(effect.name, law, hold)
     watched = _pieces(effect.indicator) if isinstance(effect, WatchedCondition) else None

@@ -27,9 +27,10 @@ from codegen.derive.scene_conditions import (
     expressions_in,
     profiles_of,
 )
+from codegen.derive.table_ranges import TableRange, table_ranges
 from codegen.derive.time_functions import TimeFunction, time_functions
 from codegen.model import Model
-from codegen.model.requested_outputs import TRACKED
+from codegen.model.base import TRACKED
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,7 @@ class Equations:
     profiles: tuple[Profile, ...] = ()
     states: tuple[State, ...] = ()
     watched: tuple[WatchedCondition, ...] = ()
+    labels: tuple[tuple[sympy.Basic, str], ...] = ()  # of conditions, what events are called
 
     @property
     def sampled(self) -> tuple[SampledValue, ...]:
@@ -120,11 +122,19 @@ class Equations:
         """The functions of the position that may peak between the ends of a step."""
         return peaked_functions(self.constraints, self.effects, self.switches)
 
+    @property
+    def table_ranges(self) -> tuple[TableRange, ...]:
+        """The tables that a motion may leave."""
+        return table_ranges(self.constraints, self.effects)
+
     def with_effects(self, effects: tuple[EffectEquations, ...]) -> "Equations":
         """These equations with other effects, their switching functions and their conditions."""
         gone = {label(e) for e in self.effects} - {label(e) for e in effects}
         named = tuple((e.name, e.terms) for e in effects)
-        switches, moves = sf.switches(named), self.scene.analysis == "dynamics"
+        switches, moves = (
+            sf.labelled(sf.switches(named), self.labels),
+            self.scene.analysis == "dynamics",
+        )
         return replace(
             self,
             effects=effects,
@@ -237,6 +247,7 @@ def derive(model: Model, scene: Scene) -> Equations:
         unused=tuple(name for name in model.parameters if name not in used),
         states=states,
         watched=watched,
+        labels=tuple(model.labels.items()),
     )
     if parameters and not scene.frozen:
         acting = acting_elements(model, scene)

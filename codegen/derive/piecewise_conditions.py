@@ -13,10 +13,14 @@ import sympy
 from sympy.core.relational import Relational
 from sympy.logic.boolalg import Boolean
 
-from codegen.declare.symbols import Parameter, Time
+from codegen.declare.symbols import Coordinate, Parameter, Speed, Time, Velocity, kinds
+from codegen.declare.table_function import Interpolant, TableAtom
 from codegen.derive.poles_of_conditions import without_poles
 from codegen.errors import ModelError
+from codegen.piecewise_cubic import Table
+from codegen.table_branches import branches, end_pieces, range_function, without_ends
 
+_MOVING = (Coordinate, Velocity, Time, Speed)
 KINKED = (sympy.Abs, sympy.Max, sympy.Min, sympy.sign, sympy.Heaviside)
 STEPS = (sympy.Mod, sympy.ceiling, sympy.floor)
 """Functions with a jump at every whole number, in which only what is known beforehand may stand."""
@@ -99,8 +103,8 @@ def boundary(condition: Relational) -> Boundary:
     return Boundary.CLOSED if isinstance(condition, sympy.Ge | sympy.Le) else Boundary.OPEN
 
 
-def as_pieces(expression: sympy.Expr) -> sympy.Expr:
-    """The same function with every kink spelled out as a Piecewise."""
+def as_pieces(expression: sympy.Expr, may_switch: bool = True) -> sympy.Expr:
+    """The same function with every kink spelled out as a Piecewise, see `tables_by_branches`."""
     for inverse in INVERSES:
         if expression.has(inverse):
             expression = expression.replace(inverse, partial(_triangle, inverse))
@@ -110,7 +114,50 @@ def as_pieces(expression: sympy.Expr) -> sympy.Expr:
     if expression.has(sympy.Mod, sympy.ceiling):
         expression = expression.replace(sympy.Mod, lambda a, b: a - b * sympy.floor(a / b))
         expression = expression.replace(sympy.ceiling, lambda a: -sympy.floor(-a))
-    return expression.replace(sympy.ITE, _alternatives)
+    return tables_by_branches(expression, may_switch).replace(sympy.ITE, _alternatives)
+
+
+def tables_by_branches(expression: sympy.Expr, may_switch: bool = True) -> sympy.Expr:
+    """The same function with every table whose derivatives jump spelled out as a Piecewise.
+
+    Where nothing may switch, in constraints, only those of the time and parameters.
+    """
+    if not expression.has(Interpolant):
+        return expression
+    return expression.replace(Interpolant, partial(_branches, may_switch))
+
+
+def _branches(
+    may_switch: bool, data: TableAtom, order: sympy.Integer, at: sympy.Expr
+) -> sympy.Expr:
+    """A table by its smooth branches, and undefined beyond its ends alone.
+
+    The third derivative of a spline jumps too. It matters where switches are, measured by the error
+    of a run; a spline of the time stays as it is, for the sake of laws of motion.
+    """
+    table: Table = data.table
+    known = is_known_beforehand(at)
+    abrupt = table.smooth < 2 or table.held is not None
+    splits = abrupt if known else may_switch
+    if table.role != "values" or table.smooth > 2 or not (splits and kinds(at, *_MOVING)):
+        return Interpolant(data, order, at)
+    dealt = branches(table)
+
+    def taken(part: Table, derivative: sympy.Expr = order) -> sympy.Expr:
+        return Interpolant(TableAtom(part, data.unit), derivative, at)
+
+    def positive(part: Table) -> Boolean:
+        return marked(taken(part, sympy.S.Zero) > 0, Indifferent)
+
+    inside = taken(without_ends(table) if table.stops else table)
+    if dealt is not None:
+        inside = sympy.Piecewise(
+            (taken(dealt.even), positive(dealt.knots)), (taken(dealt.odd), True)
+        )
+    if not table.stops:
+        return inside
+    within = positive(range_function(table))
+    return sympy.Piecewise((inside, within), (taken(end_pieces(table)), True))
 
 
 def _triangle(inverse: type[sympy.Function], argument: sympy.Expr) -> sympy.Expr:

@@ -6,9 +6,11 @@ from functools import cache
 from typing import Literal
 
 import sympy
+from sympy.core.relational import Relational
 
 from codegen.declare.element import Rigid, Sticking
 from codegen.declare.symbols import Acceleration, Coordinate, Side, Velocity, kinds, side, t
+from codegen.declare.table_function import Interpolant
 from codegen.derive.effect_terms import EffectTerms
 from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import (
@@ -39,6 +41,8 @@ class Switch:
     @property
     def at_zero(self) -> str:
         """A word on a condition that is more than g > 0; empty for others, and friction alone."""
+        if role := table_role(self.g):
+            return role
         kinds = {Boundary.MIXED} if self.kind == "friction" else {*Boundary} - {Boundary.OPEN}
         return self.boundary.name.lower() if self.boundary in kinds - {Boundary.INDIFFERENT} else ""
 
@@ -63,6 +67,20 @@ class RigidContact:
     acceleration: sympy.Expr  # d²g/dt² along the motion
     restitution: sympy.Expr  # e
     scale: sympy.Expr  # F0, N: the reaction of mode 0
+
+
+def table_role(g: sympy.Expr) -> str:
+    """Of a function that a table switches with "knots" or "range"; empty of all others."""
+    role = g.table.role if isinstance(g, Interpolant) else "values"
+    return role if role in ("knots", "range") else ""
+
+
+def table_text(g: Interpolant) -> str:
+    """A switching function of a table in words, as events name it."""
+    table = g.table
+    if table.role == "knots":
+        return f"knots of table '{table.name}' at {g.at}"
+    return f"{g.at} in the range of table '{table.name}', {table.first:g} to {table.last:g}"
 
 
 @cache
@@ -91,6 +109,21 @@ def switches(effects: Sequence[Named]) -> tuple[Switch, ...]:
     return (*contacts, *others)
 
 
+def labelled(
+    among: tuple[Switch, ...], labels: Sequence[tuple[sympy.Basic, str]]
+) -> tuple[Switch, ...]:
+    """The switches, the conditions that have a label by it in place of their text."""
+    names = dict[sympy.Expr, str]()
+    for condition, label in labels:
+        parts = sorted(condition.atoms(Relational), key=str)
+        for part in parts:
+            g, text = switching_function(part), label if len(parts) == 1 else f"{label} ({part})"
+            names[g] = names[-g] = text
+    return tuple(
+        replace(s, text=names.get(s.g, s.text)) if s.kind == "condition" else s for s in among
+    )
+
+
 def _add_hold(
     name: str, hold: Sticking | Rigid | None, contacts: list[Switch], others: list[Switch]
 ) -> None:
@@ -111,7 +144,8 @@ def _add_conditions(name: str, terms: EffectTerms, others: list[Switch]) -> None
         g, at_zero = switching_function(condition), boundary(condition)
         found = find_switch(g, at_zero, others)
         if found is None:
-            others.append(Switch(name, str(condition), g, rate(g), boundary=at_zero))
+            text = table_text(g) if table_role(g) else str(condition)
+            others.append(Switch(name, text, g, rate(g), boundary=at_zero))
         else:
             switch, own = others[found[0]], at_zero.of_opposite() if found[1] else at_zero
             others[found[0]] = replace(switch, boundary=switch.boundary.joined_with(own))

@@ -87,7 +87,8 @@ def operation_table(program: Program) -> tuple[tuple[str, int], ...]:
 # tables that a module leaves out where empty
 OPTIONAL = (
     *("folded", "unused", "rigid", "stiction", "shares", "time_functions", "conditions"),
-    *("profiles", "peaks", "states", "sampled", "controllers", "triggers", "watched"),
+    *("profiles", "peaks", "table_ranges", "states", "sampled", "controllers", "triggers"),
+    "watched",
 )
 
 NAMES = (
@@ -122,8 +123,10 @@ def _docstring(lowered: Lowered) -> list[str]:
     ]
 
 
-def _with_names_of_tables(program: Program, functions: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Explicit functions of time, each table in them by the name that it has in the module."""
+def _with_names_of_tables(
+    program: Program, functions: tuple[Any, ...], first: int
+) -> tuple[Any, ...]:
+    """Rows of operations, from field `first` on, each table in them by its name in the module."""
     names = lookups(program)
 
     def row(entry: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -132,9 +135,10 @@ def _with_names_of_tables(program: Program, functions: tuple[Any, ...]) -> tuple
             return entry
         known = {look.table: name for look, name in names.items()}
         stem = known[last.table].partition("_d")[0].upper()
-        return (*first, stem, last.order, last.table.periodic)
+        beyond = () if last.table.beyond == "stop" else (last.table.beyond,)
+        return (*first, stem, last.order, last.table.periodic, *beyond)
 
-    return tuple((*f[:3], *(tuple(map(row, rows)) for rows in f[3:])) for f in functions)
+    return tuple((*f[:first], *(tuple(map(row, rows)) for rows in f[first:])) for f in functions)
 
 
 def _tables(lowered: Lowered, origin: Origin) -> dict[str, Any]:
@@ -153,7 +157,9 @@ def _tables(lowered: Lowered, origin: Origin) -> dict[str, Any]:
             case "analysis":
                 tables |= {"SOURCES": origin.sources, "DECLARATION_SHA256": origin.declaration}
             case "time_functions" if value:
-                tables[name.upper()] = _with_names_of_tables(program, value)
+                tables[name.upper()] = _with_names_of_tables(program, value, 3)
+            case "table_ranges" if value:
+                tables[name.upper()] = _with_names_of_tables(program, value, 5)
             case "folded":
                 constants = tuple(formula(program, number) for number in program.constants)
                 tables["CONSTANTS"] = constants

@@ -2,10 +2,15 @@
 
 from collections.abc import Iterator
 
-from codegen.cubic_spline import MARGIN, Table
 from codegen.emit.line_wrapping import assignment, literal, prose
 from codegen.lower.program import Lookup, Program
+from codegen.piecewise_cubic import MARGIN, Table
 
+BEYOND = {
+    "stop": "nan beyond its ends",
+    "hold": "constant beyond its ends",
+    "extrapolate": "the end pieces go on",
+}
 POLYNOMIALS = (
     "c[k, 0] + s * (c[k, 1] + s * (c[k, 2] + s * c[k, 3]))",
     "c[k, 1] + s * (2.0 * c[k, 2] + s * (3.0 * c[k, 3]))",
@@ -41,19 +46,24 @@ def spline_lines(program: Program) -> Iterator[str]:
 
 def _table(table: Table, name: str) -> Iterator[str]:
     upper = name.upper()
-    first, length = table.knots[0], table.knots[-1] - table.knots[0]
+    first, last, length, held = table.first, table.last, table.length, table.held
     yield from ("", "", f"# {prose(table.name)}")
     yield from assignment(f"{upper}_KNOTS", table.knots)
-    yield from assignment(f"{upper}_ROWS", table.rows)
+    ends = [(value, 0.0, 0.0, 0.0) for value in held] if held else []
+    yield from assignment(f"{upper}_ROWS", (*table.rows, *ends))
     yield f"{upper}_X, {upper}_C = np.array({upper}_KNOTS), np.array({upper}_ROWS)"
     yield from ("", "", '@numba.njit("Tuple((i8, f8))(f8)", **OPTIONS)')
     yield f"def {name}_at(x):"
-    kind = "periodic" if table.periodic else "nan beyond its ends"
+    kind = "periodic" if table.periodic else BEYOND[table.beyond]
     yield f'    """Interval of the table and the distance from its left knot; {kind}."""'
     if table.periodic:
         begin, size = literal(first), literal(length)
         yield f"    x -= {size} * math.floor((x - {begin}) / {size})"
-    else:
+    elif held:
+        count = len(table.rows)
+        yield f"    if not {literal(first)} <= x <= {literal(last)}:"
+        yield f"        return ({count} if x < {literal(first)} else {count + 1}), 0.0 * x"
+    elif table.stops:
         low, high = first - MARGIN * length, first + (1 + MARGIN) * length
         yield f"    if not {literal(low)} <= x <= {literal(high)}:"
         yield "        return 0, math.nan"
@@ -71,7 +81,14 @@ def _function(look: Lookup, name: str, table: str) -> Iterator[str]:
     yield from ("", "", '@numba.njit("f8(f8)", **OPTIONS)')
     yield f"def {name}(x):"
     what = f"Derivative {look.order} of the" if look.order else "The"
-    yield f'    """{what} cubic spline {prose(look.table.name)}."""'
+    yield f'    """{what} {_noun(look.table)} {prose(look.table.name)}."""'
     yield f"    k, s = {table}_at(x)"
     yield f"    c = {table.upper()}_C"
     yield f"    return {POLYNOMIALS[look.order]}"
+
+
+def _noun(table: Table) -> str:
+    """What a table is, in a docstring."""
+    switching = {"knots": "function that changes its sign at knots of", "range": "range of"}
+    kinds = {"spline": "cubic spline", "linear": "polygon"}
+    return switching.get(table.role) or kinds.get(table.kind, f"{table.kind} curve")

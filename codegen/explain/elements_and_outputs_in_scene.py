@@ -9,9 +9,10 @@ from codegen.declare.scene import Scene
 from codegen.derive.equations import active_joints
 from codegen.explain.ledger_records import OutputEntry, Part
 from codegen.model import Model
+from codegen.model.base import TRACKED
 from codegen.model.bodies import FORMS
 from codegen.model.fidelities import NONE
-from codegen.model.requested_outputs import ALL, GROUPS, OF_ANALYSIS, TRACKED
+from codegen.model.requested_outputs import ALL, GROUPS, OF_ANALYSIS
 
 
 class Inventory:

@@ -5,9 +5,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, suppress
 from functools import reduce
 
-from codegen.cubic_spline import Table
 from codegen.lower.program import Lookup, Op
 from codegen.lower.value_numbering import Numbering
+from codegen.piecewise_cubic import Table
 
 ODD = frozenset({Op.SIN, Op.TAN, Op.ASIN, Op.ATAN, Op.SINH, Op.TANH})
 EVEN = frozenset({Op.COS, Op.COSH})

@@ -7,7 +7,12 @@ from typing import Any
 from codegen.derive.peaked_functions import PeakedFunction
 from codegen.derive.switching_functions import Switch
 from codegen.lower.scene_graph import Reaction, SceneGraph
-from codegen.lower.time_programs import TimeProgram, time_programs
+from codegen.lower.time_programs import (
+    RangeProgram,
+    TimeProgram,
+    range_programs,
+    time_programs,
+)
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,7 @@ class Description:
     # neutral pose is not at zero
     start: tuple[tuple[str, float, str], ...]
     time_functions: tuple[TimeProgram, ...]  # those that a run looks at before its first step
+    table_ranges: tuple[RangeProgram, ...]  # of the tables that a motion may leave
     # (element, kind, exponent) of each function of the position that may peak within a step
     peaks: tuple[tuple[str, str, float], ...]
     # (element, sentence, least, whether that is too small, largest, count of numbers) of what is
@@ -129,6 +135,7 @@ def describe(
         powers=tuple((source, kind) for source, kind, _ in powers),
         start=start,
         time_functions=time_programs(equations),
+        table_ranges=range_programs(equations),
         peaks=tuple(peak[:3] for peak in peaks),
         conditions=tuple((*one.condition.row(one.element),) for one in equations.conditions),
         profiles=tuple((curve.element, curve.convex) for curve in equations.profiles),

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
-from codegen.cubic_spline import Table
+from codegen.piecewise_cubic import Table
 
 
 class Op(Enum):

@@ -20,6 +20,8 @@ Row = tuple[Any, ...]  # (operation, numbers of the rows that it takes ..., lite
 # (element, role, numbers of the rows that may bend sharply, rows; the last row is f). Of a place
 # there follow the rows of each scalar that it is in and those of the force along this.
 TimeProgram = tuple[Any, ...]
+# (element, table, what it is taken at, its first and last point, rows of operations)
+RangeProgram = tuple[str, str, str, float, float, tuple[Row, ...]]
 
 _SUMS = frozenset({Op.ADD, Op.SUB, Op.NEG})
 _SMOOTH = frozenset({Op.CONST, Op.INPUT, Op.MUL, Op.SELECT, Op.FLOOR, *_SUMS, *LOGICAL})
@@ -38,6 +40,15 @@ def time_programs(equations: Equations) -> tuple[TimeProgram, ...]:
             named = function.element, function.role, tuple(map(needed.index, watched))
             along = (_rows(*lowered(e, None)) for pair in function.along for e in pair)
             programs[(*named, _rows(graph, root), *along)] = None
+    return tuple(programs)
+
+
+def range_programs(equations: Equations) -> tuple[RangeProgram, ...]:
+    """The tables that a motion may leave, and the operations of what they are taken at."""
+    programs = []
+    for element, table, at, low, high in equations.table_ranges:
+        rows = _rows(*_lowered(equations, element, at, None))
+        programs.append((element, table, str(at), low, high, rows))
     return tuple(programs)
 
 

@@ -47,6 +47,7 @@ def _marked(method: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
+TRACKED = "tracked point"  # kind of a point whose place is an output
 TABLES: dict[str, type[Any]] = {
     "bodies": Body, "parameters": sy.ParameterDeclaration, "joints": Constraint,
     "drivers": Constraint, "effects": Effect, "scenes": Scene, "fidelities": dict, "groups": dict,
@@ -149,6 +150,11 @@ class Declarations:
         return tuple(self._read.problems)
 
     @property
+    def labels(self) -> dict[sympy.Basic, str]:
+        """Condition → what its events are called."""
+        return dict(self._read.labels)
+
+    @property
     def symbols(self) -> list[tuple[str, frozenset[sympy.Symbol]]]:
         """The symbols of the values that were given, each with its place in the declaration."""
         return self._read.symbols
@@ -200,6 +206,8 @@ class Declarations:
         word, table = "effect", "effects"
         if isinstance(element, Body):
             word, table = "particle" if isinstance(element, Particle) else "body", "bodies"
+        elif element.kind == TRACKED:
+            word = TRACKED
         elif isinstance(element, Constraint):
             word = "driver" if role(element.kind) == "driver" else "joint"
             table = f"{word}s"

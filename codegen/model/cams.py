@@ -104,8 +104,9 @@ class Cams(Declarations):
         for k, chord in enumerate(chords):
             if chord == 0.0:
                 self._note(f"{where}: points {k} and {k + 1} are both {tuple(rows[k])}; drop one.")
-        if len(rows) < FEWEST:
-            self._note(f"{where}: {len(given)} points are too few; give at least {FEWEST}.")
+        fewest = FEWEST["spline"]
+        if len(rows) < fewest:
+            self._note(f"{where}: {len(given)} points are too few; give at least {fewest}.")
         if not self._claim("curve", name) or len(self.problems) > before:
             return on.circle(1)
         unit = 2 * pi if closed else 1.0

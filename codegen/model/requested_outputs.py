@@ -11,20 +11,19 @@ from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.value_reader import Reader
 from codegen.errors import FAILURES
-from codegen.model.base import Declarations, Place
+from codegen.model.base import TRACKED, Declarations, Place
 from codegen.plain_values import InvalidName, bounded, plain_name, shown
 
 ALL = ("reactions", "energy", "powers")  # outputs of a scene that names none
-GROUPS = (*ALL, "paths", "works", *(f"{quantity}s" for quantity in QUANTITIES))
-SINGLE = ("reaction", "power", "path", "work", *QUANTITIES)
+GROUPS = (*ALL, "points", "works", *(f"{quantity}s" for quantity in QUANTITIES))
+SINGLE = ("reaction", "power", "point", "work", *QUANTITIES)
 ONE = re.compile(rf"({'|'.join(SINGLE)})\((\w+)\)\Z")
 OF_ANALYSIS = {
     "dynamics": GROUPS,
     "equilibrium": tuple(group for group in GROUPS if group not in ("powers", "works")),
-    "kinematics": ("paths", *(f"{word}s" for word in QUANTITIES if word not in EXERTED)),
+    "kinematics": ("points", *(f"{word}s" for word in QUANTITIES if word not in EXERTED)),
 }
 """Analysis → the groups of outputs that a scene for it may have, which ``"all"`` means."""
-TRACKED = "tracked point"
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +35,9 @@ class TrackedPoint(Effect):
     point: Point
 
     def reported(self, bodies: tuple[Body, ...]) -> Reported:
-        """Its global coordinates, m."""
-        return (("x", "m", self.point.x), ("y", "m", self.point.y))
+        """Its global coordinates, m, and their rates, m/s."""
+        at = self.point
+        return ("x", "m", at.x), ("y", "m", at.y), ("vx", "m/s", at.vx), ("vy", "m/s", at.vy)
 
     def problems(self) -> list[str]:
         """A point of the ground does not move."""
@@ -50,7 +50,7 @@ class Outputs(Declarations):
     """Reads the outputs that a scene asks for."""
 
     def track(self, name: str, point: Place) -> TrackedPoint:
-        """A point whose path a scene may ask for, by ``outputs=["path(NAME)"]`` or ``"paths"``.
+        """A point whose place a scene may ask for, by ``outputs=["point(NAME)"]`` or ``"points"``.
 
         Parameters
         ----------
@@ -66,12 +66,12 @@ class Outputs(Declarations):
     def _output_points(
         self, outputs: tuple[str, ...] | None, bodies: Iterable[str]
     ) -> tuple[str, ...]:
-        """Points whose paths are outputs: all on the bodies that take part, or the named ones."""
+        """Points that are outputs: all on the bodies that take part, or the named ones."""
         words, present = outputs or (), set(bodies)
         return tuple(
             name
             for name in self._tracked()
-            if "paths" in words or f"path({name})" in words
+            if "points" in words or f"point({name})" in words
             if {body.name for body in bodies_of(self.effects[name])} <= present
         )
 
@@ -111,12 +111,12 @@ class Outputs(Declarations):
         if match is None:
             words = [f"{group}({n})" for group in ("reaction", "power", "work") for n in acting]
             words += [f"{quantity}({n})" for quantity in QUANTITIES for n in self.effects]
-            words += [f"path({n})" for n in points]
+            words += [f"point({n})" for n in points]
             return f"no output {word!r}; {nearest(word, ('all', 'default', *GROUPS, *words))}"
         group, name = match.groups()
-        if group == "path" and name not in points:
+        if group == "point" and name not in points:
             hint = nearest(name, points) if points else "declare it with model.track(...)."
             return f"no output '{word}', as there is no tracked point '{name}'; {hint}"
-        if group != "path" and name not in acting:
+        if group != "point" and name not in acting:
             return f"no output '{word}', as there is no '{name}'; {nearest(name, acting)}"
         return None

@@ -83,8 +83,8 @@ class Scenes(Fidelities, Outputs, Connections):
             those of one element, ``"reaction(A)"``, ``"power(gas)"``; these three unless given,
             which ``"default"`` says in an extension or a list. The others have to be named:
             ``"force(strut)"``, and ``torque``, ``length``, ``angle``, ``rate``, ``deflection``,
-            ``gap``, ``penetration`` and ``potential`` in the same way; ``"path(tip)"`` of a tracked
-            point; ``"work(gas)"``, integrated along a simulation. ``"forces"``, ``"paths"``,
+            ``gap``, ``penetration`` and ``potential`` in the same way; ``"point(tip)"``, tracked;
+            ``"work(gas)"``, integrated along a simulation. ``"forces"``, ``"points"``,
             ``"works"`` and so on are those of all elements, and ``"all"`` is everything.
         """
         base = self.scenes.get(name)

@@ -69,7 +69,8 @@ driver
     omega = model.parameter("omega", 2.0, unit="rad/s")
     model.driver("motor", i.phi, pi / 4 + omega * t)
 point driver
-    lift = model.table("lift", [0, 1, 2, 3, 4], [0, 0.3, 1, 0.6, 0], units=("s", "m"))
+    points = [0, 1, 2, 3, 4], [0, 0.3, 0.8, 1, 0.8]
+    lift = model.table("lift", *points, units=("s", "m"), kind="spline")
     model.point_driver("hand", Q, "y", lift(t))
 relative driver (relative_driver)
     model.rotation_driver("motor", P, Q, 2 * t**2)

@@ -40,8 +40,19 @@ class _Printer(LatexPrinter):  # type: ignore[misc]
     _print_cos = _print_sin
 
     def _print_Interpolant(self, expr: Interpolant, exp: str | None = None) -> str:
-        name = rf"{word(expr.table.name)}{chr(39) * expr.order}\left({self._print(expr.at)}\right)"
+        role = expr.table.role
+        own = word(expr.table.name)
+        letter = rf"\mathrm{{{role}}}_{{{own}}}" if role in ("knots", "range") else own
+        name = rf"{letter}{chr(39) * expr.order}\left({self._print(expr.at)}\right)"
         return name if exp is None else rf"\left({name}\right)^{{{exp}}}"
+
+    def _print_Piecewise(self, expr: sympy.Piecewise) -> str:
+        # The branches of a table are the table, for a reader.
+        lookup, condition = expr.args[0]
+        tables = [node.table.role for node in condition.atoms(Interpolant)]
+        if tables and all(role in ("knots", "range") for role in tables):
+            return str(self._print(lookup))
+        return str(super()._print_Piecewise(expr))
 
     def _print_Relational(self, expr: sympy.Rel) -> str:
         # A bare < opens a tag where Markdown is read as HTML.

@@ -49,7 +49,7 @@ def _options(
                            "the run before, unless given.", min=1)
     ] = None,
 ) -> None:  # fmt: skip
-    """Words of `Machine.simulate` but instants and start values; `quantity` is `quantities`."""
+    """Words of `Machine.simulate` but instants and guesses; `quantity` is `quantities`."""
 
 
 _PARAMETERS = signature(_options).parameters
@@ -82,7 +82,8 @@ def refuse_run_options(run: dict[str, Any], title: str) -> None:
     given = [
         f"--{name.replace('_', '-')}"
         for name, value in run.items()
-        if value not in (None, []) and value != _PARAMETERS[name].default
+        if value not in (None, [])
+        and (name not in _PARAMETERS or value != _PARAMETERS[name].default)
     ]
     if given:
         raise InputError(

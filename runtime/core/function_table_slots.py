@@ -146,6 +146,7 @@ TABLE.floats("spreads", SWITCHES)
 TABLE.floats("share share_low share_high", SWITCHES)
 TABLE.integers("sticks", SWITCHES)  # 1: friction that sticks
 TABLE.integers("boundary", SWITCHES)  # a `Boundary`
+TABLE.integers("table_part", SWITCHES)  # a `TablePart`
 TABLE.integers("limits", (2, SWITCHES))  # rows of a force and of its bound, or -1
 TABLE.integers("stiction_place", SWITCHES)  # of its force in p, or -1
 TABLE.integers("share_place", SWITCHES)  # of its share in p, or -1

@@ -92,18 +92,82 @@ def _full_shares(p: Any, low: Any, high: Any) -> None:
 class Kernels:
     """The compiled functions of a scene, SI units; those that it has no use for are stand-ins.
 
-    In sliding modes the acceleration is q̈₀ + α (q̈₁ - q̈₀), q̈₀ and q̈₁ being those of modes 0 and 1.
-    `holds` gives the bounds of α, (s,) each: [0, 1] but for static friction. `gap_accelerations`
-    are d²g/dt² of the rigid contacts, (r,), in order of RIGID, `restitution` their e,
-    `contact_scale` F0 in N, a contact's reaction in mode 0: with α = 1 - α' it is α' F0, α' from 0
-    to infinity.
-    `switched_reactions` fills the rows of REACTIONS that modes decide, `reactions` the others of
-    the same array; between modes they mix as q̈ and λ do. A switch in STICTION has a mode 2: its
-    friction exerts the force that stands in p behind the parameters, in the order of STICTION.
-    `peak_arguments` are the arguments of the functions in PEAKS and their rates.
-    `dead_centres` are x² of each loop in closed form, its rate, and the largest that it may be.
-    `samples` are those of SAMPLED, computed where `modes`, here one for each of these, is 1;
-    `clocks` their periods and delays, s. `watched` is 1 where a condition of WATCHED holds.
+    Each writes into its last arrays and can be called from Python and from compiled code.
+    `Machine.parameter_values` makes p and `Machine.initial_modes` modes; n coordinates, m
+    constraints, s switches, r rigid contacts and all names are those of the machine's tables, in
+    their order. docs/kernels.md has an example.
+
+    t: instant, s. q, v, a: coordinates, velocities, accelerations, (n,), of `Machine.coordinates`.
+    p: parameters, then constants that follow from them, (np,). modes: (s,) int64, 0 or 1, or 2
+    where a switching function stays at zero. lam: multipliers λ, (m,), of `Machine.constraints`.
+    All other arrays hold float64 and are contiguous.
+
+    constants(p)
+        Writes the constants behind the parameters.
+    constraints(t, q, p, phi)
+        Φ, (m,), m or rad.
+    jacobian(t, q, p, values)
+        Structural non-zeros of Φ_q, row-major, at `description.jacobian_rows` and
+        `description.jacobian_columns`.
+    velocity_rhs(t, q, p, nu)
+        ν = -Φ_t, (m,).
+    acceleration_rhs(t, q, v, p, gamma)
+        γ = -(Φ_q v)_q v - 2 Φ_qt v - Φ_tt, (m,).
+    mass(q, p, values)
+        Structural non-zeros of M, at `description.mass_rows`, `description.mass_columns`.
+    applied_forces(t, q, v, p, modes, force)
+        Generalized forces Q of the effects, (n,), without friction from reactions.
+    accelerations(t, q, v, p, modes, a, lam)
+        a, (n,), and λ, (m,), of M a + Φ_qᵀ λ = Q, Φ_q a = γ. Answers 0, or 1 + the row of the
+        constraint whose pivot is weak.
+    correction(t, q, v, p, w, dq, dv)
+        Least changes dq, dv, (n,) each, in the norm of weights w, (n,), that meet Φ = 0 and
+        Φ_q v = ν to first order; w = 0 holds a coordinate. Answers as `accelerations`.
+    potential(t, q, p, modes)
+        Answers V, J.
+    potential_gradient(t, q, p, modes, gradient)
+        ∂V/∂q, (n,).
+    kinetic_energy(q, v, p)
+        Answers T, J.
+    powers(t, q, v, p, modes, lam, out)
+        Power of each row of `description.powers`, W.
+    reactions(t, q, v, p, lam, out)
+        Each row of `description.reactions`, N or N m, of those that no mode decides.
+    switched_reactions(t, q, v, p, modes, lam, out)
+        The others, into the same array; between modes they mix as a and λ do.
+    switching(t, q, v, p, g)
+        Switching functions, (s,): a condition holds where g > 0.
+    switching_rates(t, q, v, a, p, rate)
+        dg/dt, (s,).
+    peak_arguments(t, q, v, p, modes, u, rate)
+        Arguments of the functions in PEAKS, and their rates.
+    holds(p, low, high)
+        Bounds of α, (s,) each: [0, 1] but for static friction. In sliding modes the acceleration
+        is a₀ + α (a₁ - a₀), of modes 0 and 1. A switch in STICTION has a mode 2: its friction
+        exerts the force that stands in p behind the parameters, in the order of STICTION.
+    gap_accelerations(t, q, v, a, p, out)
+        d²g/dt² of the rigid contacts, (r,), in the order of RIGID.
+    restitution(p, out)
+        Their e, (r,).
+    contact_scale(p, out)
+        F0, N, (r,): a contact's reaction in mode 0. With α = 1 - α' it is α' F0, α' from 0 to
+        infinity.
+    conditions(p, out)
+        What the scene asks of its parameters, in the order of CONDITIONS.
+    profiles(t, p, out)
+        Functions of time that it asks something of, in the order of PROFILES.
+    accelerations_tangent(t, q, v, p, modes, dq, dv, da)
+        da, (n,), of `accelerations` along dq, dv, (n,) each; of a companion module.
+    correction_tangent(t, q, v, p, w, dq_in, dv_in, dq, dv)
+        The same of `correction`.
+    dead_centres(t, q, v, p, out)
+        x² of each loop in closed form, its rate, and the largest that it may be.
+    samples(t, q, v, p, modes, out)
+        Sampled values, of those in SAMPLED whose `modes`, here one each, is 1.
+    clocks(p, out)
+        Their periods and delays, s.
+    watched(t, q, v, p, modes, out)
+        1 where a condition of WATCHED holds, else 0.
     """
 
     constants: Kernel = _kernel("constants", "p", _skip_1)

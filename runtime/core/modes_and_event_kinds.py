@@ -26,6 +26,15 @@ class Boundary(IntEnum):
 
 
 @unique
+class TablePart(IntEnum):
+    """What a switching function says of a table; the names are those of a module's SWITCHES."""
+
+    NONE = 0
+    KNOTS = 1  # its sign changes where a derivative of the table jumps
+    RANGE = 2  # it is positive between the ends of the table
+
+
+@unique
 class Direction(IntEnum):
     """The kind of an event of a switching function; the last two are singular configurations."""
 
@@ -41,3 +50,4 @@ class Direction(IntEnum):
 SLIDING, FREE = int(Mode.SLIDING), int(Mode.FREE)
 OPEN, CLOSED = int(Boundary.OPEN), int(Boundary.CLOSED)
 BALANCED, MIXED = int(Boundary.BALANCED), int(Boundary.MIXED)
+KNOTS, RANGE = int(TablePart.KNOTS), int(TablePart.RANGE)

@@ -47,11 +47,12 @@ class Outcome(IntEnum, metaclass=_Outcomes):
     CONTRADICTED = 12
     DISCONTINUOUS = 13
     MEMORY = 14
+    OUT_OF_RANGE = 15
 
     @property
     def of_switch(self) -> bool:
         """Whether it concerns a switching condition, and no constraint."""
-        return self in {Outcome.INCONSISTENT, Outcome.ZENO, Outcome.CONTRADICTED}
+        return self in _OF_SWITCH
 
     @property
     def meaning(self) -> str:
@@ -65,6 +66,10 @@ class Outcome(IntEnum, metaclass=_Outcomes):
 
 
 immutable(Outcome, why="an outcome has no such attribute")
+
+_OF_SWITCH = {
+    *(Outcome.INCONSISTENT, Outcome.ZENO, Outcome.CONTRADICTED, Outcome.OUT_OF_RANGE),
+}
 
 _TEXT = {
     Outcome.OK: """
@@ -155,6 +160,12 @@ _TEXT = {
 
         Ask for less accuracy or for a shorter time, or simulate with rtol in place of accuracy for
         a motion of which only constraints, energy and means are right.
+        """,
+    Outcome.OUT_OF_RANGE: """
+        The motion leaves the range of a table, beyond which nothing is known.
+
+        Give the table points further out, or say with beyond="hold" or beyond="extrapolate" what
+        it is there; or end the run before this time.
         """,
     Outcome.DISCONTINUOUS: """
         An explicit function of time, a law of motion or a force, has no finite value at this time,

@@ -18,6 +18,7 @@ class System(Kernels):
     rigid: tuple[int, ...] = ()  # switching functions that are gaps of rigid contacts
     sticking: tuple[int, ...] = ()  # switching functions that are slips of frictions that stick
     boundaries: tuple[int, ...] = ()  # of the switching functions, a `Boundary` each; none: open
+    table_parts: tuple[int, ...] = ()  # of the switching functions, a `TablePart` each; none: 0
     reaction_rows: int = 0
     power_rows: int = 0
     # of the first of these rows, the powers that change kinetic and potential energy; -1: not all

@@ -50,7 +50,9 @@ _FAILED = {
     )
 }  # fmt: skip
 
-_ALIKE = {Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED}  # in all coordinates too
+_ALIKE = {
+    *(Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED, Outcome.OUT_OF_RANGE)
+}  # in all coordinates too
 
 
 class RunsSnapshot(NamedTuple):

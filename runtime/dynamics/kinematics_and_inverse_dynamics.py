@@ -34,6 +34,7 @@ from runtime.validation.masses import require_masses
 from runtime.validation.output_instants import instants
 from runtime.validation.parameters import parameter_values
 from runtime.validation.requirements_of_contact_and_stiction import require_no_rigid, require_slip
+from runtime.validation.table_ranges import name_left_tables
 
 _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCKED)}
 
@@ -73,6 +74,7 @@ def kinematics(
     )  # fmt: skip
     result._motion = DrivenMotionAtInstants(mechanism, p, start, preferred, times)
     equations = Equations(mechanism, p)
+    name_left_tables(result, equations, every=True)
     check_result(result, equations, magnitudes(equations, start.t, start.q), Options(rtol=0.0))
     return result
 

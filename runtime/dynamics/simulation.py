@@ -9,6 +9,7 @@ import numpy.typing as npt
 from codegen.object_display import counted
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
+from runtime.core.modes_and_event_kinds import KNOTS
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.controllers import Functions
 from runtime.dynamics.end_check_screening import screen_run
@@ -27,10 +28,18 @@ from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.event_records import Event
+from runtime.results.event_words import event_words
 from runtime.results.result import Result
 from runtime.results.samples import Partition
 from runtime.validation.finite_equations import describe_infinite
 from runtime.validation.scene_support import driven_note
+from runtime.validation.table_ranges import name_left_tables
+
+# Ends of a run that tries to go where a table has no number.
+_LEAVING = {
+    *(Outcome.OUT_OF_RANGE, Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL, Outcome.NEWTON_FAILED),
+    *(Outcome.INCONSISTENT, Outcome.SINGULAR, Outcome.DISCONTINUOUS),
+}
 
 
 def simulate(
@@ -154,12 +163,16 @@ def _result(
         "wall_seconds": clock.perf_counter() - began,
     }
     titles, log = [switch.title for switch in mechanism.description.switches], run.events
+    parts = mechanism.description.table_parts
+    knots = {k for k, part in enumerate(parts) if part == KNOTS}  # of which steps alone take notice
     titles += [function.title for function in mechanism.description.time_functions]
+    words = event_words(mechanism.description, log.index, log.direction, run.modes[:1])
     events = [
-        Event(titles[int(index)], float(time), int(direction), at_q, at_v)
-        for time, index, direction, at_q, at_v in zip(
-            log.t, log.index, log.direction, log.q, log.v, strict=True
+        Event(titles[int(index)], float(time), int(direction), at_q, at_v, word)
+        for time, index, direction, at_q, at_v, word in zip(
+            log.t, log.index, log.direction, log.q, log.v, words, strict=True
         )
+        if index not in knots
     ]
     names = mechanism.description.coordinates.names
     partitions = [
@@ -172,6 +185,8 @@ def _result(
         events=events,
         partitions=partitions, not_unique=begin.not_unique,
     )  # fmt: skip
+    if run.outcome in _LEAVING:
+        name_left_tables(result, Equations(mechanism, p))
     if ended:
         result.ended_by = watched[run.stopped_by].name
     elif run.stopped_by >= 0:

@@ -7,6 +7,7 @@ then has events that a tighter one has not. They do little, and are named.
 
 import numpy as np
 
+from runtime.core.modes_and_event_kinds import KNOTS
 from runtime.dynamics.end_check_screening import Suspicions
 from runtime.integrate.trajectory import Events
 from runtime.mechanism.dense_equations import Equations
@@ -29,6 +30,10 @@ def describe_unresolved_switches(
     reversed_event, reached, permitted = suspicions[-3:]
     after = np.flatnonzero(reversed_event >= 0)
     after = after[reached[after] <= permitted[events.index[after]]]
+    parts = equations.description.table_parts
+    after = after[[parts[k] != KNOTS for k in events.index[after]]]
+    if not len(after):
+        return 0, ""
     first, index = reversed_event[after], events.index[after]
     clauses = []
     for k in np.unique(index):

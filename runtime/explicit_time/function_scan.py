@@ -45,9 +45,9 @@ class FunctionArrays:
             if name == "const":
                 self.numbers[k] = args[0]
             elif name == "table":
-                at, (places, table), order, periodic = args
+                at, (places, table), order, periodic, *beyond = args
                 self.code[k, 1:] = at, len(knots), len(table)
-                self.numbers[k] = places[-1] - places[0] if periodic else 0.0
+                self.numbers[k] = places[-1] - places[0] if periodic else -1.0 if beyond else 0.0
                 knots += places
                 pieces += [_derivative(row, order) for row in table] + [(0.0,) * 4]
             elif args:

@@ -105,7 +105,10 @@ def cubic_bounds(pieces: Matrix, k: int, s0: float, s1: float) -> tuple[float, f
 def table(
     knots: Vector, pieces: Matrix, first: int, count: int, period: float, x0: float, x1: float
 ) -> tuple[float, float, int]:
-    """Bounds of a spline of `count` pieces; not a number beyond the ends of one that has none."""
+    """Bounds of a function of `count` cubic pieces; beyond its ends not a number.
+
+    One whose `period` is negative goes on there.
+    """
     begin, end = knots[first], knots[first + count]
     if period > 0.0:
         if x1 - x0 >= period:
@@ -120,12 +123,12 @@ def table(
     low, high = math.inf, -math.inf
     for turn in range(2 if period > 0.0 else 1):
         shift = turn * period
-        if x1 < begin + shift or (turn > 0 and x1 == end):
+        if (period >= 0.0 and x1 < begin + shift) or (turn > 0 and x1 == end):
             continue
         for k in range(count):
             left, right = knots[first + k] + shift, knots[first + k + 1] + shift
             left = x0 if k == 0 and turn == 0 else left
-            right = x1 if k == count - 1 and period == 0.0 else right
+            right = x1 if k == count - 1 and period <= 0.0 else right
             if right < x0 or left > x1:
                 continue
             s = knots[first + k] + shift

@@ -14,7 +14,7 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inlined, inner
-from runtime.core.modes_and_event_kinds import MIXED, SLIDING
+from runtime.core.modes_and_event_kinds import KNOTS, MIXED, SLIDING
 from runtime.core.state_derivative import evaluate_accelerations
 from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid import mode_search as search
@@ -69,9 +69,14 @@ def select_modes(context: Context, first: int, t: float, d: float, state: int) -
 
 @inner
 def set_preferences(context: Context) -> None:
-    """Fill row PREFERRED: friction prefers to stick, all others keep their modes."""
+    """Fill row PREFERRED: friction prefers to stick, all others keep their modes.
+
+    Both sides of a table's knot have one force, and no look ahead tells them apart.
+    """
     for k in range(context[ft.SWITCHES]):
         context.preferred[k] = SLIDING if context.sticks[k] != 0 else context.modes[k]
+        if context.table_part[k] == KNOTS:
+            context.preferred[k] = consistency.decided_entry(int(context.modes[k]))
 
 
 @inner
@@ -162,4 +167,9 @@ def initialize_modes(context: Context, first: int, t: float, d: float, state: in
         # Where conditions written apart let a velocity rest, it does not set off by itself.
         if context.boundary[k] == MIXED and context.band[k] > 0.0:
             context.preferred[k] = SLIDING
+        if context.table_part[k] == KNOTS:
+            mode = 1 if context.trial[k] > 0.0 else 0
+            context.preferred[k] = consistency.decided_entry(
+                mode if context.band[k] > 0.0 else modes[k]
+            )
     return select_modes(context, first, t, d, state)

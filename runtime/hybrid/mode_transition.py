@@ -8,7 +8,7 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
-from runtime.core.modes_and_event_kinds import SLIDING, Direction
+from runtime.core.modes_and_event_kinds import KNOTS, SLIDING, Direction
 from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.unit_roundoff import EPS
 from runtime.hybrid import mode_consistency as consistency
@@ -37,7 +37,7 @@ def log_event(context: Context, t: float, k: int, direction: int) -> None:
     context.event_kinds[at, 0], context.event_kinds[at, 1] = k, direction
     copy_vector(ws.row_of(context, ws.Y1), context.event_states[at])
     r.logged_events += 1
-    r.events += 1
+    r.events += 1 if context.table_part[k] != KNOTS else 0
 
 
 @inner
@@ -232,6 +232,7 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
     Returns the number of events that were logged.
     """
     modes, r, last = context.modes, run_record(context), 0.0
+    former = int(modes[crossing])
     copy_vector(modes, context.former_modes)
     r.flight = np.inf
     impact = context.rigid[crossing] >= 0 and modes[crossing] != SLIDING
@@ -255,6 +256,10 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
         approach, mode = context.struck[crossing], int(modes[crossing])
         leaves = mode != SLIDING and context.rate_now[crossing] > _STILL * approach
         context.preferred[crossing] = consistency.decided_entry(mode) if leaves else SLIDING
+    elif context.table_part[crossing] == KNOTS:
+        context.preferred[crossing] = consistency.decided_entry(1 - former)
+        prefer_released(context, crossing, t)
+        evaluate_now(context, t)
     else:
         if modes[crossing] == SLIDING:
             evaluate_accelerations(context, t, context.q1, context.v1, modes, context.first_scratch)

@@ -4,9 +4,10 @@ import numpy as np
 
 from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context
-from runtime.core.jit import addressed
+from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import kinetic_energy_of
 from runtime.core.loop_record import run_record
+from runtime.core.modes_and_event_kinds import KNOTS, RANGE
 from runtime.core.outcomes import Outcome
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.integrate.step import Signal, TrialStep, reject
@@ -56,6 +57,10 @@ def accept_step(context: Context) -> int:
         if r.crossing < 0 and side * g1[k] > band[k]:
             band[k] = 0.0
     if r.crossing >= 0:
+        if context.table_part[r.crossing] == RANGE and modes[r.crossing] == 1:
+            r.index = r.crossing
+            copy_end(context, 1, 0)
+            return Outcome.OUT_OF_RANGE
         if context[ft.RIGID_COUNT] != 0:
             kinetic_energy = kinetic_energy_of(context)
             r.before_event = kinetic_energy(context.q1, context.v1, context.parameters)
@@ -68,11 +73,27 @@ def accept_step(context: Context) -> int:
     return Signal.PROCEED
 
 
+@inner
+def begin_anew(context: Context) -> None:
+    """Start the method anew: velocities and forces are others from here on."""
+    r = run_record(context)
+    r.look_at = min(r.look_at, r.t)
+    ft.restart_of(context)(context, r.t, r.next_length)
+    if r.fixed == 0:
+        first = ft.first_step_of(context)(context, r.t, r.h_max, r.rtol, r.estimate_order)
+        r.h = min(r.next_length, 2.0 * first, _FLIGHT * r.flight)
+        r.rhs += 1
+        r.error_old, r.remembered = LEAST_ERROR, 0.0
+
+
 @addressed(ft.PART)
 def judge_events(context: Context) -> int:
     """After events: whether modes agree and events come to an end; then start the method anew."""
     r = run_record(context)
     if r.changed == 0:
+        return Signal.PROCEED
+    if context.table_part[r.crossing] == KNOTS and r.blamed == CONSISTENT:
+        begin_anew(context)  # they are as many as a table has, and end nothing
         return Signal.PROCEED
     recent = context.recent_events
     span = r.t - recent[0]
@@ -91,11 +112,5 @@ def judge_events(context: Context) -> int:
     if endless or r.events > r.max_events:
         r.index = r.crossing
         return Outcome.ZENO
-    r.look_at = min(r.look_at, r.t)  # velocities and forces are others from here on
-    ft.restart_of(context)(context, r.t, r.next_length)
-    if r.fixed == 0:
-        first = ft.first_step_of(context)(context, r.t, r.h_max, r.rtol, r.estimate_order)
-        r.h = min(r.next_length, 2.0 * first, _FLIGHT * r.flight)
-        r.rhs += 1
-        r.error_old, r.remembered = LEAST_ERROR, 0.0
+    begin_anew(context)
     return Signal.PROCEED

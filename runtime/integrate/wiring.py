@@ -181,6 +181,7 @@ def _describe_switches(system: System, p: Vector, arrays: dict[str, Any]) -> Non
     arrays["rigid"][list(system.rigid)] = np.arange(len(system.rigid))
     arrays["sticks"][list(system.sticking)] = 1
     arrays["boundary"][: len(system.boundaries)] = system.boundaries
+    arrays["table_part"][: len(system.table_parts)] = system.table_parts
     arrays["share"][:], arrays["stiction_units"][:], high[:] = np.nan, 1.0, 1.0
     for k, force, limit in system.limits:
         arrays["limits"][2 * k : 2 * k + 2] = force, limit

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.condition_evaluation import ConditionRow, ProfileRow
-from runtime.core.modes_and_event_kinds import Boundary
+from runtime.core.modes_and_event_kinds import Boundary, TablePart
 from runtime.mechanism.table_rows import (
     Constraint,
     Coordinate,
@@ -20,6 +20,7 @@ from runtime.mechanism.table_rows import (
     State,
     Switch,
     Table,
+    TableRange,
     TimeFunction,
     Watched,
 )
@@ -67,6 +68,7 @@ class Description(NamedTuple):
     shares: tuple[int, ...] = ()  # switches of which the share of both modes stands in `p`
     weak_pivot: float = 0.0  # part of its reference below which a pivot is weak; 0: none is watched
     time_functions: tuple[TimeFunction, ...] = ()
+    table_ranges: tuple[TableRange, ...] = ()
     # (element, kind, exponent) of functions of the position that may peak within a step
     peaks: tuple[tuple[str, str, float], ...] = ()
     conditions: tuple[ConditionRow, ...] = ()  # on parameters, judged before each run
@@ -111,7 +113,7 @@ class Description(NamedTuple):
 
     @property
     def tracked(self) -> tuple[str, ...]:
-        """Points whose paths are reported."""
+        """Points that are outputs."""
         return tuple(row.name for row in self.effects if row.kind == "tracked point")
 
     @property
@@ -120,6 +122,12 @@ class Description(NamedTuple):
         kinds = {one.name.lower(): one for one in Boundary}
         words = (row.kind.partition(" ")[0] for row in self.switches)
         return np.array([kinds.get(word, Boundary.OPEN) for word in words], np.int64)
+
+    @property
+    def table_parts(self) -> tuple[int, ...]:
+        """Of each switch what it says of a table, a `TablePart`."""
+        parts = {part.name.lower(): int(part) for part in TablePart}
+        return tuple(parts.get(row.kind.partition(" ")[0], 0) for row in self.switches)
 
     @property
     def work_rows(self) -> dict[str, int]:
@@ -210,6 +218,7 @@ def describe(module: ModuleType) -> Description:
         TimeFunction(*function[:3], *_programs_with_tables(module, function[3:]))
         for function in literals.get("time_functions", ())
     )
+    literals["table_ranges"] = tuple(map(TableRange._make, literals.get("table_ranges", ())))
     return Description(
         **literals, has_masses=hasattr(module, "mass"), kernels=frozenset(vars(module))
     )
@@ -235,6 +244,6 @@ def _row_with_table(module: ModuleType, row: tuple[Any, ...]) -> tuple[Any, ...]
     """A row of an explicit function of time, with the numbers of the table that it names."""
     if row[0] != "table":
         return row
-    name, at, stem, order, periodic = row
+    name, at, stem, *rest = row
     table = getattr(module, f"{stem}_KNOTS"), getattr(module, f"{stem}_ROWS")
-    return name, at, table, order, periodic
+    return name, at, table, *rest

@@ -44,6 +44,7 @@ def common_system(
         rigid=tuple(contact.switch for contact in description.rigid),
         sticking=tuple(k for k, row in enumerate(description.switches) if row.sticks),
         boundaries=tuple(description.boundaries.tolist()),
+        table_parts=description.table_parts,
         sampled=description.sampled_columns,
         sampled_names=sampled,
         triggers=description.triggers or (-1,) * len(sampled),

@@ -55,9 +55,11 @@ class Table(tuple[RowT, ...]):
         return html_table(*self._columns()) or "<p>no rows</p>"
 
     def _columns(self) -> tuple[tuple[str, ...], list[tuple[object, ...]]]:
-        """Names of the columns, and the rows, which are named tuples."""
+        """Names of the columns in which something stands, and the rows, which are named tuples."""
         rows: list[Any] = [*self]
-        return (rows[0]._fields if rows else ()), rows
+        fields = rows[0]._fields if rows else ()
+        used = [k for k in range(len(fields)) if any(row[k] not in ("", None) for row in rows)]
+        return tuple(fields[k] for k in used), [tuple(row[k] for k in used) for row in rows]
 
     @overload
     def __getitem__(self, item: SupportsIndex | str) -> RowT: ...
@@ -212,7 +214,8 @@ class TimeFunction(NamedTuple):
     """An explicit function of time, as operations; see `codegen.lower.time_programs`.
 
     A row is (operation, rows that it takes ...); ("const", number), ("p", slot) or ("t",); or
-    ("table", row, (knots, coefficients), derivative, periodic).
+    ("table", row, (knots, coefficients), derivative, periodic[, beyond]), undefined beyond its ends
+    unless it says "extrapolate".
     """
 
     name: str  # of the element
@@ -227,6 +230,17 @@ class TimeFunction(NamedTuple):
     def title(self) -> str:
         """As events name it."""
         return f"{self.name}: next piece of its function of time"
+
+
+class TableRange(NamedTuple):
+    """A table that is undefined beyond its ends, and what it is taken at, as operations."""
+
+    name: str  # of the element
+    table: str
+    at: str
+    low: float
+    high: float
+    rows: tuple[tuple[Any, ...], ...]  # as of a `TimeFunction`, with ("q", slot) and ("v", slot)
 
 
 class StartValue(NamedTuple):

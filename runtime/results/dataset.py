@@ -38,9 +38,13 @@ def dataset(result: Result) -> "xr.Dataset":
         work = np.column_stack(list(result.works.values()))
         data["work"] = ("time", "worker"), work, {"units": "J"}
     if description.tracked:
-        data["point"], data["axis"] = _texts(description.tracked), ["x", "y"]
-        paths = np.stack([result.path(name) for name in description.tracked], axis=1)
-        data["path"] = ("time", "point", "axis"), paths, {"units": "m"}
+        data["place"], data["axis"] = _texts(description.tracked), ["x", "y"]
+        for variable, axes, unit in (("point", "x y", "m"), ("point_velocity", "vx vy", "m/s")):
+            places = [
+                [result.point(name, axis) for axis in axes.split()] for name in description.tracked
+            ]
+            values = np.moveaxis(np.array(places), 2, 0)
+            data[variable] = ("time", "place", "axis"), values, {"units": unit}
     if switches := description.switches:
         data["switch"] = _texts(row.title for row in switches)
         data.coords["switch_kind"] = "switch", _texts(row.kind for row in switches)
@@ -63,11 +67,11 @@ def _motion(result: Result) -> "xr.Dataset":
     table, samples, over = result.description.coordinates, result.samples, ("time", "coordinate")
 
     def about(name: str, unit: str) -> dict[str, str]:
-        units = sorted({getattr(row, unit) for row in table})
-        return {"units": ", ".join(units), "long_name": name}
+        units = {getattr(row, unit) for row in table}
+        return {"long_name": name} | ({"units": units.pop()} if len(units) == 1 else {})
 
-    positions = {"units": "m, rad", "long_name": "largest |Phi|"}
-    velocities = {"units": "m/s, rad/s", "long_name": "largest |Phi_q v - nu|"}
+    positions = {"long_name": "largest |Phi|, m or rad"}
+    velocities = {"long_name": "largest |Phi_q v - nu|, m/s or rad/s"}
     variables: dict[str, Any] = {
         "q": (over, samples.q, about("coordinates", "unit")),
         "v": (over, samples.v, about("velocities", "velocity_unit")),
@@ -80,6 +84,8 @@ def _motion(result: Result) -> "xr.Dataset":
         "coordinate": list(table.names),
         "velocity": ("coordinate", [row.velocity for row in table]),
         "unit": ("coordinate", [row.unit for row in table]),
+        "velocity_unit": ("coordinate", [row.velocity_unit for row in table]),
+        "acceleration_unit": ("coordinate", [row.acceleration_unit for row in table]),
     }
     return xr.Dataset(variables, coords=coords, attrs=result.about())
 
@@ -97,7 +103,7 @@ def _add_reactions(data: "xr.Dataset", result: Result) -> None:
         reaction[:, joint, component] = result.reaction(row.element, row.component)
     data["joint"], data["component"] = _texts(joints), _texts(components)
     data.coords["component_unit"] = "component", _texts(units.values())
-    about = {"units": "N, N m", "long_name": "first body on second, in joint axes"}
+    about = {"long_name": "first body on second, in joint axes, in component_unit"}
     data["reaction"] = ("time", "joint", "component"), reaction, about
 
 

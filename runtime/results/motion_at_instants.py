@@ -44,7 +44,7 @@ class Motion(Protocol):
         """The result of going on to another end; see `Result.resume`."""
 
 
-def at(result: "Result", motion: Motion | None, t: Any, side: Side | None) -> "Result":
+def at(result: "Result", motion: Motion | None, t: Any, side: Any) -> "Result":
     """See `Result.at`."""
     title = result.description.title
     if motion is None:
@@ -52,7 +52,7 @@ def at(result: "Result", motion: Motion | None, t: Any, side: Side | None) -> "R
             f"{title}: at() needs the motion behind the result, and this is one of "
             f"{result.analysis}. Ask a result of simulate, kinematics or inverse_dynamics."
         )
-    if side not in (None, "before", "after"):
+    if not (side is None or (isinstance(side, str) and side in ("before", "after"))):
         raise InputError(f'{title}: side is {shown(side)}; it must be "before" or "after".')
     times = _instants(title, t)
     first, last = _span(result, motion)
@@ -138,7 +138,7 @@ def _instants(title: str, t: Any) -> FloatArray:
     return np.atleast_1d(given.astype(np.float64))
 
 
-def _on_side(result: "Result", times: FloatArray, side: Side | None) -> FloatArray:
+def _on_side(result: "Result", times: FloatArray, side: str | None) -> FloatArray:
     """Instants, those of events moved to the side that is asked for, s."""
     if side is None or not result.events:
         return times

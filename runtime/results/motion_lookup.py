@@ -1,4 +1,4 @@
-"""Series of a result's motion by name: coordinates, velocities, accelerations, paths."""
+"""Series of a result's motion by name: coordinates, velocities, accelerations, points."""
 
 from collections.abc import Callable, Iterable
 from functools import wraps
@@ -17,6 +17,7 @@ from runtime.results.samples import Samples
 FloatArray = npt.NDArray[np.float64]
 Names = ParamSpec("Names")
 Column = TypeVar("Column")
+POINT = "x", "y", "vx", "vy"  # components of a tracked point
 Series = TypeVar("Series", bound="MotionSeries")
 Lookup = Callable[Concatenate[Series, Names], Column]
 
@@ -93,32 +94,39 @@ class MotionSeries:
         return self._column(self.samples.a, name)
 
     @by_names
-    def path(self, point: str) -> FloatArray:
-        """Global coordinates of a tracked point over time.
+    def point(self, name: str, component: str = "") -> FloatArray:
+        """Place of a tracked point over time, in global axes.
 
         Parameters
         ----------
-        point
-            Name of the tracked point.
+        name
+            Of the point.
+        component
+            "x" or "y", in m, or "vx" or "vy", in m/s; without it, x and y.
 
         Returns
         -------
-        (k, 2) float64
-            x and y in m.
+        (k, 2) or, of a component, (k,) float64
 
         Raises
         ------
         InputError
-            If there is no such point, or the scene leaves it out.
+            If there is no such point or component, or the scene leaves it out.
         """
         description = self.description
-        if point in description.tracked:
-            rows = [description.reactions.index(f"{point}.{axis}") for axis in "xy"]
-            return self.samples.reaction[:, rows]
+        if name in description.tracked:
+            if component and component not in POINT:
+                raise InputError(
+                    f"{description.title}: {unknown(f'component of {name}', component, POINT)}"
+                )
+            if component:
+                row = description.reactions.index(f"{name}.{component}")
+                return self.samples.reaction[:, row]
+            return np.column_stack([self.point(name, axis) for axis in "xy"])
         left_out = description.left_out
-        if point in left_out.names and left_out[point].kind == "tracked point":
-            raise InputError(description.suggest_output(f"path({point})"))
-        raise self._unknown("path of", point, description.tracked)
+        if name in left_out.names and left_out[name].kind == "tracked point":
+            raise InputError(description.suggest_output(f"point({name})"))
+        raise self._unknown("tracked point", name, description.tracked)
 
     def _column(self, array: FloatArray, name: str, *, velocity: bool = True) -> FloatArray:
         table = self.description.coordinates

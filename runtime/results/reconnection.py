@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+from codegen.object_display import without_rounding
+
 
 class Reconnection(NamedTuple):
     """A joint that came or went."""
@@ -17,7 +19,9 @@ class Reconnection(NamedTuple):
         """In a sentence."""
         if self.action == "release":
             return f"Joint '{self.joint}' was released at t = {self.t:.9g} s."
-        parts = ", ".join(f"{name} {value:.6g}" for name, value in self.impulse.items())
+        values = without_rounding(self.impulse.values())
+        pairs = zip(self.impulse, values, strict=True)
+        parts = ", ".join(f"{name} {value:.6g}" for name, value in pairs)
         return (
             f"Joint '{self.joint}' engaged at t = {self.t:.9g} s with the impulse ({parts}) N s, "
             f"N m s, which took {self.energy_lost:.6g} J."

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from codegen import __version__
 from codegen import argument_readers as readers
 from codegen.errors import InputError
-from codegen.object_display import counted, html_of, html_table, listed
+from codegen.object_display import counted, html_of, html_table, listed, without_rounding
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class, declared_attributes, named_attributes
 from runtime.core.outcomes import Outcome
@@ -291,10 +291,12 @@ class Result(TimeSeries):
         q, rows = self.samples.q, self.description.coordinates
         if not len(self.t):
             return html_of(repr(self))
-        numbers = zip(q[0], q[-1], q.min(axis=0), q.max(axis=0), strict=True)
+        numbers = zip(
+            *map(without_rounding, (q[0], q[-1], q.min(axis=0), q.max(axis=0))), strict=True
+        )
         table = html_table(
             ("coordinate", "unit", "first", "last", "least", "greatest"),
-            ((row.name, row.unit, *map(float, of)) for row, of in zip(rows, numbers, strict=True)),
+            ((row.name, row.unit, *of) for row, of in zip(rows, numbers, strict=True)),
         )
         text = [line for line in repr(self).splitlines() if not line.startswith("  coordinates ")]
         return html_of("\n".join(text), table)

@@ -58,6 +58,7 @@ def _event_columns(events: Sequence[Event]) -> dict[str, Any]:
         "name": np.array([names.index(event.name) for event in events], np.int64),
         "time": np.array([event.time for event in events]),
         "direction": np.array([event.direction for event in events], np.int64),
+        "words": [event.word for event in events],
         "q": np.array([event.q for event in events]),
         "v": np.array([event.v for event in events]),
     }
@@ -69,7 +70,9 @@ def events_of(columns: dict[str, Any]) -> list[Event]:
     times, directions = columns["time"].tolist(), columns["direction"].tolist()
     return [
         Event(*row)
-        for row in zip(names, times, directions, columns["q"], columns["v"], strict=True)
+        for row in zip(
+            names, times, directions, columns["q"], columns["v"], columns["words"], strict=True
+        )
     ]
 
 

@@ -43,6 +43,11 @@ class TimeSeries(EffectSeries):
             If there is no such joint or component, or the scene was declared without it.
         """
         rows = self.description.reactions
+        if joint in self.description.tracked:
+            raise InputError(
+                f"{self.description.title}: '{joint}' is a tracked point and transmits nothing; "
+                f"ask for point({joint!r})."
+            )
         if f"{joint}.{component}" in rows.names:
             return self.samples.reaction[:, rows.index(f"{joint}.{component}")]
         of_joint = [row.component for row in rows if row.element == joint]
@@ -146,7 +151,7 @@ class TimeSeries(EffectSeries):
                 return self.a(row.name), row.acceleration_unit
         if name in description.reactions.names:
             reaction = description.reactions[name]
-            return self.reaction(reaction.element, reaction.component), reaction.unit
+            return self.samples.reaction[:, description.reactions.index(name)], reaction.unit
         if name in ENERGIES and description.has_masses:
             return self.energy(name), "J"
         if name in description.whole_powers:

@@ -38,7 +38,7 @@ def page(result: "Result") -> str:
         *map(html_figure, _figures(result)),
     ]
     if result.events:
-        rows = ((f"{e.time:.9g} s", f"{e.name} ({e.what})") for e in result.events[:200])
+        rows = ((f"{e.time:.9g} s", e.text) for e in result.events[:200])
         parts.append(_section("Events", rows))
     return html_page(description.title, parts)
 
@@ -117,7 +117,8 @@ def _figures(result: "Result") -> Iterator["Figure"]:
     for reaction in description.reactions:
         kind = "driver" if reaction.element in description.drivers else "reaction"
         if reaction.element in description.effects.names:
-            kind = quantity_of(reaction) or "effect"
+            point = reaction.element in description.tracked
+            kind = "point" if point else quantity_of(reaction) or "effect"
         groups.setdefault(f"{kind}, {reaction.unit}", []).append(reaction.name)
     for title, names in groups.items():
         moving = [name for name in names if np.ptp(result.series(name)[0]) > 0.0]

@@ -117,8 +117,8 @@ def polish(statics: StaticEquations, q: FloatArray, iterations: int = 0) -> Rest
     at = evaluate_position(statics, q, iterations)
     for _ in range(12):
         size = float(np.abs(at.gradient).max(initial=0.0))
-        if size == 0.0:
-            break
+        if size == 0.0 or not np.isfinite(at.stiffness.matrix).all():
+            break  # it balances, or forces end there, as those of a table do
         step = np.linalg.lstsq(at.stiffness.matrix, -at.gradient, rcond=1e-12)[0]
         if float(np.abs(step).max()) > 0.1:
             break

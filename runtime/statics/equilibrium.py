@@ -27,10 +27,14 @@ from runtime.validation.requirements_of_contact_and_stiction import (
     require_no_rigid,
     require_no_sticking,
 )
+from runtime.validation.table_ranges import left_tables, name_left_tables
 
 METHODS = "energy", "settling"
 _TURNED = 25.0  # safety: rad after which nothing holds a machine whose forces do not balance
 _FAR = 1e6  # safety: scaled length after which nothing does
+_ELSEWHERE = (
+    "Give the table points further out, beyond=, or another start: guess=, or a guess in the scene."
+)
 
 
 @declared_attributes
@@ -136,13 +140,15 @@ def equilibrium(
     modes = equations.rest_modes(t, position.q)[None, :]
     samples = evaluate(mechanism, p, np.array([float(t)]), q, np.zeros_like(q), modes)
     stats["wall_seconds"] = clock.perf_counter() - began
-    return Equilibrium(
+    result = Equilibrium(
         description, samples, p, judged=judged, gradient=position.unbalanced,
         stiffness=_stiffness(statics, position),
         outcome=Outcome.OK if position.balanced else Outcome.UNBALANCED,
         message=_message(description, position, judged, ran) + redundancy_note(start),
         stats=stats, not_unique=start.not_unique,
     )  # fmt: skip
+    name_left_tables(result, equations)
+    return result
 
 
 def _stiffness(
@@ -173,6 +179,9 @@ def _search(
 
     end, counts = settle_down(statics, start, progress)
     finite = np.isfinite(end).all()
+    if not finite and description.table_ranges:  # it left one; a search ends where that does
+        position = minimise(statics, start, progress)
+        return position, position.q, counts
     return polish(statics, end) if finite else evaluate_position(statics, start), end, counts
 
 
@@ -239,6 +248,8 @@ def _require_finite(equations: Equations, t: float, q: FloatArray) -> None:
     finite = np.isfinite(force + equations.potential_gradient(t, q, modes))
     if finite.all():
         return
+    if left := left_tables(equations, t, q, np.zeros(len(q))):
+        raise AnalysisError(f"{description.title}: at the start position {left} {_ELSEWHERE}")
     lost = [description.coordinates[int(k)].name for k in np.flatnonzero(~finite)]
     effects = ", ".join(row.name for row in description.effects) or "none"
     raise AnalysisError(

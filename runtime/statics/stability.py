@@ -38,6 +38,8 @@ def judge(statics: StaticEquations, position: RestPosition) -> Judgement:
     """
     root = np.linalg.cholesky(statics.inertia(position.q, position.part))
     matrix = np.linalg.solve(root, np.linalg.solve(root, position.stiffness.matrix).T).T
+    if not np.isfinite(matrix).all():  # forces end there
+        return Judgement(Stability.UNKNOWN, np.full(len(matrix), np.nan), np.zeros(0), False)
     asymmetry = float(np.abs(matrix - matrix.T).max(initial=0.0))
     largest = float(np.abs(matrix).max(initial=0.0))
     if asymmetry <= 1e-6 * largest:

@@ -21,12 +21,16 @@ def series_names(description: Description) -> dict[str, list[str]]:
     """Kind → names of the series that a scene's results have."""
     has_energy = description.has_masses and not description.leaves_out("energy")
     rows, effects = description.reactions, description.effects.names
+    tracked = description.tracked
     found = {
         "coordinates": [row.name for row in description.coordinates],
         "velocities": [row.velocity for row in description.coordinates],
         "accelerations": [f"a({row.name})" for row in description.coordinates],
         "reactions": [row.name for row in rows if row.element not in effects],
-        "quantities of effects": [row.name for row in rows if row.element in effects],
+        "quantities of effects": [
+            row.name for row in rows if row.element in effects and row.element not in tracked
+        ],
+        "points": [row.name for row in rows if row.element in tracked],
         "energies": list(ENERGIES) if has_energy else [],
         "powers": list(description.whole_powers),
     }

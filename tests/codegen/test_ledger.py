@@ -97,9 +97,9 @@ def test_reasons_follow_the_scene() -> None:
     assert not any(entry.asked for entry in ledger.outputs)
     (ledger,) = explain(model, base.with_(outputs=["energy", "reaction(guide)"]))
     asked = {entry.name: entry.asked for entry in ledger.outputs}
-    assert {"reactions", "powers", "paths", "works", "forces", "lengths"} <= {*asked}
+    assert {"reactions", "powers", "points", "works", "forces", "lengths"} <= {*asked}
     assert [name for name, computed in asked.items() if computed] == ["energy", "reaction(guide)"]
-    (ledger,) = explain(model, base.with_(outputs=["path(nose)", "work(soft)"]))
+    (ledger,) = explain(model, base.with_(outputs=["point(nose)", "work(soft)"]))
     assert (the(ledger)["nose"].acts, the(ledger)["nose"].why) == (True, "needed by an output")
     assert the(ledger)["soft"].operations["powers"] > 0
     assert set(the(ledger)["nose"].operations) == {"reactions"}  # nothing of the motion

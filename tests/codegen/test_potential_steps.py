@@ -101,6 +101,10 @@ KINKS: dict[str, Expression] = {
     "ring": lambda x, y, a, k: Piecewise(
         (k * (sympy.sqrt(x**2 + y**2) - 1) ** 2, x**2 + y**2 < 1), (0, True)
     ),
+    "power of the depth in a ring": lambda x, y, a, k: Piecewise(
+        ((x**2 + y**2 - 0.16) ** 2.5 / (sympy.sqrt(x**2 + y**2) + 0.4) ** 2.5, x**2 + y**2 > 0.16),
+        (0, True),
+    ),
     "sharp bend": lambda x, y, a, k: sympy.tanh(1e6 * x) * Heaviside(x),
     "switch in time": lambda x, y, a, k: Piecewise((x**2, t > 1), (2 * x**2, True)),
 }

@@ -13,11 +13,11 @@ def test_points_come_with_their_paths_and_go_with_their_bodies() -> None:
     model = sledge()
     slide = model.scene("slide")
     assert "nose" not in slide.effects
-    assert slide.with_(outputs=["path(nose)"]).effects == ("spring", "rub", "nose")
-    both = slide.with_(outputs=["paths"])
+    assert slide.with_(outputs=["point(nose)"]).effects == ("spring", "rub", "nose")
+    both = slide.with_(outputs=["points"])
     assert both.effects == ("spring", "rub", "nose", "hook")
     assert both.without("load").effects == ("spring", "rub", "nose")
-    moved = slide.without("spring", "rub").with_(analysis="kinematics", outputs=["path(nose)"])
+    moved = slide.without("spring", "rub").with_(analysis="kinematics", outputs=["point(nose)"])
     equations = derive(model, valid_scenes(model, moved)[0])
     assert [e.name for e in equations.effects] == ["nose"]
     kernels = {k.name for k in lower(equations).program.kernels}

@@ -41,7 +41,14 @@ METHODS: dict[str, dict[str, Kind]] = {
     "particle": {"mass": NUMBER},
     "coupler": {"i": PLACE, "j": PLACE, "length": NUMBER, "mass": NUMBER, "inertia": NUMBER},
     "parameter": {"value": PLAIN, "unit?": UNIT, "sign?": words("", "positive", "nonnegative")},
-    "table": {"x": COLUMN, "y": COLUMN, "periodic?": FLAG},
+    "table": {
+        "x": COLUMN,
+        "y": COLUMN,
+        "periodic?": FLAG,
+        "kind?": words("linear", "pchip", "akima", "spline"),
+        "beyond?": words("stop", "hold", "extrapolate"),
+        "ends?": words("not-a-knot", "natural"),
+    },
     "depends_on": {"path": PATH},
     "gravity": {"g": PAIR},
     "force": {

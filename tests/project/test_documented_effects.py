@@ -50,3 +50,13 @@ def test_trapezoidal_profile_of_speed(
     assert_allclose(result.q("slide.x"), [0.0625, 0.75, 1.4375, 1.5], atol=1e-12)
     assert_allclose(result.v("slide.x"), [0.5, 1.0, 0.5, 0.0], atol=1e-12)
     assert_allclose(result.reaction("feed", "fx"), [6.0, 0.0, -6.0, 0.0], atol=1e-9)
+
+
+def test_strut_by_tables(documented: dict[str, Any], tmp_path: Path) -> None:
+    """It comes to rest where the curve carries the weight: m g = 392.4 N."""
+    machine = load(documented["strut"], folder=tmp_path)
+    run = machine.simulate(20.0)
+    assert not run.failed
+    stretch = -1.0 * run.q("wheel.y")[-1]
+    assert_allclose(documented["curve"].table(stretch), 40.0 * 9.81, rtol=1e-6)
+    assert_allclose(machine.equilibrium().q("wheel.y")[-1], -stretch, rtol=1e-6)

@@ -130,3 +130,30 @@ def test_a_latch_in_a_potential_or_a_law_is_refused() -> None:
     model.scene("runs", ["stored"])
     with pytest.raises(ModelError, match="velocity on_value"):
         build(model, compile=False)
+
+
+@pytest.fixture(scope="module")
+def pendulum(workshop: Path) -> Machine:
+    model = Model("until_overloaded", gravity=(0, -G))
+    bob = model.particle("bob", 1.0)
+    model.distance("rod", model.ground.at(0, 0), bob, 1.0)
+    model.scene("swings", ["gravity"], start={bob.x: 1.0, bob.vy: 0.0}, guess={bob.y: 0.0})
+    return load(model, folder=workshop)
+
+
+def test_a_run_ends_where_a_reaction_grows_too_large(pendulum: Machine) -> None:
+    name = "rod.fx"
+    sign = np.sign(pendulum.simulate(0.3, [0.3], rtol=1e-11).series(name)[0][0])
+    limit = {"overload": (name, ">" if sign > 0 else "<", sign * 20.0)}
+    r = pendulum.simulate(3.0, rtol=1e-11, until=limit)
+    assert (r.ended_by, r.outcome) == ("overload", Outcome.OK)
+    assert_allclose(-3 * G * r.q("bob.y")[-1], 20.0, rtol=1e-9)
+    assert_allclose(abs(r.series(name)[0][-1]), 20.0, rtol=1e-9)
+    assert not pendulum.simulate(3.0, until={"never": ("total", ">", 1e3)}).ended_by
+
+
+def test_conditions_on_outputs_that_are_none(pendulum: Machine) -> None:
+    with pytest.raises(InputError, match=r"until=.*write until="):
+        pendulum.simulate(1.0, until={"a": "rod.fx > 3"})  # type: ignore[dict-item]
+    with pytest.raises(InputError, match=r"'rod\.fz'"):
+        pendulum.simulate(1.0, until={"a": ("rod.fz", ">", 3.0)})

@@ -29,10 +29,10 @@ def swing() -> Model:
     model.driver("hand", bob.phi, 0.2 * t)
     every = ["gravity", "damper", "motor", "spring", "wall"]
     model.scene("all", every, start={bob.phi: -0.5, bob.omega: 0.0},
-                outputs=["reactions", "energy", "powers", "works", "paths"])  # fmt: skip
+                outputs=["reactions", "energy", "powers", "works", "points"])  # fmt: skip
     model.scene("plain", every, start={bob.phi: -0.5, bob.omega: 0.0})
-    model.scene("led", ["gravity"], ["hand"], outputs=["work(hand)", "path(tip)"])
-    model.scene("moved", drivers=["hand"], analysis="kinematics", outputs=["path(tip)"])
+    model.scene("led", ["gravity"], ["hand"], outputs=["work(hand)", "point(tip)"])
+    model.scene("moved", drivers=["hand"], analysis="kinematics", outputs=["point(tip)"])
     return model
 
 
@@ -94,10 +94,10 @@ def test_asking_changes_no_digit_of_the_motion(told: Result, folder: Path) -> No
 
 
 def test_paths_are_those_of_the_points(told: Result) -> None:
-    assert_allclose(told.path("tip"), tip(told.q("bob.phi")), atol=1e-12)
-    assert_allclose(told.path("middle")[:, 0], told.q("bob.x"), atol=1e-12)
-    assert told.data["path"].shape == (61, 2, 2)
-    assert told.data["path"].attrs["units"] == "m"
+    assert_allclose(told.point("tip"), tip(told.q("bob.phi")), atol=1e-12)
+    assert_allclose(told.point("middle")[:, 0], told.q("bob.x"), atol=1e-12)
+    assert told.data["point"].shape == (61, 2, 2)
+    assert told.data["point"].attrs["units"] == "m"
     assert told.data["work"].sel(worker="damper")[-1] == told.work("damper")[-1]
     assert told.series("tip.x")[1] == "m"
     assert told.series("work(motor)")[1] == "J"
@@ -114,13 +114,13 @@ def test_files_hold_what_was_asked_for(told: Result, tmp_path: Path) -> None:
 def test_driven_scenes_have_paths(folder: Path) -> None:
     model = swing()
     moved = load(model, "moved", folder=folder).kinematics(INSTANTS)
-    assert_allclose(moved.path("tip"), tip(0.2 * INSTANTS), atol=1e-9)
+    assert_allclose(moved.point("tip"), tip(0.2 * INSTANTS), atol=1e-9)
     machine = load(model, "led", folder=folder)
     led = machine.simulate(3.0, INSTANTS, rtol=1e-10)
     height = np.sin(0.2 * INSTANTS)
     assert_allclose(led.work("hand"), 2.0 * 9.81 * height, atol=1e-8)
     inverse = machine.inverse_dynamics(INSTANTS)
-    assert_allclose(inverse.path("tip"), tip(0.2 * INSTANTS), atol=1e-9)
+    assert_allclose(inverse.point("tip"), tip(0.2 * INSTANTS), atol=1e-9)
     with pytest.raises(InputError, match="integrated along the steps of a simulation"):
         inverse.work("hand")
 
@@ -128,15 +128,15 @@ def test_driven_scenes_have_paths(folder: Path) -> None:
 def test_what_was_not_asked_for_is_offered(folder: Path) -> None:
     found = load(swing(), "plain", folder=folder).simulate(0.1)
     for ask, word in (
-        (lambda: found.path("tip"), "path(tip)"),
+        (lambda: found.point("tip"), "point(tip)"),
         (lambda: found.work("motor"), "work(motor)"),
     ):
         with pytest.raises(InputError) as caught:
             ask()
         assert f"does not compute {word}" in str(caught.value)
         assert f"'powers', '{word}']" in str(caught.value)
-    with pytest.raises(InputError, match="no path of 'tipp'"):
-        found.path("tipp")
+    with pytest.raises(InputError, match="no tracked point 'tipp'"):
+        found.point("tipp")
     with pytest.raises(InputError, match="no work of 'moter'"):
         found.work("moter")
 
@@ -148,3 +148,23 @@ def test_run_that_stops_has_the_works_so_far(machine: Machine) -> None:
     known = np.isfinite(cut.work("gravity"))
     assert known[:-1].all()
     assert_allclose(sum(cut.work(n) for n in cut.works)[known], gained[known], atol=1e-7)
+
+
+def test_points_are_no_joints_and_no_effects(told: Result) -> None:
+    with pytest.raises(InputError, match=r"'tip' is a tracked point .*; ask for point\('tip'\)"):
+        told.reaction("tip", "x")
+    assert (told.point("tip", "x") == told.point("tip")[:, 0]).all()
+    omega, place = told.v("bob.omega"), told.point("tip")
+    assert_allclose(told.point("tip", "vy"), omega * place[:, 0], atol=1e-9)
+    speed = told.data["point_velocity"].sel(place="tip", axis="x")
+    assert_allclose(speed, -omega * place[:, 1], atol=1e-9)
+    with pytest.raises(InputError, match="no component of tip 'z'"):
+        told.point("tip", "z")
+    assert "points       tip, middle (m)" in repr(told)
+    (axes,) = told.plot("tip").axes
+    assert axes.get_xlabel() == "x (m)"
+    assert axes.get_aspect() == 1.0
+    assert len(told.plot("tip", "bob.phi", "middle").axes) == 2
+    model = swing()
+    model.spring("tip", model.ground, model.bodies["bob"], 1.0, free_length=1.0)
+    assert "the name is already that of a tracked point" in model.problems[-1]

@@ -30,6 +30,10 @@ def test_dataset_is_labelled(result: Result) -> None:
         data["energy"].sel(part=["kinetic", "potential"]).sum("part"),
     )
     assert data["time"].attrs["units"] == "s"
+    assert not any(", " in variable.attrs.get("units", "") for variable in data.values())
+    assert "units" not in data["q"].attrs  # metres and radians: one unit a coordinate
+    assert data["velocity_unit"].sel(coordinate="crank.phi").item() == "rad/s"
+    assert data["acceleration_unit"].sel(coordinate="slider.x").item() == "m/s^2"
     assert data["energy"].attrs["units"] == "J"
     assert data["unit"].sel(coordinate="crank.phi").item() == "rad"
     assert data.attrs["scene"] == "driven"

@@ -61,6 +61,14 @@ def test_options_reach_the_run(run, tmp_path: Path) -> None:  # type: ignore[no-
     assert page.is_file()
 
 
+def test_a_start_value_holds(run) -> None:  # type: ignore[no-untyped-def]
+    words = ("simulate", "rod_pendulum", "--t-end", "0", "--start", "bar.phi=0.25")
+    assert json.loads(run(*words, "--json").stdout)["q"]["bar.phi"] == pytest.approx(0.25)
+    done = run(*words[:-1], "bar.phi")
+    assert done.exit_code == 2
+    assert "--start bar.phi: write NAME=VALUE with a number." in done.stderr
+
+
 def test_a_report_to_an_accuracy(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     words = ("report", "rod_pendulum", "--t-end", "1", "--accuracy", "1e-5", "--quantity",
              "bar.phi", "--out", tmp_path / "page.html", "--json")  # fmt: skip
@@ -72,6 +80,7 @@ def test_a_driven_report_refuses_what_it_would_ignore(run, driven: Machine, tmp_
     done = run(*words, "--rtol", "1e-5", "--method", "bdf")
     assert done.exit_code == 2
     assert "--method, --rtol would be ignored" in done.stderr
+    assert run(*words, "--start", "crank.phi=1").exit_code == 2
     assert run(*words).exit_code == 0
 
 

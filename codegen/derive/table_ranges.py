@@ -1,0 +1,59 @@
+"""The tables of a scene that end, and what they are taken at: for messages of runs that leave one.
+
+A switch ends a simulation where an effect's table does (`codegen.derive.piecewise_conditions`); all
+other analyses, and tables of motion laws and constraints, have no number beyond.
+"""
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+import sympy
+
+from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
+from codegen.declare.table_function import Interpolant
+from codegen.derive.switching_functions import rate
+
+if TYPE_CHECKING:
+    from codegen.derive.equations import ConstraintEquations, EffectEquations
+
+
+class TableRange(NamedTuple):
+    """A table that is undefined beyond its ends, and the expression that it is taken at."""
+
+    element: str
+    table: str
+    at: sympy.Expr
+    low: float
+    high: float
+
+
+def table_ranges(
+    constraints: Iterable["ConstraintEquations"], effects: Iterable["EffectEquations"]
+) -> tuple[TableRange, ...]:
+    """The tables of constraints and effects that a motion may leave, each use once."""
+    found: dict[TableRange, None] = {}
+    for element, expression in _expressions(constraints, effects):
+        for node in sorted(expression.atoms(Interpolant), key=str):
+            table = node.table
+            moves = kinds(node.at, Coordinate, Velocity, Time)
+            if table.stops and table.role in ("values", "end") and moves:
+                found[TableRange(element, table.name, node.at, table.first, table.last)] = None
+    return tuple(found)
+
+
+def _expressions(
+    constraints: Iterable["ConstraintEquations"], effects: Iterable["EffectEquations"]
+) -> Iterator[tuple[str, sympy.Expr]]:
+    """Expressions by coordinates, velocities and the time, each with its element."""
+    for constraint in constraints:
+        bindings = constraint.statement.bindings
+        for expression in (*constraint.terms.phi, *bindings.values()):
+            yield constraint.name, expression.xreplace(bindings)
+    for effect in effects:
+        terms = effect.terms
+        for scalar, force in terms.pulls:
+            yield effect.name, scalar
+            yield effect.name, force.xreplace({SPEED: rate(scalar)}) if force.has(SPEED) else force
+        yield from ((effect.name, force) for _, force in terms.loads)
+        if terms.potential is not None:
+            yield effect.name, terms.potential

@@ -1,0 +1,109 @@
+"""Runs that end where a condition on an output begins to hold, as where a force grows too large.
+
+The run is made to its end, the condition looked for in it and located by `Result.at`, and the run
+made again up to there. A scene's own ``until=`` has conditions on positions and velocities, which
+are switching functions and need no second run.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from codegen.errors import InputError
+from codegen.plain_values import finite_float, shown
+from runtime.core.outcomes import Outcome
+from runtime.mechanism.dense_equations import FloatArray
+from runtime.results.result import Result
+
+_A_STEP = 4  # measured: instants of a step that are looked at
+_LEAST, _MOST = 1000, 20_000  # safety: such instants of a run
+_SIGNS = {"<": -1.0, "<=": -1.0, ">": 1.0, ">=": 1.0}
+
+Conditions = Mapping[str, tuple[str, str, float]]
+"""Name → (series, "<" or ">", value)."""
+
+
+class OutputCondition(NamedTuple):
+    """A condition on a series of a result."""
+
+    name: str
+    series: str
+    sign: float
+    value: float
+
+    def of(self, result: Result) -> FloatArray:
+        """How far the condition holds at the samples, (k,): above 0 where it does."""
+        values, _ = result.series(self.series)
+        return self.sign * (values - self.value)
+
+
+def read_conditions(title: str, until: Any) -> tuple[OutputCondition, ...]:
+    """The conditions that a user gives; InputError with all that are none."""
+    found, problems = list[OutputCondition](), list[str]()
+    given = until if isinstance(until, Mapping) else {"": until}
+    for name, one in given.items():
+        listed = isinstance(one, tuple | list) and len(one) == 3
+        series, sign, value = tuple(one) if listed else (None, None, None)
+        number = finite_float(value)
+        fits = isinstance(name, str) and isinstance(series, str) and sign in _SIGNS
+        if not fits or number is None:
+            problems.append(
+                f"{title}: until={{{shown(name)}: {shown(one)}}} is no condition; write "
+                'until={"overload": ("hinge.fx", ">", 500.0)}: a name, a series of the result, '
+                '"<" or ">", and a number.'
+            )
+        else:
+            found.append(OutputCondition(name, series, _SIGNS[sign], number))
+    if problems:
+        raise InputError(problems)
+    return tuple(found)
+
+
+def simulate_until(
+    analyse: Callable[..., Result], conditions: tuple[OutputCondition, ...], given: dict[str, Any]
+) -> Result:
+    """The run that ends where the first of the conditions begins to hold."""
+    whole = analyse(**given)
+    found = _first(whole, conditions)
+    if found is None:
+        return whole
+    name, end = found
+    times: Any = given.get("t_eval")
+    if not isinstance(times, str):
+        times = np.append(whole.t[whole.t < end], end)
+    result = analyse(**{**given, "t_end": end, "t_eval": times})
+    if result.outcome is Outcome.OK:
+        result.ended_by = name
+        result.message = f"Ended at t = {end:.9g} s, where '{name}' began to hold. {result.message}"
+    return result
+
+
+def _first(result: Result, conditions: tuple[OutputCondition, ...]) -> tuple[str, float] | None:
+    """The condition that begins to hold first, and where, s; None: none does."""
+    if len(result.t) < 2:
+        return None
+    count = int(np.clip(_A_STEP * result.stats.get("steps", 0), _LEAST, _MOST))
+    ends = float(result.t[0]), float(result.t[-1])
+    seen = result.at(np.union1d(np.linspace(*ends, count + 1), result.t))
+    found = []
+    for one in conditions:
+        holds = np.flatnonzero(one.of(seen) > 0.0)
+        if len(holds):
+            found.append((_located(result, one, seen.t, int(holds[0])), one.name))
+    return min(found)[::-1] if found else None
+
+
+def _located(result: Result, condition: OutputCondition, t: FloatArray, row: int) -> float:
+    """Where a condition begins to hold that holds at one of the instants, and not before, s."""
+    if row == 0:
+        return float(t[0])
+
+    def excess(at: float) -> float:
+        return float(condition.of(result.at(at))[0])
+
+    low, high = float(t[row - 1]), float(t[row])
+    if excess(low) > 0.0 or excess(high) <= 0.0:  # it jumps there
+        return high
+    return float(brentq(excess, low, high, xtol=4e-16 * max(1.0, abs(high)), rtol=1e-15))
