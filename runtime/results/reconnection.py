@@ -1,8 +1,17 @@
 """The instants at which a joint was released or engaged in a run."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from codegen.object_display import without_rounding
+from runtime.results.assembled_state import State
+
+
+class Ending(NamedTuple):
+    """The end of a part of a run, where a joint comes or goes."""
+
+    row: int  # of WATCHED
+    state: State
+    discrete: Any  # where clocks and conditions stand
 
 
 class Reconnection(NamedTuple):

@@ -29,6 +29,9 @@ def saved_result(result: Result) -> bytes:
 def saved_fields(result: Result) -> dict[str, Any]:
     """What is kept of a result, by name."""
     samples, motion = result.samples, result._motion
+    kept = None if motion is None else motion.saved()
+    if kept is not None and "parts" in kept:
+        return _fields_of_parts(result, kept)
     return {
         "title": result.description.title,
         "analysis": result.analysis,
@@ -44,8 +47,21 @@ def saved_fields(result: Result) -> dict[str, Any]:
         "not_unique": result.not_unique,
         "singular": list(result.singular),
         "accuracy": result.accuracy,
-        "motion": None if motion is None else motion.saved(),
+        "motion": kept,
+        "work_at_end": result.work_at_end,
         "ended_by": result.ended_by,
+        "reconnections": list(result.reconnections),
+    }
+
+
+def _fields_of_parts(result: Result, parts: dict[str, Any]) -> dict[str, Any]:
+    """Of a run with other joints in each part: the parts, what changed and what is said of it."""
+    return {
+        "title": result.description.title,
+        "analysis": result.analysis,
+        "parameters": result.parameters,
+        "message": result.message,
+        "motion": parts,
         "reconnections": list(result.reconnections),
     }
 
