@@ -73,7 +73,6 @@ def _content(path: Path) -> dict[str, Any]:
     """What `Result.save` wrote beside the series."""
     from runtime.dynamics.changes_of_coordinates import RunsSnapshot
     from runtime.integrate.checkpoints import Checkpoint, Snapshot
-    from runtime.integrate.problem import Memory
     from runtime.integrate.trajectory import Crossing
     from runtime.results.packed_values import unpack
 
@@ -88,7 +87,7 @@ def _content(path: Path) -> dict[str, Any]:
             f"{path}: reading .nc needs the library netCDF4, which cannot be imported ({error}). "
             "Install linkwright[files]."
         ) from error
-    kinds = [*KINDS, Checkpoint, Crossing, Memory, RunsSnapshot, Snapshot]
+    kinds = [*KINDS, Checkpoint, Crossing, RunsSnapshot, Snapshot]
     try:
         with netCDF4.Dataset(path) as file:
             content = np.asarray(file.groups[GROUP].variables[GROUP][:], np.uint8).tobytes()
@@ -141,7 +140,7 @@ def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     )  # fmt: skip
     result.works, result.accuracy = saved["works"], saved["accuracy"]
     result.contradiction, result._motion = saved["contradiction"], motion
-    result.ended_by = saved["ended_by"]
+    result.ended_by, result.work_at_end = saved["ended_by"], saved["work_at_end"]
     return result
 
 
@@ -191,7 +190,6 @@ def _simulated(
     ready = PreparedSimulation(
         mechanism, kept["t_end"], t_start=start.t, parameters=saved["parameters"], guess=None,
         start=start, controllers=dict.fromkeys(mechanism.description.controllers, missing),
-        memory=kept["memory"],
     )  # fmt: skip
     ready.given_t = kept["given_t"]
     options = Options(**kept["options"])

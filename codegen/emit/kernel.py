@@ -230,6 +230,9 @@ class KernelText:
         if value.op is Op.CONST:
             text = literal(value.literal)
             level = SUM if text.startswith("-") else SIGN
+        elif value.op is Op.NOT and self._is_inlined_sliding(value.args[0]):
+            mode = self.values[value.args[0]].args[0]
+            text, level = f"{self._text(mode, SIGN)} != 2", NEGATION
         elif value.op in UNARY:
             word, level, inner = UNARY[value.op]
             text = f"{word}{self._text(value.args[0], inner)}"
@@ -250,6 +253,9 @@ class KernelText:
                 function = self._lookups[value.literal]
             text, level = f"{function}({arguments})", SIGN
         return f"({text})" if level < outer else text
+
+    def _is_inlined_sliding(self, number: int) -> bool:
+        return number not in self.names and self.values[number].op is Op.SLIDING
 
     def _is_sum(self, number: int) -> bool:
         return number in self.plan.inlined and self.values[number].op in SUMS

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from codegen.errors import InputError
-from codegen.object_display import counted
+from codegen.object_display import counted, without_rounding
 from codegen.termination_signals import finish, keep_results
 from runtime.cli import common, studies
 from runtime.cli.common import (
@@ -178,11 +178,14 @@ def _run(
     if as_json:
         common.print_json(summary(result, saved))
     elif not failed:
+        import numpy as np
+
         about = result.description
         names = [*(row.name for row in about.positions), *about.states.names]
-        for name in names:
-            values, unit = result.series(name)
-            sys.stdout.write(f"{name:<{max(map(len, names))}}  {values[-1]: .9g} {unit}\n")
+        columns = [result.series(name) for name in names]
+        ends = without_rounding(np.array([values[-1] for values, _ in columns]))
+        for name, value, (_, unit) in zip(names, ends, columns, strict=True):
+            sys.stdout.write(f"{name:<{max(map(len, names))}}  {value: .9g} {unit}\n")
     raise typer.Exit(1 if failed else 0)
 
 
@@ -218,7 +221,9 @@ def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
         "q": last([row.name for row in about.positions], result.q),
         "v": last([row.velocity for row in about.positions], result.v),
         **({"y": last(about.states.names, result.y)} if about.states else {}),
-        "events": [{"t": e.time, "name": e.name, "what": e.what} for e in result.events],
+        "events": [
+            {"t": e.time, "name": e.name, "what": e.what, "word": e.word} for e in result.events
+        ],
         "saved": None if saved is None else str(saved),
     }
 
@@ -226,8 +231,7 @@ def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
 def _event_lines(result: "Result") -> list[str]:
     """The events, a line each; of many, the first and the last ones."""
     happened = result.events
-    width = max((len(event.what) for event in happened), default=0)
-    lines = [f"  t = {e.time:<14.9g} {e.what:<{width}}  {e.name}" for e in happened]
+    lines = [f"  t = {e.time:<14.9g} {e.text}" for e in happened]
     if len(lines) <= _SHOWN:
         return lines
     half = _SHOWN // 2

@@ -105,7 +105,7 @@ class CartesianCoordinates(Coordinates):
             self.spreads,
             ready.stops,
             ready.controllers,
-            ready.memory,
+            ready.discrete,
         )
 
 
@@ -135,7 +135,7 @@ class ReducedCoordinates(Coordinates):
         scale = _mobility(reduced.inertia(t, q[kept], p), sizes)
         return Problem(
             t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops,
-            memory=ready.memory,
+            discrete=ready.discrete,
         )  # fmt: skip
 
     def run(self, options: Options, progress: Progress) -> Trajectory:

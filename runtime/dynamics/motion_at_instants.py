@@ -112,7 +112,6 @@ class SimulatedMotion:
             "t": begin.t, "q": begin.q, "v": begin.v, "given_t": ready.given_t, "end": self.end,
             "t_end": ready.t_end, "formulation": self.coordinates.name, "options": options,
             "checkpoints": self.checkpoints.few(_SAVED_BYTES), "source": _source(ready.mechanism),
-            "memory": ready.memory,
         }  # fmt: skip
 
     def resumed(

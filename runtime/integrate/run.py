@@ -335,6 +335,7 @@ class Run:
             v=y[:, n:],
             modes=modes,
             outcome=outcome,
+            discrete=state.discrete,
             stopped_by=int(r["stopped_by"]),
             index=int(r["index"]),
             first_t=self.first_t,
@@ -349,5 +350,4 @@ class Run:
             decay=state.mean_decay,
             crossings=tuple(self.crossings.passed),
             note=note,
-            memory=state.memory if r["stopped_by"] >= 0 else None,
         )

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import UnknownNameError
-from codegen.object_display import html_of, html_table, listed
+from codegen.object_display import html_of, html_table, listed, without_rounding
 from codegen.public_callables import checked_class, named_attributes
 from runtime.mechanism.table_rows import Coordinate, Table, unknown
 
@@ -110,7 +110,8 @@ class Assembly:
 
     def __repr__(self) -> str:
         """The report, and the positions and velocities."""
-        state = [*zip(self.coordinates, self.q, self.v, strict=False)]
+        q_shown, v_shown = without_rounding(self.q), without_rounding(self.v)
+        state = [*zip(self.coordinates, q_shown, v_shown, strict=False)]
         q = (f"{row.name} = {x:.6g} {row.unit}" for row, x, _ in state if not row.is_state)
         v, y = (
             [f"{r.velocity} = {x:.6g} {r.velocity_unit}" for r, _, x in state if r.is_state is kind]
@@ -121,8 +122,10 @@ class Assembly:
     def _repr_html_(self) -> str:
         """The report with a table of positions and velocities, for notebooks."""
         rows = (
-            (row.name, float(q), row.unit, row.velocity, float(v), row.velocity_unit)
-            for row, q, v in zip(self.coordinates, self.q, self.v, strict=False)
+            (row.name, q, row.unit, row.velocity, v, row.velocity_unit)
+            for row, q, v in zip(
+                self.coordinates, without_rounding(self.q), without_rounding(self.v), strict=False
+            )
             if not row.is_state
         )
         head = ("coordinate", "value", "unit", "velocity", "value", "unit")

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from codegen import __version__
 from codegen import argument_readers as readers
 from codegen.errors import InputError
-from codegen.object_display import counted, html_of, html_table, listed
+from codegen.object_display import counted, html_of, html_table, listed, without_rounding
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class, declared_attributes, named_attributes
 from runtime.core.outcomes import Outcome
@@ -22,7 +22,7 @@ from runtime.results.accuracy_target_record import ReachedAccuracy
 from runtime.results.assembled_state import State
 from runtime.results.event_records import Event, SingularPosition
 from runtime.results.motion_at_instants import Motion, at, resume, state
-from runtime.results.reconnection import Reconnection
+from runtime.results.reconnection import Ending, Reconnection
 from runtime.results.samples import Partition, Samples, plain
 from runtime.results.series_lookup import TimeSeries
 
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from runtime.integrate.problem import Memory
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -75,8 +74,9 @@ class Result(TimeSeries):
     reconnections
         The joints that were released or engaged in a run, with their impulses.
     reconnection
-        Of a part of a run: the condition that ended it, the state there, and what clocks and
-        conditions remember.
+        Of a part of a run: the condition that ended it, and the state there.
+    work_at_end
+        Works at the end of a run, J, which may lie behind the last instant.
     """
 
     outcome: Outcome
@@ -91,7 +91,8 @@ class Result(TimeSeries):
     parameters: dict[str, float]
     ended_by: str
     reconnections: tuple[Reconnection, ...]
-    reconnection: "tuple[int, State, Memory | None] | None"
+    reconnection: Ending | None
+    work_at_end: dict[str, float]
     _motion: Motion | None  # behind the samples; None: of an analysis without one
 
     def __init__(
@@ -118,6 +119,7 @@ class Result(TimeSeries):
         self.works, self.accuracy, self.contradiction = {}, None, ""
         self._motion = None
         self.ended_by, self.reconnections, self.reconnection = "", (), None
+        self.work_at_end = {}
         self.parameters = {
             row.name: float(value) for row, value in zip(description.parameters, p, strict=False)
         }
@@ -296,14 +298,15 @@ class Result(TimeSeries):
         """The same with a table of the coordinates, for notebooks."""
         if not len(self.t):
             return html_of(repr(self))
-        names = [*(row.name for row in self.description.positions), *self.description.states.names]
-        columns = ((name, *self.series(name)) for name in names)
+        rows = [(row.name, row.unit) for row in self.description.positions]
+        rows += [(row.name, row.unit or "1") for row in self.description.states]
+        x = np.array([self.series(name)[0] for name, _ in rows]).T
+        numbers = zip(
+            *map(without_rounding, (x[0], x[-1], x.min(axis=0), x.max(axis=0))), strict=True
+        )
         table = html_table(
             ("coordinate", "unit", "first", "last", "least", "greatest"),
-            (
-                (name, unit, *map(float, (x[0], x[-1], x.min(), x.max())))
-                for name, x, unit in columns
-            ),
+            ((*row, *of) for row, of in zip(rows, numbers, strict=True)),
         )
         text = [line for line in repr(self).splitlines() if not line.startswith("  coordinates ")]
         return html_of("\n".join(text), table)
