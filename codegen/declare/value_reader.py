@@ -19,7 +19,13 @@ from codegen.declare.expression_rules import expression_problem
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.scene import name_of
-from codegen.declare.symbols import KINDS, Coordinate, ParameterDeclaration, Velocity, kinds
+from codegen.declare.symbols import (
+    Coordinate,
+    ParameterDeclaration,
+    Velocity,
+    dotted,
+    kinds,
+)
 from codegen.declare.units import in_unit
 from codegen.errors import FAILURES
 from codegen.plain_values import (
@@ -43,13 +49,6 @@ NamedValues = tuple[tuple[str, float], ...]
 
 STEPS = (sympy.floor, sympy.ceiling, sympy.Mod)
 CONDITIONS = (Relational, sympy.And, sympy.Or, sympy.Not)
-
-
-def dotted(symbol: sympy.Symbol) -> str:
-    """``crank_phi`` → ``crank.phi``, and a state by its own name."""
-    owner, _, letter = str(symbol.name).rpartition("_")
-    is_state = isinstance(symbol, Velocity) and letter == KINDS["integral"].rate
-    return owner if is_state else f"{owner}.{letter}" if owner else letter
 
 
 def _advice(value: object) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from codegen.declare.value_reader import dotted
+from codegen.declare.symbols import dotted
 from codegen.derive.peaked_functions import PeakedFunction
 from codegen.derive.switching_functions import Switch
 from codegen.lower.scene_graph import Reaction, SceneGraph
