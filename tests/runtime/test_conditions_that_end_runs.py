@@ -80,6 +80,27 @@ def test_conditions_of_the_time_and_of_several(workshop: Path) -> None:
     assert_allclose(load(model, "both", folder=workshop).simulate(1.0).t[-1], 0.4, atol=1e-9)
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_ball_that_bounces_has_touched_its_floor(workshop: Path, method: str) -> None:
+    model, start = thrown("until_bounced")
+    ball = model.bodies["ball"]
+    model.contact("floor", model.ground, ball, direction=(0, 1), restitution=0.5)
+    conditions = {
+        "touches": ball.y <= 0,
+        "falls": (ball.y <= 0) & (ball.vy < 0),
+        "again": (ball.y <= 0) & (ball.x > 1),
+        "below": ball.y < 0,
+    }
+    for name, condition in conditions.items():
+        model.scene(name, ["gravity", "floor"], start=start, until={"landed": condition})
+    first = np.sqrt(4 / G)
+    for name, end in {"touches": first, "falls": first, "again": 2 * first}.items():
+        r = load(model, name, folder=workshop).simulate(1.5, method=method, rtol=1e-10)
+        assert (r.outcome, r.ended_by) == (Outcome.OK, "landed"), name
+        assert_allclose(r.t[-1], end, atol=1e-9)
+    assert load(model, "below", folder=workshop).simulate(1.5, method=method).ended_by == ""
+
+
 def test_conditions_that_are_none() -> None:
     model, _ = thrown("until_wrong")
     ball = model.bodies["ball"]
