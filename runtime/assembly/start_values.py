@@ -56,8 +56,9 @@ def start_values(
         if finite is None:
             problems.append(f"Start value {name} is {shown(value)}; it must be a finite number.")
         elif name not in places:
-            names = [*table.names, *(row.velocity for row in table)]
-            problems.append(unknown("coordinate or velocity", name, names))
+            what = "coordinate or velocity"
+            what = "coordinate, velocity or state" if description.states else what
+            problems.append(unknown(what, name, description.variables))
         elif release and places[name][0]:
             problems.append(
                 f"{description.title}: {name} is a velocity, and at rest all of them are zero. "
