@@ -105,6 +105,11 @@ def boundary(condition: Relational) -> Boundary:
 
 def as_pieces(expression: sympy.Expr, may_switch: bool = True) -> sympy.Expr:
     """The same function with every kink spelled out as a Piecewise, see `tables_by_branches`."""
+    return tables_by_branches(kinks_as_pieces(expression), may_switch)
+
+
+def kinks_as_pieces(expression: sympy.Expr) -> sympy.Expr:
+    """The same function with every kink spelled out as a Piecewise, but for those of tables."""
     for inverse in INVERSES:
         if expression.has(inverse):
             expression = expression.replace(inverse, partial(_triangle, inverse))
@@ -114,17 +119,46 @@ def as_pieces(expression: sympy.Expr, may_switch: bool = True) -> sympy.Expr:
     if expression.has(sympy.Mod, sympy.ceiling):
         expression = expression.replace(sympy.Mod, lambda a, b: a - b * sympy.floor(a / b))
         expression = expression.replace(sympy.ceiling, lambda a: -sympy.floor(-a))
-    return tables_by_branches(expression, may_switch).replace(sympy.ITE, _alternatives)
+    return expression.replace(sympy.ITE, _alternatives)
 
 
 def tables_by_branches(expression: sympy.Expr, may_switch: bool = True) -> sympy.Expr:
     """The same function with every table whose derivatives jump spelled out as a Piecewise.
 
-    Where nothing may switch, in constraints, only those of the time and parameters.
+    Where nothing may switch, in constraints, only those of the time and parameters. A condition
+    compares the table itself where that is continuous: by branches, each of them would be a switch,
+    and its events would be those of a table that does not act.
     """
     if not expression.has(Interpolant):
         return expression
-    return expression.replace(Interpolant, partial(_branches, may_switch))
+    outside = _taken_outside_conditions(expression)
+
+    def spelled_out(node: sympy.Basic, compared: bool) -> sympy.Basic:
+        compared = compared or isinstance(node, Relational)
+        arguments = tuple(spelled_out(a, compared) if a.args else a for a in node.args)
+        same = arguments == node.args
+        if not isinstance(node, Interpolant):
+            return node if same else node.func(*arguments)
+        data, order, at = arguments
+        table: Table = data.table
+        # Of a table that ends, what is outside says where the motion leaves it.
+        if compared and order <= table.smooth and (not table.stops or (data, at) in outside):
+            return node if same else node.func(*arguments)
+        return _branches(may_switch, data, order, at)
+
+    return spelled_out(expression, False).replace(sympy.ITE, _alternatives)
+
+
+def _taken_outside_conditions(expression: sympy.Basic) -> set[tuple[sympy.Basic, sympy.Basic]]:
+    """(table, what it is taken at) of the tables that do more than switch."""
+    found, stack = set(), [expression]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, Interpolant):
+            found.add((node.args[0], node.args[2]))
+        if not isinstance(node, Relational):
+            stack += node.args
+    return found
 
 
 def _branches(
