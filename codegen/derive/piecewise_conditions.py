@@ -133,25 +133,53 @@ def tables_by_branches(expression: sympy.Expr, may_switch: bool = True) -> sympy
         return expression
     outside = _taken_outside_conditions(expression)
 
-    def spelled_out(node: sympy.Basic, compared: bool) -> sympy.Basic:
-        compared = compared or isinstance(node, Relational)
-        arguments = tuple(spelled_out(a, compared) if a.args else a for a in node.args)
-        same = arguments == node.args
-        if not isinstance(node, Interpolant):
-            return node if same else node.func(*arguments)
-        data, order, at = arguments
+    def spelled_out(node: sympy.Basic) -> sympy.Basic:
+        if isinstance(node, Relational):
+            return _by_branches(may_switch, outside, node)
+        arguments = tuple(spelled_out(a) if a.args else a for a in node.args)
+        if isinstance(node, Interpolant):
+            return _branches(may_switch, *arguments)
+        return node if arguments == node.args else node.func(*arguments)
+
+    return spelled_out(expression).replace(sympy.ITE, _alternatives)
+
+
+Taken = set[tuple[sympy.Basic, sympy.Basic]]
+
+
+def _by_branches(may_switch: bool, outside: Taken, relation: Relational) -> Boolean:
+    """A condition by the branches of its tables; of a continuous one that acts, the table itself.
+
+    Not by SymPy, which solves a Piecewise inside a condition.
+    """
+    found = sorted(relation.atoms(Interpolant), key=lambda i: len(i.atoms(Interpolant)))
+    for node in found:
+        data, order, at = node.args
         table: Table = data.table
         # Of a table that ends, what is outside says where the motion leaves it.
-        if compared and order <= table.smooth and (not table.stops or (data, at) in outside):
-            return node if same else node.func(*arguments)
-        return _branches(may_switch, data, order, at)
+        if order <= table.smooth and (not table.stops or (data, at) in outside):
+            continue
+        value = _branches(may_switch, data, order, at)
+        if isinstance(value, sympy.Piecewise):
+            return _by_cases(may_switch, outside, relation, node, value)
+    return relation
 
-    return spelled_out(expression, False).replace(sympy.ITE, _alternatives)
+
+def _by_cases(
+    may_switch: bool, outside: Taken, relation: Relational, node: sympy.Expr, value: sympy.Expr
+) -> Boolean:
+    """A condition with a value in place of a table."""
+    if not isinstance(value, sympy.Piecewise):
+        return _by_branches(may_switch, outside, relation.xreplace({node: value}))
+    (first, condition), (second, _) = value.args
+    cases = (_by_cases(may_switch, outside, relation, node, part) for part in (first, second))
+    return _alternatives(condition, *cases)
 
 
-def _taken_outside_conditions(expression: sympy.Basic) -> set[tuple[sympy.Basic, sympy.Basic]]:
+def _taken_outside_conditions(expression: sympy.Basic) -> Taken:
     """(table, what it is taken at) of the tables that do more than switch."""
-    found, stack = set(), [expression]
+    found: Taken = set()
+    stack = [expression]
     while stack:
         node = stack.pop()
         if isinstance(node, Interpolant):
