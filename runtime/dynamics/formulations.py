@@ -105,6 +105,7 @@ class CartesianCoordinates(Coordinates):
             self.spreads,
             ready.stops,
             ready.controllers,
+            ready.discrete,
         )
 
 
@@ -132,7 +133,10 @@ class ReducedCoordinates(Coordinates):
         kept, p = reduced.kept, reduced.parameters(ready.p, t, q)
         sizes = ready.sizes[kept]
         scale = _mobility(reduced.inertia(t, q[kept], p), sizes)
-        return Problem(t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops)
+        return Problem(
+            t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops,
+            discrete=ready.discrete,
+        )  # fmt: skip
 
     def run(self, options: Options, progress: Progress) -> Trajectory:
         """One integration from the start, past dead centres in all coordinates."""

@@ -29,6 +29,9 @@ def saved_result(result: Result) -> bytes:
 def saved_fields(result: Result) -> dict[str, Any]:
     """What is kept of a result, by name."""
     samples, motion = result.samples, result._motion
+    kept = None if motion is None else motion.saved()
+    if kept is not None and "parts" in kept:
+        return _fields_of_parts(result, kept)
     return {
         "title": result.description.title,
         "analysis": result.analysis,
@@ -44,8 +47,21 @@ def saved_fields(result: Result) -> dict[str, Any]:
         "not_unique": result.not_unique,
         "singular": list(result.singular),
         "accuracy": result.accuracy,
-        "motion": None if motion is None else motion.saved(),
+        "motion": kept,
+        "work_at_end": result.work_at_end,
         "ended_by": result.ended_by,
+        "reconnections": list(result.reconnections),
+    }
+
+
+def _fields_of_parts(result: Result, parts: dict[str, Any]) -> dict[str, Any]:
+    """Of a run with other joints in each part: the parts, what changed and what is said of it."""
+    return {
+        "title": result.description.title,
+        "analysis": result.analysis,
+        "parameters": result.parameters,
+        "message": result.message,
+        "motion": parts,
         "reconnections": list(result.reconnections),
     }
 
@@ -58,6 +74,7 @@ def _event_columns(events: Sequence[Event]) -> dict[str, Any]:
         "name": np.array([names.index(event.name) for event in events], np.int64),
         "time": np.array([event.time for event in events]),
         "direction": np.array([event.direction for event in events], np.int64),
+        "words": [event.word for event in events],
         "q": np.array([event.q for event in events]),
         "v": np.array([event.v for event in events]),
     }
@@ -69,7 +86,9 @@ def events_of(columns: dict[str, Any]) -> list[Event]:
     times, directions = columns["time"].tolist(), columns["direction"].tolist()
     return [
         Event(*row)
-        for row in zip(names, times, directions, columns["q"], columns["v"], strict=True)
+        for row in zip(
+            names, times, directions, columns["q"], columns["v"], columns["words"], strict=True
+        )
     ]
 
 
