@@ -16,8 +16,8 @@ from codegen.declare.return_values.effects import effect_expressions, friction_l
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene, name_of
 from codegen.declare.state import states_in
-from codegen.declare.symbols import Coordinate, Velocity
-from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
+from codegen.declare.symbols import Coordinate, Velocity, dotted
+from codegen.declare.value_reader import NamedValues, Names, Reader, Values
 from codegen.errors import FAILURES, ModelError
 from codegen.model.bodies import Form
 from codegen.model.connections import MOST, Connections
