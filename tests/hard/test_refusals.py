@@ -62,5 +62,5 @@ def test_results_hold_modes_and_shares(ball: Machine, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"no condition 'plato'; there are: plate: ball_y"):
         run.share("plato")
     page = run.save(tmp_path / "ball.html").read_text()
-    assert "(impact)" in page
-    assert "(holds)" in page
+    assert "plate touches" in page
+    assert "plate rests" in page

@@ -15,7 +15,7 @@ from runtime.cli.app import app
 from runtime.machine_facade import Machine
 
 IN_ANOTHER_FORM = {"t_end", "t_eval", "parameters", "max_bytes", "progress", "self"}
-IN_ANOTHER_FORM |= {"controllers"}  # functions
+IN_ANOTHER_FORM |= {"controllers", "until"}  # functions, and conditions that belong into a scene
 """Words of `Machine.simulate` that no option gives, or one of another name."""
 
 
