@@ -118,6 +118,11 @@ def _scene_problems(model: Model, scene: Scene) -> list[str]:
             problems.append(
                 f"{where}: {name} has a start value, but its {model.kind(owner)} takes no part."
             )
+    problems += [
+        f"{where}: guess names '{name}', but a state is not searched for; give it in start=."
+        for name, _ in scene.guess
+        if name.rpartition(".")[0] in scene.states
+    ]
     problems += _problems_in_scene(model, scene, joints)
     problems += [*output_problems(model, scene), *contact_problems(model, scene)]
     problems += _violated_conditions(model, scene)
