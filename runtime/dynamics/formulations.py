@@ -104,6 +104,7 @@ class CartesianCoordinates(Coordinates):
             ready.sizes,
             self.spreads,
             ready.stops,
+            ready.samples_taken,
             ready.controllers,
         )
 
@@ -132,7 +133,8 @@ class ReducedCoordinates(Coordinates):
         kept, p = reduced.kept, reduced.parameters(ready.p, t, q)
         sizes = ready.sizes[kept]
         scale = _mobility(reduced.inertia(t, q[kept], p), sizes)
-        return Problem(t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops)
+        return Problem(t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops,
+                       ready.samples_taken)  # fmt: skip
 
     def run(self, options: Options, progress: Progress) -> Trajectory:
         """One integration from the start, past dead centres in all coordinates."""

@@ -11,6 +11,7 @@ from codegen.errors import AssemblyError
 from runtime.assembly.assemble import assemble
 from runtime.assembly.start_values import start_note
 from runtime.dynamics.controllers import Functions, controllers_of
+from runtime.integrate.clocks import read_clocks
 from runtime.integrate.problem import Options, Stops
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
@@ -37,6 +38,18 @@ def passages_of(
     from runtime.explicit_time.passage import Passages  # compiled: other scenes do without
 
     return Passages(equations, t_begin, t_end, sizes)
+
+
+def lost_samples_note(mechanism: Mechanism, p: FloatArray) -> str:
+    """Sentence on samples that a state lacks since they wait for their delay; else empty."""
+    clocks = zip(mechanism.description.sampled, read_clocks(mechanism.system, p), strict=True)
+    late = [name for name, (_, delay) in clocks if delay > 0.0]
+    if not late:
+        return ""
+    return (
+        f" Samples of {', '.join(late)} that wait for their delay are no part of a state, and do "
+        "not act; Result.resume goes on with them."
+    )
 
 
 class PreparedSimulation:
@@ -75,7 +88,10 @@ class PreparedSimulation:
                     begin = assemble(mechanism, guess, parameters, behind, start_at=given)
                     self.passages = passages_of(equations, behind, self.t_end, sizes)
         self.begin, self.sizes = begin, sizes
+        self.samples_taken = isinstance(start, State) and start.sampled and begin.t == start.t
         self.note = start_note(mechanism, begin, guess, given)
+        if isinstance(start, State):
+            self.note += lost_samples_note(mechanism, p)
         least = float(self.sizes.min(initial=1.0))
         require_apart(mechanism, p, begin.t, begin.q, begin.v, least)
         if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():

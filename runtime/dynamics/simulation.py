@@ -95,8 +95,8 @@ def finish_simulation(
     run = end_at_jam(mechanism, run, ready.p, ready.t_end - begin.t)
     result = _result(mechanism, run, ready, began)
     if run.checkpoints is not None:
-        end = run.final_t
-        result._motion = SimulatedMotion(ready, coordinates, options, run.checkpoints, end)
+        end = run.final_t, run.samples_taken
+        result._motion = SimulatedMotion(ready, coordinates, options, run.checkpoints, *end)
     if works:
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
@@ -189,7 +189,10 @@ def _result(
         result.ended_by = watched[run.stopped_by].name
     elif run.stopped_by >= 0:
         table = mechanism.description.coordinates
-        result.reconnection = run.stopped_by, State(run.final_t, run.final_q, run.final_v, table)
+        result.reconnection = (
+            run.stopped_by,
+            State(run.final_t, run.final_q, run.final_v, table, run.samples_taken),
+        )
     if run.outcome is Outcome.CONTRADICTED:
         result.contradiction = f"At t = {run.final_t:.9g} s it stopped. {run.note}"
     return result
