@@ -4,6 +4,14 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 LISTED = 8  # layout: names that a line lists
+ROUNDING = 1e-13  # layout: of the largest of several numbers; less is shown as 0
+
+
+def without_rounding(values: Iterable[float]) -> list[float]:
+    """Numbers of one kind as they are shown: what is rounding beside the largest of them is 0."""
+    every = [float(value) for value in values]
+    least = ROUNDING * max((abs(x) for x in every if x == x), default=0.0)  # noqa: PLR0124
+    return [0.0 if abs(x) < least or x == 0.0 else x for x in every]
 
 
 def listed(names: Iterable[str], empty: str = "none") -> str:

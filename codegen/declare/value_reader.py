@@ -69,6 +69,7 @@ class Reader:
     def __init__(self) -> None:
         self.symbols: list[tuple[str, frozenset[sympy.Symbol]]] = []  # of the values, by place
         self.problems: list[str] = []  # the sentences, in order
+        self.labels: dict[sympy.Basic, str] = {}  # condition → what its events are called
 
     def note(self, problem: str) -> None:
         """Add a problem, on one line."""
@@ -116,9 +117,17 @@ class Reader:
         """The components of an axis, m; anything but a pair is noted and read as (1, 0)."""
         return self.pair(value, "m", f"axis of '{name}'", "axis=(1, 0)")
 
-    def gated(self, value: Any, unit: str, where: str, when: Any) -> Any:
-        """A value while the condition `when` holds, else zero; None holds always."""
+    def gated(self, value: Any, unit: str, where: str, when: Any, label: str = "") -> Any:
+        """A value while the condition `when` holds, else zero; None holds always.
+
+        Events of the condition bear the `label`, if there is one.
+        """
         force = self.value(value, unit, where)
+        given: object = label
+        if label and (when is None or not isinstance(given, str)):
+            what = shown(given)
+            self.note(f"{where}: label={what} names the events of when=; give both, in words.")
+            label = ""
         if when is None:
             return force
         if not isinstance(when, CONDITIONS):
@@ -133,6 +142,8 @@ class Reader:
             self.note(f"{where}: when={shown(when)}: {problem}")
             return force
         self.symbols.append((where, frozenset(when.free_symbols)))
+        if label:
+            self.labels[when] = one_line(label)
         try:
             return sympy.S.Zero if force == 0 else sympy.Piecewise((force, when), (0, True))
         except FAILURES as error:  # of SymPy, which compares real numbers alone

@@ -95,6 +95,7 @@ class Equations:
     profiles: tuple[Profile, ...] = ()
     states: tuple[State, ...] = ()
     watched: tuple[WatchedCondition, ...] = ()
+    labels: tuple[tuple[sympy.Basic, str], ...] = ()  # of conditions, what events are called
 
     @property
     def sampled(self) -> tuple[SampledValue, ...]:
@@ -130,7 +131,10 @@ class Equations:
         """These equations with other effects, their switching functions and their conditions."""
         gone = {label(e) for e in self.effects} - {label(e) for e in effects}
         named = tuple((e.name, e.terms) for e in effects)
-        switches, moves = sf.switches(named), self.scene.analysis == "dynamics"
+        switches, moves = (
+            sf.labelled(sf.switches(named), self.labels),
+            self.scene.analysis == "dynamics",
+        )
         return replace(
             self,
             effects=effects,
@@ -243,6 +247,7 @@ def derive(model: Model, scene: Scene) -> Equations:
         unused=tuple(name for name in model.parameters if name not in used),
         states=states,
         watched=watched,
+        labels=tuple(model.labels.items()),
     )
     if parameters and not scene.frozen:
         acting = acting_elements(model, scene)

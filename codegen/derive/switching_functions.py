@@ -6,6 +6,7 @@ from functools import cache
 from typing import Literal
 
 import sympy
+from sympy.core.relational import Relational
 
 from codegen.declare.element import Rigid, Sticking
 from codegen.declare.symbols import Acceleration, Coordinate, Side, Velocity, kinds, side, t
@@ -106,6 +107,21 @@ def switches(effects: Sequence[Named]) -> tuple[Switch, ...]:
         with errors_at(f"'{name}'"):
             _add_conditions(name, terms, others)
     return (*contacts, *others)
+
+
+def labelled(
+    among: tuple[Switch, ...], labels: Sequence[tuple[sympy.Basic, str]]
+) -> tuple[Switch, ...]:
+    """The switches, the conditions that have a label by it in place of their text."""
+    names = dict[sympy.Expr, str]()
+    for condition, label in labels:
+        parts = sorted(condition.atoms(Relational), key=str)
+        for part in parts:
+            g, text = switching_function(part), label if len(parts) == 1 else f"{label} ({part})"
+            names[g] = names[-g] = text
+    return tuple(
+        replace(s, text=names.get(s.g, s.text)) if s.kind == "condition" else s for s in among
+    )
 
 
 def _add_hold(

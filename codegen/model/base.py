@@ -150,6 +150,11 @@ class Declarations:
         return tuple(self._read.problems)
 
     @property
+    def labels(self) -> dict[sympy.Basic, str]:
+        """Condition → what its events are called."""
+        return dict(self._read.labels)
+
+    @property
     def symbols(self) -> list[tuple[str, frozenset[sympy.Symbol]]]:
         """The symbols of the values that were given, each with its place in the declaration."""
         return self._read.symbols

@@ -40,7 +40,8 @@ class Connections(Declarations):
         """Let a joint act from where a condition begins to hold: a latch catches, a pin drops in.
 
         There the joint must close by itself. Velocities that it does not permit end in an impact:
-        M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν; the impulse is in the result's message and events.
+        M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν. `Result.reconnections` has the impulse. Declare it
+        before the scenes.
 
         Parameters
         ----------
@@ -62,6 +63,10 @@ class Connections(Declarations):
             return
         if name in self.connections:
             self._note(f"{where} '{name}': it comes and goes already; give all in one call.")
+        bodies = {body.name for body in bodies_of(self.joints[name])} - {"ground"}
+        late = [scene.name for scene in self.scenes.values() if bodies <= {*scene.bodies}]
+        if late:
+            self._note(f"{where} '{name}': declare it before scene '{late[0]}', where it acts.")
         if (released if acts_first else engaged) is None:
             self._note(f"{where} '{name}': when={shown(None)} is no condition; give one.")
         indicators = [
@@ -101,10 +106,12 @@ class Connections(Declarations):
             found += [c for _, c in self._neighbours(present, known) if c not in found]
         return found
 
-    def _connected_name(self, name: str, connected: tuple[str, ...]) -> str:
+    def _connected_name(
+        self, name: str, present: tuple[str, ...], connected: tuple[str, ...]
+    ) -> str:
         """Name of a scene's sibling in which other joints act."""
         first = {*self._connected_at_first()}
-        gone = [n for n in self.connections if n in first - {*connected}]
-        come = [n for n in self.connections if n in {*connected} - first]
+        gone = [n for n in present if n in first - {*connected}]
+        come = [n for n in present if n in {*connected} - first]
         name += f"_without_{'_'.join(gone)}" if gone else ""
         return name + (f"_with_{'_'.join(come)}" if come else "")

@@ -33,7 +33,7 @@ class Forces(Declarations):
 
     def force(
         self, name: str, on: Place, fx: Any = 0, fy: Any = 0, when: Any = None,
-        frame: Literal["ground", "body"] = "ground", from_: Body | None = None,
+        frame: Literal["ground", "body"] = "ground", from_: Body | None = None, label: str = "",
     ) -> Effect:  # fmt: skip
         """A force (fx, fy) in N at a point, while the condition `when` holds.
 
@@ -49,9 +49,11 @@ class Forces(Declarations):
             ``"ground"`` for global axes, ``"body"`` for those of the body of `on`.
         from_
             The body that exerts the force, on which (-fx, -fy) acts at the same place; None: none.
+        label
+            What the events of `when` are called, such as ``"piston moves right"``.
         """
         where = f"force '{name}'"
-        fx, fy = (self._read.gated(f, "N", where, when) for f in (fx, fy))
+        fx, fy = (self._read.gated(f, "N", where, when, label) for f in (fx, fy))
         point = self._point(name, on)
         frame = self._read.choice(frame, ("ground", "body"), f"{where}, frame")
         advice = "from_ is the body that exerts the force, wherever it acts."
@@ -59,8 +61,9 @@ class Forces(Declarations):
         return self._declare(AppliedForce(name, point, fx, fy, frame, other))
 
     def torque(
-        self, name: str, on: Body, value: Any, when: Any = None, from_: Body | None = None
-    ) -> Effect:
+        self, name: str, on: Body, value: Any, when: Any = None, from_: Body | None = None,
+        label: str = "",
+    ) -> Effect:  # fmt: skip
         """A torque in N m on a body, while the condition `when` holds.
 
         Parameters
@@ -73,15 +76,19 @@ class Forces(Declarations):
             A condition, while which the torque acts; None: always.
         from_
             The body that exerts the torque, on which the opposite acts; None: none.
+        label
+            What the events of `when` are called.
         """
         where = f"torque '{name}'"
-        gated = self._read.gated(value, "N m", where, when)
+        gated = self._read.gated(value, "N m", where, when, label)
         advice = "a torque turns a body as a whole, wherever it acts."
         body = self._body(where, on, advice)
         other = None if from_ is None else self._body(where, from_, advice)
         return self._declare(AppliedTorque(name, body, gated, other))
 
-    def line_force(self, name: str, i: Place, j: Place, value: Any, when: Any = None) -> Effect:
+    def line_force(
+        self, name: str, i: Place, j: Place, value: Any, when: Any = None, label: str = ""
+    ) -> Effect:
         """A force along the line of two points: a cylinder, a cable, a magnet.
 
         Parameters
@@ -93,13 +100,15 @@ class Forces(Declarations):
             parameters, or a function of the length ℓ, m, and its rate ℓ̇, m/s, that answers one.
         when
             A condition, while which the force acts; None: always.
+        label
+            What the events of `when` are called.
         """
         where = f"line force '{name}'"
         ends = self._pair(name, i, j)
         if isfunction(value):
             length = measures.distance(*ends), measures.distance_rate(*ends)
             value = self._read.answer(value, length, "N", f"value of {where}")
-        gated = self._read.gated(value, "N", f"value of {where}", when)
+        gated = self._read.gated(value, "N", f"value of {where}", when, label)
         return self._declare(LineForce(name, *ends, gated))
 
     def potential(self, name: str, energy: Any) -> Effect:

@@ -131,8 +131,9 @@ class Scenes(Fidelities, Outputs, Connections):
         self._require_scene("reconnected", scene)
         connected = tuple(name for name in self.connections if name in connected)
         request = replace(scene.request, connected=connected)
-        first = self._connected_name("", scene.connected)
-        name = self._connected_name(scene.name.removesuffix(first), connected)
+        present = self._present(scene.bodies, scene.request.without)
+        first = self._connected_name("", present, scene.connected)
+        name = self._connected_name(scene.name.removesuffix(first), present, connected)
         about = {"expression": scene.expression, "root": scene.root}
         return self._compose(Reader(), name, request, **about)
 
@@ -254,7 +255,9 @@ class Scenes(Fidelities, Outputs, Connections):
         present = [b for b in self.bodies if b not in absent]
         acting = {*named, *included, *self._output_points(request.outputs, present)}
         gone = {n for n in self.connections if n not in connected}
-        acting -= idle | {*request.without} | self._rubbing_in(acting, gone)
+        acting -= idle | {*request.without}
+        rubbing = self._rubbing_in(acting, gone, how)
+        acting -= rubbing
         read.problems += [
             f"{where}: '{e}' has a fidelity but does not act; name it among the effects."
             for e in how
@@ -269,31 +272,40 @@ class Scenes(Fidelities, Outputs, Connections):
             connected=connected,
             inactive_joints=tuple(n for n in dict.fromkeys(absent) if n in self.joints),
             fidelity=tuple((n, w) for n, w in how.items() if n in acting or n not in self.effects),
-            guess=self._locate_contacts(request.start, absent, request.guess),
+            guess=self._locate_contacts(
+                request.start,
+                absent,
+                tuple(x for x in request.guess if x[0].rpartition(".")[0] not in gone),
+            ),
             request=request,
             owner=cast(Owner, self),
             **{key: getattr(request, key) for key in UNCHANGED}
-            | {"outputs": self._outputs_without(request.outputs, gone)},
+            | self._values_without(request, gone, rubbing),
             **about,
         )
         return replace(scene, states=self._states_of(scene, named)) if self.states else scene
 
-    def _rubbing_in(self, effects: Iterable[str], joints: set[str]) -> set[str]:
-        """The frictions among effects that rub in these joints, which do not act."""
+    def _rubbing_in(
+        self, effects: Iterable[str], joints: set[str], how: Mapping[str, str]
+    ) -> set[str]:
+        """The frictions among effects, as a scene takes them, that rub in these joints."""
         found = set()
-        for name in effects:
+        for name in ({*effects} & {*self.effects}) if joints else ():
+            form = self.fidelities.get(name, {}).get(how.get(name, ""))
+            effect = self.effects[name] if form is None or isinstance(form, str) else form
             with suppress(*FAILURES):  # reported by `build`
-                law = friction_law(self.effects[name]) if joints else None
+                law = friction_law(effect)
                 found |= {name} if law and law.joint in joints else set()
         return found
 
     @staticmethod
-    def _outputs_without(
-        outputs: tuple[str, ...] | None, joints: set[str]
-    ) -> tuple[str, ...] | None:
-        """The outputs that do not belong to these joints, which do not act."""
-        gone = {f"reaction({name})" for name in joints}
-        return None if outputs is None else tuple(word for word in outputs if word not in gone)
+    def _values_without(request: Request, joints: set[str], effects: set[str]) -> dict[str, Any]:
+        """Outputs and start values but for those of joints and effects that do not act."""
+        outputs, gone = request.outputs, joints | effects
+        if outputs is not None and gone:
+            outputs = tuple(w for w in outputs if w.partition("(")[2].rstrip(")") not in gone)
+        start = tuple(pair for pair in request.start if pair[0].rpartition(".")[0] not in joints)
+        return {"outputs": outputs, "start": start}
 
     def _states_of(self, scene: Scene, named: tuple[str, ...]) -> tuple[str, ...]:
         """The states that are `named` or that something which acts contains."""

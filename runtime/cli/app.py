@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from codegen.errors import InputError
-from codegen.object_display import counted
+from codegen.object_display import counted, without_rounding
 from codegen.termination_signals import finish, keep_results
 from runtime.cli import common, studies
 from runtime.cli.common import (
@@ -179,7 +179,8 @@ def _run(
         common.print_json(summary(result, saved))
     elif not failed:
         width = max((len(row.name) for row in result.description.coordinates), default=0)
-        for row, q in zip(result.description.coordinates, result.samples.q[-1], strict=True):
+        last = without_rounding(result.samples.q[-1])
+        for row, q in zip(result.description.coordinates, last, strict=True):
             sys.stdout.write(f"{row.name:<{width}}  {q: .9g} {row.unit}\n")
     raise typer.Exit(1 if failed else 0)
 
@@ -211,7 +212,9 @@ def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
         "t": [float(result.t[0]), float(result.t[-1])] if some else [],
         "q": {row.name: plain(last.q[-1, i]) for i, row in enumerate(names)} if some else {},
         "v": {row.velocity: plain(last.v[-1, i]) for i, row in enumerate(names)} if some else {},
-        "events": [{"t": e.time, "name": e.name, "what": e.what} for e in result.events],
+        "events": [
+            {"t": e.time, "name": e.name, "what": e.what, "word": e.word} for e in result.events
+        ],
         "saved": None if saved is None else str(saved),
     }
 
@@ -219,8 +222,7 @@ def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
 def _event_lines(result: "Result") -> list[str]:
     """The events, a line each; of many, the first and the last ones."""
     happened = result.events
-    width = max((len(event.what) for event in happened), default=0)
-    lines = [f"  t = {e.time:<14.9g} {e.what:<{width}}  {e.name}" for e in happened]
+    lines = [f"  t = {e.time:<14.9g} {e.text}" for e in happened]
     if len(lines) <= _SHOWN:
         return lines
     half = _SHOWN // 2

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from codegen.errors import LinkwrightError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.joined_results import joined
 from runtime.dynamics.reconnection import Gap, cross, known_parameters
@@ -34,36 +35,55 @@ def simulate(mechanism: Mechanism, t_end: float, t_eval: Any = None, **settings:
     if (t_eval is None or isinstance(t_eval, int)) and first <= t_end:
         t_eval = uniform(first, t_end, t_eval)
     parameters = dict(settings.pop("parameters", None) or {})
+    idle = mechanism.description.unused  # some scenes that follow may depend on them
+    values = {name: value for name, value in parameters.items() if name not in idle}
     results, changes, at_once = list[Result](), list[Reconnection](), 0
     while True:
-        values = known_parameters(mechanism, parameters) if changes else parameters
         instants, none_left = _later(t_eval, changes, t_end)
-        run = simulate_once(mechanism, t_end, instants, parameters=values, **settings)
+        try:
+            run = simulate_once(mechanism, t_end, instants, parameters=values, **settings)
+        except LinkwrightError as error:
+            if not results:
+                raise
+            _end_at_change(results[-1], Outcome.INCONSISTENT, f"{changes[-1]} {error}")
+            changes.pop()
+            break
         if none_left and run.outcome is Outcome.OK:
             run.samples = Samples._make(array[:0] for array in run.samples)
             run.works = {name: work[:0] for name, work in run.works.items()}
-        if changes:
-            run.message = run.message.partition(" It starts from a state")[0]
         results.append(run)
-        if run.reconnection is None or run.outcome is not Outcome.OK:
+        end = run.reconnection
+        if end is None or run.outcome is not Outcome.OK or end.state.t >= t_end:
             break
-        row, end = run.reconnection
-        at_once = at_once + 1 if changes and changes[-1].t == end.t else 0
-        if end.t >= t_end:
-            break
+        at_once = at_once + 1 if changes and changes[-1].t == end.state.t else 0
         if at_once > _AT_ONCE or len(changes) >= _MOST:
-            run.outcome, run.message = Outcome.ZENO, _endless(changes)
+            _end_at_change(run, Outcome.ZENO, _endless(changes))
             break
-        watched = mechanism.description.watched[row]
-        after = sibling(mechanism, watched)
+        after = sibling(mechanism, mechanism.description.watched[end.row])
         try:
-            begin, change = cross(mechanism, after, watched, end, parameters)
+            begin, handover, change = cross(mechanism, after, end, parameters)
         except Gap as gap:
-            run.outcome, run.message = Outcome.INCONSISTENT, str(gap)
+            _end_at_change(run, Outcome.INCONSISTENT, str(gap))
             break
         changes.append(change)
-        mechanism, settings = after, {**settings, "start": begin, "guess": None, "t_start": 0.0}
+        mechanism, values = after, dict(known_parameters(after, parameters))
+        settings |= {"start": begin, "handover": handover, "guess": None, "t_start": 0.0}
+        if settings.get("max_steps"):
+            done = run.stats["steps"] + run.stats["rejected"]
+            settings["max_steps"] = max(1, int(settings["max_steps"] - done))
     return results[0] if len(results) == 1 else joined(results, changes)
+
+
+def _end_at_change(run: Result, outcome: Outcome, message: str) -> None:
+    """Let a run end where a joint should have come or gone, with the state there."""
+    end = run.reconnection
+    assert end is not None
+    motion, late = run._motion, not len(run.t) or run.t[-1] < end.state.t
+    if motion is not None and late:
+        row, works = motion.at(run, np.array([end.state.t]))
+        run.samples = Samples._make(map(np.concatenate, zip(run.samples, row, strict=True)))
+        run.works = {name: np.append(work, works[name]) for name, work in run.works.items()}
+    run.outcome, run.message = outcome, message
 
 
 def _later(t_eval: Any, changes: list[Reconnection], t_end: float) -> tuple[Any, bool]:

@@ -106,6 +106,7 @@ class CartesianCoordinates(Coordinates):
             ready.stops,
             ready.samples_taken,
             ready.controllers,
+            ready.discrete,
         )
 
 
@@ -133,8 +134,10 @@ class ReducedCoordinates(Coordinates):
         kept, p = reduced.kept, reduced.parameters(ready.p, t, q)
         sizes = ready.sizes[kept]
         scale = _mobility(reduced.inertia(t, q[kept], p), sizes)
-        return Problem(t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops,
-                       ready.samples_taken)  # fmt: skip
+        return Problem(
+            t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops,
+            samples_taken=ready.samples_taken, discrete=ready.discrete,
+        )  # fmt: skip
 
     def run(self, options: Options, progress: Progress) -> Trajectory:
         """One integration from the start, past dead centres in all coordinates."""

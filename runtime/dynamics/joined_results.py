@@ -36,8 +36,8 @@ def joined(results: Sequence[Result], changes: Sequence[Reconnection]) -> Result
         )
     )
     last = results[-1]
-    parameters = np.array([last.parameters.get(row.name, row.default)
-                           for row in description.parameters])  # fmt: skip
+    values = {name: value for one in results for name, value in one.parameters.items()}
+    parameters = np.array([values[row.name] for row in description.parameters])
     result = Result(
         description, samples, parameters, analysis=last.analysis, outcome=last.outcome,
         message=" ".join([*map(str, changes), last.message]),
@@ -59,7 +59,7 @@ def joined(results: Sequence[Result], changes: Sequence[Reconnection]) -> Result
         for name, parts in works.items():
             work = one.works.get(name, np.zeros(len(one.t)))
             parts.append(totals.get(name, 0.0) + work[rows])
-            totals[name] = totals.get(name, 0.0) + (float(work[-1]) if len(work) else 0.0)
+            totals[name] = totals.get(name, 0.0) + one.work_at_end.get(name, 0.0)
     result.works.update({name: np.concatenate(parts) for name, parts in works.items()})
     return result
 
@@ -142,8 +142,8 @@ class JoinedMotion:
                 samples, found = motion.at(one, here)
                 parts.append(_in_tables(one, self.description, samples))
                 works.append({k: total + found.get(k, 0.0 * here) for k, total in before.items()})
-            for name, work in one.works.items():
-                before[name] += float(work[-1]) if len(work) else 0.0
+            for name, work in one.work_at_end.items():
+                before[name] += work
             low = high
         joined_works = {name: np.concatenate([w[name] for w in works]) for name in result.works}
         return Samples._make(map(np.concatenate, zip(*parts, strict=True))), joined_works

@@ -2,7 +2,7 @@
 
 from contextlib import suppress
 from copy import copy
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +12,7 @@ from runtime.assembly.assemble import assemble
 from runtime.assembly.start_values import start_note
 from runtime.dynamics.controllers import Functions, controllers_of
 from runtime.integrate.clocks import read_clocks
-from runtime.integrate.problem import Options, Stops
+from runtime.integrate.problem import Discrete, Options, Stops
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
@@ -40,6 +40,12 @@ def passages_of(
     return Passages(equations, t_begin, t_end, sizes)
 
 
+class Handover(NamedTuple):
+    """What a run with other joints hands to the one that follows it, beside its state."""
+
+    discrete: Discrete | None
+
+
 def lost_samples_note(mechanism: Mechanism, p: FloatArray) -> str:
     """Sentence on samples that a state lacks since they wait for their delay; else empty."""
     clocks = zip(mechanism.description.sampled, read_clocks(mechanism.system, p), strict=True)
@@ -63,7 +69,7 @@ class PreparedSimulation:
     def __init__(
         self, mechanism: Mechanism, t_end: float, *, t_start: float, parameters: Values | None,
         guess: Values | None, start: Assembly | State | Values | None,
-        controllers: Functions | None = None,
+        controllers: Functions | None = None, handover: Handover | None = None,
     ) -> None:  # fmt: skip
         if not mechanism.description.has_masses:
             refuse_massless(mechanism)
@@ -88,13 +94,16 @@ class PreparedSimulation:
                     begin = assemble(mechanism, guess, parameters, behind, start_at=given)
                     self.passages = passages_of(equations, behind, self.t_end, sizes)
         self.begin, self.sizes = begin, sizes
+        self.discrete = None if handover is None else handover.discrete
         self.samples_taken = isinstance(start, State) and start.sampled and begin.t == start.t
-        self.note = start_note(mechanism, begin, guess, given)
-        if isinstance(start, State):
+        self.note = "" if handover else start_note(mechanism, begin, guess, given)
+        if isinstance(start, State) and not handover:
             self.note += lost_samples_note(mechanism, p)
         least = float(self.sizes.min(initial=1.0))
         require_apart(mechanism, p, begin.t, begin.q, begin.v, least)
-        if begin.degrees_of_freedom == 0 and not equations.velocity_rhs(begin.t, begin.q).any():
+        waits = any(row.reconnects for row in mechanism.description.watched)
+        still = not equations.velocity_rhs(begin.t, begin.q).any()
+        if begin.degrees_of_freedom == 0 and still and not (waits or handover):
             refuse_structure(mechanism)
 
     def until(self, t_end: float) -> "PreparedSimulation":

@@ -6,14 +6,15 @@ end in an impact of all constraints, M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν
 
 import numpy as np
 
+from runtime.dynamics.prepared_simulation import Handover
+from runtime.integrate.problem import Discrete
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
-from runtime.mechanism.table_rows import Watched
 from runtime.results.assembled_state import State
-from runtime.results.reconnection import Reconnection
+from runtime.results.reconnection import Ending, Reconnection
 from runtime.validation.parameters import parameter_values
 
-_CLOSED = 1e-6  # safety: of the machine's size; a joint further open than this does not engage
+_CLOSED = 1e-6  # safety: of the size of its equation; a joint further open does not engage
 
 
 class Gap(Exception):  # noqa: N818 (it is caught where runs follow one another)
@@ -21,23 +22,52 @@ class Gap(Exception):  # noqa: N818 (it is caught where runs follow one another)
 
 
 def cross(
-    before: Mechanism, after: Mechanism, watched: Watched, end: State, parameters: Values
-) -> tuple[State, Reconnection]:
-    """The state behind the instant at which a condition ended a run; raises Gap."""
-    q, v = (_by_names(before, after, x) for x in (end.q, end.v))
+    before: Mechanism, after: Mechanism, end: Ending, parameters: Values
+) -> tuple[State, Handover, Reconnection]:
+    """The state behind the instant at which a joint comes or goes; raises Gap."""
+    watched, (t, q, v) = before.description.watched[end.row], _state_by_names(before, after, end)
     impulse, lost = dict[str, float](), 0.0
     if watched.action == "engage":
         equations = Equations(after, parameter_values(after, known_parameters(after, parameters)))
-        _require_closed(equations, watched.target, end.t, q)
+        _require_closed(equations, watched.target, t, q)
         rest = v
-        v, multipliers = impact(equations, end.t, q, rest)
+        v, multipliers = impact(equations, t, q, rest)
         mass = equations.mass(q)
         states = [row.column for row in after.description.states]
         mass[states, states] = 0.0
         lost = float(rest @ mass @ rest - v @ mass @ v) / 2
-        impulse = _impulses(after, equations, watched.target, end.t, q, v, multipliers)
-    start = State(end.t, q, v, after.description.coordinates)
-    return start, Reconnection(end.t, watched.target, watched.action, impulse, lost)
+        impulse = _impulses(after, equations, watched.target, t, q, v, multipliers)
+    start = State(t, q, v, after.description.coordinates)
+    change = Reconnection(t, watched.target, watched.action, impulse, lost)
+    return start, Handover(_discrete_by_names(before, after, end.discrete)), change
+
+
+def _discrete_by_names(
+    before: Mechanism, after: Mechanism, discrete: Discrete | None
+) -> Discrete | None:
+    """Clocks and conditions by the tables of another mechanism; None where it has none."""
+    old, new = before.description, after.description
+    if discrete is None or not (new.sampled or new.watched):
+        return None
+    held = {row[:3]: discrete.held[k] for k, row in enumerate(old.watched)}
+    rows = np.array([old.sampled.index(name) for name in new.sampled], np.int64)
+    seen: dict[str, int] = {}
+    for k, name in enumerate(new.sampled):  # a latch stands there twice
+        rows[k] += seen.get(name, 0)
+        seen[name] = seen.get(name, 0) + 1
+    ticks = discrete.ticks.reshape(-1, 2)[rows]
+    return Discrete(
+        ticks.ravel(), discrete.waiting[rows],
+        np.array([held.get(row[:3], 0.0) for row in new.watched]),
+    )  # fmt: skip
+
+
+def _state_by_names(
+    before: Mechanism, after: Mechanism, end: Ending
+) -> tuple[float, FloatArray, FloatArray]:
+    """The instant, s, positions and velocities, (n,) each, by the other mechanism's coordinates."""
+    q, v = (_by_names(before, after, x) for x in (end.state.q, end.state.v))
+    return end.state.t, q, v
 
 
 def known_parameters(mechanism: Mechanism, parameters: Values) -> Values:
@@ -57,21 +87,28 @@ def impact(
     equations: Equations, t: float, q: FloatArray, v: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Velocities after an impact of all constraints, (n,), and its impulses Λ, (m,)."""
-    n, jacobian = equations.n, equations.jacobian(t, q)
-    m = len(jacobian)
-    matrix = np.block([[equations.mass(q), jacobian.T], [jacobian, np.zeros((m, m))]])
-    right = np.concatenate([np.zeros(n), equations.velocity_rhs(t, q) - jacobian @ v])
-    change = np.linalg.lstsq(matrix, right, rcond=None)[0]
-    return v + change[:n], change[n:]
+    n, jacobian, mass = equations.n, equations.jacobian(t, q), equations.mass(q)
+    diagonal = np.diag(mass)
+    # In units in which every coordinate has the inertia 1, and every row of Φ_q the length 1.
+    unit = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    rows = jacobian * unit
+    size = np.linalg.norm(rows, axis=1)
+    row_unit = 1.0 / np.where(size > 0.0, size, 1.0)
+    rows *= row_unit[:, None]
+    matrix = np.block([[mass * np.outer(unit, unit), rows.T], [rows, np.zeros((len(rows),) * 2)]])
+    gap = row_unit * (equations.velocity_rhs(t, q) - jacobian @ v)
+    change = np.linalg.lstsq(matrix, np.concatenate([np.zeros(n), gap]), rcond=None)[0]
+    return v + unit * change[:n], row_unit * change[n:]
 
 
 def _require_closed(equations: Equations, joint: str, t: float, q: FloatArray) -> None:
     rows = equations.description.constraints
     gaps = np.abs(equations.constraints(t, q))
+    least = _CLOSED * equations.row_scale(t, q, equations.size(t, q))
     open_rows = [
         f"{row.name} by {gap:.3g}"
-        for row, gap in zip(rows, gaps, strict=True)
-        if row.element == joint and gap > _CLOSED * max(1.0, float(np.abs(q).max(initial=0.0)))
+        for row, gap, most in zip(rows, gaps, least, strict=True)
+        if row.element == joint and gap > most
     ]
     if open_rows:
         raise Gap(

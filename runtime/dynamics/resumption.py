@@ -42,6 +42,11 @@ def resume(
             f"{title}: the run ended where '{result.ended_by}' began to hold, and would end there "
             f"again. Simulate from it, start=result, {advice}."
         )
+    if any(row.reconnects for row in result.description.watched):
+        raise InputError(
+            f"{title}: joints come and go in this scene, and a run with other joints is another "
+            "one. Simulate from it, start=result."
+        )
     last, times = _read(result, motion, t_end, t_eval)
     ready = motion.ready.until(last)
     old = motion.options

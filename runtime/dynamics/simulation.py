@@ -18,7 +18,7 @@ from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formu
 from runtime.dynamics.friction_jam import describe_jam, end_at_jam
 from runtime.dynamics.motion_at_instants import SimulatedMotion
 from runtime.dynamics.output_quantities import evaluate
-from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.dynamics.prepared_simulation import Handover, PreparedSimulation
 from runtime.dynamics.switches_within_tolerance import describe_unresolved_switches
 from runtime.dynamics.work import integrate_works
 from runtime.integrate.problem import MOST_STEPS, Correction, Formulation, Options
@@ -28,6 +28,8 @@ from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.event_records import Event
+from runtime.results.event_words import event_words
+from runtime.results.reconnection import Ending
 from runtime.results.result import Result
 from runtime.results.samples import Partition
 from runtime.validation.finite_equations import describe_infinite
@@ -46,7 +48,7 @@ def simulate(
     t_start: float = 0.0, method: str = "dop853", rtol: float = 1e-8, atol: float | None = None,
     parameters: Values | None = None, guess: Values | None = None,
     start: Assembly | State | Values | None = None,
-    controllers: Functions | None = None,
+    controllers: Functions | None = None, handover: Handover | None = None,
     correction: Correction = "step", formulation: Formulation = "cartesian",
     time_scale: float | None = None, first_step: float | None = None,
     max_step: float | None = None, max_steps: int | None = None,
@@ -65,6 +67,7 @@ def simulate(
         guess=guess,
         start=start,
         controllers=controllers,
+        handover=handover,
     )
     coordinates = formulate(ready, formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.
@@ -165,10 +168,11 @@ def _result(
     parts = mechanism.description.table_parts
     knots = {k for k, part in enumerate(parts) if part == KNOTS}  # of which steps alone take notice
     titles += [function.title for function in mechanism.description.time_functions]
+    words = event_words(mechanism.description, log.index, log.direction, run.modes[:1])
     events = [
-        Event(titles[int(index)], float(time), int(direction), at_q, at_v)
-        for time, index, direction, at_q, at_v in zip(
-            log.t, log.index, log.direction, log.q, log.v, strict=True
+        Event(titles[int(index)], float(time), int(direction), at_q, at_v, word)
+        for time, index, direction, at_q, at_v, word in zip(
+            log.t, log.index, log.direction, log.q, log.v, words, strict=True
         )
         if index not in knots
     ]
@@ -189,10 +193,8 @@ def _result(
         result.ended_by = watched[run.stopped_by].name
     elif run.stopped_by >= 0:
         table = mechanism.description.coordinates
-        result.reconnection = (
-            run.stopped_by,
-            State(run.final_t, run.final_q, run.final_v, table, run.samples_taken),
-        )
+        end = State(run.final_t, run.final_q, run.final_v, table)
+        result.reconnection = Ending(run.stopped_by, end, run.discrete)
     if run.outcome is Outcome.CONTRADICTED:
         result.contradiction = f"At t = {run.final_t:.9g} s it stopped. {run.note}"
     return result

@@ -33,11 +33,12 @@ def integrate_works(result: Result, count: int, times: npt.ArrayLike | None) -> 
     ends = samples.t[:count:INTERVAL]
     kept = np.zeros(len(samples.t), dtype=np.bool_)
     kept[:count:INTERVAL] = True if times is None else np.isin(ends, times)
-    if result.failed:
+    if result.failed or result.ended_by:
         kept[-1:] = True
     for name, column in result.description.work_rows.items():
         pieces = along_intervals(samples.t[:count], samples.power[:count, column])
         work = np.full(len(samples.t), np.nan)
         work[:count:INTERVAL] = np.concatenate([[0.0], np.cumsum(pieces)])[: len(ends)]
         result.works[name] = work[kept]
+        result.work_at_end[name] = float(pieces.sum())
     result.samples = Samples._make(array[kept] for array in samples)

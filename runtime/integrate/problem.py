@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from runtime.core.array_types import Integers, Vector
+from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
 
@@ -18,6 +18,14 @@ Controller = Callable[[float, Vector, Vector], float]
 """(t, q, v) of a sample → the value, in the coordinates of the run."""
 
 MOST_STEPS = 100_000_000  # safety: trial steps of a run, where no number is given
+
+
+class Discrete(NamedTuple):
+    """Where the clocks and watched conditions of a run stand, for a run that follows it."""
+
+    ticks: Integers  # numbers of the next sample and of the next to act, (2 count,)
+    waiting: Matrix  # samples that wait for their delay, (count, length of the queue)
+    held: Vector  # 1 of each watched condition that holds, else 0
 
 
 class Passage(NamedTuple):
@@ -71,6 +79,7 @@ class Problem:
     samples_taken: bool = False  # whether clocks have renewed what is due at t0
     # number of a sampled value → what computes its samples
     controllers: Mapping[int, Controller] = field(default_factory=dict)
+    discrete: Discrete | None = None  # None: clocks begin, and no condition has held
 
 
 @dataclass(frozen=True)

@@ -335,6 +335,7 @@ class Run:
             v=y[:, n:],
             modes=modes,
             outcome=outcome,
+            discrete=state.discrete,
             stopped_by=int(r["stopped_by"]),
             index=int(r["index"]),
             first_t=self.first_t,

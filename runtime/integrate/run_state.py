@@ -14,7 +14,7 @@ from runtime.hybrid.rhs_with_sliding_or_stabilization import TIME_SCALE
 from runtime.integrate.clocks import set_clocks
 from runtime.integrate.loop import LOG_MARGIN
 from runtime.integrate.method import Method, find_method
-from runtime.integrate.problem import Options, Problem, Stops
+from runtime.integrate.problem import Discrete, Options, Problem, Stops
 from runtime.integrate.sampling import QUADRATURE, STEP_ENDS
 from runtime.integrate.step_accumulation import FIRST_LOOK
 from runtime.integrate.trajectory import Statistics
@@ -68,6 +68,26 @@ class RunState:
         if system.sampled:
             clocks = arrays["sample_clocks"].reshape(-1, 2)
             set_clocks(float(problem.t0), clocks, arrays["ticks"], taken=problem.samples_taken)
+        if problem.discrete is not None:
+            self._take_discrete(problem.discrete)
+
+    @property
+    def discrete(self) -> Discrete | None:
+        """Where clocks and watched conditions stand; None where there are none."""
+        if not (self.system.sampled or self.system.watches):
+            return None
+        arrays = self.wiring.arrays
+        names = ("ticks", "waiting_samples", "watched_before")
+        return Discrete(*(np.array(arrays[name]) for name in names))
+
+    def _take_discrete(self, discrete: Discrete) -> None:
+        """Go on with the clocks and conditions of another run."""
+        arrays = self.wiring.arrays
+        arrays["watched_before"][:] = discrete.held
+        if self.system.sampled:
+            arrays["ticks"][:] = discrete.ticks
+            shape = self.table[ft.SAMPLED], self.table[ft.QUEUE]
+            arrays["waiting_samples"].reshape(shape)[:] = discrete.waiting.reshape(shape)
 
     @property
     def y(self) -> Matrix:

@@ -127,7 +127,10 @@ def update_watched(context: Context) -> int:
         due[k] = 1 if i >= 0 and now[i] != 0.0 and before[i] == 0.0 else 0
         count += due[k]
     for i in range(context[ft.WATCHED]):
-        if now[i] != 0.0 and before[i] == 0.0 and context.ends_run[i] != 0 and r.stopped_by < 0:
+        begins = now[i] != 0.0 and before[i] == 0.0
+        if begins and context.ends_run[i] != 0:
+            if r.stopped_by >= 0:
+                continue  # it has its turn in the run that follows
             r.stopped_by = i
         before[i] = now[i]
     return count

@@ -7,6 +7,7 @@ import numpy as np
 
 from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.outcomes import Outcome
+from runtime.integrate.problem import Discrete
 
 if TYPE_CHECKING:
     from runtime.integrate.checkpoints import Checkpoints
@@ -77,6 +78,7 @@ class Trajectory:
     v: Matrix  # (k, n)
     modes: IntegerMatrix  # (k, s): in force on the step that ends at or contains the sample
     outcome: Outcome
+    discrete: Discrete | None  # of clocks and watched conditions, at the end
     stopped_by: int  # the condition that has ended the run; -1: none
     index: int  # the switching function or constraint that the outcome concerns; -1: none
     first_t: float  # where the run began

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import UnknownNameError
-from codegen.object_display import html_of, html_table, listed
+from codegen.object_display import html_of, html_table, listed, without_rounding
 from codegen.public_callables import checked_class, named_attributes
 from runtime.mechanism.table_rows import Coordinate, Table, unknown
 
@@ -115,16 +115,19 @@ class Assembly:
 
     def __repr__(self) -> str:
         """The report, and the positions and velocities."""
-        state = [*zip(self.coordinates, self.q, self.v, strict=False)]
-        q = (f"{row.name} = {x:.6g} {row.unit}" for row, x, _ in state)
-        v = (f"{row.velocity} = {x:.6g} {row.velocity_unit}" for row, _, x in state)
-        return f"{self}\n  q  {listed(q)}\n  v  {listed(v)}"
+        q, v = without_rounding(self.q), without_rounding(self.v)
+        state = [*zip(self.coordinates, q, v, strict=False)]
+        places = (f"{row.name} = {x:.6g} {row.unit}" for row, x, _ in state)
+        rates = (f"{row.velocity} = {x:.6g} {row.velocity_unit}" for row, _, x in state)
+        return f"{self}\n  q  {listed(places)}\n  v  {listed(rates)}"
 
     def _repr_html_(self) -> str:
         """The report with a table of positions and velocities, for notebooks."""
         rows = (
-            (row.name, float(q), row.unit, row.velocity, float(v), row.velocity_unit)
-            for row, q, v in zip(self.coordinates, self.q, self.v, strict=False)
+            (row.name, q, row.unit, row.velocity, v, row.velocity_unit)
+            for row, q, v in zip(
+                self.coordinates, without_rounding(self.q), without_rounding(self.v), strict=False
+            )
         )
         head = ("coordinate", "value", "unit", "velocity", "value", "unit")
         return html_of(str(self), html_table(head, rows))

@@ -14,6 +14,7 @@ Kind = Literal["crossing", "lock-up", "start", "unclear"]
 
 _SMALL = 0.02  # layout: part of the largest share, below which a text leaves a share out
 _MOST = 8  # layout: shares that a text shows
+_LONGEST = 60  # layout: characters of a condition in the text of an event
 
 
 class Event(NamedTuple):
@@ -33,6 +34,9 @@ class Event(NamedTuple):
         machine locked up in one.
     q, v
         State, shape (n,); after an impact, the velocities that it leaves.
+    word
+        Of contacts and frictions, what they do: "touches", "leaves", "rests", "sticks", "slips",
+        "reverses"; empty for others.
     """
 
     name: str
@@ -40,10 +44,19 @@ class Event(NamedTuple):
     direction: int
     q: FloatArray
     v: FloatArray
+    word: str = ""
 
     def __repr__(self) -> str:
         """Instant, name and direction; the state is left to `q` and `v`."""
-        return f"Event at t = {self.time:.9g} s: {self.name}, {self.what}"
+        return f"Event at t = {self.time:.9g} s: {self.text}"
+
+    @property
+    def text(self) -> str:
+        """What happened, in a few words: `plate touches`, `gas: slider_vx > 0 began`."""
+        if self.word:
+            return f"{self.name.partition(':')[0]} {self.word}"
+        name, what = self.name, self.what
+        return f"{name[:_LONGEST] + ' …' if len(name) > _LONGEST else name}, {what}"
 
     @property
     def what(self) -> str:

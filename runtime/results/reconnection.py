@@ -1,6 +1,17 @@
 """The instants at which a joint was released or engaged in a run."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+from codegen.object_display import without_rounding
+from runtime.results.assembled_state import State
+
+
+class Ending(NamedTuple):
+    """The end of a part of a run, where a joint comes or goes."""
+
+    row: int  # of WATCHED
+    state: State
+    discrete: Any  # where clocks and conditions stand
 
 
 class Reconnection(NamedTuple):
@@ -17,7 +28,9 @@ class Reconnection(NamedTuple):
         """In a sentence."""
         if self.action == "release":
             return f"Joint '{self.joint}' was released at t = {self.t:.9g} s."
-        parts = ", ".join(f"{name} {value:.6g}" for name, value in self.impulse.items())
+        values = without_rounding(self.impulse.values())
+        pairs = zip(self.impulse, values, strict=True)
+        parts = ", ".join(f"{name} {value:.6g}" for name, value in pairs)
         return (
             f"Joint '{self.joint}' engaged at t = {self.t:.9g} s with the impulse ({parts}) N s, "
             f"N m s, which took {self.energy_lost:.6g} J."

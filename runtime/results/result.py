@@ -13,7 +13,7 @@ import numpy.typing as npt
 from codegen import __version__
 from codegen import argument_readers as readers
 from codegen.errors import InputError
-from codegen.object_display import counted, html_of, html_table, listed
+from codegen.object_display import counted, html_of, html_table, listed, without_rounding
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class, declared_attributes, named_attributes
 from runtime.core.outcomes import Outcome
@@ -22,7 +22,7 @@ from runtime.results.accuracy_target_record import ReachedAccuracy
 from runtime.results.assembled_state import State
 from runtime.results.event_records import Event, SingularPosition
 from runtime.results.motion_at_instants import Motion, at, resume, state
-from runtime.results.reconnection import Reconnection
+from runtime.results.reconnection import Ending, Reconnection
 from runtime.results.samples import Partition, Samples, plain
 from runtime.results.series_lookup import TimeSeries
 
@@ -75,6 +75,8 @@ class Result(TimeSeries):
         The joints that were released or engaged in a run, with their impulses.
     reconnection
         Of a part of a run: the condition that ended it, and the state there.
+    work_at_end
+        Works at the end of a run, J, which may lie behind the last instant.
     """
 
     outcome: Outcome
@@ -89,7 +91,8 @@ class Result(TimeSeries):
     parameters: dict[str, float]
     ended_by: str
     reconnections: tuple[Reconnection, ...]
-    reconnection: tuple[int, State] | None
+    reconnection: Ending | None
+    work_at_end: dict[str, float]
     _chosen: bool  # whether the samples are at instants that `at` was asked for
     _motion: Motion | None  # behind the samples; None: of an analysis without one
 
@@ -117,6 +120,7 @@ class Result(TimeSeries):
         self.works, self.accuracy, self.contradiction = {}, None, ""
         self._motion, self._chosen = None, False
         self.ended_by, self.reconnections, self.reconnection = "", (), None
+        self.work_at_end = {}
         self.parameters = {
             row.name: float(value) for row, value in zip(description.parameters, p, strict=False)
         }
@@ -293,10 +297,12 @@ class Result(TimeSeries):
         q, rows = self.samples.q, self.description.coordinates
         if not len(self.t):
             return html_of(repr(self))
-        numbers = zip(q[0], q[-1], q.min(axis=0), q.max(axis=0), strict=True)
+        numbers = zip(
+            *map(without_rounding, (q[0], q[-1], q.min(axis=0), q.max(axis=0))), strict=True
+        )
         table = html_table(
             ("coordinate", "unit", "first", "last", "least", "greatest"),
-            ((row.name, row.unit, *map(float, of)) for row, of in zip(rows, numbers, strict=True)),
+            ((row.name, row.unit, *of) for row, of in zip(rows, numbers, strict=True)),
         )
         text = [line for line in repr(self).splitlines() if not line.startswith("  coordinates ")]
         return html_of("\n".join(text), table)

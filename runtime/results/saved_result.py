@@ -30,6 +30,9 @@ def saved_result(result: Result) -> bytes:
 def saved_fields(result: Result) -> dict[str, Any]:
     """What is kept of a result, by name."""
     samples, motion = result.samples, result._motion
+    kept = None if motion is None else motion.saved()
+    if kept is not None and "parts" in kept:
+        return _fields_of_parts(result, kept)
     return {
         "title": result.description.title,
         "analysis": result.analysis,
@@ -45,7 +48,8 @@ def saved_fields(result: Result) -> dict[str, Any]:
         "not_unique": result.not_unique,
         "singular": list(result.singular),
         "accuracy": result.accuracy,
-        "motion": None if motion is None else motion.saved(),
+        "motion": kept,
+        "work_at_end": result.work_at_end,
         "ended_by": result.ended_by,
         "reconnections": list(result.reconnections),
     }
@@ -57,6 +61,18 @@ def _numbered(values: Sequence[Any]) -> tuple[list[Any], npt.NDArray[np.int64]]:
     return list(numbers), np.array([numbers[value] for value in values], np.int64)
 
 
+def _fields_of_parts(result: Result, parts: dict[str, Any]) -> dict[str, Any]:
+    """Of a run with other joints in each part: the parts, what changed and what is said of it."""
+    return {
+        "title": result.description.title,
+        "analysis": result.analysis,
+        "parameters": result.parameters,
+        "message": result.message,
+        "motion": parts,
+        "reconnections": list(result.reconnections),
+    }
+
+
 def _event_columns(events: Sequence[Event]) -> dict[str, Any]:
     """Many events in few arrays; they have states of the same shape."""
     names, numbers = _numbered([event.name for event in events])
@@ -65,6 +81,7 @@ def _event_columns(events: Sequence[Event]) -> dict[str, Any]:
         "name": numbers,
         "time": np.array([event.time for event in events]),
         "direction": np.array([event.direction for event in events], np.int64),
+        "words": [event.word for event in events],
         "q": np.array([event.q for event in events]),
         "v": np.array([event.v for event in events]),
     }
@@ -76,7 +93,9 @@ def events_of(columns: dict[str, Any]) -> list[Event]:
     times, directions = columns["time"].tolist(), columns["direction"].tolist()
     return [
         Event(*row)
-        for row in zip(names, times, directions, columns["q"], columns["v"], strict=True)
+        for row in zip(
+            names, times, directions, columns["q"], columns["v"], columns["words"], strict=True
+        )
     ]
 
 

@@ -38,7 +38,7 @@ def page(result: "Result") -> str:
         *map(html_figure, _figures(result)),
     ]
     if result.events:
-        rows = ((f"{e.time:.9g} s", f"{e.name} ({e.what})") for e in result.events[:200])
+        rows = ((f"{e.time:.9g} s", e.text) for e in result.events[:200])
         parts.append(_section("Events", rows))
     return html_page(description.title, parts)
 

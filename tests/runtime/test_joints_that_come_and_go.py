@@ -149,3 +149,88 @@ def test_wrong_joints_that_come_and_go() -> None:
     text = str(caught.value)
     for part in ("there is no joint 'pni'", "when=None is no condition", "comes and goes already"):
         assert part in text, part
+
+
+@pytest.fixture(scope="module")
+def towed(workshop: Path) -> Machine:
+    """A mass on a damped spring with a second one behind it, which a coupling lets go."""
+    model = Model("towed_release")
+    a, b = (model.particle(name, 1.0) for name in ("a", "b"))
+    for mass in (a, b):
+        model.absolute(f"rail_{mass.name}", mass, "y", 0.0)
+    coupling = model.constraint("coupling", b.x - a.x + 1)
+    model.release(coupling, when=a.x > 0.5)
+    model.spring("tie", model.ground.at(3, 0), a, stiffness=9.0, free_length=1.0, damping=0.2)
+    model.force("drag", b, fx=-0.3 * b.vx)
+    count = model.sampled("count", when=a.vx > 0.01, value=lambda n: n + 1)
+    clock = model.sampled("clock", 0.1, t, delay=0.25, unit="s")
+    model.scene(
+        "runs", ["tie", "drag", count, clock], start={a.x: 0.0, a.vx: 0.0},
+        outputs=["energy", "powers", "works", "reaction(coupling)"],
+    )  # fmt: skip
+    return load(model, folder=workshop)
+
+
+@pytest.mark.parametrize("times", [[0.2, 1.0, 2.0], [0.2], None, "steps"])
+def test_works_clocks_and_counts_go_on_past_a_release(towed: Machine, times: object) -> None:
+    r = towed.simulate(2.0, times, rtol=1e-11)
+    (change,) = r.reconnections
+    assert 0.2 < change.t < 1.0
+    end = r.at(2.0)
+    work = sum(series[-1] for series in end.works.values())
+    assert_allclose(work, end.energy("kinetic")[-1], atol=1e-9)
+    assert_allclose(end.v("count.value")[-1], 1)
+    assert_allclose(end.v("clock.value")[-1], 1.7)
+    assert_allclose(r.at([0.3, 0.36, 0.46]).v("clock.value"), [0.0, 0.1, 0.2], atol=1e-15)
+    if isinstance(times, list):
+        assert_allclose(r.t, times)
+
+
+def test_a_machine_that_its_latch_alone_holds(workshop: Path) -> None:
+    model = Model("held_by_latch", gravity=(0, -G))
+    bob = model.body("bob", mass=1.0, inertia=0.1)
+    model.revolute("hinge", model.ground.at(0, 0), bob.at(-1, 0))
+    catch = model.absolute("catch", bob, "phi", 0.0)
+    model.release(catch, when=t > 0.5)
+    model.scene("hangs", ["gravity"])
+    r = load(model, folder=workshop).simulate(1.0, [0.25, 1.0], rtol=1e-10)
+    assert_allclose(r.q("bob.phi")[0], 0.0, atol=1e-14)
+    assert r.q("bob.phi")[1] < -0.5
+    assert_allclose(abs(r.at(0.3).reaction("catch", "torque")), G, rtol=1e-9)
+
+
+def test_two_joints_that_are_released_at_once(workshop: Path) -> None:
+    model = Model("released_at_once", gravity=(0, -G))
+    bob = model.body("bob", mass=1.0, inertia=0.1)
+    for name, x in (("left", -1), ("right", 1)):
+        joint = model.distance(name, model.ground.at(x, 0), bob.at(x / 2, 0), 1.0)
+        model.release(joint, when=t > 0.2)
+    model.scene("falls", ["gravity"], guess={bob.y: -0.87})
+    r = load(model, folder=workshop).simulate(0.5, [0.5], rtol=1e-10)
+    assert sorted(one.joint for one in r.reconnections) == ["left", "right"]
+    assert_allclose([one.t for one in r.reconnections], 0.2, atol=1e-12)
+    assert_allclose(r.v("bob.vy")[0] - r.at(0.2).v("bob.vy")[0], -G * 0.3, rtol=1e-9)
+
+
+def test_a_joint_is_declared_before_its_scenes() -> None:
+    model = Model("late_release")
+    body = model.body("body", mass=1.0, inertia=0.1)
+    pin = model.revolute("pin", model.ground.at(0, 0), body.at(0, 0))
+    model.scene("runs")
+    model.release(pin, when=body.phi > 1)
+    with pytest.raises(ModelError, match="declare it before scene 'runs'"):
+        build(model, compile=False)
+
+
+def test_impacts_of_masses_far_apart(workshop: Path) -> None:
+    model = Model("light_latch")
+    a, b = (model.particle(name, m) for name, m in (("a", 1e-13), ("b", 2e-13)))
+    for mass in (a, b):
+        model.absolute(f"rail_{mass.name}", mass, "y", 0.0)
+    heavy = model.particle("heavy", 1e3)
+    model.absolute("rail_heavy", heavy, "y", 0.0)
+    latch = model.constraint("latch", b.x - a.x)
+    model.engage(latch, when=b.x - a.x < 0)
+    model.scene("runs", start={a.x: 0, a.vx: 3, b.x: 1, b.vx: 0, heavy.x: 0, heavy.vx: 1})
+    r = load(model, folder=workshop).simulate(1.0, [1.0])
+    assert_allclose([r.v(f"{n}.vx")[0] for n in ("a", "b", "heavy")], [1, 1, 1], rtol=1e-12)

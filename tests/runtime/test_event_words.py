@@ -1,0 +1,83 @@
+"""Events in words, labels of conditions, and numbers that are rounding."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sympy import pi, sin
+
+from codegen import Model, build, t
+from codegen.errors import ModelError
+from codegen.object_display import without_rounding
+from runtime import load
+from runtime.machine_facade import Machine
+from runtime.results.result import Result
+
+
+def words(result: Result) -> list[str]:
+    return [event.text for event in result.events]
+
+
+def test_a_ball_touches_leaves_and_rests(workshop: Path) -> None:
+    model = Model("bouncing_words", gravity=(0, -9.81))
+    ball = model.particle("ball", 1.0)
+    model.contact("plate", gap=ball.y, restitution=0.5)
+    model.scene("falls", ["gravity", "plate"], start={
+        ball.x: 0.0, ball.y: 1.0, ball.vx: 0.0, ball.vy: 0.0
+    })  # fmt: skip
+    found = words(load(model, folder=workshop).simulate(3.0))
+    assert found[0] == "plate touches"
+    assert found[-1] == "plate rests"
+
+
+def block(name: str) -> tuple[Model, object]:
+    model = Model(name)
+    mass = model.particle("mass", 1.0)
+    model.absolute("rail", mass, "y", 0.0)
+    return model, mass
+
+
+@pytest.fixture(scope="module")
+def labelled(workshop: Path) -> Machine:
+    model, mass = block("labelled_words")
+    model.force("push", mass, fx=2.0, when=mass.x > 0.3, label="the block passes the mark")
+    model.scene("runs", ["push"], start={mass.x: 0.0, mass.vx: 1.0})
+    return load(model, folder=workshop)
+
+
+def test_a_label_names_the_events_of_a_condition(labelled: Machine) -> None:
+    r = labelled.simulate(1.0)
+    assert words(r) == ["push: the block passes the mark, began"]
+    assert set(r.mode("push: the block passes the mark")) == {0, 1}
+
+
+def test_a_label_without_a_condition_is_refused() -> None:
+    model, mass = block("wrong_labels")
+    model.force("push", mass, fx=2.0, label="never")
+    model.scene("runs", ["push"])
+    with pytest.raises(ModelError, match="label='never' names the events of when="):
+        build(model, compile=False)
+
+
+def test_friction_slips_sticks_and_reverses(workshop: Path) -> None:
+    model, mass = block("rubbing_words")
+    model.force("shake", mass, fx=1.5 * sin(2 * pi * t))
+    model.dry_friction("rub", coefficient=1.0, normal=1.0, slip=mass.vx)
+    model.scene("runs", ["shake", "rub"], start={mass.x: 0.0, mass.vx: 0.0})
+    found = {*words(load(model, folder=workshop).simulate(3.0))}
+    assert {"rub slips", "rub sticks"} <= found
+
+
+def test_long_conditions_are_cut(workshop: Path) -> None:
+    model, mass = block("long_words")
+    long = sum(sin(k * mass.x) for k in range(1, 20))
+    model.force("push", mass, fx=2.0, when=mass.x + 0 * long + 1e-9 * long > 0.3)
+    model.scene("runs", ["push"], start={mass.x: 0.0, mass.vx: 1.0})
+    (text,) = words(load(model, folder=workshop).simulate(1.0))
+    assert len(text) < 80
+
+
+def test_rounding_is_shown_as_zero() -> None:
+    assert without_rounding([-2.76e-76, 1.0, -0.0, 2e-9]) == [0.0, 1.0, 0.0, 2e-9]
+    assert without_rounding([3e-20, 1e-20]) == [3e-20, 1e-20]
+    assert np.isnan(without_rounding([np.nan, 1.0])[0])
