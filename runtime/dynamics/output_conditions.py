@@ -98,6 +98,8 @@ def simulate_until(
     kept = {name: _Kept(function) for name, function in (given.get("controllers") or {}).items()}
     given = {**given, "controllers": kept or given.get("controllers")}
     whole = analyse(**given)
+    for function in kept.values():
+        function.answers_again = True
     found = _first(whole, conditions)
     if found is None:
         return whole
@@ -105,8 +107,6 @@ def simulate_until(
     times: Any = given.get("t_eval")
     if not isinstance(times, str):
         times = np.append(whole.t[whole.t < end], end)
-    for function in kept.values():
-        function.answers_again = True
     result = analyse(**{**given, "t_end": end, "t_eval": times})
     if result.outcome is Outcome.OK:
         result.ended_by = name

@@ -160,9 +160,9 @@ def counter(workshop: Path) -> Callable[[str], Machine]:
 
 def test_a_delay_that_is_a_parameter_of_value_0(counter: Callable[[str], Machine]) -> None:
     """Values of one instant read it as they read one without a delay, and else as it was."""
-    now = counter("counts").simulate(0.55, [0.55])
+    now = counter("counts").simulate(0.57, [0.57])
     assert_allclose(now.v("reads.value"), now.v("early.value"), rtol=1e-15)
-    late = counter("counts").simulate(0.55, [0.55], parameters={"delay": 0.05})
+    late = counter("counts").simulate(0.57, [0.57], parameters={"delay": 0.05})
     assert_allclose(late.v("reads.value"), late.v("early.value") - 1, rtol=1e-15)
 
 
