@@ -24,9 +24,10 @@ class Particle(Body):
 
 
 class Ground(Body):
-    """The body that does not move; its frame is the global one."""
+    """The body that does not move; its frame is the global one, its x, y and φ are 0."""
 
     fixed = True
+    x = y = phi = vx = vy = omega = sympy.S.Zero
     coordinates = masses = ()
     position = velocity = (sympy.S.Zero, sympy.S.Zero)
     angle = angular_velocity = sympy.S.Zero

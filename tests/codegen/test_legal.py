@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from codegen import Model, t
+from codegen import Model, build, t
 from tests.codegen.machines import frozen
 from tests.codegen.workbench import Interpreted
 
@@ -175,3 +175,20 @@ def test_sound_machines_are_not_refused(seed: int) -> None:
 
     machine = Interpreted(random_machine(seed, closed=seed % 2 == 0)[0])
     assert examine(machine.equations, machine.lowered).problems == ()
+
+
+def test_the_ground_has_coordinates_that_are_zero(tmp_path: Path) -> None:
+    """A joint angle is φ_j - φ_i, whichever of the two is the ground."""
+    texts = []
+    for name in ("ground", "none"):
+        model = Model("grounded")
+        arm, base = model.body("arm", mass=1.0, inertia=1.0), model.ground
+        model.revolute("pin", base.at(0, 0), arm.at(0, 0))
+        angle, rate = arm.phi, arm.omega
+        if name == "ground":
+            angle, rate = angle - base.phi + base.x, rate - base.omega + base.vy
+        model.torque("servo", on=arm, from_=base, value=-5 * angle - rate)
+        model.scene("runs", ["servo"])
+        (written,) = build(model, out=tmp_path / name, compile=False).scenes
+        texts.append([line for line in written.path.read_text().splitlines() if "SHA" not in line])
+    assert texts[0] == texts[1]
