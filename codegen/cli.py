@@ -132,6 +132,7 @@ def _print_build(report: Any, check: bool) -> None:
             ("file", str(s.path)),
             ("bodies", ", ".join(s.bodies)),
             ("equations", f"{unknowns}, {quantity(s.degrees_of_freedom, 'degree of freedom')}"),
+            *([("states", ", ".join(s.states))] if s.states else []),
             ("effects", ", ".join(s.effects) or "none"),
             ("left out", ", ".join(s.left_out) or "nothing"),
             ("operations", listed(s.operations)),

@@ -27,12 +27,25 @@ class MachineStates(MechanismTables):
     def degrees_of_freedom(self) -> int:
         """Coordinates less independent constraints, those of drivers included, at the start.
 
+        States of first order and sampled values do not count: `states` has them.
+
         Raises
         ------
         AssemblyError
             If the scene's start cannot be assembled.
         """
         return self.assemble().degrees_of_freedom
+
+    @property
+    def is_determined(self) -> bool:
+        """Whether joints and drivers leave nothing to integrate: no freedom and no state.
+
+        Raises
+        ------
+        AssemblyError
+            If the scene's start cannot be assembled.
+        """
+        return self.degrees_of_freedom == 0 and not self.states
 
     def parameter_values(self, overrides: Values | None = None) -> FloatArray:
         """Parameters followed by the constants derived from them, as the kernels take them.

@@ -272,6 +272,13 @@ def kinds(expression: sympy.Basic, *classes: type[Any]) -> list[Any]:
     return sorted(symbols, key=lambda s: s.name)
 
 
+def dotted(symbol: sympy.Symbol) -> str:
+    """``crank_phi`` → ``crank.phi``, and a state by its own name."""
+    owner, _, letter = str(symbol.name).rpartition("_")
+    is_state = isinstance(symbol, Velocity) and letter == KINDS["integral"].rate
+    return owner if is_state else f"{owner}.{letter}" if owner else letter
+
+
 def rate(s: sympy.Expr) -> sympy.Expr:
     """ds/dt = s_q q̇ + s_t."""
     slopes = (sympy.diff(s, q) * q.rate for q in kinds(s, Coordinate))

@@ -19,7 +19,13 @@ from codegen.declare.expression_rules import expression_problem
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.scene import name_of
-from codegen.declare.symbols import Coordinate, ParameterDeclaration, Velocity, kinds
+from codegen.declare.symbols import (
+    Coordinate,
+    ParameterDeclaration,
+    Velocity,
+    dotted,
+    kinds,
+)
 from codegen.declare.units import in_unit
 from codegen.errors import FAILURES
 from codegen.plain_values import (
@@ -43,11 +49,6 @@ NamedValues = tuple[tuple[str, float], ...]
 
 STEPS = (sympy.floor, sympy.ceiling, sympy.Mod)
 CONDITIONS = (Relational, sympy.And, sympy.Or, sympy.Not)
-
-
-def dotted(symbol: sympy.Symbol) -> str:
-    """``crank_phi`` → ``crank.phi``."""
-    return ".".join(symbol.name.rsplit("_", 1))
 
 
 def _advice(value: object) -> str:
@@ -274,7 +275,6 @@ class Reader:
         numbers = {}
         for key, value in self.mapping(values, word, "{'crank.phi': 1.0}", where).items():
             name = dotted(key) if isinstance(key, sympy.Symbol) else name_of(key)
-            name = name if name in units or f"{name}.value" not in units else f"{name}.value"
             if name in units:
                 numbers[name] = self.finite(value, units[name], f"{where}, {name}")
             else:

@@ -17,7 +17,7 @@ from codegen.declare.return_values.effects import (
 )
 from codegen.declare.symbols import SPEED, Coordinate, Time, kinds, rate, side, t
 from codegen.derive.fast_derivative import derivative
-from codegen.derive.piecewise_conditions import as_pieces, tables_by_branches
+from codegen.derive.piecewise_conditions import kinks_as_pieces, tables_by_branches
 from codegen.derive.power_continuation import continue_powers
 
 Measure = el.Measure
@@ -86,8 +86,8 @@ def effect_terms(effect: el.Effect, bodies: tuple[Body, ...]) -> EffectTerms:
     forces = sorted(forces_of(effect, bodies).items(), key=lambda pair: pair[0].name)
     loads = tuple((q, f) for q, f in ((q, _pieces(force)) for q, force in forces) if f != 0)
     law, hold, along_scalars, reported = optional_terms(effect, bodies)
-    along = ((tables_by_branches(s), f) for s, f in along_scalars if f != 0)
-    pulls = tuple((s, _pull(s, f)) for s, f in along) + elastic
+    along = ((s, f) for s, f in along_scalars if f != 0)
+    pulls = tuple((tables_by_branches(s), _pull(s, f)) for s, f in along) + elastic
     components = tuple((part, unit, _pieces(value)) for part, unit, value in reported)
     friction = None if law is None else _friction(effect.name, law, hold)
     watched = _pieces(effect.indicator) if isinstance(effect, WatchedCondition) else None
@@ -106,22 +106,24 @@ def effect_terms(effect: el.Effect, bodies: tuple[Body, ...]) -> EffectTerms:
 @cache
 def _pieces(expression: sympy.Expr) -> sympy.Expr:
     """A potential or a force with its kinks as pieces."""
-    return continue_powers(as_pieces(expression))
+    return tables_by_branches(continue_powers(kinks_as_pieces(expression)))
 
 
 @cache
 def _pull(s: sympy.Expr, f: sympy.Expr) -> sympy.Expr:
     """f with its kinks as pieces, and their conditions by coordinates and velocities."""
-    pieces = continue_powers(as_pieces(f))
+    pieces = continue_powers(kinks_as_pieces(f))
     turns = pieces.atoms(Relational)
-    return pieces.xreplace({c: c.xreplace({SPEED: rate(s)}) for c in turns if c.has(SPEED)})
+    by_rates = {c: c.xreplace({SPEED: rate(s)}) for c in turns if c.has(SPEED)}
+    return tables_by_branches(pieces.xreplace(by_rates))
 
 
 def measured(measure: el.Measure) -> el.Measure:
     """A measure with its kinks as pieces, by the conditions of the forces."""
     if measure.along is None:
         return measure._replace(value=_pieces(measure.value))
-    return measure._replace(value=_pull(measure.along, measure.value))
+    value = _pull(measure.along, measure.value)
+    return measure._replace(value=value, along=tables_by_branches(measure.along))
 
 
 def _friction(

@@ -105,6 +105,11 @@ def boundary(condition: Relational) -> Boundary:
 
 def as_pieces(expression: sympy.Expr, may_switch: bool = True) -> sympy.Expr:
     """The same function with every kink spelled out as a Piecewise, see `tables_by_branches`."""
+    return tables_by_branches(kinks_as_pieces(expression), may_switch)
+
+
+def kinks_as_pieces(expression: sympy.Expr) -> sympy.Expr:
+    """The same function with every kink spelled out as a Piecewise, but for those of tables."""
     for inverse in INVERSES:
         if expression.has(inverse):
             expression = expression.replace(inverse, partial(_triangle, inverse))
@@ -114,17 +119,74 @@ def as_pieces(expression: sympy.Expr, may_switch: bool = True) -> sympy.Expr:
     if expression.has(sympy.Mod, sympy.ceiling):
         expression = expression.replace(sympy.Mod, lambda a, b: a - b * sympy.floor(a / b))
         expression = expression.replace(sympy.ceiling, lambda a: -sympy.floor(-a))
-    return tables_by_branches(expression, may_switch).replace(sympy.ITE, _alternatives)
+    return expression.replace(sympy.ITE, _alternatives)
 
 
 def tables_by_branches(expression: sympy.Expr, may_switch: bool = True) -> sympy.Expr:
     """The same function with every table whose derivatives jump spelled out as a Piecewise.
 
-    Where nothing may switch, in constraints, only those of the time and parameters.
+    Where nothing may switch, in constraints, only those of the time and parameters. A condition
+    compares the table itself where that is continuous: by branches, each of them would be a switch,
+    and its events would be those of a table that does not act.
     """
     if not expression.has(Interpolant):
         return expression
-    return expression.replace(Interpolant, partial(_branches, may_switch))
+    outside = _taken_outside_conditions(expression)
+
+    def spelled_out(node: sympy.Basic) -> sympy.Basic:
+        if isinstance(node, Relational):
+            return _by_branches(may_switch, outside, node)
+        arguments = tuple(spelled_out(a) if a.args else a for a in node.args)
+        if isinstance(node, Interpolant):
+            return _branches(may_switch, *arguments)
+        return node if arguments == node.args else node.func(*arguments)
+
+    return spelled_out(expression).replace(sympy.ITE, _alternatives)
+
+
+Taken = set[tuple[sympy.Basic, sympy.Basic]]
+
+
+def _by_branches(may_switch: bool, outside: Taken, relation: Relational) -> Boolean:
+    """A condition by the branches of its tables; of a continuous one that acts, the table itself.
+
+    Not by SymPy, which solves a Piecewise inside a condition.
+    """
+    found = sorted(relation.atoms(Interpolant), key=lambda i: len(i.atoms(Interpolant)))
+    for node in found:
+        data, order, at = node.args
+        table: Table = data.table
+        # Of a table that ends, what is outside says where the motion leaves it.
+        if order <= table.smooth and (not table.stops or (data, at) in outside):
+            continue
+        value = _branches(may_switch, data, order, at)
+        if isinstance(value, sympy.Piecewise):
+            return _by_cases(may_switch, outside, relation, node, value)
+    return relation
+
+
+def _by_cases(
+    may_switch: bool, outside: Taken, relation: Relational, node: sympy.Expr, value: sympy.Expr
+) -> Boolean:
+    """A condition with a value in place of a table."""
+    if not isinstance(value, sympy.Piecewise):
+        return _by_branches(may_switch, outside, relation.xreplace({node: value}))
+    (first, condition), (second, _) = value.args
+    cases = (_by_cases(may_switch, outside, relation, node, part) for part in (first, second))
+    return _alternatives(condition, *cases)
+
+
+def _taken_outside_conditions(expression: sympy.Basic) -> Taken:
+    """(table, what it is taken at) of the tables that do more than switch."""
+    found: Taken = set()
+    stack = [expression]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, Interpolant):
+            found.add((node.args[0], node.args[2]))
+        if not isinstance(node, Relational):
+            stack += node.args
+    return found
 
 
 def _branches(

@@ -109,12 +109,14 @@ ORDERS = {
 def _docstring(lowered: Lowered) -> list[str]:
     description = lowered.description
     n, m = len(description.coordinates), len(description.constraints)
-    freedom = quantity(max(n - m, 0), "degree of freedom")
+    states = len(description.states)
+    freedom = quantity(max(n - m - states, 0), "degree of freedom")
+    freedom += f", {quantity(states, 'state')}" if states else ""
     elimination = [f"Elimination: {ORDERS[lowered.strategy]}.", *NAMES] if lowered.strategy else []
     return [
         f'"""Machine {description.model}, scene {description.scene}: {description.analysis}.',
         "",
-        f"{quantity(n, 'coordinate')}, {quantity(m, 'constraint')}, {freedom}.",
+        f"{quantity(n - states, 'coordinate')}, {quantity(m, 'constraint')}, {freedom}.",
         *elimination,
         "SI units. t is the time; q, v, a are coordinates, velocities and accelerations as in",
         "COORDINATES, lam the multipliers of CONSTRAINTS, p PARAMETERS followed by CONSTANTS,",

@@ -56,6 +56,7 @@ class SceneReport(FileReport):
     coordinates: int
     constraints: int
     degrees_of_freedom: int
+    states: tuple[str, ...]
     effects: tuple[str, ...]
     left_out: tuple[str, ...]
     strategy: str | None
@@ -86,7 +87,7 @@ def report(
     equations: Equations, strategy: str | None, findings: Findings, file: File
 ) -> SceneReport:
     """The report of one scene."""
-    n = len(equations.coordinates)
+    n = len(equations.coordinates) - len(equations.states)
     companions: dict[str, Any] = {
         kind.name: CompanionReport(title=kind.title, **_facts(file.companions[kind.name]))
         for kind in COMPANIONS
@@ -97,6 +98,7 @@ def report(
         bodies=equations.bodies, coordinates=n,
         constraints=sum(len(c.statement.rows) for c in equations.constraints),
         degrees_of_freedom=n - findings.independent, strategy=strategy, notes=findings.notes,
+        states=tuple(state.name for state in equations.states),
         effects=tuple(e.name for e in equations.effects),
         left_out=tuple(name for name, _ in equations.left_out),
     )  # fmt: skip

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from codegen.declare.symbols import dotted
 from codegen.derive.peaked_functions import PeakedFunction
 from codegen.derive.switching_functions import Switch
 from codegen.lower.scene_graph import Reaction, SceneGraph
@@ -92,13 +93,9 @@ def describe(
     """The tables of a scene, with its powers, reported reactions, recovered multipliers, peaks."""
     equations, named = scene.equations, scene.equations.scene
     coordinates, constraints = equations.coordinates, equations.constraints
-    fixed = {_dotted(s.symbol.name): s.start for s in equations.states} | dict(named.start)
+    fixed = {s.name: s.start for s in equations.states} | dict(named.start)
     start = (
-        *(
-            (_dotted(q.name), q.measure.neutral, "neutral")
-            for q in coordinates
-            if q.measure.neutral
-        ),
+        *((dotted(q), q.measure.neutral, "neutral") for q in coordinates if q.measure.neutral),
         *((name, value, "fixed") for name, value in fixed.items()),
         *((name, value, "guess") for name, value in named.guess if name not in fixed),
     )
@@ -109,7 +106,7 @@ def describe(
         scene=named.name,
         analysis=named.analysis,
         bodies=equations.bodies,
-        coordinates=tuple((_dotted(q.name), _dotted(q.rate.name), q.unit) for q in coordinates),
+        coordinates=tuple((dotted(q), dotted(q.rate), q.unit) for q in coordinates),
         constraints=tuple((c.name, c.kind, row) for c in constraints for row in c.statement.rows),
         parameters=() if named.frozen else parameters,
         folded=parameters if named.frozen else (),
@@ -154,8 +151,3 @@ def describe(
 def _kind(switch: Switch) -> str:
     """The kind of a switch, and of a condition that is more than g > 0, what it is at g = 0."""
     return f"{switch.at_zero} {switch.kind}" if switch.at_zero else switch.kind
-
-
-def _dotted(name: str) -> str:
-    """``crank_phi`` → ``crank.phi``."""
-    return ".".join(name.rsplit("_", 1))

@@ -21,7 +21,8 @@ from codegen.declare.return_values.constraints import own_coordinates
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import Scene
 from codegen.declare.state import State
-from codegen.declare.value_reader import Reader, dotted
+from codegen.declare.symbols import dotted
+from codegen.declare.value_reader import Reader
 from codegen.elements.registry import role
 from codegen.errors import ModelError, NoAttributeError
 from codegen.plain_values import is_a, one_line, plain_name, shown

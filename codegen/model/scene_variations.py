@@ -145,7 +145,7 @@ class Variations(Scenes):
         # the root's request with the same elements, against which other changes are told apart
         names = ("effects", "drivers", "without", "fidelity")
         same = replace(before, **{key: getattr(request, key) for key in names})
-        keys, inherited = CHANGES[1:], self._drop_unused_starts(same, Request())
+        keys, inherited = CHANGES[1:], self._drop_unused(same, Request())
         rest = [getattr(request, key) for key in keys]
         if rest != [getattr(inherited, key) for key in keys]:
             name += f"_{_hash(rest)}"

@@ -16,13 +16,13 @@ from codegen.declare.return_values.effects import effect_expressions, friction_l
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene, name_of
 from codegen.declare.state import states_in
-from codegen.declare.symbols import Coordinate, Velocity
-from codegen.declare.value_reader import NamedValues, Names, Reader, Values, dotted
+from codegen.declare.symbols import Coordinate, Velocity, dotted
+from codegen.declare.value_reader import NamedValues, Names, Reader, Values
 from codegen.errors import FAILURES, ModelError
 from codegen.model.bodies import Form
 from codegen.model.connections import MOST, Connections
 from codegen.model.fidelities import NONE, Fidelities
-from codegen.model.requested_outputs import Outputs
+from codegen.model.requested_outputs import ONE, Outputs
 from codegen.plain_values import plain_name, shown
 
 DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
@@ -225,20 +225,25 @@ class Scenes(Fidelities, Outputs, Connections):
             inherited = replace(
                 inherited, effects=tuple(e for e in inherited.effects if e not in others)
             )
-        return self._drop_unused_starts(inherited.extended(request, explicit), request)
+        return self._drop_unused(inherited.extended(request, explicit), request)
 
-    def _drop_unused_starts(self, merged: Request, mine: Request) -> Request:
-        """Drop inherited start values of elements that no longer take part."""
+    def _drop_unused(self, merged: Request, mine: Request) -> Request:
+        """Drop inherited start values and outputs of elements that no longer take part."""
         scratch = self._compose(Reader(), "scratch", merged)
         present = {*scratch.bodies, *scratch.states, *self.joints}
         present -= {*scratch.inactive_joints, *merged.without}
+        acting, outputs = {*present, *scratch.effects, *scratch.drivers}, merged.outputs
+        if outputs is not None and mine.outputs is None:
+            asked = ((word, ONE.match(word)) for word in outputs)
+            outputs = tuple(word for word, one in asked if one is None or one[2] in acting)
         renewed = {name for name, _ in (*mine.start, *mine.guess)}
 
         def fits(values: NamedValues) -> NamedValues:
             owned = ((*pair, pair[0].rpartition(".")[0]) for pair in values)
             return tuple((n, x) for n, x, owner in owned if n in renewed or owner in present)
 
-        return replace(merged, start=fits(merged.start), guess=fits(merged.guess))
+        start, guess = fits(merged.start), fits(merged.guess)
+        return replace(merged, start=start, guess=guess, outputs=outputs)
 
     def _compose(self, read: Reader, name: str, request: Request, **about: Any) -> Scene:
         """Resolve a request to its scene."""

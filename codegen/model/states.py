@@ -107,7 +107,7 @@ class States(Declarations):
             return self._renewed(declared, (Trigger(indicator, sample),))
         period = self._value(every, "s", f"period of {where}", "positive")
         wait = self._value(delay, "s", f"delay of {where}", "nonnegative")
-        if period.is_number and not period > 0:
+        if period.is_nonpositive or (period.is_number and not period > 0):
             self._note(f"period of {where} is {period} s; give a positive time.")
         if wait.is_number and not wait >= 0:
             self._note(f"delay of {where} is {wait} s; give none, or a positive time.")
@@ -153,7 +153,7 @@ class States(Declarations):
             self._note(f"{where}: the unit {shown(unit)} is no SI unit; use SI names, 'A', 'N/m'.")
             known = ""
         first, size = (
-            self._read.number(given, known, f"{word} of {where}")
+            self._read.finite(given, known, f"{word} of {where}")
             for given, word in ((start, "start"), (nominal, "nominal"))
         )
         if not size > 0.0:

@@ -248,7 +248,7 @@ def _report(
     elements = [row.element for row in table]
     return Assembly(
         task.t, closing.q, v, _largest(elements, closing.phi), _largest(elements, velocity_gaps),
-        tuple(moved), degrees_of_freedom=len(coordinates) - findings.rank,
+        tuple(moved), degrees_of_freedom=len(description.positions) - findings.rank,
         singular=tuple(table[k].name for k, _ in findings.here_only),
         redundant=tuple(redundant.values()),
         not_unique=tuple(dict.fromkeys(elements[k] for k in shares)),

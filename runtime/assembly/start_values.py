@@ -55,8 +55,9 @@ def start_values(
             values[places[name]], named[places[name]] = finite, True
             fixed[places[name]] |= kept
         else:
-            names = [*table.names, *(row.velocity for row in table)]
-            problems.append(unknown("coordinate or velocity", name, names))
+            what = "coordinate or velocity"
+            what = "coordinate, velocity or state" if description.states else what
+            problems.append(unknown(what, name, description.variables))
     if problems:
         raise AssemblyError(problems)
     return Start(values[0], values[1], fixed[0], fixed[1], named[0])

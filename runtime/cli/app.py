@@ -8,7 +8,7 @@ and progress go to stderr; with --json, stdout holds one object.
 import math
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -111,7 +111,7 @@ def report(
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
         instants = _instants(t_start, t_end, points)
-        if machine.description.drivers and machine.degrees_of_freedom == 0:
+        if machine.description.drivers and machine.is_determined:
             refuse_run_options({"start": start, **run}, machine.description.title)
             inverse = machine.description.has_masses
             driven = machine.inverse_dynamics if inverse else machine.kinematics
@@ -178,10 +178,14 @@ def _run(
     if as_json:
         common.print_json(summary(result, saved))
     elif not failed:
-        width = max((len(row.name) for row in result.description.coordinates), default=0)
-        last = without_rounding(result.samples.q[-1])
-        for row, q in zip(result.description.coordinates, last, strict=True):
-            sys.stdout.write(f"{row.name:<{width}}  {q: .9g} {row.unit}\n")
+        import numpy as np
+
+        about = result.description
+        names = [*(row.name for row in about.positions), *about.states.names]
+        columns = [result.series(name) for name in names]
+        ends = without_rounding(np.array([values[-1] for values, _ in columns]))
+        for name, value, (_, unit) in zip(names, ends, columns, strict=True):
+            sys.stdout.write(f"{name:<{max(map(len, names))}}  {value: .9g} {unit}\n")
     raise typer.Exit(1 if failed else 0)
 
 
@@ -204,14 +208,19 @@ def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
     """The JSON object of a run."""
     from runtime.results.samples import plain
 
-    names, last, some = result.description.coordinates, result.samples, len(result.t) > 0
+    about, some = result.description, len(result.t) > 0
+
+    def last(names: Iterable[str], series: Callable[[str], Any]) -> dict[str, Any]:
+        return {name: plain(series(name)[-1]) for name in names} if some else {}
+
     return {
         "ok": not result.failed,
         **result.facts(),
         "instants": len(result.t),
         "t": [float(result.t[0]), float(result.t[-1])] if some else [],
-        "q": {row.name: plain(last.q[-1, i]) for i, row in enumerate(names)} if some else {},
-        "v": {row.velocity: plain(last.v[-1, i]) for i, row in enumerate(names)} if some else {},
+        "q": last([row.name for row in about.positions], result.q),
+        "v": last([row.velocity for row in about.positions], result.v),
+        **({"y": last(about.states.names, result.y)} if about.states else {}),
         "events": [
             {"t": e.time, "name": e.name, "what": e.what, "word": e.word} for e in result.events
         ],

@@ -273,7 +273,7 @@ def _refuse(ready: PreparedSimulation, correction: Correction) -> None:
             f"functions of your own compute {', '.join(description.controllers)} from all "
             "coordinates, which a run in reduced ones has only between its steps"
         )
-    if begin.degrees_of_freedom == 0:
+    if begin.is_determined:
         problems.append(
             "nothing is left to integrate, as constraints and drivers determine all coordinates; "
             "ask for inverse_dynamics"

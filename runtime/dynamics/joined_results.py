@@ -71,6 +71,11 @@ def _union(descriptions: Sequence[Description]) -> Description:
     for name in _TABLES:
         rows = [row for d in descriptions for row in getattr(d, name)]
         tables[name] = type(getattr(first, name))(dict.fromkeys(rows))
+    names = tables["coordinates"].names
+    states = dict.fromkeys(row._replace(column=names.index(f"{row.name}.integral"))
+                           for d in descriptions for row in d.states)  # fmt: skip
+    tables["states"] = type(first.states)(states)
+    tables["sampled"] = tuple(dict.fromkeys(name for d in descriptions for name in d.sampled))
     gone = {*tables["effects"]}
     tables["left_out"] = type(first.left_out)(row for row in first.left_out if row not in gone)
     drivers = tuple(dict.fromkeys(name for d in descriptions for name in d.drivers))

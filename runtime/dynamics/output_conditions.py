@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from codegen.errors import InputError
 from codegen.plain_values import finite_float, shown
@@ -153,4 +152,6 @@ def _located(result: Result, condition: OutputCondition, t: FloatArray, row: int
     low, high = float(t[row - 1]), float(t[row])
     if excess(low) > 0.0 or excess(high) <= 0.0:  # it jumps there
         return high
+    from scipy.optimize import brentq  # a run without such conditions loads none of it
+
     return float(brentq(excess, low, high, xtol=4e-16 * max(1.0, abs(high)), rtol=1e-15))

@@ -103,7 +103,7 @@ class PreparedSimulation:
         require_apart(mechanism, p, begin.t, begin.q, begin.v, least)
         waits = any(row.reconnects for row in mechanism.description.watched)
         still = not equations.velocity_rhs(begin.t, begin.q).any()
-        if begin.degrees_of_freedom == 0 and still and not (waits or handover):
+        if begin.is_determined and still and not (waits or handover):
             refuse_structure(mechanism)
 
     def until(self, t_end: float) -> "PreparedSimulation":

@@ -34,6 +34,7 @@ def cross(
         v, multipliers = impact(equations, t, q, rest)
         mass = equations.mass(q)
         states = [row.column for row in after.description.states]
+        v[states] = rest[states]  # to the last bit
         mass[states, states] = 0.0
         lost = float(rest @ mass @ rest - v @ mass @ v) / 2
         impulse = _impulses(after, equations, watched.target, t, q, v, multipliers)

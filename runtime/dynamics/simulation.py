@@ -116,7 +116,7 @@ def finish_simulation(
     result.stats["events_within_tolerance"] = count
     result.message += note
     result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
-    result.message += driven_note(mechanism, begin.degrees_of_freedom)
+    result.message += driven_note(mechanism, begin)
     return result
 
 

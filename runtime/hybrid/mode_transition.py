@@ -8,7 +8,7 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
-from runtime.core.modes_and_event_kinds import KNOTS, SLIDING, Direction
+from runtime.core.modes_and_event_kinds import CLOSED, KNOTS, SLIDING, Direction
 from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.unit_roundoff import EPS
 from runtime.hybrid import mode_consistency as consistency
@@ -103,6 +103,25 @@ def prefer_release(context: Context, t: float, crossing: int) -> None:
 
 
 @inner
+def meet_conditions(context: Context, t: float) -> None:
+    """Let a condition end the run that holds as a contact closes, and not after the impact.
+
+    A condition such as y <= 0 holds on its boundary, which a body that bounces leaves at once.
+    """
+    r, modes, holds = run_record(context), context.kernel_modes, context.watched_now
+    for k in range(context[ft.SWITCHES]):
+        modes[k] = 0 if context.modes[k] == SLIDING else context.modes[k]
+        if context.rigid[k] < 0 and context.boundary[k] == CLOSED:
+            touches = abs(context.now[k]) <= ON_SURFACE * context.largest[k]
+            modes[k] = 1 if touches else modes[k]
+    abi.watched_of(context)(t, context.q1, context.v1, context.parameters, modes, holds)
+    for i in range(context[ft.WATCHED]):
+        begins = holds[i] != 0.0 and context.watched_before[i] == 0.0
+        if begins and context.ends_run[i] != 0 and r.stopped_by < 0:
+            r.stopped_by = i
+
+
+@inner
 def resolve_impact(context: Context, crossing: int, t: float) -> float:
     """Impact of contact `crossing`, and the modes of all others after it; time until it closes.
 
@@ -111,6 +130,8 @@ def resolve_impact(context: Context, crossing: int, t: float) -> float:
     """
     r, modes = run_record(context), context.modes
     evaluate_now(context, t)
+    if context[ft.WATCHED] != 0:
+        meet_conditions(context, t)
     for k in range(context[ft.SWITCHES]):
         touches = context.rigid[k] >= 0 and abs(context.now[k]) <= ON_SURFACE * context.largest[k]
         closing = touches and modes[k] == 1 and context.rate_now[k] < 0.0

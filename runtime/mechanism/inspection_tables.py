@@ -56,6 +56,11 @@ class MechanismTables:
         return self.description.coordinates
 
     @property
+    def states(self) -> rows.Table[rows.State]:
+        """First-order states, sampled values and latches, with units and columns in v."""
+        return self.description.states
+
+    @property
     def constraints(self) -> rows.Table[rows.Constraint]:
         """Scalar constraints, in the order of Φ and of the multipliers λ."""
         return self.description.constraints
@@ -74,14 +79,17 @@ class MechanismTables:
         """Sizes, bodies, effects and the first parameters."""
         description, parameters = self.description, self.parameters
         drivers = int(description.driver_rows.sum())
+        acting = [name for name in self.effects.names if name not in self.states.names]
         rows = [
             f"{description.title}: {counted(len(description.bodies), 'body')}, "
-            f"{counted(len(self.coordinates), 'coordinate')}, "
+            f"{counted(len(description.positions), 'coordinate')}, "
             f"{counted(len(self.constraints), 'constraint')}"
             + (f" ({drivers} of drivers)" if drivers else ""),
             f"  bodies      {', '.join(description.bodies)}",
-            f"  effects     {', '.join(self.effects.names) or 'none'}",
+            f"  effects     {', '.join(acting) or 'none'}",
         ]
+        if self.states:
+            rows.append(f"  states      {', '.join(self.states.names)}")
         if description.left_out:
             rows.append(f"  left out    {', '.join(description.left_out.names)}")
         if not description.has_masses:

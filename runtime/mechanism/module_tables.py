@@ -192,6 +192,17 @@ class Description(NamedTuple):
         return tuple(self.states[name].column for name in self.sampled)
 
     @property
+    def positions(self) -> tuple[Coordinate, ...]:
+        """The coordinates without the integrals of states, which only bookkeeping has."""
+        return tuple(row for row in self.coordinates if not row.is_state)
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """Names of all that is integrated: coordinates, velocities, and states."""
+        rates = (row.velocity for row in self.positions)
+        return (*(row.name for row in self.positions), *rates, *self.states.names)
+
+    @property
     def neutral(self) -> npt.NDArray[np.float64]:
         """The neutral pose, in which no body is turned, shape (n,)."""
         values = {row.name: row.value for row in self.start if row.role == "neutral"}

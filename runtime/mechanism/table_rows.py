@@ -107,6 +107,11 @@ class Coordinate(NamedTuple):
         return self.unit == "m"
 
     @property
+    def is_state(self) -> bool:
+        """Whether it is the integral of a state, which is its velocity."""
+        return self.state_unit is not None
+
+    @property
     def velocity_unit(self) -> str:
         """Unit of its velocity."""
         return f"{self.unit}/s" if self.state_unit is None else self.state_unit or "1"

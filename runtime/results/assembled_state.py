@@ -64,12 +64,12 @@ class State:
 
 
 def value_of(state: "State | Assembly", name: str) -> float:
-    """A coordinate or velocity of a state by name."""
+    """A coordinate, a velocity or a state of first order, by name."""
     for index, row in enumerate(state.coordinates):
         if type(name) is str and name in row[:2]:
             return float(state.q[index] if name == row.name else state.v[index])
-    names = [text for row in state.coordinates for text in row[:2]]
-    raise UnknownNameError(unknown("coordinate or velocity", name, names))
+    names = [text for row in state.coordinates for text in (row.name, row.velocity)[row.is_state :]]
+    raise UnknownNameError(unknown("coordinate, velocity or state", name, names))
 
 
 @named_attributes
@@ -115,11 +115,14 @@ class Assembly:
 
     def __repr__(self) -> str:
         """The report, and the positions and velocities."""
-        q, v = without_rounding(self.q), without_rounding(self.v)
-        state = [*zip(self.coordinates, q, v, strict=False)]
-        places = (f"{row.name} = {x:.6g} {row.unit}" for row, x, _ in state)
-        rates = (f"{row.velocity} = {x:.6g} {row.velocity_unit}" for row, _, x in state)
-        return f"{self}\n  q  {listed(places)}\n  v  {listed(rates)}"
+        q_shown, v_shown = without_rounding(self.q), without_rounding(self.v)
+        state = [*zip(self.coordinates, q_shown, v_shown, strict=False)]
+        q = (f"{row.name} = {x:.6g} {row.unit}" for row, x, _ in state if not row.is_state)
+        v, y = (
+            [f"{r.velocity} = {x:.6g} {r.velocity_unit}" for r, _, x in state if r.is_state is kind]
+            for kind in (False, True)
+        )
+        return f"{self}\n  q  {listed(q)}\n  v  {listed(v)}" + (f"\n  y  {listed(y)}" if y else "")
 
     def _repr_html_(self) -> str:
         """The report with a table of positions and velocities, for notebooks."""
@@ -128,15 +131,27 @@ class Assembly:
             for row, q, v in zip(
                 self.coordinates, without_rounding(self.q), without_rounding(self.v), strict=False
             )
+            if not row.is_state
         )
         head = ("coordinate", "value", "unit", "velocity", "value", "unit")
-        return html_of(str(self), html_table(head, rows))
+        return html_of(self._with_states, html_table(head, rows))
+
+    @property
+    def _with_states(self) -> str:
+        return "\n".join(x for x in repr(self).splitlines() if x[:5] not in ("  q  ", "  v  "))
+
+    @property
+    def is_determined(self) -> bool:
+        """Whether joints and drivers leave nothing to integrate: no freedom and no state."""
+        return self.degrees_of_freedom == 0 and not any(row.is_state for row in self.coordinates)
 
     def __str__(self) -> str:
         """The report as text."""
         worst = max(self.residual.values(), default=0.0)
         worst_rate = max(self.velocity_residual.values(), default=0.0)
-        head = f"Assembled at t = {self.t:g} s, degrees of freedom: {self.degrees_of_freedom}; "
+        states = sum(row.is_state for row in self.coordinates)
+        freedom = f"{self.degrees_of_freedom}{f', states: {states}' if states else ''}"
+        head = f"Assembled at t = {self.t:g} s, degrees of freedom: {freedom}; "
         lines = [f"{head}largest residual {worst:.1e}, of velocities {worst_rate:.1e}."]
         lines += [
             f"  {row.name} moved from {row.asked:.6g} to {row.reached:.6g} {row.unit}"

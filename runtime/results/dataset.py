@@ -64,7 +64,9 @@ def _motion(result: Result) -> "xr.Dataset":
     """Coordinates, velocities, accelerations and residuals."""
     import xarray as xr
 
-    table, samples, over = result.description.coordinates, result.samples, ("time", "coordinate")
+    description, samples, over = result.description, result.samples, ("time", "coordinate")
+    table = description.positions
+    columns = [k for k, row in enumerate(description.coordinates) if not row.is_state]
 
     def about(name: str, unit: str) -> dict[str, str]:
         units = {getattr(row, unit) for row in table}
@@ -73,20 +75,27 @@ def _motion(result: Result) -> "xr.Dataset":
     positions = {"long_name": "largest |Phi|, m or rad"}
     velocities = {"long_name": "largest |Phi_q v - nu|, m/s or rad/s"}
     variables: dict[str, Any] = {
-        "q": (over, samples.q, about("coordinates", "unit")),
-        "v": (over, samples.v, about("velocities", "velocity_unit")),
-        "a": (over, samples.a, about("accelerations", "acceleration_unit")),
+        "q": (over, samples.q[:, columns], about("coordinates", "unit")),
+        "v": (over, samples.v[:, columns], about("velocities", "velocity_unit")),
+        "a": (over, samples.a[:, columns], about("accelerations", "acceleration_unit")),
         "constraint_residual": ("time", samples.residual[:, 0], positions),
         "velocity_residual": ("time", samples.residual[:, 1], velocities),
     }
     coords: dict[str, Any] = {
         "time": ("time", samples.t, {"units": "s"}),
-        "coordinate": list(table.names),
+        "coordinate": [row.name for row in table],
         "velocity": ("coordinate", [row.velocity for row in table]),
         "unit": ("coordinate", [row.unit for row in table]),
         "velocity_unit": ("coordinate", [row.velocity_unit for row in table]),
         "acceleration_unit": ("coordinate", [row.acceleration_unit for row in table]),
     }
+    if states := description.states:
+        units = {row.unit or "1" for row in states}
+        about_y = {"long_name": "first-order states and sampled values"}
+        about_y |= {"units": units.pop()} if len(units) == 1 else {}
+        variables["y"] = ("time", "state"), samples.v[:, [row.column for row in states]], about_y
+        coords["state"] = list(states.names)
+        coords["state_unit"] = "state", [row.unit or "1" for row in states]
     return xr.Dataset(variables, coords=coords, attrs=result.about())
 
 

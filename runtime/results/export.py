@@ -64,12 +64,15 @@ def columns(result: Result) -> dict[str, FloatArray]:
     """The result as columns over time, named `series [unit]`."""
     description, samples = result.description, result.samples
     table = {"time [s]": samples.t}
-    for index, row in enumerate(description.coordinates):
+    rows = [(k, row) for k, row in enumerate(description.coordinates) if not row.is_state]
+    for index, row in rows:
         table[f"{row.name} [{row.unit}]"] = samples.q[:, index]
-    for index, row in enumerate(description.coordinates):
+    for index, row in rows:
         table[f"{row.velocity} [{row.velocity_unit}]"] = samples.v[:, index]
-    for index, row in enumerate(description.coordinates):
+    for index, row in rows:
         table[f"a({row.name}) [{row.acceleration_unit}]"] = samples.a[:, index]
+    for state in description.states:
+        table[f"{state.name} [{state.unit or '1'}]"] = result.y(state.name)
     for index, part in enumerate(description.reactions):
         table[f"{part.name} [{part.unit}]"] = samples.reaction[:, index]
     for name, index in description.whole_powers.items():

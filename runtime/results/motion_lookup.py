@@ -84,14 +84,39 @@ class MotionSeries:
         Parameters
         ----------
         name
-            Of its coordinate or velocity.
+            Of its coordinate or velocity, or of a state, whose rate it then is.
 
         Returns
         -------
         (k,) float64
-            In m/s² or rad/s²; not a number in singular configurations.
+            In m/s² or rad/s², or the unit of a state per second; not a number in singular
+            configurations.
         """
         return self._column(self.samples.a, name)
+
+    @by_names
+    def y(self, name: str) -> FloatArray:
+        """A first-order state, a sampled value or a latch over time.
+
+        Parameters
+        ----------
+        name
+            Of the state, such as "current".
+
+        Returns
+        -------
+        (k,) float64
+            In the state's unit; of a latch 1 where it holds, else 0. `a` has the rate of a state.
+
+        Raises
+        ------
+        InputError
+            If the scene has no such state.
+        """
+        states = self.description.states
+        if name not in states.names:
+            raise self._unknown("state", name, states.names)
+        return self.samples.v[:, states[name].column]
 
     @by_names
     def point(self, name: str, component: str = "") -> FloatArray:
@@ -134,11 +159,13 @@ class MotionSeries:
             if name == row.name or (velocity and name == row.velocity):
                 return array[:, index]
             if name == row.velocity:
+                word, letter = ("state", "y") if row.is_state else ("velocity", "v")
                 raise InputError(
-                    f"{self.description.title}: There is no coordinate {name!r}: it is a velocity; "
-                    f"ask for v({name!r})."
+                    f"{self.description.title}: There is no coordinate {name!r}: it is a {word}; "
+                    f"ask for {letter}({name!r})."
                 )
-        names = [*table.names, *(row.velocity for row in table if velocity)]
+        rows = self.description.positions
+        names = [row.name for row in rows] + [row.velocity for row in rows if velocity]
         raise self._unknown("coordinate", name, names)
 
     def _unknown(self, kind: str, name: str, names: Iterable[str]) -> InputError:

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+
 FloatArray = npt.NDArray[np.float64]
 
 
@@ -278,8 +279,11 @@ class Result(TimeSeries):
 
     def __repr__(self) -> str:
         """The headline, and what there is to look up."""
-        rows = self.description.coordinates
+        rows, states = self.description.positions, self.description.states
         lines = [self.headline, f"  coordinates  {listed(f'{r.name} ({r.unit})' for r in rows)}"]
+        if states:
+            units = (f"{row.name} ({row.unit or '1'})" for row in states)
+            lines.append(f"  states       {listed(units)}")
         effects = self.description.effects.names
         parts = dict.fromkeys(row.element for row in self.description.reactions)
         if joints := [name for name in parts if name not in effects]:
@@ -294,15 +298,17 @@ class Result(TimeSeries):
 
     def _repr_html_(self) -> str:
         """The same with a table of the coordinates, for notebooks."""
-        q, rows = self.samples.q, self.description.coordinates
         if not len(self.t):
             return html_of(repr(self))
+        rows = [(row.name, row.unit) for row in self.description.positions]
+        rows += [(row.name, row.unit or "1") for row in self.description.states]
+        x = np.array([self.series(name)[0] for name, _ in rows]).T
         numbers = zip(
-            *map(without_rounding, (q[0], q[-1], q.min(axis=0), q.max(axis=0))), strict=True
+            *map(without_rounding, (x[0], x[-1], x.min(axis=0), x.max(axis=0))), strict=True
         )
         table = html_table(
             ("coordinate", "unit", "first", "last", "least", "greatest"),
-            ((row.name, row.unit, *of) for row, of in zip(rows, numbers, strict=True)),
+            ((*row, *of) for row, of in zip(rows, numbers, strict=True)),
         )
         text = [line for line in repr(self).splitlines() if not line.startswith("  coordinates ")]
         return html_of("\n".join(text), table)

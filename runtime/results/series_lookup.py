@@ -132,9 +132,9 @@ class TimeSeries(EffectSeries):
         Parameters
         ----------
         name
-            Of a coordinate, a velocity, `a(coordinate)`, `joint.component`, `point.x`, an energy,
-            the power of a source, or `work(source)`; of an effect `strut.force` or `force(strut)`,
-            and so on for lengths, rates and the like.
+            Of a coordinate, a velocity, a state, `a(coordinate)`, `a(state)`, `joint.component`,
+            `point.x`, an energy, the power of a source, or `work(source)`; of an effect
+            `strut.force` or `force(strut)`, and so on for lengths, rates and the like.
 
         Returns
         -------
@@ -147,7 +147,7 @@ class TimeSeries(EffectSeries):
                 return self.q(name), row.unit
             if name == row.velocity:
                 return self.v(name), row.velocity_unit
-            if name == f"a({row.name})":
+            if name == f"a({row.velocity if row.is_state else row.name})":
                 return self.a(row.name), row.acceleration_unit
         if name in description.reactions.names:
             reaction = description.reactions[name]
@@ -162,8 +162,7 @@ class TimeSeries(EffectSeries):
         owner, _, component = name.partition(".")
         if owner in description.effects.names and component in QUANTITIES:
             return self._of_effect(component, owner)
-        names = [text for row in description.coordinates for text in row[:2]]
-        names += description.reactions.names
+        names = [*description.variables, *description.reactions.names]
         raise self._unknown("series", name, names)
 
     def _of_effect(self, word: str, effect: str) -> tuple[FloatArray, str]:

@@ -60,11 +60,14 @@ def _table(rows: Iterator[tuple[str, object]]) -> str:
 def _machine(result: "Result") -> Iterator[tuple[str, object]]:
     description = result.description
     yield "bodies", ", ".join(description.bodies)
-    yield "coordinates", len(description.coordinates)
+    yield "coordinates", len(description.positions)
+    if description.states:
+        yield "states", ", ".join(description.states.names)
     yield "constraints", len(description.constraints)
     elements = dict.fromkeys(row.element for row in description.constraints)
     yield "joints and drivers", ", ".join(elements)
-    yield "effects", ", ".join(description.effects.names) or "none"
+    states = description.states.names
+    yield "effects", ", ".join(n for n in description.effects.names if n not in states) or "none"
 
 
 def _parameters(result: "Result") -> Iterator[tuple[str, object]]:
@@ -100,8 +103,10 @@ def _accuracy(result: "Result") -> Iterator[str]:
 
 def _last(result: "Result") -> Iterator[tuple[str, object]]:
     if len(result.t):
-        for row in result.description.coordinates:
+        for row in result.description.positions:
             yield f"{row.name}, {row.unit}", float(result.q(row.name)[-1])
+        for state in result.description.states:
+            yield f"{state.name}, {state.unit or '1'}", float(result.y(state.name)[-1])
 
 
 def _figures(result: "Result") -> Iterator["Figure"]:
@@ -111,9 +116,11 @@ def _figures(result: "Result") -> Iterator["Figure"]:
     if len(result.t) < 2:
         return
     groups: dict[str, list[str]] = {}
-    for row in description.coordinates:
+    for row in description.positions:
         groups.setdefault(f"position, {row.unit}", []).append(row.name)
         groups.setdefault(f"velocity, {row.velocity_unit}", []).append(row.velocity)
+    for state in description.states:
+        groups.setdefault(f"state, {state.unit or '1'}", []).append(state.name)
     for reaction in description.reactions:
         kind = "driver" if reaction.element in description.drivers else "reaction"
         if reaction.element in description.effects.names:

@@ -18,12 +18,12 @@ def plot(result: "Result", names: Sequence[str] = ()) -> "Figure":
     Tracked points are drawn by their paths, y over x in equal axes, in a panel below.
     """
     result = for_curves(result)
-    coordinates = result.description.coordinates
+    coordinates = result.description.positions
     points = [name for name in names if name in result.description.tracked]
     chosen = [name for name in names if name not in points]
     chosen = chosen or ([] if points else [row.name for row in coordinates if row.is_angle])
     panels: dict[str, list[str]] = {}
-    for name in chosen or ([] if points else coordinates.names):
+    for name in chosen or ([] if points else [row.name for row in coordinates]):
         panels.setdefault(result.series(name)[1], []).append(name)
     count = len(panels) + bool(points)
     figure = new_figure("plot", 7.0, 2.4 * len(panels) + 5.0 * bool(points))

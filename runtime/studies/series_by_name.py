@@ -22,10 +22,13 @@ def series_names(description: Description) -> dict[str, list[str]]:
     has_energy = description.has_masses and not description.leaves_out("energy")
     rows, effects = description.reactions, description.effects.names
     tracked = description.tracked
+    sampled = description.sampled
     found = {
-        "coordinates": [row.name for row in description.coordinates],
-        "velocities": [row.velocity for row in description.coordinates],
-        "accelerations": [f"a({row.name})" for row in description.coordinates],
+        "coordinates": [row.name for row in description.positions],
+        "velocities": [row.velocity for row in description.positions],
+        "accelerations": [f"a({row.name})" for row in description.positions],
+        "states": [*description.states.names],
+        "rates of states": [f"a({n})" for n in description.states.names if n not in sampled],
         "reactions": [row.name for row in rows if row.element not in effects],
         "quantities of effects": [
             row.name for row in rows if row.element in effects and row.element not in tracked
@@ -50,11 +53,12 @@ def unknown_series(name: str, known: dict[str, list[str]]) -> str:
 
 
 def default_quantities(description: Description) -> tuple[str, ...]:
-    """The coordinates that the scene starts from and their velocities; all where it fixes none."""
+    """The coordinates that the scene starts from and their velocities, or all; and states."""
     fixed = {row.name for row in description.start if row.role == "fixed"}
-    rows = [row for row in description.coordinates if fixed & {row.name, row.velocity}]
-    rows = rows or list(description.coordinates)
-    return tuple(name for row in rows for name in (row.name, row.velocity))
+    rows = [row for row in description.positions if fixed & {row.name, row.velocity}]
+    rows = rows or [*description.positions]
+    names = tuple(name for row in rows for name in (row.name, row.velocity))
+    return names + description.states.names
 
 
 def series_of(description: Description, quantities: Sequence[str]) -> tuple[str, ...]:

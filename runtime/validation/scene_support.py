@@ -4,6 +4,7 @@ from typing import NoReturn
 
 from codegen.errors import AnalysisError
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.results.assembled_state import Assembly
 
 
 def require_motion(mechanism: Mechanism, question: str) -> None:
@@ -73,10 +74,10 @@ def refuse_massless(mechanism: Mechanism) -> NoReturn:
     raise AnalysisError(description.need_masses("a simulation", ", or ask for kinematics"))
 
 
-def driven_note(mechanism: Mechanism, freedom: int) -> str:
+def driven_note(mechanism: Mechanism, begin: Assembly) -> str:
     """Sentence of a simulation whose drivers determine the motion; else empty."""
     description = mechanism.description
-    if freedom or not description.drivers:
+    if not begin.is_determined or not description.drivers:
         return ""
     return (
         f" Nothing was left to integrate: with drivers {', '.join(description.drivers)} the "

@@ -62,6 +62,18 @@ def test_start_values_go_with_the_body_that_is_left_out() -> None:
     assert valid_scenes(model, alone)[0].bodies == ("body",)
 
 
+def test_outputs_go_with_the_element_that_is_left_out() -> None:
+    model = sledge()
+    asked = ["energy", "force(spring)", "power(rub)", "reaction(guide)"]
+    model.scene("seen", ["spring", "rub"], outputs=asked)
+    free = model.scene("seen").without("rub")
+    assert free.name == "seen_without_rub"
+    assert free.outputs == ("energy", "force(spring)", "reaction(guide)")
+    assert valid_scenes(model, free)
+    with pytest.raises(ModelError, match=r"'power\(rub\)' needs effect 'rub'"):
+        valid_scenes(model, model.scene("seen").without("rub").with_(outputs=asked))
+
+
 def test_scenes_made_on_the_fly_say_what_they_are() -> None:
     model = sledge()
     made = model.scene("slide").without("spring").with_("wall", fidelity="rigid")

@@ -119,7 +119,7 @@ def calls(free: Machine, driven: Machine) -> list[Call]:
              {"model": set(), "scene": NONE, "out": NONE | PATHS, "settings": NONE,
               "progress": FUNCTIONS, **flags}),
     ]  # fmt: skip
-    lookups = ("q", "v", "a", "mode", "share", "power", "work", "path", "energy", "series")
+    lookups = ("q", "v", "a", "y", "mode", "share", "power", "work", "path", "energy", "series")
     for lookup in lookups:
         function = getattr(result, lookup)
         parameter = next(iter(signature(function).parameters))

@@ -243,6 +243,22 @@ TRIPLE = Kind(_sequence(3, Scenery.number), _spoilt(3, Scenery.number, of_scalar
 LETTER = words("x", "y")
 LAW = Kind(_law, _of(lambda r: of_scalar(r, lambda: None, lambda: sympy.Symbol("a_x", real=True))))
 CONDITION = Kind(_condition, _bad_condition)
+WHEN = Kind(
+    lambda s, r: r.choice([s.a.x > 0, sympy.And(s.p.vx < 1, t > 2), s.b.omega >= s.k]),
+    lambda s, r: None if r.random() < 0.1 else _bad_condition(s, r),
+)
+UNTIL = Kind(
+    lambda s, r: r.choice([None, {}, {"ended": s.a.x > 0}, {"far": s.p.vx < s.k, "late": t > 1}]),
+    lambda s, r: r.choice(
+        [{"ended": _bad_condition(s, r)}, {7: s.a.x > 0}, {"a": s.a.x > 0}, 7, "a", [s.a.x > 0]]
+    ),
+)
+TIME = Kind(
+    lambda s, r: r.choice([0.5, 1, sympy.Rational(1, 100)]),
+    lambda s, r: r.choice([-1.0, -3, of_number(r)]),
+)
+# messages about the rate say the name of the state
+STATE = Kind(lambda s, r: s.model.state("by_state_equation"), _of(of_object))
 CALLABLE = Kind(
     lambda s, r: r.choice([lambda s, v: 2 * v, lambda s, v: 3 * s**2, None]), _bad_callable
 )

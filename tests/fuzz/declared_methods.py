@@ -25,8 +25,12 @@ from tests.fuzz.declared_arguments import (
     POINTS,
     SCALAR,
     STAND_IN,
+    STATE,
+    TIME,
     TRIPLE,
     UNIT,
+    UNTIL,
+    WHEN,
     Kind,
     bad_mapping,
     bad_names,
@@ -207,6 +211,19 @@ METHODS: dict[str, dict[str, Kind]] = {
         "axis?": PAIR,
         "creep?": NUMBER,
     },
+    "state": {"rate": SCALAR, "start?": PLAIN, "unit?": UNIT, "nominal?": TIME},
+    "state_equation": {"state": STATE, "rate": SCALAR},
+    "sampled": {
+        "every": TIME,
+        "value": SCALAR,
+        "delay?": TIME,
+        "start?": PLAIN,
+        "unit?": UNIT,
+        "nominal?": TIME,
+    },
+    "latch": {"when": WHEN, "reset?": CONDITION},
+    "release": {"joint": JOINT, "when": WHEN, "until?": CONDITION},
+    "engage": {"joint": JOINT, "when": WHEN, "until?": CONDITION},
     "track": {"point": PLACE},
     "alternatives": {"choices": CHOICES, "default?": words("one", None)},
     "scene": {
@@ -222,6 +239,7 @@ METHODS: dict[str, dict[str, Kind]] = {
         "analysis?": words("dynamics", "kinematics", None),
         "fidelity?": Kind(nothing, bad_mapping(["pin"], of_number)),
         "couplers?": Kind(nothing, bad_mapping(["rod"], of_number)),
+        "until?": UNTIL,
         "extends?": Kind(nothing, lambda s, r: r.choice(["nothing", 7, s.a, object(), ["x"]])),
         "outputs?": Kind(
             lambda s, r: r.choice([None, ["energy"], "all", []]),
@@ -233,7 +251,8 @@ METHODS: dict[str, dict[str, Kind]] = {
 }
 """Method of `Model` → its arguments, those that may be left out with a question mark."""
 
-NO_NAME = ("depends_on",)  # the message says the method's name
+# the message says the method's name
+NO_NAME = ("depends_on", "state_equation", "release", "engage")
 BAD_NAMES: list[Any] = [
     None,
     7,

@@ -94,7 +94,7 @@ def test_sampled_control_that_saturates() -> None:
     run = load("robot_arm", "sampled").simulate(times[-1], times, rtol=1e-11)
     check(run, states)
     for k, name in enumerate(JOINTS):
-        assert np.abs(run.v(f"u_{name}.value") - torques[:, k])[:-1].max() < 1e-8 * LIMIT[k]
+        assert np.abs(run.y(f"u_{name}") - torques[:, k])[:-1].max() < 1e-8 * LIMIT[k]
 
 
 def test_a_controller_of_ones_own() -> None:
@@ -134,7 +134,7 @@ def test_control_with_an_integral() -> None:
     run = load("robot_arm", "integral").simulate(6.0, times, rtol=1e-11)
     check(run, exact.y.T)
     for k, name in enumerate(JOINTS):
-        assert np.abs(run.v(f"sum_{name}.value") - exact.y[6 + k]).max() < 1e-8
+        assert np.abs(run.y(f"sum_{name}") - exact.y[6 + k]).max() < 1e-8
     sagging = load("robot_arm", "continuous").simulate(6.0, rtol=1e-9)
     rest = [np.array([r.q(f"{link}.phi")[-1] for link in LINKS]) for r in (run, sagging)]
     off = [np.abs(relative(angles) - TARGET).max() for angles in rest]

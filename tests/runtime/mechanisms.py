@@ -134,7 +134,7 @@ class Mechanism:
             "LOADED": [self.coordinate(load[1]) for load in self.loads],
             "LOADS": [self.place(load[2]) for load in self.loads],
             "SWITCH_OF": [modes.index(load[0]) if load[0] in modes else -1 for load in self.loads],
-            "WATCHED": [self.coordinate(load[3]) for load in switched],
+            "SWITCHED_BY": [self.coordinate(load[3]) for load in switched],
         }
         lines = ['"""Kernels written by hand for tests."""', "", "import numba"]
         lines += ["import numpy as np", ""]

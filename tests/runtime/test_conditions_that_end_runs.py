@@ -115,6 +115,27 @@ def test_a_guess_of_a_state_is_refused() -> None:
         build(model, compile=False)
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_ball_that_bounces_has_touched_its_floor(workshop: Path, method: str) -> None:
+    model, start = thrown("until_bounced")
+    ball = model.bodies["ball"]
+    model.contact("floor", model.ground, ball, direction=(0, 1), restitution=0.5)
+    conditions = {
+        "touches": ball.y <= 0,
+        "falls": (ball.y <= 0) & (ball.vy < 0),
+        "again": (ball.y <= 0) & (ball.x > 1),
+        "below": ball.y < 0,
+    }
+    for name, condition in conditions.items():
+        model.scene(name, ["gravity", "floor"], start=start, until={"landed": condition})
+    first = np.sqrt(4 / G)
+    for name, end in {"touches": first, "falls": first, "again": 2 * first}.items():
+        r = load(model, name, folder=workshop).simulate(1.5, method=method, rtol=1e-10)
+        assert (r.outcome, r.ended_by) == (Outcome.OK, "landed"), name
+        assert_allclose(r.t[-1], end, atol=1e-9)
+    assert load(model, "below", folder=workshop).simulate(1.5, method=method).ended_by == ""
+
+
 def test_conditions_that_are_none() -> None:
     model, _ = thrown("until_wrong")
     ball = model.bodies["ball"]
@@ -140,7 +161,7 @@ def test_a_latch_remembers(workshop: Path, method: str) -> None:
     v = 1 - 0.5 * begin
     v1, x1 = v + 3 * (1 - begin), 0.3 + v * (1 - begin) + 1.5 * (1 - begin) ** 2
     assert_allclose(r.q("mass.x")[-1], x1 + v1 * 0.5 - 0.25 * 0.25, atol=1e-9)
-    assert_allclose(r.v("pushed.value"), [0, 1, 0], atol=1e-14)
+    assert_allclose(r.y("pushed"), [0, 1, 0], atol=1e-14)
 
 
 def test_a_value_that_events_renew(workshop: Path) -> None:
@@ -153,8 +174,8 @@ def test_a_value_that_events_renew(workshop: Path) -> None:
     model.scene("runs", [count, last], drivers=["shake"])
     r = load(model, folder=workshop).simulate(10.0, [10.0], rtol=1e-9)
     period = 2 * np.pi / 3
-    assert r.v("count.value")[-1] == 1 + np.floor(10 / period)
-    assert_allclose(r.v("last.value")[-1], 4 * period, atol=1e-8)
+    assert r.y("count")[-1] == 1 + np.floor(10 / period)
+    assert_allclose(r.y("last")[-1], 4 * period, atol=1e-8)
 
 
 def test_a_latch_in_a_potential_or_a_law_is_refused() -> None:

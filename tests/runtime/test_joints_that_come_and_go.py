@@ -179,9 +179,9 @@ def test_works_clocks_and_counts_go_on_past_a_release(towed: Machine, times: obj
     end = r.at(2.0)
     work = sum(series[-1] for series in end.works.values())
     assert_allclose(work, end.energy("kinetic")[-1], atol=1e-9)
-    assert_allclose(end.v("count.value")[-1], 1)
-    assert_allclose(end.v("clock.value")[-1], 1.7)
-    assert_allclose(r.at([0.3, 0.36, 0.46]).v("clock.value"), [0.0, 0.1, 0.2], atol=1e-15)
+    assert_allclose(end.y("count")[-1], 1)
+    assert_allclose(end.y("clock")[-1], 1.7)
+    assert_allclose(r.at([0.3, 0.36, 0.46]).y("clock"), [0.0, 0.1, 0.2], atol=1e-15)
     if isinstance(times, list):
         assert_allclose(r.t, times)
 

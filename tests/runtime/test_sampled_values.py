@@ -67,8 +67,8 @@ def test_pid_with_saturation(
     t = PERIOD * np.arange(200)
     r = servo("pid").simulate(2.0, t, method=method, formulation=formulation, rtol=1e-9)
     assert r.outcome is Outcome.OK
-    names = ("arm.omega", "u.value", "sum.value")
-    got = np.column_stack([r.q("arm.phi"), *map(r.v, names)])
+    names = ("u", "sum")
+    got = np.column_stack([r.q("arm.phi"), r.v("arm.omega"), *map(r.y, names)])
     assert_allclose(got, pid(200), atol=1e-9)
 
 
@@ -84,7 +84,7 @@ def test_a_delay_of_several_periods(servo: Callable[[str], Machine]) -> None:
         rows.append((phi, omega, u))
         phi, omega = turn(phi, omega, u, step)
     r = servo("late").simulate(2.0, step * np.arange(count), rtol=1e-10)
-    got = np.column_stack([r.q("arm.phi"), r.v("arm.omega"), r.v("u_late.value")])
+    got = np.column_stack([r.q("arm.phi"), r.v("arm.omega"), r.y("u_late")])
     assert_allclose(got, rows, atol=1e-9)
 
 
@@ -92,7 +92,7 @@ def test_values_keep_between_samples(servo: Callable[[str], Machine]) -> None:
     t = np.linspace(0.0, 0.0999, 1000)
     r = servo("pid").simulate(0.1, t, rtol=1e-10)
     place = np.floor(t / PERIOD + 1e-9).astype(int)
-    assert_allclose(r.v("u.value"), pid(10)[place, 2], atol=1e-12)
+    assert_allclose(r.y("u"), pid(10)[place, 2], atol=1e-12)
 
 
 def test_a_function_of_ones_own(servo: Callable[[str], Machine]) -> None:

@@ -55,7 +55,7 @@ def test_a_motor_with_current_as_state(spin: Machine, method: str, formulation: 
         1.0, [0.004, 0.1, 1.0], method=method, formulation=formulation, rtol=1e-10, max_step=0.01
     )
     assert r.outcome is Outcome.OK
-    got = np.column_stack([r.v("current.value"), r.v("rotor.omega")])
+    got = np.column_stack([r.y("current"), r.v("rotor.omega")])
     assert_allclose(got, exact(r.t), rtol=2e-8)
 
 
@@ -69,13 +69,13 @@ def test_a_state_has_no_energy_and_its_own_unit(spin: Machine) -> None:
 
 def test_its_rate_stands_among_accelerations(spin: Machine) -> None:
     r = spin.simulate(0.2, [0.1], rtol=1e-10)
-    i, omega = r.v("current.value"), r.v("rotor.omega")
-    assert_allclose(r.a("current.value"), (12 - R * i - K * omega) / L, rtol=1e-9)
+    i, omega = r.y("current"), r.v("rotor.omega")
+    assert_allclose(r.a("current"), (12 - R * i - K * omega) / L, rtol=1e-9)
 
 
 def test_parameters_of_a_rate_change_from_run_to_run(spin: Machine) -> None:
     r = spin.simulate(30.0, [30.0], parameters={"resistance": 4.0})
-    assert_allclose(r.v("current.value"), 12 * C / (4 * C + K * K), rtol=1e-6)
+    assert_allclose(r.y("current"), 12 * C / (4 * C + K * K), rtol=1e-6)
 
 
 def test_a_scene_has_the_states_that_it_needs_or_names() -> None:
@@ -87,8 +87,8 @@ def test_a_scene_has_the_states_that_it_needs_or_names() -> None:
 
 
 def test_a_run_may_start_elsewhere(spin: Machine) -> None:
-    r = spin.simulate(0.1, [0.0, 0.1], guess={"current.value": 3.0})
-    assert_allclose(r.v("current.value")[0], 3.0)
+    r = spin.simulate(0.1, [0.0, 0.1], guess={"current": 3.0})
+    assert_allclose(r.y("current")[0], 3.0)
 
 
 def test_saturation_switches_as_forces_do(workshop: Path) -> None:
@@ -108,7 +108,7 @@ def test_saturation_switches_as_forces_do(workshop: Path) -> None:
         rates, (0, 6), [0.0] * 3, "DOP853", r.t, rtol=1e-12, atol=1e-13, max_step=0.003
     )
     assert_allclose(r.q("mass.x"), reference.y[0], atol=1e-8)
-    assert_allclose(r.v("integral_of_error.value"), reference.y[2], atol=1e-8)
+    assert_allclose(r.y("integral_of_error"), reference.y[2], atol=1e-8)
     assert len(r.events) >= 2
 
 
@@ -121,7 +121,7 @@ def test_states_that_contain_one_another(workshop: Path) -> None:
     model.force("act", mass, fx=x)
     model.scene("runs", ["act"], start={mass.x: 0.0, mass.y: 0.0, mass.vx: 0.0, mass.vy: 0.0})
     r = load(model, folder=workshop).simulate(5.0, [1.0, 5.0], rtol=1e-11)
-    assert_allclose(r.v("x1.value"), np.cos(2 * r.t), atol=1e-9)
+    assert_allclose(r.y("x1"), np.cos(2 * r.t), atol=1e-9)
     assert_allclose(r.q("mass.x"), (1 - np.cos(2 * r.t)) / 4, atol=1e-9)
 
 

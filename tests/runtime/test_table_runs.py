@@ -222,3 +222,48 @@ def test_force_by_table_of_a_length(tmp_path: Path) -> None:
     energy = vx**2 + vy**2 + [work(law.table, 1.2, r) for r in np.hypot(x, y)]
     assert_allclose(energy, energy[0], rtol=1e-7)
     assert_allclose(x * vy - y * vx, 1.2 * 1.1, rtol=1e-7)
+
+
+def rider(kind: Kind, beyond: str) -> Model:
+    """A mass on a tyre that never pulls, above a road by table of the time."""
+    model = Model("rider", gravity=(0, -9.81))
+    knots, heights = [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 2.0], [0, 0, 0.01, 0.03, 0.04, 0.0, 0, 0]
+    road = model.table("road", knots, heights, units=("s", "m"), kind=kind, beyond=beyond)
+    mass = model.particle("mass", mass=1.0)
+    model.contact("tyre", gap=mass.y - road(t), stiffness=1e3, damping=10.0, may_pull=False)
+    start = {mass.x: 0.0, mass.vx: 0.0, mass.y: -9.81e-3, mass.vy: 0.0}
+    outputs = ["force(tyre)", "gap(tyre)", "rate(tyre)"]
+    model.scene("ride", ["gravity", "tyre"], start=start, outputs=outputs)
+    return model
+
+
+@pytest.mark.parametrize("kind", ["linear", "pchip", "spline"])
+@pytest.mark.parametrize("beyond", ["stop", "hold"])
+def test_contact_above_a_road_switches_where_it_opens_and_closes(
+    kind: Kind, beyond: str, tmp_path: Path
+) -> None:
+    """And nowhere else: no branch of the table has events of its own."""
+    run = load(rider(kind, beyond), "ride", folder=tmp_path).simulate(1.9, rtol=1e-9, atol=1e-11)
+    assert run.outcome is Outcome.OK
+    gap, force = run.gap("tyre"), run.force("tyre")
+    push = -(1e3 * gap + 10.0 * run.rate("tyre"))
+    assert_allclose(force, np.where(gap < 0, np.maximum(push, 0), 0), atol=1e-7)
+    assert (gap > 1e-3).any()
+    # Each opening and each closing has an event of the damper and one of the gap.
+    touching = force > 0
+    changes = np.count_nonzero(touching[1:] != touching[:-1])
+    assert changes >= 3
+    if kind != "linear":  # at whose knots the rate jumps
+        assert len(run.events) == 2 * changes
+
+
+def test_condition_on_a_table_alone_ends_a_run_beyond_it(tmp_path: Path) -> None:
+    model = Model("gate")
+    table = model.table("hill", [0.0, 1.0, 2.0], [0.0, 1.0, 0.0])
+    cart = model.particle("cart", mass=1.0)
+    model.force("push", cart, fx=1.0, when=table(cart.x) > 0.5)
+    state = {cart.x: 0.1, cart.y: 0.0, cart.vx: 1.0, cart.vy: 0.0}
+    model.scene("run", ["push"], start=state)
+    run = load(model, "run", folder=tmp_path).simulate(5.0)
+    assert run.outcome is Outcome.OUT_OF_RANGE
+    assert run.q("cart.x")[-1] == pytest.approx(2.0, abs=1e-9)

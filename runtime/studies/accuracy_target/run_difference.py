@@ -60,7 +60,7 @@ class Quantities:
 def quantities_of(
     description: Description, names: Sequence[str] | None, sizes: FloatArray
 ) -> Quantities:
-    """The quantities of these names: all coordinates and velocities without `names`.
+    """The quantities of these names: all that is integrated without `names`.
 
     `sizes`, (n,): of coordinates, and of velocities per second. A result refuses unknown names.
     """
@@ -72,7 +72,7 @@ def quantities_of(
     rows = description.coordinates
     states = [*rows.names, *(row.velocity for row in rows)]
     column = {name: k for k, name in enumerate(states)}
-    chosen = tuple(states) if names is None else tuple(dict.fromkeys(names))
+    chosen = description.variables if names is None else tuple(dict.fromkeys(names))
     state_columns = np.array([column.get(name, -1) for name in chosen], dtype=np.int64)
     both = np.concatenate([sizes, sizes, [np.nan]])
     return Quantities(chosen, both[state_columns], state_columns)

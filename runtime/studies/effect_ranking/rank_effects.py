@@ -242,7 +242,7 @@ def _analysis_of(machine: Machine) -> str:
     description = machine.description
     if description.analysis == "equilibrium":
         return "equilibrium"
-    if description.drivers and machine.degrees_of_freedom == 0:
+    if description.drivers and machine.is_determined:
         return "inverse" if description.has_masses else "kinematics"
     return "simulate"
 

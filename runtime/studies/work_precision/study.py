@@ -138,7 +138,7 @@ def _assemble_with_freedom(
 ) -> Assembly:  # fmt: skip
     """The assembled start of a motion; AnalysisError where drivers leave no freedom."""
     begin = machine.assemble(guess, parameters, t)
-    if begin.degrees_of_freedom == 0:
+    if begin.is_determined:
         raise AnalysisError(
             f"{machine.description.title}: drivers leave no freedom, so nothing is integrated, and "
             "accuracy is that of Newton's method. Choose a scene that forces move."

@@ -1,0 +1,68 @@
+"""The examples of docs/control-and-connections.md, run as they stand there."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+
+@pytest.fixture(scope="module")
+def shown(root: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """Everything that the page's code defines."""
+    text = (root / "docs" / "control-and-connections.md").read_text(encoding="utf-8")
+    names: dict[str, Any] = {"__name__": "documented_control"}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path_factory.mktemp("control"))
+        for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL):
+            exec(block, names)
+    return names
+
+
+def test_motor(shown: dict[str, Any]) -> None:
+    r = shown["spin"]
+    matrix = np.array([[-200.0, -10.0], [50.0, -0.5]])
+    values, vectors = np.linalg.eig(matrix)
+    final = -np.linalg.solve(matrix, [1200.0, 0.0])
+    parts = np.linalg.solve(vectors, [1.0, 0.0] - final)
+    exact = final[0] + np.exp(np.outer(r.t, values)) @ (vectors[0] * parts)
+    # Its steps are at the limit of stability, where the dense output has fewer digits than steps.
+    assert_allclose(r.y("current"), exact, atol=5e-5)
+
+
+def test_controllers(shown: dict[str, Any]) -> None:
+    turn = shown["turn"]
+    assert abs(turn.q("arm.phi")[-1] - 1) < 0.1
+    assert np.abs(turn.y("u")).max() == 5.0
+    assert np.abs(shown["coarse"].q("arm.phi") - turn.q("arm.phi")).max() > 1e-3
+    controlled = shown["controlled"]
+    assert abs(controlled.q("arm.phi")[-1] - 1) < 0.01
+    asked = np.clip(10 * (1 - controlled.q("arm.phi")) - controlled.v("arm.omega"), -5, 5)
+    assert np.abs(controlled.y("torque") - asked).max() < 1.0
+
+
+def test_latch_and_end(shown: dict[str, Any]) -> None:
+    race = shown["race"]
+    push = 2 * (2.0**2 - 1.0**2) / 2 / 8.0  # m, over which the thruster takes it to 2 m/s
+    arrives = 0.3 + (2.0 - 1.0) / 4.0 + (3.0 - 0.3 - push) / 2.0
+    assert race.ended_by == "home"
+    assert_allclose(race.t[-1], arrives, atol=1e-8)
+    assert {*race.y("burning")} == {0.0, 1.0}
+
+
+def test_connections(shown: dict[str, Any]) -> None:
+    flight, cut = shown["flight"], shown["cut"]
+    assert_allclose(flight.at(cut.t).q("bob.phi"), 0.5, atol=1e-8)
+    last = 1.5 - cut.t
+    omega = np.sqrt(49 - 2 * 9.81 * (np.sin(0.5) + 1) / 1.1)
+    height = np.sin(0.5) + omega * np.cos(0.5) * last - 9.81 * last**2 / 2
+    assert_allclose(flight.q("bob.y")[-1], height, atol=1e-6)
+    assert str(cut).startswith("Joint 'hinge' was released at t = 0.")
+    caught = shown["caught"]
+    assert_allclose([caught.t, caught.energy_lost], [1 / 3, 3.0], atol=1e-8)
+    assert_allclose(np.abs([*caught.impulse.values()]), [2.0], atol=1e-8)
+    changes = shown["index"].reconnections
+    assert [change.action for change in changes] == ["engage", "release"]
+    assert_allclose([change.t for change in changes], [np.pi / 8, 3 * np.pi / 8], atol=1e-8)
