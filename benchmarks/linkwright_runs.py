@@ -109,7 +109,7 @@ def simulated(entry: Entry, machine: Machine, formulation: str, tolerance: float
         [0.0, entry.problem.duration],
         rtol=tolerance,
         formulation=formulation,  # type: ignore[arg-type]  # one of the two words
-        guess=dict(entry.start) or None,
+        start=dict(entry.start) or None,
         progress=False,
     )
     return run, float(run.stats["integration_seconds"]) * 1e3

@@ -1,7 +1,7 @@
 """The machine that a user holds: the analyses as methods, beside its tables and states."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
@@ -59,8 +59,8 @@ class Machine(MachineStates):
             coordinate (m, rad) or velocity (m/s, rad/s), over those of the scene, and is refused
             where the joints do not allow them; or it is a state in place of the scene's start: an
             assembled one, a result's end or `Result.state(t)`, an equilibrium. `guess` has values
-            with which the search for a start begins, over those of the scene; a name that the scene
-            fixes stays fixed, at the new value. `Result.message` says what became of them.
+            with which the search for a start begins, in place of the scene's guesses; a name that
+            the scene fixes is refused. `Result.message` says what became of them.
         method
             "dop853" (default), of order 8, "dopri5" and "tsit5", of order 5, are explicit.
             "radau5" and "bdf" are implicit, for stiff equations: contacts and springs much stiffer
@@ -107,7 +107,8 @@ class Machine(MachineStates):
         Raises
         ------
         InputError, ParameterError, AssemblyError
-            If arguments or parameters make no sense, or the start cannot be assembled.
+            If arguments or parameters make no sense, the start cannot be assembled, or `guess`
+            names what the scene fixes.
         AnalysisError
             If the scene has no masses, nothing is left to integrate, or not even the beginning can
             be computed to the `accuracy` asked for.
@@ -117,7 +118,7 @@ class Machine(MachineStates):
         >>> m = lw.load("pendulum.py", scene="swing")
         >>> r = m.simulate(10.0, rtol=1e-10, parameters={"length": 1.2})
         >>> r.q("bob.phi")[-1], r.reaction("hinge", "fy").max()  # rad, N
-        >>> m.simulate(10.0, np.linspace(0.0, 10.0, 1001), guess={"bob.phi": 0.5})
+        >>> m.simulate(10.0, np.linspace(0.0, 10.0, 1001), start={"bob.phi": 0.5})
         """
         from runtime.dynamics.output_conditions import read_conditions, simulate_until
         from runtime.studies.accuracy_target import accuracy_or_tolerances
@@ -143,7 +144,8 @@ class Machine(MachineStates):
     def kinematics(
         self, t_end: "float | npt.ArrayLike | None" = None,
         t_eval: "npt.ArrayLike | int | None" = None, *, parameters: Values | None = None,
-        guess: Values | None = None, t_start: float = 0.0, progress: bool = True,
+        guess: Values | None = None, start: Values | None = None, t_start: float = 0.0,
+        progress: bool = True,
     ) -> "Result":  # fmt: skip
         """Positions, velocities and accelerations of a machine whose drivers leave no freedom.
 
@@ -158,9 +160,10 @@ class Machine(MachineStates):
             As for `simulate`: a number is the last instant in s, and the motion up to it is sampled
             at 501 instants, at as many as `t_eval` says, or at those that it has, increasing. These
             may also be all that is given: `[1.0]` is the one instant 1 s.
-        parameters, guess
-            Values by name, in the declared units; start values by name of coordinate or velocity,
-            SI units. The others keep their defaults, and what the scene says.
+        parameters, guess, start
+            Values by name, in the declared units; values by name of coordinate or velocity, SI
+            units, with which the search for the start begins, and such that are kept, as for
+            `simulate`. The others keep their defaults, and what the scene says.
         t_start
             Instant in s to which the start values belong. The machine is assembled there and
             followed to the first of the others, so that it stays on the branch on which it starts.
@@ -183,14 +186,16 @@ class Machine(MachineStates):
         from runtime.dynamics.kinematics_and_inverse_dynamics import kinematics
 
         return self._prescribed_motion(
-            kinematics, t_end, t_eval, parameters, guess, t_start, progress
-        )
+            kinematics, t_end, t_eval=t_eval, parameters=parameters, guess=guess, start=start,
+            t_start=t_start, progress=progress,
+        )  # fmt: skip
 
     @shows_compilation
     def inverse_dynamics(
         self, t_end: "float | npt.ArrayLike | None" = None,
         t_eval: "npt.ArrayLike | int | None" = None, *, parameters: Values | None = None,
-        guess: Values | None = None, t_start: float = 0.0, progress: bool = True,
+        guess: Values | None = None, start: Values | None = None, t_start: float = 0.0,
+        progress: bool = True,
     ) -> "Result":  # fmt: skip
         """Forces and torques that a prescribed motion takes, and the reactions in the joints.
 
@@ -199,7 +204,7 @@ class Machine(MachineStates):
 
         Parameters
         ----------
-        t_end, t_eval, parameters, guess, t_start, progress
+        t_end, t_eval, parameters, guess, start, t_start, progress
             As for `kinematics`: instants in s, values by name in their units, whether a bar shows.
 
         Raises
@@ -218,22 +223,19 @@ class Machine(MachineStates):
         from runtime.dynamics.kinematics_and_inverse_dynamics import inverse_dynamics
 
         return self._prescribed_motion(
-            inverse_dynamics, t_end, t_eval, parameters, guess, t_start, progress
-        )
+            inverse_dynamics, t_end, t_eval=t_eval, parameters=parameters, guess=guess,
+            start=start, t_start=t_start, progress=progress,
+        )  # fmt: skip
 
     def _prescribed_motion(
         self, analyse: Callable[..., "Result"], t_end: "float | npt.ArrayLike | None",
-        t_eval: "npt.ArrayLike | int | None", parameters: Values | None, guess: Values | None,
-        t_start: float, progress: bool,
+        **arguments: Any,
     ) -> "Result":  # fmt: skip
         """The motion that the drivers prescribe, analysed."""
         word = analyse.__name__
         require_motion(self.mechanism, word)
         refuse_states(self.mechanism, word)
-        given = check(
-            self.mechanism, t_eval=t_eval, parameters=parameters, guess=guess, t_start=t_start,
-            progress=progress,
-        )  # fmt: skip
+        given = check(self.mechanism, start_has_values=True, **arguments)
         times = instants_of_motion(t_end, given.pop("t_eval"), given["t_start"], word)
         title = f"{word.replace('_', ' ')} of {self.mechanism.title}"
         with bar(title, given.pop("progress")) as report:
@@ -252,8 +254,8 @@ class Machine(MachineStates):
             "energy": a minimum of the total potential energy. "settling": a damped motion until
             rest, which also finds the way from a start far off.
         guess, parameters
-            Start values by name of coordinate, SI units, over those of the scene; positions that
-            the scene fixes are free here. Values by name, in the declared units.
+            Positions by name of coordinate, SI units, at which the search begins, over those of
+            the scene; what that fixes is free here. Values by name, in the declared units.
         t, progress
             Instant in s at which drivers and forces are frozen; whether a terminal shows a bar.
 

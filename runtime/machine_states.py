@@ -1,7 +1,7 @@
 """Parameter values, modes and assembled states of a machine, as methods."""
 
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -99,7 +99,7 @@ class MachineStates(MechanismTables):
         """
         from runtime.integrate.run import initial_modes
 
-        state = {} if q is None and v is None else {"q": q, "v": v}
+        state: dict[str, Any] = {} if q is None and v is None else {"q": q, "v": v}
         given = check(self.mechanism, t=t, parameters=parameters, **state)
         t, parameters = given["t"], given["parameters"]
         p = self.parameter_values(parameters)
@@ -112,20 +112,24 @@ class MachineStates(MechanismTables):
 
     @shows_compilation
     def assemble(
-        self, guess: Values | None = None, parameters: Values | None = None, t: float = 0.0
-    ) -> "Assembly":
+        self, guess: Values | None = None, parameters: Values | None = None, t: float = 0.0, *,
+        start: Values | None = None,
+    ) -> "Assembly":  # fmt: skip
         """Positions and velocities that satisfy the joints and the drivers at time t.
 
-        Start values with the role "fixed" are kept. The others are guesses: positions move as
-        little as closing the joints allows, velocities as little as Φ_q v = ν allows.
+        Start values with the role "fixed" and those of `start` are kept. The others are guesses:
+        positions move as little as closing the joints allows, velocities as little as Φ_q v = ν
+        allows.
 
         Parameters
         ----------
         guess
-            Start values by name of coordinate (m, rad) or velocity (m/s, rad/s), over those of the
-            scene; a name that the scene fixes stays fixed, at the new value.
+            Values by name of coordinate (m, rad) or velocity (m/s, rad/s) with which the search
+            begins, in place of the scene's guesses; of no name that the scene or `start` fixes.
         parameters, t
             Values by name, in the declared units, the others keep their defaults; instant in s.
+        start
+            Values by name, as in `guess`, that are kept, over those that the scene fixes.
 
         Returns
         -------
@@ -136,11 +140,17 @@ class MachineStates(MechanismTables):
         Raises
         ------
         AssemblyError
-            If the joints do not close; it names the joints, with the gaps that are left.
+            If the joints do not close; it names the joints, with the gaps that are left. If `guess`
+            names what the scene fixes; it has the names, with the scene's values.
+        InputError
+            If a name is in `guess` and in `start`, or an argument is of another kind.
         RedundancyError
             If constraints contradict each other, or a driver drives what the joints determine.
         """
         from runtime.assembly.assemble import assemble
 
-        given = check(self.mechanism, guess=guess, parameters=parameters, t=t)
-        return assemble(self.mechanism, **given)
+        given = check(
+            self.mechanism, start_has_values=True, guess=guess, parameters=parameters, t=t,
+            start=start,
+        )  # fmt: skip
+        return assemble(self.mechanism, start_at=given.pop("start"), **given)

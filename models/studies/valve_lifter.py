@@ -70,7 +70,7 @@ def study() -> Study:
             instants,
             rtol=1e-9,
             parameters=parameters,
-            guess={"pushrod.y": pressed},
+            start={"pushrod.y": pressed},
         )
     kinematics = load("valve_lifter", "kinematics")
     turn = np.linspace(0.0, 60.0 / NOMINAL[1], 361)

@@ -40,18 +40,15 @@ def assemble(
 ) -> Assembly:  # fmt: skip
     """Assemble at time t, from the start values of the scene, of `guess` and of `start_at`.
 
-    Values of the latter are kept; a state is kept as far as joints and drivers allow. With
-    `release`, fixed positions are guesses and start velocities zero, as a search for
-    equilibrium takes them.
+    Values of the latter are kept; a state is kept as far as joints and drivers allow; a guess of
+    what the scene fixes is refused. With `release`, fixed positions are guesses and start
+    velocities zero, as a search for equilibrium takes them.
     """
     equations = Equations(mechanism, parameter_values(mechanism, parameters))
     if isinstance(start_at, State):
         start = start_of_state(start_at)
     else:
-        start = start_values(mechanism, guess, start_at)
-    if release:
-        none = np.zeros_like(start.fixed_q)
-        start = start._replace(fixed_q=none, fixed_v=none, v=np.zeros_like(start.v))
+        start = start_values(mechanism, guess, start_at, release=release)
     t = float(t)
     drivers = mechanism.description.driver_rows
     said = {} if isinstance(start_at, State) else start_at or {}

@@ -9,6 +9,7 @@ from codegen.errors import AssemblyError
 from codegen.plain_values import finite_float, shown
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
 from runtime.results.assembled_state import Assembly, State
 
@@ -28,11 +29,14 @@ class Start(NamedTuple):
 
 
 def start_values(
-    mechanism: Mechanism, guess: Values | None, fixed_values: Values | None = None
-) -> Start:
+    mechanism: Mechanism, guess: Values | None, fixed_values: Values | None = None, *,
+    release: bool = False,
+) -> Start:  # fmt: skip
     """The scene's start values, with the user's in place of those of the same name.
 
-    Those of `fixed_values` are kept, as those that the scene fixes.
+    Those of `fixed_values` are kept, as those that the scene fixes, which no guess may name. With
+    `release`, nothing is fixed and velocities are zero: a guess may name all positions, and no
+    velocity.
     """
     description = mechanism.description
     table, n = description.coordinates, len(description.coordinates)
@@ -44,23 +48,55 @@ def start_values(
         if row.role != "neutral":
             place = places[row.name]
             values[place], fixed[place], named[place] = row.value, row.role == "fixed", True
-    problems = []
+    problems, fixed_names = [], dict[str, float]()
     given = [(name, value, False) for name, value in (guess or {}).items()]
     given += [(name, value, True) for name, value in (fixed_values or {}).items()]
     for name, value, kept in given:
         finite = finite_float(value)
         if finite is None:
             problems.append(f"Start value {name} is {shown(value)}; it must be a finite number.")
-        elif name in places:
-            values[places[name]], named[places[name]] = finite, True
-            fixed[places[name]] |= kept
-        else:
+        elif name not in places:
             what = "coordinate or velocity"
             what = "coordinate, velocity or state" if description.states else what
             problems.append(unknown(what, name, description.variables))
+        elif release and places[name][0]:
+            problems.append(
+                f"{description.title}: {name} is a velocity, and at rest all of them are zero. "
+                "Leave it out of guess."
+            )
+        elif fixed[places[name]] and not (kept or release):
+            fixed_names[name] = finite
+        else:
+            values[places[name]], named[places[name]] = finite, True
+            fixed[places[name]] |= kept
+    if fixed_names:
+        problems.append(_refusal(description, fixed_names))
     if problems:
         raise AssemblyError(problems)
+    if release:
+        none = np.zeros(n, np.bool_)
+        return Start(values[0], np.zeros(n), none, none.copy(), named[0])
     return Start(values[0], values[1], fixed[0], fixed[1], named[0])
+
+
+def _units(description: Description) -> dict[str, str]:
+    """Coordinate or velocity → its unit."""
+    units = {row.name: row.unit for row in description.coordinates}
+    return units | {row.velocity: row.velocity_unit for row in description.coordinates}
+
+
+def _refusal(description: Description, guess: Values) -> str:
+    """The problem of guesses, all of which name what the scene fixes."""
+    units = _units(description)
+    scene = ", ".join(
+        f"{row.name} = {row.value:.6g} {units[row.name]}"
+        for row in description.start
+        if row.role == "fixed" and row.name in guess
+    )
+    return (
+        f"{description.title}: guess names what the scene fixes: {scene}. A guess only begins a "
+        f"search: give start={dict(guess)} (--start) to set {'them' if len(guess) > 1 else 'it'}."
+    )
 
 
 def start_of_state(state: State) -> Start:
@@ -73,9 +109,7 @@ def start_note(
     mechanism: Mechanism, begin: Assembly, guess: Values | None, given: Values | State | None
 ) -> str:
     """Sentences on what became of the start values and guesses of a user."""
-    description, parts = mechanism.description, list[str]()
-    units = {row.name: row.unit for row in description.coordinates}
-    units |= {row.velocity: row.velocity_unit for row in description.coordinates}
+    units, parts = _units(mechanism.description), list[str]()
     if isinstance(given, State):
         moved = ", ".join(f"{m.name} by {m.by:.3g} {m.unit}" for m in begin.moved)
         parts.append(
@@ -85,11 +119,8 @@ def start_note(
     elif given:
         kept = ", ".join(f"{name} = {value:.6g} {units[name]}" for name, value in given.items())
         parts.append(f"start sets {kept}.")
-    fixed = {row.name for row in description.start if row.role == "fixed"}
     for name, value in (guess or {}).items():
         reached = f"{begin[name]:.6g} {units[name]}"
-        if name in fixed:
-            parts.append(f"guess takes the place of the fixed start value: {name} = {reached}.")
-        elif abs(begin[name] - value) > MOVED * max(1.0, abs(value)):
+        if abs(begin[name] - value) > MOVED * max(1.0, abs(value)):
             parts.append(f"guess {name} = {value:.6g} became {reached}: start= sets a value.")
     return "".join(f" {part}" for part in parts)

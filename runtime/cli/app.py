@@ -64,39 +64,38 @@ def simulate(
     """Dynamics: the motion of the machine under the forces that act on it."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
-        values |= common.kept_values(start)
         return machine.simulate(t_end, points, t_start=t_start, **words(run), **values)
 
-    _run(analyse, model, scene, settings, guess, generated, out, as_json)
+    _run(analyse, model, scene, settings, guess, generated, out, as_json, start)
 
 
 @app.command()
 def kinematics(
     model: Model, t_end: TEnd, t_start: TStart = 0.0, scene: Scene = None,
-    settings: Values = None, guess: Guess = None, generated: Generated = None,
-    points: Points = 501, out: Out = None, as_json: Json = False,
+    settings: Values = None, start: Start = None, guess: Guess = None,
+    generated: Generated = None, points: Points = 501, out: Out = None, as_json: Json = False,
 ) -> None:  # fmt: skip
     """Kinematics: the motion that the drivers prescribe, one for every degree of freedom."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
         return machine.kinematics(_instants(t_start, t_end, points), **values)
 
-    _run(analyse, model, scene, settings, guess, generated, out, as_json)
+    _run(analyse, model, scene, settings, guess, generated, out, as_json, start)
 
 
 @app.command("inverse-dynamics")
 @app.command("inverse")
 def inverse(
     model: Model, t_end: TEnd, t_start: TStart = 0.0, scene: Scene = None,
-    settings: Values = None, guess: Guess = None, generated: Generated = None,
-    points: Points = 501, out: Out = None, as_json: Json = False,
+    settings: Values = None, start: Start = None, guess: Guess = None,
+    generated: Generated = None, points: Points = 501, out: Out = None, as_json: Json = False,
 ) -> None:  # fmt: skip
     """Inverse dynamics: the forces that the prescribed motion takes."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
         return machine.inverse_dynamics(_instants(t_start, t_end, points), **values)
 
-    _run(analyse, model, scene, settings, guess, generated, out, as_json)
+    _run(analyse, model, scene, settings, guess, generated, out, as_json, start)
 
 
 @app.command()
@@ -112,16 +111,15 @@ def report(
     def analyse(machine: "Machine", **values: Any) -> "Result":
         instants = _instants(t_start, t_end, points)
         if machine.description.drivers and machine.is_determined:
-            refuse_run_options({"start": start, **run}, machine.description.title)
+            refuse_run_options(run, machine.description.title)
             inverse = machine.description.has_masses
             driven = machine.inverse_dynamics if inverse else machine.kinematics
             return driven(instants, **values)
-        values |= common.kept_values(start)
         return machine.simulate(t_end, points, t_start=t_start, **words(run), **values)
 
     if out.suffix != ".html":
         common.refuse((f"{out}: a report is an .html page. Change the ending.",), 2, as_json)
-    _run(analyse, model, scene, settings, guess, generated, out, as_json)
+    _run(analyse, model, scene, settings, guess, generated, out, as_json, start)
 
 
 @app.command()
@@ -151,6 +149,7 @@ def main() -> None:
 def _run(
     analyse: Callable[..., "Result"], model: str, scene: str | None, settings: list[str] | None,
     guess: list[str] | None, generated: Path | None, out: Path | None, as_json: bool,
+    start: list[str] | None = None,
 ) -> None:  # fmt: skip
     """Load, analyse, save and summarise; ends the process with the exit status."""
     with common.exit_on_error(as_json):
@@ -162,7 +161,7 @@ def _run(
 
         machine = load(model, scene, generated=generated)
         keep_results()
-        result = analyse(machine, **common.start_values(settings, guess))
+        result = analyse(machine, **common.start_values(settings, guess, start))
         saved = None if out is None else _save(result, out)
     failed = result.failed or saved != out
     error = [] if result.accuracy is None else result.accuracy.sentences()[1:]

@@ -24,7 +24,11 @@ Scene = Annotated[str | None, option("Scene of the model; the first unless given
 Values = Annotated[
     list[str] | None, option("NAME=VALUE: a parameter, in its declared unit.", "--set")
 ]
-Guess = Annotated[list[str] | None, option("NAME=VALUE: a start value, in SI units.", "--guess")]
+Guess = Annotated[
+    list[str] | None,
+    option("NAME=VALUE: where the search for a start begins, in SI units; no name that is fixed.",
+           "--guess"),
+]  # fmt: skip
 Generated = Annotated[
     Path | None, option("Folder of the generated modules, as --out of build names it.")
 ]
@@ -42,22 +46,18 @@ MotionStart = Annotated[
 ]
 
 
-def start_values(parameters: list[str] | None, guess: list[str] | None) -> dict[str, Any]:
-    """The arguments `parameters` and `guess` of an analysis, from the options --set and --guess."""
-    values: dict[str, dict[str, float]] = {"parameters": {}, "guess": {}}
-    options = [("parameters", "--set", text) for text in parameters or ()]
-    return _read(values, options + [("guess", "--guess", text) for text in guess or ()])
-
-
-def kept_values(start: list[str] | None) -> dict[str, Any]:
-    """The argument `start` of a simulation, from the option --start."""
-    return _read({"start": {}}, [("start", "--start", text) for text in start]) if start else {}
-
-
-def _read(
-    values: dict[str, dict[str, float]], options: list[tuple[str, str, str]]
+def start_values(
+    parameters: list[str] | None, guess: list[str] | None, start: list[str] | None = None
 ) -> dict[str, Any]:
-    """The values, with those of options: argument, option, and its text."""
+    """The arguments `parameters`, `guess` and `start` of an analysis, the last where given.
+
+    They are those of the options --set, --guess and --start.
+    """
+    values: dict[str, dict[str, float]] = {"parameters": {}, "guess": {}}
+    values |= {"start": {}} if start else {}
+    options = [("parameters", "--set", text) for text in parameters or ()]
+    options += [("guess", "--guess", text) for text in guess or ()]
+    options += [("start", "--start", text) for text in start or ()]
     problems = []
     for argument, option, text in options:
         name, _, value = text.partition("=")

@@ -14,6 +14,7 @@ from runtime.cli.common import (
     MotionStart,
     OptionalTEnd,
     Scene,
+    Start,
     Values,
     option,
 )
@@ -44,7 +45,8 @@ def matters(
     fidelities: Annotated[
         bool, option("Try the other fidelities of rods, contacts and frictions as well.")
     ] = True,
-    settings: Values = None, guess: Guess = None, generated: Generated = None,
+    settings: Values = None, start: Start = None, guess: Guess = None,
+    generated: Generated = None,
     method: Annotated[str, option("Integration method, as in simulate.")] = "dop853",
     formulation: Annotated[str | None, option("cartesian or reduced, as in simulate.")] = None,
     rtol: Annotated[
@@ -66,7 +68,7 @@ def matters(
             model, scene, asked=quantity, t_end=t_end, t_start=t_start, error=error,
             analysis=analysis, fidelities=fidelities, method=method, formulation=formulation,
             rtol=rtol, points=points, rounds=rounds, generated=generated,
-            progress=common.write_line, **common.start_values(settings, guess),
+            progress=common.write_line, **common.start_values(settings, guess, start),
         )  # fmt: skip
 
     ranking = _answer(study, picture, out, as_json)
@@ -110,7 +112,8 @@ def accuracy(
         bool, option("Four tolerances in place of seventeen, few repeats.", "--quick")
     ] = False,
     limit: Annotated[float, option("Seconds that a run may take.")] = 10.0,
-    settings: Values = None, guess: Guess = None, generated: Generated = None,
+    settings: Values = None, start: Start = None, guess: Guess = None,
+    generated: Generated = None,
     out: Annotated[
         Path | None, option("Folder for the picture and the runs as JSON lines.")
     ] = None,
@@ -128,7 +131,7 @@ def accuracy(
             methods=tuple(method or METHODS), formulations=tuple(formulation or FORMULATIONS),
             points=points, reference=reference, modelling=modelling, beside=tuple(beside or ()),
             building=building, quick=quick, limit=limit, generated=generated,
-            progress=common.write_line, **common.start_values(settings, guess),
+            progress=common.write_line, **common.start_values(settings, guess, start),
         )  # fmt: skip
 
     diagram = _answer(study, picture, out, as_json)

@@ -16,7 +16,7 @@ from codegen.errors import AnalysisError
 from runtime.assembly.assemble import assemble
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
 from runtime.assembly.masses_far_apart import suited_to_masses
-from runtime.assembly.start_values import start_values
+from runtime.assembly.start_values import start_note, start_values
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.driven_motion_past_kinks import follow_past_kinks
@@ -41,19 +41,19 @@ _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCK
 
 def kinematics(
     mechanism: Mechanism, t_eval: npt.ArrayLike, *, parameters: Values | None = None,
-    guess: Values | None = None, t_start: float = 0.0, progress: Progress = silent,
-    analysis: str = "kinematics",
+    guess: Values | None = None, start: Values | None = None, t_start: float = 0.0,
+    progress: Progress = silent, analysis: str = "kinematics",
 ) -> Result:  # fmt: skip
     """Kinematics of `Machine.kinematics`; `analysis` names the analysis in messages."""
     began = clock.perf_counter()
     require_no_rigid(mechanism, analysis)
     times = instants(t_eval)
-    start = assemble(mechanism, guess, parameters, t_start)
-    require_driven(mechanism, start, analysis)
+    begin = assemble(mechanism, guess, parameters, t_start, start_at=start)
+    require_driven(mechanism, begin, analysis)
     p = parameter_values(mechanism, parameters)
-    mechanism = suited_to_masses(with_redundancy(mechanism, start), start.t, start.q, p)
-    preferred = start_values(mechanism, guess).v
-    motion, kinks = follow_past_kinks(Equations(mechanism, p), times, start, preferred, progress)
+    mechanism = suited_to_masses(with_redundancy(mechanism, begin), begin.t, begin.q, p)
+    preferred = start_values(mechanism, guess, start).v
+    motion, kinks = follow_past_kinks(Equations(mechanism, p), times, begin, preferred, progress)
     samples = evaluate(mechanism, p, motion.t, motion.q, motion.v)
     singular = np.flatnonzero(np.isnan(samples.a).any(axis=1))
     motion.stats["singular_instants"] = len(singular)
@@ -68,14 +68,15 @@ def kinematics(
     motion.stats["wall_seconds"] = clock.perf_counter() - began
     result = Result(
         mechanism.description, samples, p, analysis=analysis, outcome=motion.outcome,
-        message=message + redundancy_note(start), stats=motion.stats,
+        message=message + start_note(mechanism, begin, guess, start) + redundancy_note(begin),
+        stats=motion.stats,
         events=sorted([*crossed, *kinks], key=lambda event: event.time),
-        not_unique=start.not_unique, singular=motion.singular,
+        not_unique=begin.not_unique, singular=motion.singular,
     )  # fmt: skip
-    result._motion = DrivenMotionAtInstants(mechanism, p, start, preferred, times)
+    result._motion = DrivenMotionAtInstants(mechanism, p, begin, preferred, times)
     equations = Equations(mechanism, p)
     name_left_tables(result, equations, every=True)
-    check_result(result, equations, magnitudes(equations, start.t, start.q), Options(rtol=0.0))
+    check_result(result, equations, magnitudes(equations, begin.t, begin.q), Options(rtol=0.0))
     return result
 
 

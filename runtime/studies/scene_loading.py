@@ -21,7 +21,7 @@ _INSTANT = readers.number("a finite number of seconds")
 READERS = {
     "model": readers.model, "scene": readers.optional(readers.scene),
     "folder": readers.optional(readers.path), "generated": readers.optional(readers.path),
-    "parameters": _VALUES, "guess": _VALUES,
+    **dict.fromkeys(("parameters", "guess", "start"), _VALUES),
     "t_end": readers.optional(_INSTANT), "t_start": _INSTANT, "progress": readers.study_reporter,
 }  # fmt: skip
 """Arguments that all studies take."""
@@ -76,15 +76,18 @@ def cache_folder(folder: str | os.PathLike[str] | None) -> Path:
 
 
 def known_values(
-    machine: "Machine", parameters: Mapping[str, float], guess: Mapping[str, float]
-) -> dict[str, dict[str, float]]:
-    """The arguments `parameters` and `guess` of an analysis: those values that the scene has."""
+    machine: "Machine", parameters: Mapping[str, float], guess: Mapping[str, float],
+    start: Mapping[str, float],
+) -> dict[str, dict[str, float]]:  # fmt: skip
+    """The arguments of an analysis: those values that the scene has; `start` where it has one."""
     rows = machine.coordinates
     states = {*rows.names, *(row.velocity for row in rows)}
-    return {
+    values = {
         "parameters": {k: x for k, x in parameters.items() if k in machine.parameters.names},
         "guess": {k: x for k, x in guess.items() if k in states},
     }
+    kept = {k: x for k, x in start.items() if k in states}
+    return values | ({"start": kept} if kept else {})
 
 
 def require_time_span(machine: "Machine", t_start: float, t_end: float | None) -> float:

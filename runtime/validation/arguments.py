@@ -20,9 +20,15 @@ from runtime.results.result import Result
 from runtime.validation.output_instants import read_instants
 
 
-def check(mechanism: Mechanism, **given: Any) -> dict[str, Any]:
-    """The arguments as plain values; an `InputError`, one sentence a problem, if some misfit."""
-    kinds = {**_KINDS, "start": optional(_start_of(mechanism)), **_state_readers(mechanism)}
+def check(
+    mechanism: Mechanism, *, start_has_values: bool = False, **given: Any
+) -> dict[str, Any]:  # fmt: skip
+    """The arguments as plain values; an `InputError`, one sentence a problem, if some misfit.
+
+    With `start_has_values` the argument `start` has values by name, and is no state.
+    """
+    start = _values if start_has_values else _start_of(mechanism)
+    kinds = {**_KINDS, "start": optional(start), **_state_readers(mechanism)}
     values = readers.read_arguments(mechanism.title, kinds, given)
     problems = _contradictions(values) if values.get("start") is not None else []
     if problems:

@@ -62,17 +62,18 @@ def calls(free: Machine, driven: Machine) -> list[Call]:
     assembly = free.assemble()
     name, joint = free.coordinates.names[0], free.constraints[0].element
     values = {"parameters": NONE, "guess": NONE}
+    begins = {**values, "start": NONE}
     of_run = {
-        **values, "t_end": POSITIVE | {"zero"}, "t_eval": NONE | {"zero"},
+        **begins, "t_end": POSITIVE | {"zero"}, "t_eval": NONE | {"zero"},
         "t_start": {"zero", "minus"},
-        "rtol": NONE | POSITIVE, "start": NONE, "correction": set(), "formulation": NONE,
+        "rtol": NONE | POSITIVE, "correction": set(), "formulation": NONE,
         "atol": NONE | POSITIVE | {"list", "tuple", "array"}, "quantities": NONE, "method": NONE,
         **dict.fromkeys(("time_scale", "first_step", "max_step"), NONE | POSITIVE),
         "max_steps": NONE | {"one", "data array"}, "progress": {"true"},
     }  # fmt: skip
     accuracies = {"accuracy": NONE | POSITIVE, "quantities": NONE}
     studied = {
-        "model": set(), "scene": NONE, "folder": NONE | PATHS, **values, "t_start": NUMBERS,
+        "model": set(), "scene": NONE, "folder": NONE | PATHS, **begins, "t_start": NUMBERS,
         "t_end": NUMBERS | NONE, "progress": FUNCTIONS,
     }  # fmt: skip
     wrong = {"model": str(free.path), "scene": "abc", "t_end": 1.0}
@@ -83,7 +84,7 @@ def calls(free: Machine, driven: Machine) -> list[Call]:
     described = [
         Call("simulate", free.simulate, {"t_end": 0.01}, of_run),
         Call("simulate to an accuracy", free.simulate, target, accuracies),
-        Call("assemble", free.assemble, {}, {**values, "t": NUMBERS}),
+        Call("assemble", free.assemble, {}, {**begins, "t": NUMBERS}),
         Call("initial_modes", free.initial_modes, {}, {"t": NUMBERS, "parameters": NONE}),
         Call("parameter_values", free.parameter_values, {}, {"overrides": NONE}),
         Call(
@@ -126,7 +127,7 @@ def calls(free: Machine, driven: Machine) -> list[Call]:
         described.append(Call(f"Result.{lookup}", function, {parameter: name}, {parameter: set()}))
     for analysis in ("kinematics", "inverse_dynamics"):
         times = NUMBERS | {"list", "tuple", "array", "range"}
-        accepts = {**values, "t_eval": times, "t_start": NUMBERS, "progress": {"true"}}
+        accepts = {**begins, "t_eval": times, "t_start": NUMBERS, "progress": {"true"}}
         accepts["t_end"] = NUMBERS | NONE
         described.append(Call(analysis, getattr(driven, analysis), {"t_eval": [0.0]}, accepts))
     return described

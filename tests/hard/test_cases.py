@@ -22,7 +22,7 @@ def simulated(case: Case, rtol: float, method: str = COMPARED) -> Result:
         method=method,
         rtol=rtol,
         parameters=dict(case.parameters),
-        guess=dict(case.guess),
+        start=dict(case.start),
     )
     assert result.outcome is Outcome.OK, result.message
     assert result.samples.residual[:, 0].max() < 1e-10

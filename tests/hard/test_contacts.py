@@ -138,7 +138,7 @@ def test_follower_comes_to_contact_again_after_many_impacts(method: str) -> None
 @pytest.mark.parametrize(("e", "what"), [(0.5, "impact"), (0.0, "holds")])
 def test_an_impact_in_the_very_first_instant_is_an_event(e: float, what: str) -> None:
     run = load("hard/bouncing_ball", "dropped").simulate(
-        0.1, rtol=1e-9, parameters={"restitution": e}, guess={"ball.y": 0.1, "ball.vy": -2.0}
+        0.1, rtol=1e-9, parameters={"restitution": e}, start={"ball.y": 0.1, "ball.vy": -2.0}
     )
     first = run.events[0]
     assert (first.time, first.what) == (0.0, what)
@@ -147,7 +147,7 @@ def test_an_impact_in_the_very_first_instant_is_an_event(e: float, what: str) ->
 
 
 def test_a_ball_that_lies_there_is_not_struck() -> None:
-    run = load("hard/bouncing_ball", "dropped").simulate(1.0, guess={"ball.y": 0.1})
+    run = load("hard/bouncing_ball", "dropped").simulate(1.0, start={"ball.y": 0.1})
     assert run.events == ()
     assert held(run, "plate").all()
 

@@ -16,6 +16,7 @@ from runtime import load
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
+from tests.hard.start_and_guess import start_and_guess
 
 CRANK, INERTIA, WEIGHT, SMALL = 1.0, 0.8, 0.7, 0.05  # kg, kg m², kg, kg m²
 INNER, OUTER, G = 0.2, 0.4, 9.81  # m: from the bearing to the centres of mass
@@ -199,14 +200,15 @@ def test_a_condition_that_slides_moves_by_the_share_of_both_sides(
         omega = float(random.choice([-1, 1]) * random.uniform(0.5, 2.0))
         mu, radius = float(random.uniform(0.1, 0.6)), float(random.uniform(0.05, 0.2))
         c, s = np.cos(phi), np.sin(phi)
-        guess = {
+        begin = {
             "crank.phi": phi, "crank.omega": omega, "crank.x": INNER * c, "crank.y": INNER * s,
             "weight.x": OUTER * c, "weight.y": OUTER * s, "weight.vx": -omega * OUTER * s,
             "weight.phi": phi,
         }  # fmt: skip
         run = turning.simulate(
-            1e-3, [0.0, 1e-3], guess=guess, parameters={"mu": mu, "r": radius}, progress=False
-        )
+            1e-3, [0.0, 1e-3], parameters={"mu": mu, "r": radius}, progress=False,
+            **start_and_guess(turning, begin),
+        )  # fmt: skip
         assert run.outcome is Outcome.OK
         phi, omega = run.q("crank.phi")[1], run.v("crank.omega")[1]
         grip = mu * radius * (np.tanh(omega / CREEP) if creep else np.sign(omega))

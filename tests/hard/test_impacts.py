@@ -110,5 +110,5 @@ def test_contacts_that_touch_keep_the_sign_of_their_gaps(
 ) -> None:
     """A gap of -1e-16 between two that touch is rounding, and no missed event."""
     start = {"ball1.x": 0.5, "ball2.x": 0.6}
-    run = colliding("cradle").simulate(5.0, rtol=rtol, guess=start)
+    run = colliding("cradle").simulate(5.0, rtol=rtol, start=start)
     assert run.outcome is Outcome.OK

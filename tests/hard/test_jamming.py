@@ -56,11 +56,12 @@ def drawn(m: Model, phi: float) -> dict[object, float]:
             top.y: np.sin(phi)}  # fmt: skip
 
 
-def leaning(degrees: float, omega: float = 0.0) -> dict[str, float]:
-    """Where a run starts."""
+def leaning(degrees: float, omega: float = 0.0) -> dict[str, dict[str, float]]:
+    """Where a run starts, and where the search for the rest of it begins."""
     phi = np.radians(degrees)
-    return {"rod.phi": phi, "rod.omega": omega, "rod.x": -0.5 * np.cos(phi),
-            "rod.y": 0.5 * np.sin(phi), "foot.x": -np.cos(phi), "top.y": np.sin(phi)}  # fmt: skip
+    near = {"rod.x": -0.5 * np.cos(phi), "rod.y": 0.5 * np.sin(phi), "foot.x": -np.cos(phi),
+            "top.y": np.sin(phi)}  # fmt: skip
+    return {"start": {"rod.phi": phi, "rod.omega": omega}, "guess": near}
 
 
 def thrust(phi: float) -> float:
@@ -77,7 +78,7 @@ def machine(tmp_path_factory: pytest.TempPathFactory) -> Machine:
 @pytest.mark.parametrize("correction", ["step", "baumgarte"])
 def test_ladder_stands_by_every_method(machine: Machine, method: str, correction: str) -> None:
     run = machine.simulate(
-        2.0, [0.0, 1.0, 2.0], guess=leaning(100.0), parameters={"mu": 1.0}, method=method,
+        2.0, [0.0, 1.0, 2.0], **leaning(100.0), parameters={"mu": 1.0}, method=method,
         correction=correction, progress=False,
     )  # fmt: skip
     assert run.outcome is Outcome.OK
@@ -93,7 +94,7 @@ def test_ladder_stands_wherever_statics_lets_it(
 ) -> None:
     phi = np.radians(degrees)
     run = machine.simulate(
-        2.0, [0.0, 2.0], guess=leaning(degrees), parameters={"mu": mu}, progress=False
+        2.0, [0.0, 2.0], **leaning(degrees), parameters={"mu": mu}, progress=False
     )
     if abs(thrust(phi)) > mu * WEIGHT:
         assert run.events or abs(run.v("rod.phi")).max() > 0.1
@@ -135,7 +136,7 @@ def test_ladder_slides_by_the_equation_of_its_angle(
     mu, way, phi = 0.3, -1.0 if omega >= 0.0 else 1.0, np.radians(degrees)
     t_end = 0.35 if omega >= 0.0 else 0.02
     run = machine.simulate(
-        t_end, [0.0, 0.4 * t_end, t_end], guess=leaning(degrees, omega), parameters={"mu": mu},
+        t_end, [0.0, 0.4 * t_end, t_end], **leaning(degrees, omega), parameters={"mu": mu},
         rtol=1e-11, progress=False,
     )  # fmt: skip
     due = solve_ivp(
@@ -156,7 +157,7 @@ def test_ladder_slides_by_the_equation_of_its_angle(
 def test_pulled_ladder_lets_go_at_the_limit(machine: Machine, mu: float, growth: float) -> None:
     due = (mu * WEIGHT * np.sign(growth) + thrust(STEEP)) / growth
     run = machine.simulate(
-        due + 0.05, guess=leaning(100.0), parameters={"mu": mu, "W": growth}, progress=False
+        due + 0.05, **leaning(100.0), parameters={"mu": mu, "W": growth}, progress=False
     )
     assert run.outcome is Outcome.OK
     assert run.events[0].time == pytest.approx(due, rel=1e-10)
@@ -169,7 +170,7 @@ def test_pulled_ladder_stands_or_slides_at_once(machine: Machine, pull: float) -
     """What jams in sliding to a side cannot be driven there from rest: friction always bears it."""
     rests = abs(thrust(STEEP) - pull * WEIGHT) <= WEIGHT
     run = machine.simulate(
-        0.02, guess=leaning(100.0), parameters={"mu": 1.0, "F": pull * WEIGHT}, progress=False
+        0.02, **leaning(100.0), parameters={"mu": 1.0, "F": pull * WEIGHT}, progress=False
     )
     assert run.outcome is Outcome.OK
     assert rests == (np.ptp(run.q("foot.x")) == 0.0)
@@ -182,9 +183,7 @@ def test_pulled_ladder_stands_or_slides_at_once(machine: Machine, pull: float) -
 @pytest.mark.parametrize(("degrees", "omega"), [(95.0, 0.5), (100.0, 0.5), (110.0, 3.0)])
 def test_sliding_that_jams_is_named(machine: Machine, degrees: float, omega: float) -> None:
     """A foot that slides outwards neither sticks, since it moves, nor finds a force."""
-    run = machine.simulate(
-        1.0, guess=leaning(degrees, omega), parameters={"mu": 1.0}, progress=False
-    )
+    run = machine.simulate(1.0, **leaning(degrees, omega), parameters={"mu": 1.0}, progress=False)
     assert run.outcome is Outcome.INCONSISTENT
     assert "condition foot_vx > 0 of rub" in run.message
     assert "jams" in run.message
@@ -193,7 +192,7 @@ def test_sliding_that_jams_is_named(machine: Machine, degrees: float, omega: flo
 
 def test_foot_that_slides_in_comes_to_rest(machine: Machine) -> None:
     run = machine.simulate(
-        1.0, guess=leaning(110.0, -0.5), parameters={"mu": 1.0}, rtol=1e-10, progress=False
+        1.0, **leaning(110.0, -0.5), parameters={"mu": 1.0}, rtol=1e-10, progress=False
     )
     assert run.outcome is Outcome.OK
     assert [e.what for e in run.events] == ["holds"]
@@ -204,8 +203,8 @@ def test_foot_that_slides_in_comes_to_rest(machine: Machine) -> None:
 
 
 def test_a_jam_is_explained_with_its_numbers(machine: Machine) -> None:
-    guess, values = leaning(100.0, -1.0), {"mu": 2.5, "F": 40.0}
-    run = machine.simulate(1.0, guess=guess, parameters=values, progress=False)
+    begin, values = leaning(100.0, -1.0), {"mu": 2.5, "F": 40.0}
+    run = machine.simulate(1.0, **begin, parameters=values, progress=False)
     assert run.outcome is Outcome.INCONSISTENT
     s, c = np.sin(STEEP), np.cos(STEEP)
     inertia = ROD / 3 + FOOT * s**2 + TOP * c**2
@@ -214,20 +213,20 @@ def test_a_jam_is_explained_with_its_numbers(machine: Machine) -> None:
     assert f"(1 N of friction its limit by {raised:.3g} N)" in run.message
     assert "drive the motion back" not in run.message
     assert "give the friction creep=" not in run.message
-    rest = machine.simulate(1.0, guess=leaning(100.0), parameters=values, progress=False)
+    rest = machine.simulate(1.0, **leaning(100.0), parameters=values, progress=False)
     assert rest.outcome is Outcome.OK
 
 
 def test_modes_of_a_state_from_which_no_run_starts_are_refused(machine: Machine) -> None:
     values = {"mu": 1.0}
-    state = machine.assemble(leaning(100.0, 0.5), values)
+    state = machine.assemble(**leaning(100.0, 0.5), parameters=values)
     with pytest.raises(AnalysisError, match="no run starts from this state"):
         machine.initial_modes(0.0, state.q, state.v, values)
 
 
 def test_friction_with_a_creep_speed_jams_and_is_no_dependent_constraint(tmp_path: Path) -> None:
     run = ladder(tmp_path, creep=1e-3).simulate(
-        1.0, guess=leaning(100.0, -1.0), parameters={"mu": 2.5, "F": 40.0}, progress=False
+        1.0, **leaning(100.0, -1.0), parameters={"mu": 2.5, "F": 40.0}, progress=False
     )
     assert run.outcome is Outcome.NOT_FINITE
     assert "Friction rub in joint floor jams" in run.message
@@ -241,7 +240,7 @@ def crowded(tmp_path_factory: pytest.TempPathFactory) -> Machine:
 
 def test_ladder_stands_among_many_blocks(crowded: Machine) -> None:
     run = crowded.simulate(
-        1.0, [0.0, 1.0], guess=leaning(100.0), parameters={"mu": 1.0}, rtol=1e-10, progress=False
+        1.0, [0.0, 1.0], **leaning(100.0), parameters={"mu": 1.0}, rtol=1e-10, progress=False
     )
     assert run.outcome is Outcome.OK
     assert np.ptp(run.q("rod.phi")) == 0.0
@@ -254,6 +253,6 @@ def test_ladder_stands_among_many_blocks(crowded: Machine) -> None:
 
 
 def test_jam_among_many_blocks_is_named(crowded: Machine) -> None:
-    run = crowded.simulate(1.0, guess=leaning(100.0, 0.5), parameters={"mu": 1.0}, progress=False)
+    run = crowded.simulate(1.0, **leaning(100.0, 0.5), parameters={"mu": 1.0}, progress=False)
     assert run.outcome is Outcome.INCONSISTENT
     assert "of rub" in run.message

@@ -34,7 +34,7 @@ def first_landing(speed: float) -> float:
 @pytest.mark.parametrize("e", [0.0, 0.05, 0.5])
 @pytest.mark.parametrize("speed", [2.3, 3.0, 3.1, 4.7])
 def test_events_are_in_order_and_inside_the_run(shaken: Machine, speed: float, e: float) -> None:
-    run = shaken.simulate(2.5, rtol=1e-10, guess={"ball.vy": speed}, parameters={"e": e})
+    run = shaken.simulate(2.5, rtol=1e-10, start={"ball.vy": speed}, parameters={"e": e})
     assert run.outcome is Outcome.OK
     times = np.array([event.time for event in run.events])
     assert (np.diff(times) >= 0.0).all()
@@ -48,8 +48,8 @@ def test_events_are_in_order_and_inside_the_run(shaken: Machine, speed: float, e
 
 def test_end_of_bouncing_is_inside_a_run_that_ends_before_it(shaken: Machine) -> None:
     """A run that ends just after the last visible impact knows no event after its end."""
-    whole = shaken.simulate(1.0, guess={"ball.vy": 3.0})
+    whole = shaken.simulate(1.0, start={"ball.vy": 3.0})
     landing = whole.events[0].time
     for later in (1e-12, 1e-9, 1e-6):
-        run = shaken.simulate(landing + later, guess={"ball.vy": 3.0})
+        run = shaken.simulate(landing + later, start={"ball.vy": 3.0})
         assert all(event.time <= run.t[-1] for event in run.events)

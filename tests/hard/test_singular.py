@@ -14,6 +14,7 @@ from models.hard.suite.case import ROOT, table
 from models.hard.suite.linkages import crank_angle, crank_growth, equal_rods_angle
 from runtime import Machine, Outcome, Result, load
 from runtime.integrate.method import EXPLICIT
+from tests.hard.start_and_guess import start_and_guess
 from tests.runtime.integrate.systems import ACCURATE
 
 
@@ -132,7 +133,7 @@ def test_a_start_in_the_level_position(
     machines: dict[int, Machine], loops: int, omega: float, method: str
 ) -> None:
     machine = machines[loops]
-    start = machine.assemble(guess=level(loops, omega))
+    start = machine.assemble(**start_and_guess(machine, level(loops, omega)))
     assert len(start.singular) == loops
     assert start.redundant == ()
     run = machine.simulate(
@@ -144,8 +145,8 @@ def test_a_start_in_the_level_position(
 
 def test_a_start_that_is_on_no_branch_ends_by_name(machines: dict[int, Machine]) -> None:
     """Level, with the first crank alone turning: between the branches."""
-    guess = level(2, 0.0) | {"crank_0.omega": -1.0}
-    run = machines[2].simulate(1.0, guess=guess, progress=False)
+    begin = start_and_guess(machines[2], level(2, 0.0) | {"crank_0.omega": -1.0})
+    run = machines[2].simulate(1.0, **begin, progress=False)
     assert run.outcome is Outcome.SINGULAR
     assert "its velocity is off them by" in run.message
 

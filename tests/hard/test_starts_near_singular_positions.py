@@ -14,6 +14,7 @@ from models.hard.parallel_linkage import parallel_linkage
 from runtime import Machine, Outcome, load
 from runtime.cli.app import app
 from tests.hard.driven import STANDING
+from tests.hard.start_and_guess import start_and_guess
 
 
 @pytest.fixture
@@ -62,7 +63,7 @@ def test_redundant_rows_hold_where_independent_ones_do_not() -> None:
 def test_what_lies_before_the_start_is_not_passed(beyond: float) -> None:
     turned = {"crank.phi": np.pi / 2 + beyond, "rod.phi": -np.pi / 2 - beyond}
     machine = load("hard/equal_rods", "spin")
-    run = machine.simulate(1.0, guess=STANDING | turned, progress=False)
+    run = machine.simulate(1.0, **start_and_guess(machine, STANDING | turned), progress=False)
     assert run.outcome is Outcome.OK, run.message
     assert all(row.time > 0.0 for row in run.singular)
     assert run.stats["singular_crossings"] == len(run.singular)
@@ -72,7 +73,7 @@ def test_what_lies_before_the_start_is_not_passed(beyond: float) -> None:
 def test_a_start_beside_a_singular_position_is_held_and_runs(before: float) -> None:
     """From the model's drawing, which is nowhere near; the branch is the one that it closes to."""
     machine = load("hard/equal_rods", "spin")
-    run = machine.simulate(3.0, guess={"crank.phi": np.pi / 2 - before}, progress=False)
+    run = machine.simulate(3.0, start={"crank.phi": np.pi / 2 - before}, progress=False)
     assert run.outcome is Outcome.OK, run.message
     assert abs(run.q("crank.phi")[0] - np.pi / 2 + before) < 1e-15
     assert abs(run.v("crank.phi")[0] - 2.0) < 1e-6
@@ -85,7 +86,7 @@ def test_a_start_beside_a_singular_position_is_held_and_runs(before: float) -> N
 def test_a_drawing_that_fits_two_motions_ends_by_name(before: float) -> None:
     """The slider may pass or stay, and neither position nor velocities say which is meant."""
     machine = load("hard/equal_rods", "spin")
-    run = machine.simulate(1.0, guess={"crank.phi": np.pi / 2 - before}, progress=False)
+    run = machine.simulate(1.0, start={"crank.phi": np.pi / 2 - before}, progress=False)
     assert run.outcome is Outcome.SINGULAR, run.message
     assert run.q("crank.phi")[0] == np.pi / 2 - before
     assert run.v("crank.phi")[0] == 2.0
@@ -96,7 +97,7 @@ def test_a_drawing_that_fits_two_motions_ends_by_name(before: float) -> None:
 def test_a_start_on_no_branch_is_not_blamed_on_drivers_or_redundancy() -> None:
     machine = load("hard/equal_rods", "spin")
     between = STANDING | {"crank.omega": 2.0, "rod.omega": 0.7}
-    start = machine.assemble(guess=between)
+    start = machine.assemble(**start_and_guess(machine, between))
     start.v[:] = 0.0
     start.v[[row.velocity for row in machine.coordinates].index("crank.omega")] = 2.0
     run = machine.simulate(1.0, start=start, progress=False)
@@ -141,7 +142,7 @@ def test_a_narrow_clearance_keeps_the_energy(width: float, speed: float, folder:
     run = load(model, "s", folder=folder).simulate(
         10.0 * width / abs(speed),
         parameters={"apart": width},
-        guess={"ball.x": 0.5 * width, "ball.vx": speed},
+        start={"ball.x": 0.5 * width, "ball.vx": speed},
         progress=False,
     )
     assert run.outcome is Outcome.OK, run.message

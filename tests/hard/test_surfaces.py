@@ -67,7 +67,7 @@ def test_block_rides_and_slides_as_the_closed_form_says(
 ) -> None:
     start = {"block.vx": chosen.get("speed", 0.1)}
     run = load("hard/belt_block").simulate(
-        t_end, rtol=1e-12, method=method, parameters=chosen, guess=start
+        t_end, rtol=1e-12, method=method, parameters=chosen, start=start
     )
     assert run.outcome is Outcome.OK
     values = {"mass": 1.0, "stiffness": 100.0, "kinetic": 0.2, "static": 0.3, "speed": 0.1} | chosen

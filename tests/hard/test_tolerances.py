@@ -19,7 +19,7 @@ def simulated(name: str, setting: Setting, rtol: float, most: int) -> tuple[Resu
         correction=setting.correction,
         rtol=rtol,
         parameters=dict(case.parameters),
-        guess=dict(case.guess),
+        start=dict(case.start),
         max_steps=most,
         progress=False,
     )

@@ -53,7 +53,7 @@ def test_free_follower_approaches_the_rigid_cam_as_the_contact_stiffens(stiffnes
         0.01,
         rtol=1e-10,
         parameters={"k": 1000.0, "speed": 3000 * RPM, "K": stiffness, "C": 0.0},
-        guess={"pushrod.y": level - force / stiffness},
+        start={"pushrod.y": level - force / stiffness},
     )
     early = leaves_at(*case) - parts_at(run)
     period = 2 * np.pi * np.sqrt(0.23 / stiffness)

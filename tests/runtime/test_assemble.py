@@ -93,7 +93,7 @@ def test_fixed_positions_that_contradict_the_joints(free: Machine) -> None:
     assert "Start says crank.phi = 0 rad, slider.x = 5 m" in text
     assert "joint C misses by" in text
     assert 'role "guess"' in text
-    assert machine.assemble({"slider.x": 5.5})["slider.x"] == 5.5
+    assert machine.assemble(start={"slider.x": 5.5})["slider.x"] == 5.5
 
 
 def test_joints_that_are_undefined_elsewhere_are_named(tmp_path: Path) -> None:

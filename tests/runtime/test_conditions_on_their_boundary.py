@@ -208,7 +208,7 @@ def test_a_restoring_force_that_jumps_has_its_rest_in_the_middle(workshop: Path)
     run = machine.simulate(1.0, progress=False)
     assert run.outcome is Outcome.OK
     assert_allclose(run.q("bead.x"), 0.0)
-    run = machine.simulate(0.5, guess={"bead.x": 0.1}, progress=False)
+    run = machine.simulate(0.5, start={"bead.x": 0.1}, progress=False)
     assert [event.what for event in run.events] == ["ceased"]
     assert_allclose(run.events[0].time, 0.2, rtol=1e-9)
 

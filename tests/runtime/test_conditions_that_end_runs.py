@@ -111,7 +111,7 @@ def test_a_guess_of_a_state_is_refused() -> None:
     model, start = thrown("guessed_state")
     state = model.state("s", rate=1.0)
     model.scene("a", [state], start=start, guess={state: 2.0})
-    with pytest.raises(ModelError, match=r"guess names 's\.value'.*give it in start="):
+    with pytest.raises(ModelError, match=r"guess names 's'.*give it in start="):
         build(model, compile=False)
 
 
@@ -238,7 +238,7 @@ def test_a_controller_with_a_memory_is_asked_once(workshop: Path) -> None:
     a = calls.index(time) + 1.0
     end = time + (np.sqrt(speed**2 + 2 * a * (0.3 - place)) - speed) / a
     assert_allclose(r.t[-1], end, rtol=1e-9)
-    assert_allclose(r.v("u.value")[-1], a)
+    assert_allclose(r.y("u")[-1], a)
 
 
 def test_conditions_on_outputs_that_are_none(

@@ -35,7 +35,7 @@ def test_a_length_that_passes_zero_changes_the_sign_of_its_rate(
     line: Machine, start: float, method: str
 ) -> None:
     """The rate of |x| goes from -1 to 1 m/s and is never 0."""
-    run = line.simulate(3.0, guess={"block.x": start}, method=method, progress=False)
+    run = line.simulate(3.0, start={"block.x": start}, method=method, progress=False)
     assert run.outcome is Outcome.OK
     assert [event.time for event in run.events] == [pytest.approx(-start, abs=1e-9)]
     ended = (1 - exp(-RATE * (3.0 + start))) / RATE

@@ -52,14 +52,14 @@ def test_parameters_change_the_motion(pendulum: Machine) -> None:
 
 
 def test_start_from_an_assembled_state(pendulum: Machine) -> None:
-    start = pendulum.assemble({"bar.phi": -1.0, "bar.omega": 2.0}, t=1.0)
+    start = pendulum.assemble(start={"bar.phi": -1.0, "bar.omega": 2.0}, t=1.0)
     result = pendulum.simulate(1.5, [1.0, 1.5], start=start)
     assert result.q("bar.phi")[0] == -1.0
     assert result.v("bar.omega")[0] == 2.0
 
 
 def test_switching_force_makes_events(gas: Machine) -> None:
-    result = gas.simulate(3.0, np.linspace(0.0, 3.0, 31), guess={"crank.omega": 10.0})
+    result = gas.simulate(3.0, np.linspace(0.0, 3.0, 31), start={"crank.omega": 10.0})
     assert result.events
     event = result.events[0]
     assert event.name == "gas: slider.vx > 0"

@@ -28,13 +28,13 @@ from runtime.results.samples import Samples
 def test_angles_whose_sine_has_no_digits_are_refused(pendulum: Machine, power: int) -> None:
     angle = next(row for row in pendulum.description.coordinates if not row.is_length)
     with pytest.raises(AssemblyError, match=rf"{angle.name} is 1e\+{power:02d} rad"):
-        pendulum.simulate(1.0, guess={angle.name: 10.0**power})
+        pendulum.simulate(1.0, start={angle.name: 10.0**power})
 
 
 @pytest.mark.parametrize("power", [3, 5, 7])
 def test_angles_with_digits_keep_their_joints(pendulum: Machine, power: int) -> None:
     angle = next(row for row in pendulum.description.coordinates if not row.is_length)
-    run = pendulum.simulate(1.0, guess={angle.name: 10.0**power})
+    run = pendulum.simulate(1.0, start={angle.name: 10.0**power})
     assert run.outcome is Outcome.OK
     assert run.samples.residual[:, 0].max() < 1e-8
 
@@ -69,7 +69,7 @@ def test_run_whose_log_goes_back_is_not_ok(gas: Machine, monkeypatch: pytest.Mon
         return replace(events, t=events.t[::-1].copy())
 
     monkeypatch.setattr(Recording, "events", shuffled)
-    run = gas.simulate(1.0, guess={"crank.omega": 30.0})
+    run = gas.simulate(1.0, start={"crank.omega": 30.0})
     assert run.outcome is Outcome.CONTRADICTED
     assert "not in order" in run.message
 
@@ -90,7 +90,7 @@ def test_run_whose_modes_contradict_their_functions_is_not_ok(
 ) -> None:
     """A condition that the run takes for false while it holds: an event was missed."""
     turning = {"crank.omega": 30.0}
-    assert gas.simulate(1.0, t_eval, guess=turning).outcome is Outcome.OK
+    assert gas.simulate(1.0, t_eval, start=turning).outcome is Outcome.OK
     recorded = Recording.samples
 
     def missed(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -98,7 +98,7 @@ def test_run_whose_modes_contradict_their_functions_is_not_ok(
         return t, y, 1 - modes
 
     monkeypatch.setattr(Recording, "samples", missed)
-    run = gas.simulate(1.0, t_eval, guess=turning)
+    run = gas.simulate(1.0, t_eval, start=turning)
     assert run.outcome is Outcome.CONTRADICTED
     assert "contradicts its switching function" in run.message
     assert gas.description.switches[0].title.partition(":")[0] in run.message
@@ -113,14 +113,14 @@ def test_a_mode_is_judged_at_the_edge_of_its_functions_domain(
     model.force("push", bead, fy=1.0, when=(-bead.x) ** 2.5 + 1 - bead.y > 0)
     machine = load(model, folder=workshop)
     moving, recorded = {"bead.vy": 0.1}, Recording.samples
-    assert machine.simulate(0.5, guess=moving).outcome is Outcome.OK
+    assert machine.simulate(0.5, start=moving).outcome is Outcome.OK
 
     def missed(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         times, y, modes = recorded(recording)
         return times, y, 1 - modes
 
     monkeypatch.setattr(Recording, "samples", missed)
-    run = machine.simulate(0.5, guess=moving)
+    run = machine.simulate(0.5, start=moving)
     assert run.outcome is Outcome.CONTRADICTED
     assert "contradicts its switching function" in run.message
 
@@ -139,7 +139,7 @@ def test_one_sample_that_contradicts_its_function_is_an_event_missed(
         return t, y, modes
 
     monkeypatch.setattr(Recording, "samples", missed)
-    run = gas.simulate(1.0, at, guess=turning)
+    run = gas.simulate(1.0, at, start=turning)
     assert run.outcome is Outcome.CONTRADICTED
     assert f"From t = {at[20]:.6g} s on the mode of " in run.message
 
@@ -150,7 +150,7 @@ def test_a_run_that_nothing_contradicts_pays_for_one_look(
     """Each check would be dear for a run of two milliseconds."""
     for check in ("_residuals", "_order_of_events", "_sides_of_modes"):
         monkeypatch.setattr(end_checks, check, None)
-    assert gas.simulate(1.0, guess={"crank.omega": 30.0}).outcome is Outcome.OK
+    assert gas.simulate(1.0, start={"crank.omega": 30.0}).outcome is Outcome.OK
 
 
 def test_what_is_not_suspected_is_not_contradicted(
@@ -160,7 +160,7 @@ def test_what_is_not_suspected_is_not_contradicted(
     given: list[tuple[Any, ...]] = []
     check = simulation.check_result
     monkeypatch.setattr(simulation, "check_result", lambda *args, **_: given.append(args))
-    gas.simulate(1.0, "steps", guess={"crank.omega": 30.0})
+    gas.simulate(1.0, "steps", start={"crank.omega": 30.0})
     result, equations, sizes, options, run, *_ = given[0]
     rng, verdicts = np.random.default_rng(1), []
 

@@ -136,7 +136,7 @@ def stiff_train(root: Path) -> dict[str, Result]:
             method=method,
             rtol=1e-7,
             parameters=parameters,
-            guess={"pushrod.y": pressed},
+            start={"pushrod.y": pressed},
         )
         for method in ("dop853", "bdf", "radau5", "auto")
     }

@@ -31,7 +31,7 @@ def test_equilibrium(pendulum: Machine) -> None:
 
 
 def test_assembly(pendulum: Machine) -> None:
-    state = pendulum.assemble({"bar.phi": 0.25})
+    state = pendulum.assemble(start={"bar.phi": 0.25})
     lines = repr(state).splitlines()
     assert lines[0].startswith("Assembled at t = 0 s, degrees of freedom: 1")
     assert "bar.phi = 0.25 rad" in lines[-2]

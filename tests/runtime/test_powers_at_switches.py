@@ -83,7 +83,7 @@ def test_potentials_with_max_have_second_derivatives_where_they_end(
     assert_allclose(run.v("ball.vx")[-1], -5.0, rtol=1e-8)
     # At rest on the switches themselves, where the depth and its square are zero.
     still = {"ball.x": 1.0, "ball.y": 0.0, "ball.vx": 0.0, "ball.vy": 0.0}
-    level = machine.simulate(0.1, guess=still, rtol=1e-10, method="radau5", progress=False)
+    level = machine.simulate(0.1, start=still, rtol=1e-10, method="radau5", progress=False)
     assert level.outcome is Outcome.OK
     assert level.q("ball.y").min() < -1e-3
     assert_allclose(level.energy(), 0.0, atol=1e-8 * whole)

@@ -101,9 +101,11 @@ def test_texts_do_not_count_states_as_freedom(drive: Machine) -> None:
 
 
 def test_start_values_and_guesses(drive: Machine) -> None:
-    r = drive.simulate(0.1, [0.0, 0.1], start={"current": 3.0}, guess={"u": 2.0})
+    r = drive.simulate(0.1, [0.0, 0.1], start={"current": 3.0, "u": 2.0})
     assert r.y("current")[0] == 3.0
-    assert "start sets current = 3 A" in r.message
+    assert "start sets current = 3 A, u = 2 V" in r.message
+    with pytest.raises(AssemblyError, match=r"guess names what the scene fixes: u = 0 V\."):
+        drive.simulate(0.1, guess={"u": 2.0})
     with pytest.raises(AssemblyError, match="velocity or state 'curent'; nearest: current"):
         drive.simulate(0.1, start={"curent": 3.0})
 

@@ -161,9 +161,9 @@ def counter(workshop: Path) -> Callable[[str], Machine]:
 def test_a_delay_that_is_a_parameter_of_value_0(counter: Callable[[str], Machine]) -> None:
     """Values of one instant read it as they read one without a delay, and else as it was."""
     now = counter("counts").simulate(0.57, [0.57])
-    assert_allclose(now.v("reads.value"), now.v("early.value"), rtol=1e-15)
+    assert_allclose(now.y("reads"), now.y("early"), rtol=1e-15)
     late = counter("counts").simulate(0.57, [0.57], parameters={"delay": 0.05})
-    assert_allclose(late.v("reads.value"), late.v("early.value") - 1, rtol=1e-15)
+    assert_allclose(late.y("reads"), late.y("early") - 1, rtol=1e-15)
 
 
 @pytest.mark.parametrize("instants", [[0.2, 0.3, 1.0], [0.25, 1.0]])
@@ -173,13 +173,13 @@ def test_a_sample_is_taken_once_where_a_run_starts_from_another(
     """At 0, 0.1 … 0.9 s the sum is renewed, whether a run stops within, at one or before one."""
     machine = counter("counts")
     whole = machine.simulate(1.0, instants)
-    assert whole.v("count.value")[-1] == 10
+    assert whole.y("count")[-1] == 10
     for state in (whole.state(0.2), whole.state(0.3), whole.state(0.25), whole.state(0.0)):
-        assert machine.simulate(1.0, [1.0], start=state).v("count.value") == 10
+        assert machine.simulate(1.0, [1.0], start=state).y("count") == 10
     for end in (0.2, 0.3, 0.25):
         first = machine.simulate(end)
-        assert first.v("count.value")[-1] == np.ceil(10 * end - 1e-9)
-        assert machine.simulate(1.0, [1.0], start=first).v("count.value") == 10
+        assert first.y("count")[-1] == np.ceil(10 * end - 1e-9)
+        assert machine.simulate(1.0, [1.0], start=first).y("count") == 10
 
 
 def test_samples_that_wait_are_lost_and_it_is_said(counter: Callable[[str], Machine]) -> None:
@@ -188,12 +188,12 @@ def test_samples_that_wait_are_lost_and_it_is_said(counter: Callable[[str], Mach
     again = machine.simulate(1.0, start=first, **given)
     assert "Samples of early that wait for their delay" in again.message
     assert "wait for their delay" not in machine.simulate(1.0, start=first).message
-    assert again.v("early.value")[-1] == first.resume(1.0).v("early.value")[-1] - 1
+    assert again.y("early")[-1] == first.resume(1.0).y("early")[-1] - 1
 
 
 def test_the_end_of_a_run_is_where_another_starts(counter: Callable[[str], Machine]) -> None:
     whole = counter("counts").simulate(1.0, [0.5])
-    assert (whole.state().t, whole.state()["count.value"]) == (1.0, 10.0)
+    assert (whole.state().t, whole.state()["count"]) == (1.0, 10.0)
     assert counter("counts").simulate(2.0, start=whole).t[0] == 1.0
     assert whole.at(0.3).state().t == 0.3
 
@@ -203,8 +203,8 @@ def test_works_show_renewed_values_whoever_computes_them(counter: Callable[[str]
     law = {"own": lambda sample: 1 + sample.q("mass.x")}
     own = counter("own").simulate(1.0, t, controllers=law, rtol=1e-11)
     compiled = counter("compiled").simulate(1.0, t, rtol=1e-11)
-    assert_allclose(own.v("own.value"), compiled.v("compiled.value"), rtol=1e-12)
-    assert_allclose(own.v("own.value")[:-1], 1 + own.q("mass.x")[:-1], rtol=1e-12)
+    assert_allclose(own.y("own"), compiled.y("compiled"), rtol=1e-12)
+    assert_allclose(own.y("own")[:-1], 1 + own.q("mass.x")[:-1], rtol=1e-12)
     assert_allclose(own.work("push_own"), compiled.work("push_compiled"), rtol=1e-9)
     assert_allclose(own.work("push_own"), own.v("mass.vx") ** 2 / 2, rtol=1e-9, atol=1e-12)
 

@@ -87,7 +87,7 @@ def test_a_scene_has_the_states_that_it_needs_or_names() -> None:
 
 
 def test_a_run_may_start_elsewhere(spin: Machine) -> None:
-    r = spin.simulate(0.1, [0.0, 0.1], guess={"current": 3.0})
+    r = spin.simulate(0.1, [0.0, 0.1], start={"current": 3.0})
     assert_allclose(r.y("current")[0], 3.0)
 
 

@@ -109,7 +109,7 @@ class Case:
     long
         Whether its code is so long that it is not compiled for the tests, nor for methods that
         need its derivatives too.
-    parameters, guess, options
+    parameters, start, options
         Handed on to `Machine.simulate`.
     """
 
@@ -130,7 +130,7 @@ class Case:
     declare: "Callable[[], Model] | None" = None
     long: bool = False
     parameters: Mapping[str, float] = field(default_factory=dict)
-    guess: Mapping[str, float] = field(default_factory=dict)
+    start: Mapping[str, float] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)
 
     def machine(self) -> "Machine":

@@ -161,7 +161,7 @@ def run(case: Case, setting: Setting, rtol: float) -> Cell:
     """Run a case once, from an assembled start, and evaluate it."""
     prepare(case, setting)
     loaded = case.machine()
-    start = loaded.assemble(guess=dict(case.guess), parameters=dict(case.parameters))
+    start = loaded.assemble(start=dict(case.start), parameters=dict(case.parameters))
     began = time.process_time()
     try:
         result = loaded.simulate(

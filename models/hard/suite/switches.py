@@ -117,7 +117,7 @@ CASES = (
         sampled=False,
         tolerances=(1e-6, 1e-9, 1e-12),
         parameters={"e": CAM, "speed": 10 * SEPARATION},
-        guess={"pushrod.y": LEVEL + 0.0025 - CAM},
+        start={"pushrod.y": LEVEL + 0.0025 - CAM},
     ),
     Case(
         name="law_with_jumps",

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from codegen import argument_readers as readers
 from codegen.errors import InputError
+from runtime.assembly.start_values import start_values
 from runtime.machine_facade import Machine
 from runtime.studies import scene_loading
 from runtime.studies.effect_ranking import trial_and_comparison
@@ -45,6 +46,7 @@ def matters(
     asked: str | Function, t_end: float | None = None, t_start: float = 0.0,
     error: float | None = None, analysis: str | None = None, fidelities: bool = True,
     parameters: Mapping[str, float] | None = None, guess: Mapping[str, float] | None = None,
+    start: Mapping[str, float] | None = None,
     method: str = "dop853", formulation: str | None = None, rtol: float = 1e-10,
     points: int = 1001, rounds: int | None = None, folder: str | os.PathLike[str] | None = None,
     generated: str | os.PathLike[str] | None = None,
@@ -67,8 +69,9 @@ def matters(
         the scene: inverse dynamics where drivers leave no freedom, else simulation.
     fidelities
         Whether the other fidelities of things that have several are tried as well.
-    parameters, guess
-        As in the analyses; a variant without the thing that a value belongs to ignores it.
+    parameters, guess, start
+        As in the analyses, `start` by name; a variant without the thing that a value belongs to
+        ignores it.
     method, formulation, rtol
         Of a simulation; a second one with 100 `rtol` shows how far it can be trusted.
     points
@@ -101,9 +104,8 @@ def matters(
         refuse_early_ends(machine.mechanism, "matters")
     if kind != "equilibrium":
         end = scene_loading.require_time_span(machine, t_start, t_end)
-    if guess:
-        machine.assemble(guess=guess, parameters=parameters, t=t_start)
-    values = dict(parameters or {}), dict(guess or {})
+    _require_start(machine, kind, guess, start, parameters, t_start)
+    values = dict(parameters or {}), dict(guess or {}), dict(start or {})
     span = float(t_start), float(end)
     plan = Plan(quantity, kind, *span, points, rtol, method, formulation, *values)
     full = plan.trial(machine)
@@ -228,6 +230,23 @@ def _notes(comparison: Comparison, changes: "tuple[Variant, ...]") -> Iterator[s
             f"{'more' if full.doubt > error * size else 'not much less'} than the permitted error "
             f"of {error:g}: lower rtol, give more points, or end the run earlier."
         )
+
+
+def _require_start(
+    machine: Machine, analysis: str, guess: Mapping[str, float] | None,
+    start: Mapping[str, float] | None, parameters: Mapping[str, float] | None, t: float,
+) -> None:  # fmt: skip
+    """Refuse guesses and start values that the full scene does not have, or not allow."""
+    if analysis != "equilibrium":
+        if guess or start:
+            machine.assemble(guess, parameters, t, start=start)
+        return
+    if start:
+        raise InputError(
+            f"{machine.description.title}: start has values, but an equilibrium is searched for: "
+            "what the scene fixes is free there. Give guess= (--guess), where the search begins."
+        )
+    start_values(machine.mechanism, guess, release=True)
 
 
 def _named(analysis: str | None) -> str | None:

@@ -50,10 +50,11 @@ class Plan:
     formulation: str | None
     parameters: Mapping[str, float]  # a scene gets those that it has
     guess: Mapping[str, float]  # the same
+    start: Mapping[str, float]  # the same; empty for an equilibrium
 
     def run(self, machine: Machine, rtol: float, instants: FloatArray) -> Result:
         """The analysis of a machine."""
-        values: dict[str, Any] = known_values(machine, self.parameters, self.guess)
+        values: dict[str, Any] = self.values(machine)
         values["progress"] = False
         if self.analysis == "simulate":
             values |= {"t_start": self.t_start, "method": self.method, "rtol": rtol}
@@ -63,6 +64,10 @@ class Plan:
             return machine.equilibrium(**values, t=self.t_start)
         driven = self.analysis == "kinematics"
         return (machine.kinematics if driven else machine.inverse_dynamics)(instants, **values)
+
+    def values(self, machine: Machine) -> dict[str, dict[str, float]]:
+        """Parameters, guesses and start values that a machine has."""
+        return known_values(machine, self.parameters, self.guess, self.start)
 
     def instants(self, count: int, events: FloatArray = NONE, beside: float = 0.0) -> FloatArray:
         """Equally spaced instants, and those before and after events by a share of the run."""
@@ -77,8 +82,7 @@ class Plan:
         freedom = 0  # of an equilibrium, whose start need not satisfy the constraints
         if self.analysis != "equilibrium":
             t = self.t_start if self.analysis == "simulate" else 0.0
-            values = known_values(machine, self.parameters, self.guess)
-            freedom = machine.assemble(**values, t=t).degrees_of_freedom
+            freedom = machine.assemble(**self.values(machine), t=t).degrees_of_freedom
         rough, fine = self._run_twice(machine)
         for run in (rough, fine):
             if run.failed:

@@ -57,16 +57,17 @@ def accuracy(
     reference: str | os.PathLike[str] | None = None, modelling: bool = True,
     beside: "Sequence[str | Scene]" = (), building: bool | None = None, quick: bool = False,
     limit: float = 10.0, steps: int = 1_000_000, parameters: Mapping[str, float] | None = None,
-    guess: Mapping[str, float] | None = None, folder: str | os.PathLike[str] | None = None,
-    generated: str | os.PathLike[str] | None = None,
+    guess: Mapping[str, float] | None = None, start: Mapping[str, float] | None = None,
+    folder: str | os.PathLike[str] | None = None, generated: str | os.PathLike[str] | None = None,
     progress: Callable[[str], None] = lambda line: None,
 ) -> WorkPrecision:  # fmt: skip
     """The work-precision diagram of a scene: digits against time, by every method.
 
     Parameters
     ----------
-    model, scene, folder, generated, parameters, guess
-        As in `load` and the analyses. Undeclared scenes are compiled in `.linkwright_cache`.
+    model, scene, folder, generated, parameters, guess, start
+        As in `load` and the analyses, `start` by name. Undeclared scenes are compiled in
+        `.linkwright_cache`.
     quantities
         Series that are compared, as `Result.series` names them; unless given, the coordinates from
         which the scene starts and their velocities. ``a.x|b.x`` is whichever of them a scene has,
@@ -109,7 +110,8 @@ def accuracy(
     machine = source.machine()
     names, instants, file = _comparison(machine, quantities, reference, t_start, t_end, points)
     others = _other_models(source, modelling, beside)
-    begin = _assemble_with_freedom(machine, guess, parameters, t_start)
+    given = guess or {}, start or {}
+    begin = _assemble_with_freedom(machine, *given, parameters, t_start)
     runner = Runner(machine, begin, instants, dict(parameters or {}), float(limit), int(steps))
     progress(
         f"{runner.title}: at most {limit:g} s and {steps:g} steps per run, "
@@ -126,18 +128,18 @@ def accuracy(
         model=machine.model, scene=machine.scene, t_start=float(begin.t), t_end=float(instants[-1]),
         instants=len(instants), quantities=solution.scales, energy=solution.energy,
         limit=runner.limit, steps=runner.steps, lines=lines, build=costs, environment=environment(),
-        choices=_choices(others, source, guess or {}, measurement, lines), reference=solution.about,
+        choices=_choices(others, source, *given, measurement, lines), reference=solution.about,
         model_sha256=machine.description.sources[0][1] if machine.description.sources else "",
         artefact=hashlib.sha256(machine.path.read_bytes()).hexdigest(),
     )  # fmt: skip
 
 
 def _assemble_with_freedom(
-    machine: Machine, guess: Mapping[str, float] | None, parameters: Mapping[str, float] | None,
-    t: float,
+    machine: Machine, guess: Mapping[str, float], start: Mapping[str, float],
+    parameters: Mapping[str, float] | None, t: float,
 ) -> Assembly:  # fmt: skip
     """The assembled start of a motion; AnalysisError where drivers leave no freedom."""
-    begin = machine.assemble(guess, parameters, t)
+    begin = machine.assemble(guess, parameters, t, start=start)
     if begin.is_determined:
         raise AnalysisError(
             f"{machine.description.title}: drivers leave no freedom, so nothing is integrated, and "
@@ -183,7 +185,8 @@ def _other_models(
 
 def _choices(
     others: "Sequence[tuple[Choice, Scene]]", source: scene_loading.Source,
-    guess: Mapping[str, float], measurement: Measurement, lines: Sequence[Line],
+    guess: Mapping[str, float], start: Mapping[str, float], measurement: Measurement,
+    lines: Sequence[Line],
 ) -> tuple[Choice, ...]:  # fmt: skip
     """Other models, in the fastest setting of the declared one, or those that most scenes take."""
     once = [line for line in lines if line.setting.correction == "step"]
@@ -194,7 +197,7 @@ def _choices(
 
     def prepare(scene: "Scene") -> Runner:
         machine = source.machine(scene)
-        values = scene_loading.known_values(machine, runner.parameters, guess)
+        values = scene_loading.known_values(machine, runner.parameters, guess, start)
         begin = machine.assemble(**values, t=runner.begin.t)
         return replace(runner, machine=machine, begin=begin, parameters=values["parameters"])
 

@@ -55,7 +55,7 @@ def test_json_is_one_object_and_alone(run) -> None:  # type: ignore[no-untyped-d
 def test_simulate_with_a_model_by_path(run) -> None:  # type: ignore[no-untyped-def]
     done = run(
         "simulate", "models/rod_pendulum.py", "--scene", "swing", "--t-end", "0.5",
-        "--rtol", "1e-6", "--atol", "1e-6", "--method", "dopri5", "--guess", "bar.phi=0.1",
+        "--rtol", "1e-6", "--atol", "1e-6", "--method", "dopri5", "--start", "bar.phi=0.1",
         "--json",
     )  # fmt: skip
     assert done.exit_code == 0

@@ -169,12 +169,12 @@ def test_rounding_of_sums_near_their_flat_places_is_no_fault(
             random.normal(size=2) * 10 ** random.uniform(-3, -1, 2),
             random.normal(size=2),
         )
-        guess = dict(
+        start = dict(
             zip(("p.x", "p.y", "p.vx", "p.vy"), map(float, [*places, *speeds]), strict=True)
         )
         assert (
-            machines[scene].simulate(0.5, [0.0, 0.5], rtol=rtol, guess=guess).outcome is Outcome.OK
-        ), guess
+            machines[scene].simulate(0.5, [0.0, 0.5], rtol=rtol, start=start).outcome is Outcome.OK
+        ), start
 
 
 @pytest.mark.parametrize("rtol", [1e-5, 1e-8, 1e-12])

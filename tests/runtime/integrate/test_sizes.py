@@ -35,7 +35,7 @@ def spring(workshop):
 def test_a_small_oscillator_is_as_right_as_a_large_one(spring, method):
     worst = []
     for size in (1.0, 1e-3, 1e-6):
-        r = spring.simulate(0.5, method=method, rtol=1e-3, guess={"b.x": size}, progress=False)
+        r = spring.simulate(0.5, method=method, rtol=1e-3, start={"b.x": size}, progress=False)
         worst.append(np.abs(r.q("b.x") / size - np.cos(100.0 * r.t)).max())
     assert max(worst) < 0.04
     np.testing.assert_allclose(worst, worst[0], rtol=0.2)
