@@ -85,8 +85,9 @@ class Machine(MachineStates):
             one; `accuracy` calls the function in several runs.
         until
             Conditions on series of the result that end the run, by name: ``{"overload":
-            ("hinge.fx", ">", 500.0)}``. The run is made twice, to its end and to there. Conditions
-            on positions and velocities belong into the scene, ``until=`` of `Model.scene`.
+            ("hinge.fx", ">", 500.0)}``, with "<" or ">". The run is made twice, to its end and to
+            there, with the answers that `controllers` gave in the first. Conditions on positions
+            and velocities belong into the scene, ``until=`` of `Model.scene`.
         correction, time_scale
             States return onto the constraints once a "step" (dependent coordinates from independent
             ones), at every "stage", by "projection", "baumgarte" or "hybrid", for which see
@@ -132,7 +133,7 @@ class Machine(MachineStates):
             method=method, formulation=formulation,
         )  # fmt: skip
         settings = {name: given.pop(name) for name in _SETTINGS}
-        conditions = () if until is None else read_conditions(self.mechanism.title, until)
+        conditions = () if until is None else read_conditions(self.mechanism.description, until)
         analyse = accuracy_or_tolerances(self.mechanism, **settings)
         with bar(f"simulate {self.mechanism.title}", given.pop("progress")) as report:
             if until is None:

@@ -103,7 +103,7 @@ class _Compilation:
 
     def __init__(self, terminal: bool) -> None:
         self.terminal = terminal
-        self.began, self.depth, self.count, self.total = 0.0, 0, 0, 0
+        self.began, self.took, self.depth, self.count, self.total = 0.0, 0.0, 0, 0, 0
         self.bar: Any = None  # of a terminal
         self.said = ""
 
@@ -112,17 +112,19 @@ class _Compilation:
         self.depth += 1
         if self.depth > 1:
             return
-        self.began = self.began or time.monotonic()
+        self.began = time.monotonic()
         path = Path(function.__code__.co_filename)
         ours = any(path.is_relative_to(at) for at in (LIBRARY / "runtime", methods_folder()))
         self.count += ours
-        if time.monotonic() - self.began > PATIENCE:
+        if self.took > PATIENCE:
             with suppress(OSError):  # of a terminal that was closed
                 self._show(ours, path.stem)
 
     def end(self) -> None:
         """It is compiled."""
         self.depth -= 1
+        if self.depth == 0:
+            self.took += time.monotonic() - self.began
 
     def _show(self, ours: bool, stem: str) -> None:
         text = f"compiling {stem.replace('__', ', scene ')}"
@@ -155,10 +157,9 @@ class _Compilation:
                 self.bar.stop()
             self.bar = None
         if "the runtime" in self.said and self.count:
-            took = time.monotonic() - self.began
             with suppress(OSError):
                 sys.stderr.write(
-                    f"Linkwright: compiled in {took:.0f} s; later runs start at once.\n"
+                    f"Linkwright: compiled in {self.took:.0f} s; later runs start at once.\n"
                 )
         self.said = ""
 

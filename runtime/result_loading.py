@@ -192,10 +192,11 @@ def _simulated(
         start=start, controllers=dict.fromkeys(mechanism.description.controllers, missing),
     )  # fmt: skip
     ready.given_t = kept["given_t"]
+    ready.samples_taken, taken = kept["taken"]
     options = Options(**kept["options"])
     coordinates = formulate(ready, kept["formulation"], options.method, options.correction)
     checkpoints = Checkpoints(rows=kept["checkpoints"])
-    motion = SimulatedMotion(ready, coordinates, options, checkpoints, kept["end"])
+    motion = SimulatedMotion(ready, coordinates, options, checkpoints, kept["end"], taken)
     return coordinates.mechanism, motion
 
 

@@ -113,11 +113,16 @@ def _scene_problems(model: Model, scene: Scene) -> list[str]:
                 if owner not in (*scene.bodies, *joints, *scene.states)
             ]
     for name, _ in (*scene.start, *scene.guess):
-        owner = name.rpartition(".")[0]
+        owner = name.rpartition(".")[0] or name  # a state is its own
         if owner not in (*scene.bodies, *joints, *scene.states):
             problems.append(
                 f"{where}: {name} has a start value, but its {model.kind(owner)} takes no part."
             )
+    problems += [
+        f"{where}: guess names '{name}', but a state is not searched for; give it in start=."
+        for name, _ in scene.guess
+        if name in scene.states
+    ]
     problems += _problems_in_scene(model, scene, joints)
     problems += [*output_problems(model, scene), *contact_problems(model, scene)]
     problems += _violated_conditions(model, scene)

@@ -20,8 +20,8 @@ def effect_measures(
     """All quantities that an effect has as outputs, beside the components that it reports.
 
     What an effect does not say itself in ``measures(bodies)`` follows from its terms: of a force
-    along one scalar the scalar, its rate and the force, of a friction in a joint the slip, of any
-    other effect the generalized forces by coordinate; the potential of each that has one.
+    along one length or angle that, its rate and the force, of a friction in a joint the slip, of
+    any other effect the generalized forces by coordinate; the potential of each that has one.
     """
     found = measures_of(effect, bodies)
     if found is None:
@@ -72,13 +72,14 @@ def _derived(
     if len(pulls) == 1 and not terms.loads and potential_of(effect, bodies) is None:
         ((s, force),) = pulls
         turns = _is_angle(s)
-        word, unit = ("angle", "rad") if turns else ("length", "m")
-        exerted, force_unit = ("torque", "N m") if turns else ("force", "N")
-        return (
-            el.Measure(word, "", unit, s),
-            el.Measure("rate", "", f"{unit}/s", SPEED, s),
-            el.Measure(exerted, "", force_unit, force, s),
-        )
+        if turns or _is_length(s):
+            word, unit = ("angle", "rad") if turns else ("length", "m")
+            exerted, force_unit = ("torque", "N m") if turns else ("force", "N")
+            return (
+                el.Measure(word, "", unit, s),
+                el.Measure("rate", "", f"{unit}/s", SPEED, s),
+                el.Measure(exerted, "", force_unit, force, s),
+            )
     forces = dict(terms.forces)
     for q, slope in terms.gradient:
         forces[q] = forces.get(q, sympy.S.Zero) - slope
@@ -99,4 +100,21 @@ def _is_angle(scalar: sympy.Expr) -> bool:
         bool(moved)
         and not kinds(scalar, Velocity, Time)
         and all(q.unit == "rad" and abs(sympy.diff(scalar, q)) == 1 for q in moved)
+    )
+
+
+def _is_length(scalar: sympy.Expr) -> bool:
+    """Whether a scalar is known to be in m: a sum of lengths, or the root of a sum of squares.
+
+    A length x enters a sum with ∂s/∂x = ±1, and a sum of squares s² with ∂²s²/∂x² = 2.
+    """
+    moved = kinds(scalar, Coordinate)
+    if kinds(scalar, Velocity) or not any(q.unit == "m" for q in moved):
+        return False
+    rest = scalar.as_independent(*moved, as_Add=True)[1]
+    root = rest.is_Pow and rest.exp == sympy.S.Half
+    return all(
+        (sympy.diff(rest.base, q, 2) == 2) if root else (abs(sympy.diff(rest, q)) == 1)
+        for q in moved
+        if q.unit == "m"
     )

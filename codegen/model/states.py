@@ -87,7 +87,7 @@ class States(Declarations):
             itself that answers one, ``lambda e: e + k*error``; None where a run brings a function
             of its own, ``simulate(controllers={name: ...})``.
         delay
-            Time from a sample until it acts, s.
+            Time from a clock's sample until it acts, s.
         start
             The value before the first sample acts, in `unit`.
         unit, nominal
@@ -97,6 +97,10 @@ class States(Declarations):
         if (every is None) == (when is None):
             self._note(f"{where}: give every=, the period of its clock, or when=, a condition.")
         if when is not None:
+            if value is None:
+                self._note(f"{where}: when= without value=; give what it becomes there.")
+            if delay != 0 and self._value(delay, "s", f"delay of {where}") != 0:
+                self._note(f"{where}: delay= is of a clock; leave it out, or give every=.")
             indicator = self._read.gated(sympy.S.One, "", where, when)
             declared = self._declare_state(name, where, start, unit, nominal)
             sample = self._expression(ZERO if value is None else value, declared, unit, where)

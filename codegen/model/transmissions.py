@@ -5,6 +5,7 @@ from typing import Any
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
+from codegen.declare.symbols import SignRule
 from codegen.elements.forces.elastic_belt import ElasticBelt
 from codegen.elements.forces.gear_with_backlash import GearWithBacklash
 from codegen.elements.forces.motor import Motor
@@ -65,11 +66,9 @@ class Transmissions(Declarations):
             R_j (φ_j - φ_c) - R_i (φ_i - φ_c) as the belt was laid on, m (+ R_i if it is crossed).
         """
         where = f"belt '{name}'"
-        wheels, joints = self._wheels(where, i, j, carrier), MappingProxyType(self.joints)
-        radii = self._radii(where, radius_i, radius_j)
+        wheels, (start, joints) = self._wheels(where, i, j, carrier, radius_i, radius_j, offset)
         turned = self._read.flag(crossed, f"{where}: crossed")
-        start = self._value(offset, "m", f"offset of {where}")
-        return self._declare(Belt(name, *wheels, *radii, turned, start, joints))
+        return self._declare(Belt(name, *wheels, turned, start, joints))
 
     def elastic_belt(
         self, name: str, i: Body, j: Body, radius_i: Any, radius_j: Any, *, stiffness: Any,
@@ -96,16 +95,12 @@ class Transmissions(Declarations):
             R_j (φ_j - φ_c) - R_i (φ_i - φ_c) of the idle belt, m (+ R_i if it is crossed).
         """
         where = f"elastic belt '{name}'"
-        wheels, joints = self._wheels(where, i, j, carrier), MappingProxyType(self.joints)
-        radii = self._radii(where, radius_i, radius_j)
+        wheels, laid = self._wheels(where, i, j, carrier, radius_i, radius_j, offset)
         turned = self._read.flag(crossed, f"{where}: crossed")
         k = self._value(stiffness, "N/m", f"stiffness of {where}", "positive")
         c = self._value(damping, "N s/m", f"damping of {where}")
         tension = self._value(pretension, "N", f"pretension of {where}")
-        start = self._value(offset, "m", f"offset of {where}")
-        return self._declare(
-            ElasticBelt(name, *wheels, *radii, turned, k, c, tension, start, joints)
-        )
+        return self._declare(ElasticBelt(name, *wheels, turned, k, c, tension, *laid))
 
     def gear_with_backlash(
         self, name: str, i: Body, j: Body, radius_i: Any, radius_j: Any, *, backlash: Any,
@@ -129,15 +124,11 @@ class Transmissions(Declarations):
             R_i (φ_i - φ_c) + R_j (φ_j - φ_c) in the middle of the backlash, m.
         """
         where = f"gear with backlash '{name}'"
-        wheels, joints = self._wheels(where, i, j, carrier), MappingProxyType(self.joints)
-        first, second = (self._value(r, "m", f"radius of {where}") for r in (radius_i, radius_j))
+        wheels, laid = self._wheels(where, i, j, carrier, radius_i, radius_j, offset, sign="")
         play = self._value(backlash, "m", f"backlash of {where}")
         k = self._value(stiffness, "N/m", f"stiffness of {where}", "positive")
         c = self._value(damping, "N s/m", f"damping of {where}")
-        start = self._value(offset, "m", f"offset of {where}")
-        return self._declare(
-            GearWithBacklash(name, *wheels, first, second, play, k, c, start, joints)
-        )
+        return self._declare(GearWithBacklash(name, *wheels, play, k, c, *laid))
 
     def screw(
         self, name: str, frame: Place, nut: Place, spindle: Body, lead: Any, axis: Pair = (1, 0),
@@ -208,15 +199,18 @@ class Transmissions(Declarations):
         most = self._value(capacity, "N m", f"capacity of {where}", "positive")
         return self._declare(OneWayClutch(name, first, second, most))
 
-    def _wheels(self, where: str, i: Any, j: Any, carrier: Any) -> tuple[Body, Body, Body]:
-        """Two wheels and the body that carries them, the ground unless one is given."""
+    def _wheels(
+        self, where: str, i: Any, j: Any, carrier: Any, radius_i: Any, radius_j: Any, offset: Any,
+        sign: SignRule = "positive",
+    ) -> tuple[tuple[Body, Body, Body, Any, Any], tuple[Any, Any]]:  # fmt: skip
+        """Two wheels, what carries them, the ground unless given, their radii; offset and joints.
+
+        `sign` is that of the radii.
+        """
         advice = "it couples bodies that turn, wherever their bearings are."
         first, second = (self._body(where, body, advice) for body in (i, j))
         advice = "carrier is the body that carries the bearings."
         arm = self.ground if carrier is None else self._body(where, carrier, advice)
-        return first, second, arm
-
-    def _radii(self, where: str, i: Any, j: Any) -> tuple[Any, Any]:
-        """Radii of two pulleys."""
-        first, second = (self._value(r, "m", f"radius of {where}", "positive") for r in (i, j))
-        return first, second
+        one, other = (self._value(r, "m", f"radius of {where}", sign) for r in (radius_i, radius_j))
+        start = self._value(offset, "m", f"offset of {where}")
+        return (first, second, arm, one, other), (start, MappingProxyType(self.joints))

@@ -1,6 +1,7 @@
 """Functions of a user's own that compute sampled values while a run goes on."""
 
 from collections.abc import Callable, Mapping
+from itertools import islice
 from typing import Any
 
 from codegen.errors import AnalysisError, InputError
@@ -11,6 +12,9 @@ from runtime.integrate.problem import Controller
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
+
+# safety: answers of a function that a run taken again finds, of some 150 bytes
+_MOST_ANSWERS = 2**18
 
 Functions = Mapping[str, Callable[["Sample"], float]]
 
@@ -67,7 +71,10 @@ def controllers_of(mechanism: Mechanism, functions: Functions | None) -> dict[in
 
 
 class _Function:
-    """A user's function for one sampled value; it remembers what it answered."""
+    """A user's function for one sampled value; it remembers what it answered last.
+
+    By instant and state: runs of different tolerances, as for an accuracy, share the instants.
+    """
 
     def __init__(
         self, description: Description, name: str, function: Callable[[Sample], Any]
@@ -85,6 +92,8 @@ class _Function:
                 f"{self.description.title}: the controller of '{self.name}' answers "
                 f"{shown(answer)} at t = {t:.9g} s; it must answer a finite number."
             )
+        if len(self.answers) >= _MOST_ANSWERS:
+            self.answers = dict(islice(self.answers.items(), _MOST_ANSWERS // 2, None))
         self.answers[t, hash((q.tobytes(), v.tobytes()))] = value
         return value
 

@@ -104,6 +104,7 @@ class CartesianCoordinates(Coordinates):
             ready.sizes,
             self.spreads,
             ready.stops,
+            ready.samples_taken,
             ready.controllers,
             ready.discrete,
         )
@@ -135,7 +136,7 @@ class ReducedCoordinates(Coordinates):
         scale = _mobility(reduced.inertia(t, q[kept], p), sizes)
         return Problem(
             t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops,
-            discrete=ready.discrete,
+            samples_taken=ready.samples_taken, discrete=ready.discrete,
         )  # fmt: skip
 
     def run(self, options: Options, progress: Progress) -> Trajectory:

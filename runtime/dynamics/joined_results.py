@@ -131,6 +131,10 @@ class JoinedMotion:
         """First and last instant, s."""
         return self._motions[0].span[0], self._motions[-1].span[1]
 
+    def sampled(self, t: float) -> bool:
+        """Whether clocks have renewed what is due in the state at an instant of the span, s."""
+        return next((m for m in self._motions if t <= m.span[1]), self._motions[-1]).sampled(t)
+
     def at(self, result: Result, times: FloatArray) -> tuple[Samples, dict[str, FloatArray]]:
         """At ascending instants, (k,), of the span, s; at a change of joints just before it."""
         parts, works = list[Samples](), list[dict[str, FloatArray]]()

@@ -52,6 +52,11 @@ class SimulatedMotion:
     options: Options
     checkpoints: Checkpoints
     end: float  # last instant that the run reached, s
+    samples_taken: bool = True  # whether clocks have renewed what is due there
+
+    def sampled(self, t: float) -> bool:
+        """Whether clocks have renewed what is due in the state at an instant of the span, s."""
+        return t < self.end or self.samples_taken
 
     @property
     def span(self) -> tuple[float, float]:
@@ -110,6 +115,7 @@ class SimulatedMotion:
         options = {name: getattr(self.options, name) for name in SAVED}
         return {
             "t": begin.t, "q": begin.q, "v": begin.v, "given_t": ready.given_t, "end": self.end,
+            "taken": (ready.samples_taken, self.samples_taken),
             "t_end": ready.t_end, "formulation": self.coordinates.name, "options": options,
             "checkpoints": self.checkpoints.few(_SAVED_BYTES), "source": _source(ready.mechanism),
         }  # fmt: skip
@@ -177,6 +183,10 @@ class DrivenMotionAtInstants:
         """First and last instant, s."""
         t, first, last = self.start.t, float(self.times[0]), float(self.times[-1])
         return min(t, first), max(t, last)
+
+    def sampled(self, t: float) -> bool:
+        """No clock renews anything in a motion that drivers prescribe."""
+        return False
 
     def at(self, result: Result, times: FloatArray) -> Found:
         """At ascending instants, (k,), of the span, s: followed again from the start."""

@@ -13,12 +13,15 @@ import numpy as np
 from codegen.errors import InputError
 from codegen.plain_values import finite_float, shown
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.controllers import Sample
 from runtime.mechanism.dense_equations import FloatArray
+from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
+from runtime.results.samples import Samples
 
 _A_STEP = 4  # measured: instants of a step that are looked at
 _LEAST, _MOST = 1000, 20_000  # safety: such instants of a run
-_SIGNS = {"<": -1.0, "<=": -1.0, ">": 1.0, ">=": 1.0}
+_SIGNS = {"<": -1.0, ">": 1.0}
 
 Conditions = Mapping[str, tuple[str, str, float]]
 """Name → (series, "<" or ">", value)."""
@@ -38,15 +41,20 @@ class OutputCondition(NamedTuple):
         return self.sign * (values - self.value)
 
 
-def read_conditions(title: str, until: Any) -> tuple[OutputCondition, ...]:
+def read_conditions(description: Description, until: Any) -> tuple[OutputCondition, ...]:
     """The conditions that a user gives; InputError with all that are none."""
-    found, problems = list[OutputCondition](), list[str]()
-    given = until if isinstance(until, Mapping) else {"": until}
-    for name, one in given.items():
+    found, problems, title = list[OutputCondition](), list[str](), description.title
+    if not isinstance(until, Mapping) or not until:
+        raise InputError(
+            f"{title}: until={shown(until)} names no condition; write "
+            'until={"overload": ("hinge.fx", ">", 500.0)}, or leave it out.'
+        )
+    for name, one in until.items():
         listed = isinstance(one, tuple | list) and len(one) == 3
         series, sign, value = tuple(one) if listed else (None, None, None)
         number = finite_float(value)
-        fits = isinstance(name, str) and isinstance(series, str) and sign in _SIGNS
+        signed = isinstance(sign, str) and sign in _SIGNS
+        fits = isinstance(name, str) and name and isinstance(series, str) and signed
         if not fits or number is None:
             problems.append(
                 f"{title}: until={{{shown(name)}: {shown(one)}}} is no condition; write "
@@ -55,16 +63,42 @@ def read_conditions(title: str, until: Any) -> tuple[OutputCondition, ...]:
             )
         else:
             found.append(OutputCondition(name, series, _SIGNS[sign], number))
+    if not any(row.reconnects for row in description.watched):  # other joints have other series
+        nothing = _without_samples(description)
+        for condition in found:
+            try:
+                condition.of(nothing)
+            except InputError as error:
+                problems += error.problems
     if problems:
         raise InputError(problems)
     return tuple(found)
+
+
+def _without_samples(description: Description) -> Result:
+    """A result of no instants, which knows what a simulation has."""
+    n, switches = len(description.coordinates), len(description.switches)
+    rows = len(description.constraints), len(description.reactions), len(description.powers)
+    t, *others = (np.zeros((0, count)) for count in (1, n, n, n, *rows, 2, 2, switches))
+    modes = np.zeros((0, switches), np.int64)
+    samples = Samples._make((t[:, 0], *others[:-1], modes, others[-1]))
+    found = Result(
+        description, samples, np.zeros(0), analysis="simulation", outcome=Outcome.OK, message="",
+        stats={},
+    )  # fmt: skip
+    found.works.update(dict.fromkeys(description.work_rows, np.zeros(0)))
+    return found
 
 
 def simulate_until(
     analyse: Callable[..., Result], conditions: tuple[OutputCondition, ...], given: dict[str, Any]
 ) -> Result:
     """The run that ends where the first of the conditions begins to hold."""
+    kept = {name: _Kept(function) for name, function in (given.get("controllers") or {}).items()}
+    given = {**given, "controllers": kept or given.get("controllers")}
     whole = analyse(**given)
+    for function in kept.values():
+        function.answers_again = True
     found = _first(whole, conditions)
     if found is None:
         return whole
@@ -77,6 +111,19 @@ def simulate_until(
         result.ended_by = name
         result.message = f"Ended at t = {end:.9g} s, where '{name}' began to hold. {result.message}"
     return result
+
+
+class _Kept:
+    """A controller of which the second run has the answers of the first: it may have a memory."""
+
+    def __init__(self, function: Callable[[Sample], float]) -> None:
+        self.function, self.answers, self.answers_again = function, dict[float, float](), False
+
+    def __call__(self, sample: Sample) -> float:
+        """The answer of the first run at the instant; else a new one."""
+        if not self.answers_again or sample.t not in self.answers:
+            self.answers[sample.t] = self.function(sample)
+        return self.answers[sample.t]
 
 
 def _first(result: Result, conditions: tuple[OutputCondition, ...]) -> tuple[str, float] | None:

@@ -11,6 +11,7 @@ from codegen.errors import AssemblyError
 from runtime.assembly.assemble import assemble
 from runtime.assembly.start_values import start_note
 from runtime.dynamics.controllers import Functions, controllers_of
+from runtime.integrate.clocks import read_clocks
 from runtime.integrate.problem import Discrete, Options, Stops
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
@@ -43,6 +44,18 @@ class Handover(NamedTuple):
     """What a run with other joints hands to the one that follows it, beside its state."""
 
     discrete: Discrete | None
+
+
+def lost_samples_note(mechanism: Mechanism, p: FloatArray) -> str:
+    """Sentence on samples that a state lacks since they wait for their delay; else empty."""
+    clocks = zip(mechanism.description.sampled, read_clocks(mechanism.system, p), strict=True)
+    late = [name for name, (_, delay) in clocks if delay > 0.0]
+    if not late:
+        return ""
+    return (
+        f" Samples of {', '.join(late)} that wait for their delay are no part of a state, and do "
+        "not act; Result.resume goes on with them."
+    )
 
 
 class PreparedSimulation:
@@ -82,7 +95,10 @@ class PreparedSimulation:
                     self.passages = passages_of(equations, behind, self.t_end, sizes)
         self.begin, self.sizes = begin, sizes
         self.discrete = None if handover is None else handover.discrete
+        self.samples_taken = isinstance(start, State) and start.sampled and begin.t == start.t
         self.note = "" if handover else start_note(mechanism, begin, guess, given)
+        if isinstance(start, State) and not handover:
+            self.note += lost_samples_note(mechanism, p)
         least = float(self.sizes.min(initial=1.0))
         require_apart(mechanism, p, begin.t, begin.q, begin.v, least)
         waits = any(row.reconnects for row in mechanism.description.watched)

@@ -36,9 +36,11 @@ def resume(
     given = read_arguments(title, others, {"max_steps": max_steps, "progress": progress})
     max_steps, progress = given["max_steps"], given["progress"]
     if result.ended_by:
+        of_scene = any(row.name == result.ended_by for row in result.description.watched)
+        advice = "in a scene without this condition" if of_scene else "without until="
         raise InputError(
             f"{title}: the run ended where '{result.ended_by}' began to hold, and would end there "
-            "again. Simulate from it, start=result, in a scene without this condition."
+            f"again. Simulate from it, start=result, {advice}."
         )
     if any(row.reconnects for row in result.description.watched):
         raise InputError(
@@ -70,7 +72,7 @@ def resume(
         run = coordinates.retaken(
             options, kept, watched, known, lambda t, _: report(max(0.0, (t - first) / span))
         )
-    new = SimulatedMotion(ready, coordinates, options, made[0], run.final_t)
+    new = SimulatedMotion(ready, coordinates, options, made[0], run.final_t, run.samples_taken)
     done = new.works_from(kept, run, first) if works else None
     path = replace(_behind(run, kept, first, times, works), checkpoints=made[0])
     plain = replace(options, t_eval=times, quadrature=False)

@@ -98,8 +98,8 @@ def finish_simulation(
     run = end_at_jam(mechanism, run, ready.p, ready.t_end - begin.t)
     result = _result(mechanism, run, ready, began)
     if run.checkpoints is not None:
-        end = run.final_t
-        result._motion = SimulatedMotion(ready, coordinates, options, run.checkpoints, end)
+        end = run.final_t, run.samples_taken
+        result._motion = SimulatedMotion(ready, coordinates, options, run.checkpoints, *end)
     if works:
         integrate_works(result, len(run.t), options.t_eval)
     equations, mobility = Equations(mechanism, ready.p), coordinates.mobility

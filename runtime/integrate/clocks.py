@@ -34,8 +34,13 @@ def queue_length(clocks: Matrix) -> int:
     return int(np.max(np.ceil(clocks[:, 1] / clocks[:, 0]), initial=0.0)) + 2
 
 
-def set_clocks(t: float, clocks: Matrix, ticks: Integers) -> None:
-    """Write the numbers of each value's next sample, and of the next that acts, at the start t."""
+def set_clocks(t: float, clocks: Matrix, ticks: Integers, *, taken: bool = False) -> None:
+    """Write the numbers of each value's next sample, and of the next that acts, at the start t.
+
+    Samples of the instant t itself are taken then, unless they have been `taken`.
+    """
     for k, (every, _) in enumerate(clocks):
         first = int(np.ceil((t - CLOCK * abs(t)) / every))
+        if taken and first * every <= t + CLOCK * abs(t):
+            first += 1
         ticks[2 * k : 2 * k + 2] = first

@@ -76,6 +76,7 @@ class Problem:
     """(s,): how far switching functions go when all that they are made of is changed by its size,
     where that is more than the coordinates' own changes do."""
     stops: Stops | None = None  # None: the run ends its steps where it likes
+    samples_taken: bool = False  # whether clocks have renewed what is due at t0
     # number of a sampled value → what computes its samples
     controllers: Mapping[int, Controller] = field(default_factory=dict)
     discrete: Discrete | None = None  # None: clocks begin, and no condition has held

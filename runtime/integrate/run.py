@@ -15,6 +15,7 @@ from runtime.core.outcomes import Outcome
 from runtime.core.system import System
 from runtime.core.workspace_rows import BAND, STRUCK
 from runtime.integrate import notes_on_outcomes as notes
+from runtime.integrate.clocks import CLOCK
 from runtime.integrate.initialization import start, start_anew
 from runtime.integrate.loop import advance
 from runtime.integrate.method import LEADING
@@ -166,13 +167,13 @@ class Run:
                 before = time.perf_counter()
                 code = advance(run.state.table, steps)
                 took = time.perf_counter() - before
+                if code == _SAMPLE:  # before the samples of the step are taken over
+                    code = run._take_samples()
                 run.recording.flush()
                 if code < 0:
                     signals.begin()
                 if code == _KINK:
                     code = run._pass_kink()
-                if code == _SAMPLE:
-                    code = run._take_samples()
                 if code == _CHANGE:
                     run.state.change_method()
                     code = _GOING
@@ -290,7 +291,6 @@ class Run:
 
         self._compute_by_controllers()
         code: int = go_on(self.state.table)
-        self.recording.flush()
         return _GOING if code == Signal.PROCEED else code
 
     def _compute_by_controllers(self) -> None:
@@ -350,4 +350,5 @@ class Run:
             decay=state.mean_decay,
             crossings=tuple(self.crossings.passed),
             note=note,
+            samples_taken=bool(r["sample_at"] > stopped + CLOCK * abs(stopped)),
         )

@@ -67,7 +67,7 @@ class RunState:
         self.set_stops(problem.stops)
         if system.sampled:
             clocks = arrays["sample_clocks"].reshape(-1, 2)
-            set_clocks(float(problem.t0), clocks, arrays["ticks"])
+            set_clocks(float(problem.t0), clocks, arrays["ticks"], taken=problem.samples_taken)
         if problem.discrete is not None:
             self._take_discrete(problem.discrete)
 

@@ -93,4 +93,5 @@ class Trajectory:
     note: str = ""  # what else is to be said about the outcome; empty as a rule
     methods: tuple[tuple[float, str], ...] = ()  # from when on each was used: one, but for "auto"
     decay: float = 0.0  # of the fastest motion in a step of "auto": mean of -h Re λ
+    samples_taken: bool = True  # whether clocks have renewed what is due where the run stopped
     checkpoints: "Checkpoints | None" = None  # None: it was not asked to make any

@@ -46,12 +46,17 @@ class Redundant(NamedTuple):
 @checked_class
 @dataclass(frozen=True)
 class State:
-    """A state of a machine at time t in s: coordinates q and velocities v, shape (n,) each."""
+    """A state of a machine at time t in s: coordinates q and velocities v, shape (n,) each.
+
+    `sampled` says whether clocks have renewed what is due at t: a run that starts there renews it
+    unless they have.
+    """
 
     t: float
     q: FloatArray
     v: FloatArray
     coordinates: Table[Coordinate] = field(default=Table(), repr=False)
+    sampled: bool = field(default=False, repr=False)
 
     def __getitem__(self, name: str) -> float:
         """Value of a coordinate or velocity by name."""

@@ -32,10 +32,11 @@ class EffectSeries(MotionSeries):
 
         Of a spring, damper or actuator the tension, positive where it pulls its ends together; of a
         contact the force that pushes its bodies apart, positive; of a friction the force along its
-        slip; of an applied force its components "fx" and "fy" in the axes in which it is given; of
-        a bushing "fx" and "fy" on its second body, in the axes of the first; of gears with backlash
-        and of elastic belts "first" and "second" for each flank or strand; of any other effect the
-        generalized forces by coordinate, "bob.x".
+        slip; of a joint with clearance "normal", which pushes, and "friction" on the journal,
+        counter-clockwise about the bearing; of an applied force its components "fx" and "fy" in the
+        axes in which it is given; of a bushing "fx" and "fy" on its second body, in the axes of the
+        first; of gears with backlash and of elastic belts "first" and "second" for each flank or
+        strand; of any other effect the generalized forces by coordinate, "bob.x".
 
         Parameters
         ----------
@@ -60,8 +61,10 @@ class EffectSeries(MotionSeries):
     def torque(self, effect: str, component: str = "") -> FloatArray:
         """Torque of an effect over time, an output ``torque(NAME)`` of the scene.
 
-        Of a torsion spring that on its first body, of a bushing that on its second; of a friction
-        in a revolute joint that along its slip; of an effect without a torque of its own the
+        Of a torsion spring that on its first body, of a bushing that on its second, of a motor that
+        on its rotor; of a one-way clutch that on its driven body, from 0 to the capacity; of a
+        friction in a revolute joint that along its slip; of a stop of an angle that which pushes
+        away from the limit, positive; of an effect without a torque of its own the
         generalized forces on angles, "bob.phi". Arguments and errors are those of `force`; in N m.
         """
         return self._measure("torque", effect, component)
@@ -199,6 +202,10 @@ class EffectSeries(MotionSeries):
         return (*effects, *description.drivers)
 
     def _measure(self, quantity: str, effect: str, component: str = "") -> FloatArray:
+        return self.samples.reaction[:, self._row_of(quantity, effect, component)]
+
+    def _row_of(self, quantity: str, effect: str, component: str = "") -> int:
+        """The column of a quantity of an effect among the reactions."""
         description = self.description
         every = [(k, row) for k, row in enumerate(description.reactions) if row.element == effect]
         found = {row.component: k for k, row in every if quantity_of(row) == quantity}
@@ -206,7 +213,7 @@ class EffectSeries(MotionSeries):
         if not asked and (quantity in found or len(found) == 1):
             asked = quantity if quantity in found else next(iter(found))
         if asked in found:
-            return self.samples.reaction[:, found[asked]]
+            return found[asked]
         if found:
             names = (name.removeprefix(f"{quantity}.") for name in found)
             ways = ", ".join(f"{quantity}({effect!r}, {name!r})" for name in names)

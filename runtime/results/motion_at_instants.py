@@ -32,6 +32,9 @@ class Motion(Protocol):
     def span(self) -> tuple[float, float]:
         """First and last instant, s."""
 
+    def sampled(self, t: float) -> bool:
+        """Whether clocks have renewed what is due in the state at an instant of the span, s."""
+
     def at(self, result: Any, times: FloatArray) -> tuple[Samples, dict[str, FloatArray]]:
         """Samples, and works by name, at ascending instants, (k,), s."""
 
@@ -94,6 +97,7 @@ def _sampled(result: "Result", motion: Motion, times: FloatArray, moved: FloatAr
     found = copy(result)
     vars(found).pop("data", None)
     found.samples = Samples._make(array[place] for array in samples)._replace(t=times)
+    found._chosen = True
     found.works = {name: work[place] for name, work in works.items()}
     return found
 
@@ -156,16 +160,20 @@ def _on_side(result: "Result", times: FloatArray, side: str | None) -> FloatArra
 
 def state(result: "Result", t: float | None, side: Side | None) -> State:
     """See `Result.state`."""
-    title = result.description.title
+    title, motion = result.description.title, result._motion
+    if t is None and motion is not None and not result._chosen:
+        end = _span(result, motion)[1]
+        t = end if not len(result.t) or result.t[-1] != end else None
     if t is not None:
         times = _instants(title, t)
         if len(times) != 1:
             raise InputError(f"{title}: a state is that of one instant; t has {len(times)}.")
-        result = at(result, result._motion, t, side)
+        result = at(result, motion, t, side)
     elif not len(result.t):
         raise InputError(f"{title}: the result has no sample, and no state to start from.")
-    q, v = result.samples.q[-1].copy(), result.samples.v[-1].copy()
-    return State(float(result.t[-1]), q, v, result.description.coordinates)
+    q, v, now = result.samples.q[-1].copy(), result.samples.v[-1].copy(), float(result.t[-1])
+    sampled = motion is not None and motion.sampled(now)
+    return State(now, q, v, result.description.coordinates, sampled)
 
 
 def resume(

@@ -70,7 +70,8 @@ class Result(TimeSeries):
     parameters
         Parameter values by name.
     ended_by
-        The condition of the scene's ``until=`` that ended the run; empty if none did.
+        The condition of ``until=``, the scene's or that of `simulate`, that ended the run; empty
+        if none did.
     reconnections
         The joints that were released or engaged in a run, with their impulses.
     reconnection
@@ -93,6 +94,7 @@ class Result(TimeSeries):
     reconnections: tuple[Reconnection, ...]
     reconnection: Ending | None
     work_at_end: dict[str, float]
+    _chosen: bool  # whether the samples are at instants that `at` was asked for
     _motion: Motion | None  # behind the samples; None: of an analysis without one
 
     def __init__(
@@ -117,7 +119,7 @@ class Result(TimeSeries):
         self.events, self.partitions = tuple(events), tuple(partitions)
         self.not_unique, self.singular = tuple(not_unique), tuple(singular)
         self.works, self.accuracy, self.contradiction = {}, None, ""
-        self._motion = None
+        self._motion, self._chosen = None, False
         self.ended_by, self.reconnections, self.reconnection = "", (), None
         self.work_at_end = {}
         self.parameters = {
@@ -196,8 +198,8 @@ class Result(TimeSeries):
         Parameters
         ----------
         t, side
-            An instant in s, and the side of an event, as `at` takes them; unless given, the last
-            sample.
+            An instant in s, and the side of an event, as `at` takes them; unless given, the end
+            of the motion, or of what `at` answered the last sample.
 
         Raises
         ------

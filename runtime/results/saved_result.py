@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from runtime.results.accuracy_target_record import Estimate, ReachedAccuracy, Trial
 from runtime.results.event_records import Event, SingularPosition
@@ -54,6 +55,12 @@ def saved_fields(result: Result) -> dict[str, Any]:
     }
 
 
+def _numbered(values: Sequence[Any]) -> tuple[list[Any], npt.NDArray[np.int64]]:
+    """The values that differ, in order, and the number of each value among them."""
+    numbers = {value: k for k, value in enumerate(dict.fromkeys(values))}
+    return list(numbers), np.array([numbers[value] for value in values], np.int64)
+
+
 def _fields_of_parts(result: Result, parts: dict[str, Any]) -> dict[str, Any]:
     """Of a run with other joints in each part: the parts, what changed and what is said of it."""
     return {
@@ -68,10 +75,10 @@ def _fields_of_parts(result: Result, parts: dict[str, Any]) -> dict[str, Any]:
 
 def _event_columns(events: Sequence[Event]) -> dict[str, Any]:
     """Many events in few arrays; they have states of the same shape."""
-    names = list(dict.fromkeys(event.name for event in events))
+    names, numbers = _numbered([event.name for event in events])
     return {
         "names": names,
-        "name": np.array([names.index(event.name) for event in events], np.int64),
+        "name": numbers,
         "time": np.array([event.time for event in events]),
         "direction": np.array([event.direction for event in events], np.int64),
         "words": [event.word for event in events],
@@ -94,10 +101,10 @@ def events_of(columns: dict[str, Any]) -> list[Event]:
 
 def _partition_columns(partitions: Sequence[Partition]) -> dict[str, Any]:
     """Many partitions, of which few differ."""
-    sets = list(dict.fromkeys(one.independent for one in partitions))
+    sets, numbers = _numbered([one.independent for one in partitions])
     return {
         "sets": sets,
-        "set": np.array([sets.index(one.independent) for one in partitions], np.int64),
+        "set": numbers,
         "time": np.array([one.time for one in partitions]),
     }
 

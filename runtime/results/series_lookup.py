@@ -6,7 +6,7 @@ import numpy.typing as npt
 from codegen.errors import InputError
 from codegen.public_callables import checked_class
 from runtime.mechanism.table_rows import unknown
-from runtime.results.effect_series import QUANTITIES, EffectSeries, quantity_of
+from runtime.results.effect_series import QUANTITIES, EffectSeries
 from runtime.results.motion_lookup import FloatArray, by_names
 
 ENERGIES = ("kinetic", "potential", "total")
@@ -167,12 +167,10 @@ class TimeSeries(EffectSeries):
 
     def _of_effect(self, word: str, effect: str) -> tuple[FloatArray, str]:
         """A quantity of an effect that has one component, or its power or work, and the unit."""
-        values: FloatArray = getattr(self, word)(effect)
         if word in ("power", "work"):
-            return values, "W" if word == "power" else "J"
-        rows = [r for r in self.description.reactions if r.element == effect]
-        own = [row for row in rows if row.component == word]
-        return values, (own or [row for row in rows if quantity_of(row) == word])[0].unit
+            return getattr(self, word)(effect), "W" if word == "power" else "J"
+        column = self._row_of(word, effect)
+        return self.samples.reaction[:, column], self.description.reactions[column].unit
 
     def _switch(self, condition: str) -> int:
         switches = self.description.switches

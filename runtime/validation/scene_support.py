@@ -30,15 +30,14 @@ def refuse_states(mechanism: Mechanism, question: str) -> None:
         )
 
 
-def refuse_early_ends(mechanism: Mechanism, question: str) -> None:
+def refuse_early_ends(mechanism: Mechanism, question: str, advice: str = "Take") -> None:
     """Refuse a comparison of runs that end, or change joints, at instants of their own."""
     rows = [row for row in mechanism.description.watched if row.action != "sample"]
     if rows:
         names = ", ".join(repr(row.name) for row in rows)
         raise AnalysisError(
             f"{mechanism.title}: {question} compares runs at the same instants, and {names} may "
-            "end a run, or change its joints, at an instant of its own. Give rtol=, or take a "
-            "scene without."
+            f"end a run, or change its joints, at an instant of its own. {advice} a scene without."
         )
 
 

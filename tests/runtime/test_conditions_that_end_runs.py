@@ -63,6 +63,19 @@ def test_a_resumed_run_would_end_there_again(falling: Machine) -> None:
         falling.simulate(5.0, accuracy=1e-6)
 
 
+def test_studies_that_compare_runs_refuse_conditions_that_end_them(workshop: Path) -> None:
+    from runtime.studies.effect_ranking import matters
+    from runtime.studies.work_precision import accuracy
+
+    model, start = thrown("until_compared")
+    ball = model.bodies["ball"]
+    model.scene("falls", ["gravity"], start=start, until={"landed": ball.y < 0})
+    with pytest.raises(AnalysisError, match=r"matters compares.*'landed'.* Take a scene without"):
+        matters(model, "falls", asked="max:ball.x", t_end=1.0, folder=workshop)
+    with pytest.raises(AnalysisError, match=r"accuracy compares.*'landed'.* Take a scene without"):
+        accuracy(model, "falls", t_end=1.0, folder=workshop)
+
+
 def test_a_result_comes_back_from_its_file(falling: Machine, tmp_path: Path) -> None:
     from runtime import load_result
 
@@ -78,6 +91,28 @@ def test_conditions_of_the_time_and_of_several(workshop: Path) -> None:
     model.scene("both", ["gravity"], start=start, until={"both": (ball.y < 1.9) & (ball.x > 0.4)})
     assert_allclose(load(model, "late", folder=workshop).simulate(1.0).t[-1], 0.25)
     assert_allclose(load(model, "both", folder=workshop).simulate(1.0).t[-1], 0.4, atol=1e-9)
+
+
+def test_what_a_condition_renews_needs_a_value_and_has_no_delay() -> None:
+    model, start = thrown("renewed_wrong")
+    ball = model.bodies["ball"]
+    model.sampled("u", when=ball.y < 1)
+    model.sampled("w", when=ball.y < 1, value=ball.x, delay=0.1)
+    state = model.state("s", rate=1.0)
+    model.scene("a", [state], start=start, guess={state: 2.0})
+    with pytest.raises(ModelError) as caught:
+        build(model, compile=False)
+    text = str(caught.value)
+    for part in ("'u': when= without value=", "'w': delay= is of a clock"):
+        assert part in text, part
+
+
+def test_a_guess_of_a_state_is_refused() -> None:
+    model, start = thrown("guessed_state")
+    state = model.state("s", rate=1.0)
+    model.scene("a", [state], start=start, guess={state: 2.0})
+    with pytest.raises(ModelError, match=r"guess names 's'.*give it in start="):
+        build(model, compile=False)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -173,7 +208,50 @@ def test_a_run_ends_where_a_reaction_grows_too_large(pendulum: Machine) -> None:
     assert not pendulum.simulate(3.0, until={"never": ("total", ">", 1e3)}).ended_by
 
 
-def test_conditions_on_outputs_that_are_none(pendulum: Machine) -> None:
+def test_a_run_that_ended_by_an_output_says_how_it_goes_on(pendulum: Machine) -> None:
+    r = pendulum.simulate(3.0, until={"low": ("bob.y", "<", -0.5)})
+    with pytest.raises(InputError, match=r"start=result, without until="):
+        r.resume(4.0)
+    assert pendulum.simulate(1.0, start=r).t[0] == r.t[-1]
+
+
+def test_a_controller_with_a_memory_is_asked_once(workshop: Path) -> None:
+    """The second of the two runs has the answers of the first."""
+    model = Model("until_with_memory")
+    mass = model.particle("mass", 1.0)
+    model.absolute("rail", mass, "y", 0.0)
+    model.force("push", mass, fx=model.sampled("u", 0.1, unit="N"))
+    model.scene("runs", ["push"], start={mass.x: 0.0, mass.vx: 0.0})
+    machine, calls = load(model, folder=workshop), list[float]()
+
+    def push(sample: object) -> float:
+        calls.append(sample.t)  # type: ignore[attr-defined]
+        return float(len(calls))
+
+    r = machine.simulate(1.0, controllers={"u": push}, until={"far": ("mass.x", ">", 0.3)})
+    assert r.ended_by == "far"
+    assert len(calls) == 10
+    place = speed = time = 0.0  # a force of k + 1 N from 0.1 k s on
+    while (after := place + speed * 0.1 + (calls.index(time) + 1) * 0.005) < 0.3:
+        place, speed = after, speed + (calls.index(time) + 1) * 0.1
+        time = calls[calls.index(time) + 1]
+    a = calls.index(time) + 1.0
+    end = time + (np.sqrt(speed**2 + 2 * a * (0.3 - place)) - speed) / a
+    assert_allclose(r.t[-1], end, rtol=1e-9)
+    assert_allclose(r.y("u")[-1], a)
+
+
+def test_conditions_on_outputs_that_are_none(
+    pendulum: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def no_run(*_: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr("runtime.dynamics.output_conditions.simulate_until", no_run)
+    for wrong in ({}, ("rod.fx", ">", 3.0), {"": ("rod.fx", ">", 3.0)},
+                  {"a": ("rod.fx", ">=", 3.0)}, {"a": ("rod.fx", ["<"], 3.0)}):  # fmt: skip
+        with pytest.raises(InputError, match=r"until=.*write until="):
+            pendulum.simulate(1.0, until=wrong)  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"until=.*write until="):
         pendulum.simulate(1.0, until={"a": "rod.fx > 3"})  # type: ignore[dict-item]
     with pytest.raises(InputError, match=r"'rod\.fz'"):

@@ -35,6 +35,18 @@ class Rubber(Effect):
 
 
 @element
+class Pressed(Effect):
+    """A user's own force along half the square of a coordinate, which is in m²."""
+
+    kind = "pressed for outputs"
+    name: str
+    place: sympy.Expr
+
+    def pulls(self, bodies):
+        return ((self.place**2 / 2, 3 * self.place),)
+
+
+@element
 class Well(Effect):
     """A user's own potential, which says what it measures."""
 
@@ -332,6 +344,21 @@ def test_frictions_and_rigid_contacts_say_force_normal_and_slip(folder: Path) ->
         "rub.force", "rub.normal", "rub.rate", "brake.force", "brake.rate", "brake.normal",
         "table.force", "table.gap",
     }  # fmt: skip
+
+
+def test_a_scalar_of_unknown_unit_is_no_length(folder: Path) -> None:
+    """Of a force along it are the generalized forces, whose units are known."""
+    model = Model("unknown_unit_outputs")
+    block = model.particle("block", mass=2.0)
+    model.add(Pressed("pressed", block.x))
+    start = {block.x: 1.0, block.y: 0.0, block.vx: 0.0, block.vy: 0.0}
+    model.scene("run", ["pressed"], start=start, outputs=["forces"])
+    found = load(model, folder=folder).simulate(0.1)
+    (row,) = found.description.reactions
+    assert (row.name, row.unit) == ("pressed.block.x", "N")
+    assert_allclose(found.force("pressed"), -3 * found.q("block.x") ** 2, rtol=1e-12)
+    with pytest.raises(ModelError, match=r"'length\(pressed\)'"):
+        valid_scenes(model, model.scene("run").with_(outputs=["length(pressed)"]))
 
 
 def test_flanks_of_gears_with_backlash_and_rotor_of_a_motor(folder: Path) -> None:

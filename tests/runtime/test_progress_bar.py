@@ -3,6 +3,7 @@
 import io
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -99,6 +100,23 @@ def test_compilation_of_the_runtime_is_told_with_how_long_it_takes(
     assert "compiling the runtime, once after an installation: about a minute" in text
     assert text.count("about a minute") == 1 or stream is Terminal
     assert text.endswith("s; later runs start at once.\n")
+
+
+def test_what_is_not_compiled_is_no_time_of_compilation(
+    monkeypatch: pytest.MonkeyPatch, runtime_at: Path
+) -> None:
+    """Two functions of 2 s each, 300 s of a run between them."""
+    instants = iter([0.0, 2.0, 302.0, 304.0])
+    shown = Notebook()
+    monkeypatch.setattr(sys, "stderr", shown)
+    monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=lambda: next(instants)))
+    compilation, namespace = progress._Compilation(terminal=False), dict[str, Any]()
+    exec(compile(FUNCTION, str(runtime_at / "loop.py"), "exec"), namespace)
+    for _ in range(2):
+        compilation.begin(namespace["double"])
+        compilation.end()
+    compilation.close()
+    assert "compiled in 4 s;" in shown.getvalue()
 
 
 def test_compilation_of_a_scene_is_told_by_its_name(

@@ -137,6 +137,87 @@ def test_the_period_is_a_parameter_like_others(servo: Callable[[str], Machine]) 
         servo("pid").simulate(1.0, parameters={"period": -0.01})
 
 
+@pytest.fixture(scope="module")
+def counter(workshop: Path) -> Callable[[str], Machine]:
+    """A sum of 1 a sample, a value that reads it with a delay, and a push that does work."""
+    model = Model("counter_sampled")
+    delay = model.parameter("delay", 0.0, "s")
+    mass = model.particle("mass", 1.0)
+    model.absolute("rail", mass, "y", 0.0)
+    early = model.sampled("early", 0.1, lambda n: n + 1, delay=delay)
+    sum_ = model.sampled("count", 0.1, lambda n: n + 1)
+    reads = model.sampled("reads", 0.1, early)
+    own = model.sampled("own", 0.1, unit="N")
+    compiled = model.sampled("compiled", 0.1, 1 + mass.x, unit="N")
+    start = {mass.x: 0.0, mass.vx: 0.0}
+    model.force("push_own", mass, fx=own)
+    model.force("push_compiled", mass, fx=compiled)
+    model.scene("counts", [early, sum_, reads], start=start)
+    for name in ("own", "compiled"):
+        model.scene(name, [f"push_{name}"], start=start, outputs=["default", f"work(push_{name})"])
+    return lambda scene: load(model, scene, folder=workshop)
+
+
+def test_a_delay_that_is_a_parameter_of_value_0(counter: Callable[[str], Machine]) -> None:
+    """Values of one instant read it as they read one without a delay, and else as it was."""
+    now = counter("counts").simulate(0.57, [0.57])
+    assert_allclose(now.y("reads"), now.y("early"), rtol=1e-15)
+    late = counter("counts").simulate(0.57, [0.57], parameters={"delay": 0.05})
+    assert_allclose(late.y("reads"), late.y("early") - 1, rtol=1e-15)
+
+
+@pytest.mark.parametrize("instants", [[0.2, 0.3, 1.0], [0.25, 1.0]])
+def test_a_sample_is_taken_once_where_a_run_starts_from_another(
+    counter: Callable[[str], Machine], instants: list[float]
+) -> None:
+    """At 0, 0.1 … 0.9 s the sum is renewed, whether a run stops within, at one or before one."""
+    machine = counter("counts")
+    whole = machine.simulate(1.0, instants)
+    assert whole.y("count")[-1] == 10
+    for state in (whole.state(0.2), whole.state(0.3), whole.state(0.25), whole.state(0.0)):
+        assert machine.simulate(1.0, [1.0], start=state).y("count") == 10
+    for end in (0.2, 0.3, 0.25):
+        first = machine.simulate(end)
+        assert first.y("count")[-1] == np.ceil(10 * end - 1e-9)
+        assert machine.simulate(1.0, [1.0], start=first).y("count") == 10
+
+
+def test_samples_that_wait_are_lost_and_it_is_said(counter: Callable[[str], Machine]) -> None:
+    machine, given = counter("counts"), {"parameters": {"delay": 0.05}}
+    first = machine.simulate(0.52, **given)
+    again = machine.simulate(1.0, start=first, **given)
+    assert "Samples of early that wait for their delay" in again.message
+    assert "wait for their delay" not in machine.simulate(1.0, start=first).message
+    assert again.y("early")[-1] == first.resume(1.0).y("early")[-1] - 1
+
+
+def test_the_end_of_a_run_is_where_another_starts(counter: Callable[[str], Machine]) -> None:
+    whole = counter("counts").simulate(1.0, [0.5])
+    assert (whole.state().t, whole.state()["count"]) == (1.0, 10.0)
+    assert counter("counts").simulate(2.0, start=whole).t[0] == 1.0
+    assert whole.at(0.3).state().t == 0.3
+
+
+def test_works_show_renewed_values_whoever_computes_them(counter: Callable[[str], Machine]) -> None:
+    t = 0.1 * np.arange(11)
+    law = {"own": lambda sample: 1 + sample.q("mass.x")}
+    own = counter("own").simulate(1.0, t, controllers=law, rtol=1e-11)
+    compiled = counter("compiled").simulate(1.0, t, rtol=1e-11)
+    assert_allclose(own.y("own"), compiled.y("compiled"), rtol=1e-12)
+    assert_allclose(own.y("own")[:-1], 1 + own.q("mass.x")[:-1], rtol=1e-12)
+    assert_allclose(own.work("push_own"), compiled.work("push_compiled"), rtol=1e-9)
+    assert_allclose(own.work("push_own"), own.v("mass.vx") ** 2 / 2, rtol=1e-9, atol=1e-12)
+
+
+def test_answers_of_a_function_take_no_more_room_than_some(
+    counter: Callable[[str], Machine], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("runtime.dynamics.controllers._MOST_ANSWERS", 4)
+    r = counter("own").simulate(1.0, controllers={"own": lambda sample: 1.0})
+    (function,) = r._motion.ready.controllers.values()
+    assert 0 < len(function.answers) <= 4
+
+
 def test_a_scene_without_sampled_values_has_no_word_of_them(workshop: Path) -> None:
     model = Model("unsampled")
     body = model.particle("body", 1.0)

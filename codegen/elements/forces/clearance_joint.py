@@ -3,7 +3,7 @@
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Pulls, label
+from codegen.declare.element import Effect, Measure, Pulls, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED, Coordinate, rate
 from codegen.elements.forces.scalar_measures import distance, same_body, span
@@ -52,22 +52,15 @@ class ClearanceJoint(Effect):
 
     def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
         """The normal force: f along e is f/e along the excess, and ṡ = e ė."""
-        e = self.eccentricity
-        force = self.stiffness * self._depth() * (1 + self.damping * SPEED / e) / e
-        return ((self.excess, self._touching(force)),)
+        return ((self.excess, self._touching(self._normal(SPEED) / self.eccentricity)),)
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
         """The friction, at one place of both surfaces."""
-        if self.coefficient == 0 or self.creep is None:
+        if not self._rubs:
             return {}
         (dx, dy), e = span(self.i, self.j), self.eccentricity
-        one, other = self.i.body, self.j.body
         wall = e + self.radius  # from the bearing's centre to the contact
-        slip = (dx * (self.j.vy - self.i.vy) - dy * (self.j.vx - self.i.vx)) / e
-        slip += self.radius * other.angular_velocity - wall * one.angular_velocity
-        closing = rate(self.excess) / e
-        normal = self.stiffness * self._depth() * (1 + self.damping * closing)
-        drag = -self.coefficient * normal * sympy.tanh(slip / self.creep)
+        drag = self._drag()
         found: dict[Coordinate, sympy.Expr] = {}
         for point, sign, arm in ((self.i, -1, wall), (self.j, 1, self.radius)):
             body = point.body
@@ -78,6 +71,22 @@ class ClearanceJoint(Effect):
             turn = (point.x - x) * fy - (point.y - y) * fx + sign * drag * arm
             found |= {body.x: fx, body.y: fy, **body.torque(turn)}
         return {q: self._touching(force) for q, force in found.items()}
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """e, the gap c - e, the depth, the normal force, and the friction on the journal.
+
+        The friction is positive where it drives the contact counter-clockwise about the bearing.
+        """
+        e, force = self.eccentricity, self._touching(self._normal(SPEED))
+        found = (
+            Measure("length", "", "m", e),
+            Measure("gap", "", "m", self.clearance - e),
+            Measure("penetration", "", "m", self._touching(e - self.clearance)),
+            Measure("force", "normal", "N", force, self.excess),
+        )
+        if not self._rubs:
+            return found
+        return (*found, Measure("force", "friction", "N", self._touching(self._drag())))
 
     def problems(self) -> list[str]:
         """Two points of one body, and numbers of no bearing."""
@@ -107,6 +116,24 @@ class ClearanceJoint(Effect):
             ("radius", self.radius, "m"),
         )  # fmt: skip
         return (*positive, exponent, *more)
+
+    @property
+    def _rubs(self) -> bool:
+        return self.coefficient != 0 and self.creep is not None
+
+    def _normal(self, excess_rate: sympy.Expr) -> sympy.Expr:
+        """f = K δⁿ (1 + χ δ̇), by δ̇ = ṡ/e of the excess s."""
+        closing = excess_rate / self.eccentricity
+        return self.stiffness * self._depth() * (1 + self.damping * closing)
+
+    def _drag(self) -> sympy.Expr:
+        """-μ f tanh(v_t/v_c), along the wall."""
+        (dx, dy), e = span(self.i, self.j), self.eccentricity
+        one, other = self.i.body, self.j.body
+        slip = (dx * (self.j.vy - self.i.vy) - dy * (self.j.vx - self.i.vx)) / e
+        slip += self.radius * other.angular_velocity - (e + self.radius) * one.angular_velocity
+        normal = self._normal(rate(self.excess))
+        return -self.coefficient * normal * sympy.tanh(slip / self.creep)
 
     def _depth(self) -> sympy.Expr:
         """δⁿ, by δ = (e² - c²)/(e + c)."""

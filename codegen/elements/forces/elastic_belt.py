@@ -6,15 +6,15 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint
-from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element_conditions import Condition, sign_conditions
 from codegen.elements.forces.scalar_measures import rim_travel
 from codegen.elements.forces.spring_damper_contact import GapSprings
-from codegen.elements.joints.carrier import radius_conditions, wheel_problems
+from codegen.elements.joints.carrier import WheelPair, radius_conditions
 from codegen.elements.registry import element
 
 
 @element
-class ElasticBelt(GapSprings):
+class ElasticBelt(WheelPair, GapSprings):
     """Tensions T0 ± (k u + c u̇), never below 0, with u = R_j (φ_j - φ_c) - R_i (φ_i - φ_c) - s0.
 
     u is the stretch of the one strand, and -u that of the other. The pulleys turn in bearings of
@@ -54,11 +54,6 @@ class ElasticBelt(GapSprings):
         """How far each strand is from being taut, m."""
         idle = self.pretension / self.stiffness
         return -self.stretch - idle, self.stretch - idle
-
-    def problems(self) -> list[str]:
-        """Pulleys and a carrier that are none, and numbers of no belt."""
-        wheels = wheel_problems(self, self.i, self.j, self.carrier, self.joints)
-        return wheels + number_problems(self)
 
     def conditions(self) -> tuple[Condition, ...]:
         """Radii of two pulleys, a belt that stretches, and a tension that pulls."""

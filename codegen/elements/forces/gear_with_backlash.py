@@ -6,15 +6,15 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, label
-from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element_conditions import Condition, sign_conditions
 from codegen.elements.forces.scalar_measures import rim_travel
 from codegen.elements.forces.spring_damper_contact import GapSprings
-from codegen.elements.joints.carrier import wheel_problems
+from codegen.elements.joints.carrier import WheelPair
 from codegen.elements.registry import element
 
 
 @element
-class GearWithBacklash(GapSprings):
+class GearWithBacklash(WheelPair, GapSprings):
     """f = k (u ∓ b/2) + c u̇ where |u| > b/2, with u = R_i (φ_i - φ_c) + R_j (φ_j - φ_c) - s0.
 
     u is how far the teeth have moved through each other along the pitch circles, m, from the middle
@@ -51,10 +51,10 @@ class GearWithBacklash(GapSprings):
 
     def problems(self) -> list[str]:
         """Gears and a carrier that are none, and numbers of no gears."""
-        problems = wheel_problems(self, self.i, self.j, self.carrier, self.joints)
+        problems = super().problems()
         if all(radius.is_number and radius < 0 for radius in (self.radius_i, self.radius_j)):
             problems.append(f"{label(self)}: both gears are internal; make one radius positive.")
-        return problems + number_problems(self)
+        return problems
 
     def conditions(self) -> tuple[Condition, ...]:
         """Radii of two pitch circles, play, and flanks that resist."""

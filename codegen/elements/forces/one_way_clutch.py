@@ -3,7 +3,7 @@
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Effect, Pulls, label
+from codegen.declare.element import Effect, Measure, Pulls, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED
 from codegen.elements.forces import scalar_measures as measures
@@ -30,6 +30,11 @@ class OneWayClutch(measures.TurnMeasures, Effect):
     def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
         """T_c tends to make θ = φ_j - φ_i larger while θ̇ < 0."""
         return ((self.angle, sympy.Piecewise((-self.capacity, SPEED < 0), (0, True))),)
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """θ, its rate, and the torque on the driven body, from 0 to T_c."""
+        torque = sympy.Piecewise((self.capacity, SPEED < 0), (0, True))
+        return measures.along_scalar(self.angle, "rad", torque)
 
     def problems(self) -> list[str]:
         """A body against itself, and a capacity that is none."""

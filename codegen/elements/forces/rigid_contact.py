@@ -6,7 +6,7 @@ from codegen.declare.body import Body
 from codegen.declare.element import Effect, Measure, Pulls, Reported, Rigid
 from codegen.declare.element_conditions import hold_conditions
 from codegen.declare.symbols import side
-from codegen.elements.forces.scalar_measures import along_scalar
+from codegen.elements.forces.scalar_measures import WORDS, along_scalar
 from codegen.elements.forces.spring_damper_contact import gap_problems
 from codegen.elements.registry import element
 
@@ -37,6 +37,7 @@ class RigidContact(Effect):
     restitution: sympy.Expr
     on: tuple[Body, ...]
     typical_force: sympy.Expr | None = None
+    unit: str = "m"  # of the gap: "m", "rad", or none where it is not known
 
     def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
         """The reaction F0, where the gap is not open: it pushes."""
@@ -48,11 +49,12 @@ class RigidContact(Effect):
 
     def reported(self, bodies: tuple[Body, ...]) -> Reported:
         """The reaction, positive: it pushes."""
-        return (("force", "N", side(self.name) * self._scale(bodies)),)
+        _, exerted, unit = WORDS[self.unit]
+        return ((exerted, unit, side(self.name) * self._scale(bodies)),)
 
     def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
         """The gap and its rate; the force is reported."""
-        gap, rate, _ = along_scalar(self.gap, "m", sympy.S.Zero, named="gap")
+        gap, rate, _ = along_scalar(self.gap, self.unit, sympy.S.Zero, named="gap")
         return gap, rate
 
     def problems(self) -> list[str]:

@@ -6,9 +6,9 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import ConjugateReaction, Constraint, Frame, I, J, Statement
-from codegen.declare.element_conditions import Condition, number_problems
+from codegen.declare.element_conditions import Condition
 from codegen.declare.symbols import given
-from codegen.elements.joints.carrier import radius_conditions, wheel_problems
+from codegen.elements.joints.carrier import WheelPair, radius_conditions
 from codegen.elements.registry import element
 
 RADIUS_I, RADIUS_J = given("radius_i"), given("radius_j")
@@ -17,7 +17,7 @@ PHI = (RADIUS_J * (J.phi - CARRIER.phi) - RADIUS_I * (I.phi - CARRIER.phi) - OFF
 
 
 @element
-class Belt(Constraint):
+class Belt(WheelPair, Constraint):
     """R_j (φ_j - φ_c) - R_i (φ_i - φ_c) = s0: equal lengths of belt run off i and onto j.
 
     The pulleys turn in bearings of the carrier c, the ground or an arm that turns. A crossed belt
@@ -48,11 +48,6 @@ class Belt(Constraint):
         bindings |= {RADIUS_J: self.radius_j, OFFSET: self.offset}
         bindings |= CARRIER.bind(self.carrier.at(0, 0))
         return Statement(PHI, ("belt",), ConjugateReaction((("force", "N"),)), bindings)
-
-    def problems(self) -> list[str]:
-        """Pulleys and a carrier that are none, and radii of none."""
-        wheels = wheel_problems(self, self.i, self.j, self.carrier, self.joints)
-        return wheels + number_problems(self)
 
     def conditions(self) -> tuple[Condition, ...]:
         """Radii of two pulleys."""

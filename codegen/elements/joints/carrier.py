@@ -5,37 +5,47 @@ from collections.abc import Mapping
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Constraint, Element, label
-from codegen.declare.element_conditions import Condition, sign_conditions
+from codegen.declare.element import Constraint, label
+from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.elements.joints.gear import find_carrier
 from codegen.elements.joints.revolute import Revolute
 
 
-def wheel_problems(
-    element: Element, i: Body, j: Body, carrier: Body, joints: Mapping[str, Constraint]
-) -> list[str]:
-    """Wheels without an angle, a wheel for its own carrier, bearings on another body."""
-    where, bodies = label(element), (i, j, carrier)
-    problems = [
-        f"{where} needs the angle of '{body.name}', which has none; use a body with an angle."
-        for body in bodies
-        if body.angle is None or not body.turns
-    ]
-    if i is j:
-        problems.append(f"{where} is between body '{i.name}' and itself; give two.")
-    elif carrier is i or carrier is j:
-        problems.append(
-            f"{where}: the carrier '{carrier.name}' is one of its wheels; give the body that "
-            "carries the bearings, or leave it out for the ground."
-        )
-    else:
-        found = [body for body in _carriers(i, j, joints) if body is not i and body is not j]
-        if found and not any(body is carrier for body in found):
+class WheelPair:
+    """Two wheels whose bearings are on a carrier, as the fields of an element."""
+
+    i: Body
+    j: Body
+    carrier: Body
+    radius_i: sympy.Expr
+    radius_j: sympy.Expr
+    joints: Mapping[str, Constraint]
+
+    def problems(self) -> list[str]:
+        """Wheels without an angle, a wheel for its own carrier, other bearings, wrong numbers."""
+        where, bodies = label(self), (self.i, self.j, self.carrier)
+        problems = [
+            f"{where} needs the angle of '{body.name}', which has none; use a body with an angle."
+            for body in bodies
+            if body.angle is None or not body.turns
+        ]
+        i, j, carrier = bodies
+        if i is j:
+            problems.append(f"{where} is between body '{i.name}' and itself; give two.")
+        elif carrier is i or carrier is j:
             problems.append(
-                f"{where} turns against '{carrier.name}', but the bearings of '{i.name}' and "
-                f"'{j.name}' are on '{found[0].name}'; give carrier= that body."
+                f"{where}: the carrier '{carrier.name}' is one of its wheels; give the body that "
+                "carries the bearings, or leave it out for the ground."
             )
-    return problems
+        else:
+            known = _carriers(i, j, self.joints)
+            found = [body for body in known if body is not i and body is not j]
+            if found and not any(body is carrier for body in found):
+                problems.append(
+                    f"{where} turns against '{carrier.name}', but the bearings of '{i.name}' and "
+                    f"'{j.name}' are on '{found[0].name}'; give carrier= that body."
+                )
+        return problems + number_problems(self)
 
 
 def radius_conditions(i: sympy.Expr, j: sympy.Expr) -> tuple[Condition, ...]:

@@ -1,17 +1,22 @@
 """The samples of the values that clocks renew, and the clocks."""
 
+import sympy
+
 from codegen.lower.program import Kernel, storing
 from codegen.lower.scene_graph import SceneGraph
 from codegen.lower.sympy_translation import Translator
 from codegen.public_callables import errors_at
+
+NEW, KEPT = sympy.symbols("new kept", cls=sympy.Dummy, real=True)
 
 
 def sampling_kernels(scene: SceneGraph) -> list[Kernel]:
     """The kernels `samples` and `clocks`, of scenes that have sampled values.
 
     `samples` takes in `modes` which of them are due, 1 or 0. A value is computed from those that
-    are due at the same instant and stand before it, unless these have a delay. Conditions are
-    compared, since nothing is integrated across a sample.
+    are due at the same instant and stand before it, unless these have a delay; the kernel asks
+    whether one that is a parameter is 0. Conditions are compared, since nothing is integrated
+    across a sample.
     """
     graph, states = scene.graph, scene.equations.sampled
     if not states:
@@ -25,7 +30,10 @@ def sampling_kernels(scene: SceneGraph) -> list[Kernel]:
                 value = graph.select(graph.mode(k), translate(state.sample), now)
             clocks += [scene.translate(state.every), scene.translate(state.delay)]
         values.append(value)
-        if state.delay == 0:
+        if not state.delay.is_number:  # a parameter, which may be 0
+            acts = sympy.Piecewise((NEW, state.delay <= 0), (KEPT, True))
+            value = translate.scoped({NEW: value, KEPT: now})(acts)
+        if not state.delay.is_number or state.delay == 0:
             translate = translate.scoped({state.symbol: value})
     names = [state.name for state in states]
     summary = "Samples of SAMPLED; those that are not due, modes 0, keep their values."

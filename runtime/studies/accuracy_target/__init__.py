@@ -45,7 +45,7 @@ def accuracy_or_tolerances(
         problems += _unknown_quantities(mechanism.description, quantities or ())
     if accuracy is None or problems:
         raise InputError(f"{mechanism.title}: {text}" for text in problems)
-    refuse_early_ends(mechanism, "accuracy=")
+    refuse_early_ends(mechanism, "accuracy=", "Give rtol=, or take")
     from runtime.studies.accuracy_target.search import simulate_to
 
     return partial(simulate_to, mechanism, accuracy=accuracy, quantities=quantities, **chosen)

@@ -83,6 +83,9 @@ def test_clutch_slips_at_its_capacity(tmp_path: Path) -> None:
     assert 6.0 * J_J / (J_I + J_J) > 1.5
     assert_allclose(run.v("one.phi"), first + (6.0 - 1.5) / J_I * later, atol=1e-8)
     assert_allclose(run.v("two.phi"), second + 1.5 / J_J * later, atol=1e-8)
+    torque = np.where((run.t < engaged) | (run.t > 1), 1.5, 0.0)  # on the driven shaft
+    beside = np.abs(run.t - 1) > 1e-9
+    assert_allclose(run.torque("clutch")[beside], torque[beside], atol=1e-8)
 
 
 def test_a_driver_that_swings_loses_the_wheel_and_catches_it(tmp_path: Path) -> None:

@@ -150,10 +150,14 @@ def test_pendulum_rests_on_a_rigid_stop(tmp_path: Path) -> None:
     pin = model.revolute("pin", model.ground.at(0, 0), bar.at(-1, 0))
     model.stop("rest", pin, lower=-0.6, upper=2.0, restitution=0.0)
     start = {bar.phi: 0.0, bar.omega: 0.0}
-    model.scene("run", ["gravity", "rest"], start=start, guess={bar.x: 1.0})
+    asked = ["torque(rest)", "gap(rest)", "rate(rest)"]
+    model.scene("run", ["gravity", "rest"], start=start, guess={bar.x: 1.0}, outputs=asked)
     run = simulated(model, tmp_path)
     assert_allclose(run.q("bar.phi")[-1], -0.6, atol=1e-10)
-    assert_allclose(run.reaction("rest", "force")[-1], 2 * 9.81 * np.cos(0.6), rtol=1e-8)
+    moment = 2 * 9.81 * np.cos(0.6)  # of the weight, 1 m from the pin
+    assert_allclose(run.torque("rest")[-1], moment, rtol=1e-8)
+    units = {row.name: row.unit for row in run.description.reactions}
+    assert units == {"rest.torque": "N m", "rest.gap": "rad", "rest.rate": "rad/s"}
 
 
 # -- clearance ------------------------------------------------------------------------------------
@@ -218,7 +222,8 @@ def test_journal_bounces_through_the_centre_of_its_bearing(tmp_path: Path) -> No
     journal = model.particle("journal", mass=0.5)
     model.clearance_joint("pin", model.ground, journal, 1e-3, 1e7)
     start = {journal.x: 0.0, journal.y: 0.0, journal.vx: 0.06, journal.vy: 0.08}
-    model.scene("run", ["pin"], start=start)
+    asked = ["energy", "default", "length(pin)", "gap(pin)", "penetration(pin)", "force(pin)"]
+    model.scene("run", ["pin"], start=start, outputs=asked)
     run = simulated(model, tmp_path, 0.1, atol=1e-14)
     along = 0.6 * run.q("journal.x") + 0.8 * run.q("journal.y")
     assert_allclose(0.8 * run.q("journal.x") - 0.6 * run.q("journal.y"), 0, atol=1e-12)
@@ -229,6 +234,12 @@ def test_journal_bounces_through_the_centre_of_its_bearing(tmp_path: Path) -> No
     def rates(_: float, state: np.ndarray) -> list[float]:
         x, v = state
         return [v, -np.sign(x) * 1e7 * max(abs(x) - 1e-3, 0.0) ** 1.5 / 0.5]
+
+    assert_allclose(run.length("pin"), np.abs(along), atol=1e-12)
+    assert_allclose(run.gap("pin"), 1e-3 - np.abs(along), atol=1e-12)
+    depth = np.maximum(np.abs(along) - 1e-3, 0.0)
+    assert_allclose(run.penetration("pin"), depth, atol=1e-12)
+    assert_allclose(run.force("pin", "normal"), 1e7 * depth**1.5, rtol=1e-6, atol=1e-6)
 
     other = solve_ivp(rates, (0, 0.1), [0.0, 0.1], "DOP853", run.t, rtol=1e-12, atol=1e-16,
                       max_step=1e-5)  # fmt: skip
@@ -243,7 +254,7 @@ def test_journal_whirls_with_friction_as_independent_equations_say(tmp_path: Pat
                           creep=0.01, radius=0.02)  # fmt: skip
     start = {shaft.x: 0.0, shaft.y: 0.0, shaft.phi: 0.0}
     start |= {shaft.vx: 0.2, shaft.vy: 0.1, shaft.omega: 80.0}
-    model.scene("run", ["gravity", "pin"], start=start)
+    model.scene("run", ["gravity", "pin"], start=start, outputs=["default", "force(pin)"])
     run = simulated(model, tmp_path, 0.1, atol=1e-13)
 
     def rates(_: float, state: np.ndarray) -> list[float]:
@@ -262,6 +273,10 @@ def test_journal_whirls_with_friction_as_independent_equations_say(tmp_path: Pat
     other = solve_ivp(rates, (0, 0.1), begun, "DOP853", run.t, rtol=1e-12, atol=1e-14,
                       max_step=2e-6)  # fmt: skip
     assert np.ptp(other.y[5]) > 1
+    state = np.vstack([run.samples.q.T, run.samples.v.T])
+    drag = [rates(0.0, column)[5] * 2e-4 / 0.02 for column in state.T]
+    assert np.ptp(drag) > 1
+    assert_allclose(run.force("pin", "friction"), drag, rtol=1e-7, atol=1e-7)
     assert_allclose(run.q("shaft.x"), other.y[0], atol=1e-8)
     assert_allclose(run.q("shaft.y"), other.y[1], atol=1e-8)
     assert_allclose(run.v("shaft.phi"), other.y[5], atol=1e-4)
