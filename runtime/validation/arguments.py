@@ -15,6 +15,7 @@ from codegen.argument_readers import Reader, optional
 from codegen.errors import InputError
 from codegen.plain_values import KindError
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.result import Result
 from runtime.validation.output_instants import read_instants
@@ -71,24 +72,41 @@ def _start_of(mechanism: Mechanism) -> Reader:
         if isinstance(value, Mapping):
             values: dict[str, float] = _values(value)
             return values
-        if isinstance(value, Result):
-            value = value.state()
-        if not isinstance(value, Assembly | State):
+        state = value.state() if isinstance(value, Result) else value
+        if not isinstance(state, Assembly | State):
             raise KindError(
                 "it must be what assemble() returns, a result or its state(t), or values by name, "
                 'such as {"crank.phi": 0.5}.'
             )
-        names = value.coordinates.names
+        names = state.coordinates.names
         if names and names != mechanism.description.coordinates.names:
-            raise KindError(
-                f"it was assembled for another machine, with the coordinates "
-                f"{', '.join(names[:6])}. Assemble this one."
-            )
-        state = {"start.q": value.q, "start.v": value.v}
-        readers.read_arguments(mechanism.title, _state_readers(mechanism, "start."), state)
-        return value
+            state = _by_names(mechanism.description, state)
+        arrays = {"start.q": state.q, "start.v": state.v}
+        readers.read_arguments(mechanism.title, _state_readers(mechanism, "start."), arrays)
+        return state
 
     return read
+
+
+def _by_names(description: Description, value: Assembly | State) -> State:
+    """A state of another scene of the machine; states that it lacks have their start values."""
+    known = {row.name: k for k, row in enumerate(value.coordinates)}
+    own = {state.column for state in description.states}
+    lacking = [
+        row.name
+        for k, row in enumerate(description.coordinates)
+        if row.name not in known and k not in own
+    ]
+    if lacking:
+        raise KindError(
+            f"it was assembled for another machine, with the coordinates "
+            f"{', '.join([*known][:6])}, and lacks {', '.join(lacking[:6])}. Assemble this one."
+        )
+    first = {row.name: row.value for row in description.start}
+    rows = [(known.get(row.name), row.velocity) for row in description.coordinates]
+    q = np.array([0.0 if k is None else value.q[k] for k, _ in rows])
+    v = np.array([first.get(name, 0.0) if k is None else value.v[k] for k, name in rows])
+    return State(value.t, q, v, description.coordinates)
 
 
 def _state_readers(mechanism: Mechanism, prefix: str = "") -> dict[str, Reader]:

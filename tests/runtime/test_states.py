@@ -10,7 +10,7 @@ from scipy.linalg import expm
 from sympy import Max, Min
 
 from codegen import Model
-from codegen.errors import AnalysisError, ModelError
+from codegen.errors import AnalysisError, InputError, ModelError
 from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
@@ -156,3 +156,19 @@ def test_wrong_declarations_are_noted_together() -> None:
         "contains the velocity b_value",
     ):  # fmt: skip
         assert part in text, part
+
+
+def test_a_run_starts_from_a_scene_without_its_states(workshop: Path) -> None:
+    model = motor("motor_from_rest")
+    rotor = model.bodies["rotor"]
+    model.torsion_spring("hold", model.ground, rotor, stiffness=2.0, free_angle=0.3)
+    model.scene("rest", ["hold"])
+    rest = load(model, "rest", folder=workshop).equilibrium()
+    r = load(model, "spin", folder=workshop).simulate(0.1, [0.0, 0.1], start=rest)
+    assert_allclose([r.q("rotor.phi")[0], r.y("current")[0]], [0.3, 1.0], atol=1e-8)
+    other = Model("lacking_states")
+    other.particle("mass", 1.0)
+    other.scene("runs")
+    free = load(other, folder=workshop)
+    with pytest.raises(InputError, match=r"lacks mass\.x"):
+        free.simulate(0.1, start=rest)
