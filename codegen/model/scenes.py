@@ -1,6 +1,6 @@
 """The scenes of a declaration."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any, cast
@@ -12,17 +12,16 @@ from codegen.declare.condition import WatchedCondition
 from codegen.declare.element import Constraint
 from codegen.declare.name_rules_and_hints import name_problem, nearest
 from codegen.declare.return_values.constraints import own_coordinates, place_near
-from codegen.declare.return_values.effects import effect_expressions, friction_law
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import ANALYSES, Analysis, Owner, Request, Scene, name_of
-from codegen.declare.state import states_in
-from codegen.declare.symbols import Coordinate, Velocity, dotted
+from codegen.declare.symbols import Coordinate, dotted
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values
-from codegen.errors import FAILURES, ModelError
+from codegen.errors import ModelError
 from codegen.model.bodies import Form
-from codegen.model.connections import MOST, Connections
-from codegen.model.fidelities import NONE, Fidelities
+from codegen.model.connections import MOST
+from codegen.model.fidelities import NONE
 from codegen.model.requested_outputs import ONE, Outputs
+from codegen.model.scene_parts import SceneParts
 from codegen.plain_values import plain_name, shown
 
 DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
@@ -31,7 +30,7 @@ UNCHANGED = ("start", "parameters", "until", *DEFAULTS)
 """Fields that a scene takes from its request as they are."""
 
 
-class Scenes(Fidelities, Outputs, Connections):
+class Scenes(SceneParts, Outputs):
     """The scenes of a declaration."""
 
     def scene(
@@ -289,54 +288,6 @@ class Scenes(Fidelities, Outputs, Connections):
             **about,
         )
         return replace(scene, states=self._states_of(scene, named)) if self.states else scene
-
-    def _rubbing_in(
-        self, effects: Iterable[str], joints: set[str], how: Mapping[str, str]
-    ) -> set[str]:
-        """The frictions among effects, as a scene takes them, that rub in these joints."""
-        found = set()
-        for name in ({*effects} & {*self.effects}) if joints else ():
-            form = self.fidelities.get(name, {}).get(how.get(name, ""))
-            effect = self.effects[name] if form is None or isinstance(form, str) else form
-            with suppress(*FAILURES):  # reported by `build`
-                law = friction_law(effect)
-                found |= {name} if law and law.joint in joints else set()
-        return found
-
-    @staticmethod
-    def _values_without(request: Request, joints: set[str], effects: set[str]) -> dict[str, Any]:
-        """Outputs and start values but for those of joints and effects that do not act."""
-        outputs, gone = request.outputs, joints | effects
-        if outputs is not None and gone:
-            outputs = tuple(w for w in outputs if w.partition("(")[2].rstrip(")") not in gone)
-        start = tuple(pair for pair in request.start if pair[0].rpartition(".")[0] not in joints)
-        return {"outputs": outputs, "start": start}
-
-    def _states_of(self, scene: Scene, named: tuple[str, ...]) -> tuple[str, ...]:
-        """The states that are `named` or that something which acts contains."""
-        if scene.analysis != "dynamics":
-            return ()
-        bodies = tuple(self.bodies[name] for name in scene.bodies)
-        found = {name for name in named if name in self.states}
-        for effect in self.acting(scene).values():
-            with suppress(*FAILURES):  # reported by `build`
-                found |= states_in(*effect_expressions(effect, bodies))
-        changes = (self.connections[name] for name in self._present(scene.bodies, ()))
-        indicators = [e for one in changes for e in (one.released, one.engaged) if e is not None]
-        found |= states_in(*(one.indicator for one in scene.until), *indicators)
-        pending = found & {*self.states}
-        while pending:
-            parts = (e for name in pending for e in self.states[name].expressions)
-            pending = {*states_in(*parts)} - found
-            found |= pending
-        return tuple(name for name in self.states if name in found - {*scene.request.without})
-
-    def _with_names_of_states(self, effects: Names) -> Any:
-        """The list of effects, a state by its name instead of its symbol."""
-        symbols = {s.symbol: name for name, s in self.states.items()}
-        if not symbols or not isinstance(effects, tuple | list):
-            return effects
-        return [symbols.get(e, e) if isinstance(e, Velocity) else e for e in effects]
 
     def _locate_contacts(
         self, start: NamedValues, absent: tuple[str, ...], guess: NamedValues
