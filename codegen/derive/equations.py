@@ -1,5 +1,6 @@
 """A model and one of its scenes → all equations, element by element, as immutable values."""
 
+from collections.abc import Set
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -11,7 +12,7 @@ from codegen.declare.element import Constraint, Effect, Element, Statement, labe
 from codegen.declare.return_values.calls import name_errors
 from codegen.declare.return_values.elements import bodies_of, replaced_body
 from codegen.declare.scene import Scene
-from codegen.declare.state import State
+from codegen.declare.state import State, states_in
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration, Velocity
 from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
@@ -126,6 +127,34 @@ class Equations:
     def table_ranges(self) -> tuple[TableRange, ...]:
         """The tables that a motion may leave."""
         return table_ranges(self.constraints, self.effects)
+
+    def without_effect(self, name: str) -> "Equations":
+        """These equations without an effect, and without the states that it alone contains."""
+        rest = tuple(e for e in self.effects if e.name != name)
+        named = {state.name for state in self.states} & {*self.scene.request.effects}
+        rates = {state.name for state in self.states}
+        effects = [e.terms for e in rest if e.name not in rates]
+        needed = {*named, *states_in(*expressions_in(effects))}
+        pending = {*needed}
+        while pending:
+            parts = [e for state in self.states if state.name in pending for e in state.expressions]
+            pending = {*states_in(*parts)} - needed
+            needed |= pending
+        kept = tuple(e for e in rest if e.name not in rates - needed)
+        return self._with_states(needed).with_effects(kept)
+
+    def _with_states(self, names: Set[str]) -> "Equations":
+        """These equations with the states of these names alone, effects as they are."""
+        gone = {s.integral for s in self.states if s.name not in names}
+        left = [k for k, q in enumerate(self.coordinates) if q not in gone]
+        place = {k: new for new, k in enumerate(left)}
+        return replace(
+            self,
+            states=tuple(s for s in self.states if s.name in names),
+            coordinates=tuple(self.coordinates[k] for k in left),
+            mass=tuple((place[i], place[k], m) for i, k, m in self.mass if {i, k} <= {*place}),
+            inertia_force=tuple((place[k], f) for k, f in self.inertia_force),
+        )
 
     def with_effects(self, effects: tuple[EffectEquations, ...]) -> "Equations":
         """These equations with other effects, their switching functions and their conditions."""

@@ -43,12 +43,11 @@ def operations_of(lowered: Lowered) -> dict[str, int]:
 def marginal_operations(lowered: Lowered, effect: str) -> dict[str, int]:
     """Kernel → operations that only this effect of a scene causes.
 
-    A kernel that exists for the effect alone counts as a whole. The number is negative where the
+    A kernel that exists for the effect alone counts as a whole, and so do the states that nothing
+    else needs. The number is negative where the
     effect saves the others work, as a term that cancels another.
     """
-    equations = lowered.scene.equations
-    others = tuple(e for e in equations.effects if e.name != effect)
-    rest = operations_of(lower(equations.with_effects(others)))
+    rest = operations_of(lower(lowered.scene.equations.without_effect(effect)))
     return {name: count - rest.get(name, 0) for name, count in operations_of(lowered).items()}
 
 

@@ -41,7 +41,7 @@ def test_the_command_has_the_commands_of_both_programs() -> None:
     assert {"build", "explain", "elements", "simulate", "kinematics", "report"} < commands(app)
 
 
-@pytest.mark.parametrize("command", [*commands(compiler), *commands(analyses)])
+@pytest.mark.parametrize("command", sorted({*commands(compiler), *commands(analyses)}))
 def test_every_command_explains_itself(command: str) -> None:
     done = CliRunner().invoke(app, [command, "--help"])
     assert done.exit_code == 0
