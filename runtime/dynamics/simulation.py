@@ -60,15 +60,9 @@ def simulate(
     """
     began = clock.perf_counter()
     ready = PreparedSimulation(
-        mechanism,
-        t_end,
-        t_start=t_start,
-        parameters=parameters,
-        guess=guess,
-        start=start,
-        controllers=controllers,
-        handover=handover,
-    )
+        mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start,
+        controllers=controllers, handover=handover,
+    )  # fmt: skip
     coordinates = formulate(ready, formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.
     options = Options(

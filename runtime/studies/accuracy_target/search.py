@@ -79,14 +79,9 @@ def simulate_to(
     """
     began = clock.perf_counter()
     ready = PreparedSimulation(
-        mechanism,
-        t_end,
-        t_start=t_start,
-        parameters=parameters,
-        guess=guess,
-        start=start,
+        mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start,
         controllers=controllers,
-    )
+    )  # fmt: skip
     if isinstance(t_eval, str):
         raise InputError(
             f'{mechanism.title}: t_eval = "steps" and accuracy are both given; an accuracy '
