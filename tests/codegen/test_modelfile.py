@@ -99,7 +99,9 @@ def test_message_about_a_path_is_one_line() -> None:
     assert len(answer.stderr.splitlines()) == 1
 
 
-@pytest.mark.parametrize("text", ["model.pin('p', a, b)", "model.torque('T', a, 1, 2, 3)", "a.psi"])
+@pytest.mark.parametrize(
+    "text", ["model.pin('p', a, b)", "model.torque('T', a, 1, 2, 3, 4, 5)", "a.psi"]
+)
 def test_wrong_call_has_its_line(tmp_path: Path, text: str) -> None:
     path = write_model(tmp_path, HEAD + text)
     line = path.read_text().splitlines().index(text) + 1

@@ -67,6 +67,11 @@ class Interpreted:
         random = np.random.default_rng(seed)
         return State(t=t, q=random.uniform(-2, 2, self.n), v=random.uniform(-2, 2, self.n))
 
+    def on_its_sides(self, state: State) -> State:
+        """The state with the modes of the sides on which its switching functions are."""
+        state.modes = [int(g > 0.0) for g in self.vector("switching", state)]
+        return state
+
     def slots(self, kernel: str, state: Any, **more: Any) -> dict[int, float]:
         """What a kernel stores into its one array: slot → value."""
         filled = self._evaluated(kernel, state, math, more)
@@ -75,7 +80,8 @@ class Interpreted:
     def _evaluated(
         self, kernel: str, state: Any, functions: ModuleType, more: dict[str, Any]
     ) -> dict[str, dict[int, Any]]:
-        inputs = {"t": state.t, "q": state.q, "v": state.v, "p": self.p, "modes": [1] * self.s}
+        inputs = {"t": state.t, "q": state.q, "v": state.v, "p": self.p}
+        inputs["modes"] = getattr(state, "modes", [1] * self.s)
         inputs = {k: plain(x) for k, x in (inputs | more).items()}
         return evaluate(self.program, kernel, inputs, functions)
 

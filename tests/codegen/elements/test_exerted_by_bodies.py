@@ -72,7 +72,7 @@ def test_line_force_is_haugs() -> None:
     plain.line_force("strut", one.at(*S_I), other.at(*S_J), 5 * t)
     constant = Interpreted(plain)
     for seed in SEEDS:
-        s = machine.state(seed)
+        s = machine.on_its_sides(machine.state(seed))
         d, v = ends(s)
         length = np.linalg.norm(d)
         speed = d @ v / length
@@ -130,6 +130,7 @@ def test_tables_of_any_coordinate_are_forces() -> None:
     machine = Interpreted(model)
     s = machine.state(3)
     s.q[:], s.v[:] = np.abs(s.q), np.abs(s.v)
+    machine.on_its_sides(s)
     n = float(law(s.q[1]))
     drive = 2 * (float(law(s.t)) - s.v[5])
     expected = [float(law(s.q[5])), float(law(s.v[0])), -n, 0, 0, n + drive]
