@@ -31,7 +31,7 @@ def cross(
         equations = Equations(after, parameter_values(after, known_parameters(after, parameters)))
         _require_closed(equations, watched.target, t, q)
         rest = v
-        v, multipliers = impact(equations, t, q, rest)
+        v, multipliers = equations.impact(t, q, rest)
         mass = equations.mass(q)
         states = [row.column for row in after.description.states]
         v[states] = rest[states]  # to the last bit
@@ -82,24 +82,6 @@ def _by_names(before: Mechanism, after: Mechanism, x: FloatArray) -> FloatArray:
     known = {name: k for k, name in enumerate(before.description.coordinates.names)}
     names = after.description.coordinates.names
     return np.array([x[known[name]] if name in known else 0.0 for name in names])
-
-
-def impact(
-    equations: Equations, t: float, q: FloatArray, v: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Velocities after an impact of all constraints, (n,), and its impulses Λ, (m,)."""
-    n, jacobian, mass = equations.n, equations.jacobian(t, q), equations.mass(q)
-    diagonal = np.diag(mass)
-    # In units in which every coordinate has the inertia 1, and every row of Φ_q the length 1.
-    unit = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    rows = jacobian * unit
-    size = np.linalg.norm(rows, axis=1)
-    row_unit = 1.0 / np.where(size > 0.0, size, 1.0)
-    rows *= row_unit[:, None]
-    matrix = np.block([[mass * np.outer(unit, unit), rows.T], [rows, np.zeros((len(rows),) * 2)]])
-    gap = row_unit * (equations.velocity_rhs(t, q) - jacobian @ v)
-    change = np.linalg.lstsq(matrix, np.concatenate([np.zeros(n), gap]), rcond=None)[0]
-    return v + unit * change[:n], row_unit * change[n:]
 
 
 def _require_closed(equations: Equations, joint: str, t: float, q: FloatArray) -> None:

@@ -109,7 +109,7 @@ class Passages:
             if slides:
                 text = f"has a rate that jumps by {size:.6g} a second at t = {kink.after:.9g} s, "
                 return self._end(kink, f"{text}while a contact is closed or friction sticks", row)
-            v_after = self._velocities(kink.after, q, v, nu_after)
+            v_after, _ = self.equations.impact(kink.after, q, v)
 
             def behind(t: float) -> bool:
                 rate = float(self.equations.velocity_rhs(t, q)[row])
@@ -199,16 +199,3 @@ class Passages:
 
     def _name(self, function: int) -> str:
         return self.equations.description.time_functions[function].name
-
-    def _velocities(self, t: float, q: Vector, v: Vector, nu: Vector) -> Vector:
-        """Velocities after an impact of the drivers: M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν."""
-        n, jacobian = self.equations.n, self.equations.jacobian(t, q)
-        matrix = np.block(
-            [
-                [self.equations.mass(q), jacobian.T],
-                [jacobian, np.zeros((len(jacobian), len(jacobian)))],
-            ]
-        )
-        right = np.concatenate([np.zeros(n), nu - jacobian @ v])
-        change: Vector = np.linalg.lstsq(matrix, right, rcond=None)[0][:n]
-        return v + change

@@ -114,7 +114,7 @@ def replace_samples(context: Context) -> None:
 def update_watched(context: Context) -> int:
     """Evaluate the conditions at Y0; how many values are due as one has begun to hold.
 
-    `run.index` receives the first that ends the run, or stays as it is.
+    `run.stopped_by` receives the first that ends the run, or stays as it is.
     """
     r, modes = run_record(context), context.kernel_modes
     before, now, due = context.watched_before, context.watched_now, context.due

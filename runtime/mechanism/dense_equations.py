@@ -201,6 +201,25 @@ class Equations:
         measured: FloatArray = np.where(far & np.isfinite(steepest), even * steepest, even)
         return measured
 
+    def impact(self, t: float, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Velocities behind an impact of all constraints, (n,), and its impulses Λ, (m,).
+
+        M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν, in units in which every coordinate has the inertia 1
+        and every row of Φ_q the length 1.
+        """
+        jacobian, mass = self.jacobian(t, q), self.mass(q)
+        diagonal = np.diag(mass)
+        unit = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+        rows = jacobian * unit
+        size = np.linalg.norm(rows, axis=1)
+        row_unit = 1.0 / np.where(size > 0.0, size, 1.0)
+        rows *= row_unit[:, None]
+        none = np.zeros((len(rows), len(rows)))
+        matrix = np.block([[mass * np.outer(unit, unit), rows.T], [rows, none]])
+        gap = row_unit * (self.velocity_rhs(t, q) - jacobian @ v)
+        change = np.linalg.lstsq(matrix, np.concatenate([np.zeros(self.n), gap]), rcond=None)[0]
+        return v + unit * change[: self.n], row_unit * change[self.n :]
+
     def scale(self, size: float) -> FloatArray:
         """Typical changes of coordinates, (n,): `size` for lengths, 1 for angles, a state's own."""
         typical: FloatArray = np.where(self.description.is_length, size, 1.0)
