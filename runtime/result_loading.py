@@ -73,6 +73,7 @@ def _content(path: Path) -> dict[str, Any]:
     """What `Result.save` wrote beside the series."""
     from runtime.dynamics.changes_of_coordinates import RunsSnapshot
     from runtime.integrate.checkpoints import Checkpoint, Snapshot
+    from runtime.integrate.problem import Discrete
     from runtime.integrate.trajectory import Crossing
     from runtime.results.packed_values import unpack
 
@@ -87,7 +88,7 @@ def _content(path: Path) -> dict[str, Any]:
             f"{path}: reading .nc needs the library netCDF4, which cannot be imported ({error}). "
             "Install linkwright[files]."
         ) from error
-    kinds = [*KINDS, Checkpoint, Crossing, RunsSnapshot, Snapshot]
+    kinds = [*KINDS, Checkpoint, Crossing, Discrete, RunsSnapshot, Snapshot]
     try:
         with netCDF4.Dataset(path) as file:
             content = np.asarray(file.groups[GROUP].variables[GROUP][:], np.uint8).tobytes()
@@ -193,10 +194,11 @@ def _simulated(
     )  # fmt: skip
     ready.given_t = kept["given_t"]
     ready.samples_taken, taken = kept["taken"]
+    ready.discrete, last = kept["discrete"]
     options = Options(**kept["options"])
     coordinates = formulate(ready, kept["formulation"], options.method, options.correction)
     checkpoints = Checkpoints(rows=kept["checkpoints"])
-    motion = SimulatedMotion(ready, coordinates, options, checkpoints, kept["end"], taken)
+    motion = SimulatedMotion(ready, coordinates, options, checkpoints, kept["end"], taken, last)
     return coordinates.mechanism, motion
 
 
