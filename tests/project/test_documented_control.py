@@ -52,6 +52,17 @@ def test_latch_and_end(shown: dict[str, Any]) -> None:
     assert {*race.y("burning")} == {0.0, 1.0}
 
 
+def test_shear_pin(shown: dict[str, Any]) -> None:
+    whole, sheared = shown["whole"], shown["sheared"]
+    # F = g (1 - cos²θ / 1.1 + 2 sin²θ / 1.1) for the angle θ below the horizontal
+    sine = np.sqrt((1.1 * (20 / 9.81 - 1) + 1) / 3)
+    assert whole.ended_by == "shear"
+    assert_allclose(whole.q("lever.y")[-1], -sine, atol=1e-8)
+    omega, last = np.sqrt(2 * 9.81 * sine / 1.1), 2.0 - whole.t[-1]
+    height = -sine - omega * np.sqrt(1 - sine**2) * last - 9.81 * last**2 / 2
+    assert_allclose(sheared.q("lever.y")[-1], height, atol=1e-6)
+
+
 def test_connections(shown: dict[str, Any]) -> None:
     flight, cut = shown["flight"], shown["cut"]
     assert_allclose(flight.at(cut.time).q("bob.phi"), 0.5, atol=1e-8)
