@@ -36,8 +36,8 @@ class Reconnection(NamedTuple):
         pairs = zip(self.impulse, values, strict=True)
         parts = ", ".join(f"{name} {value:.6g}" for name, value in pairs)
         return (
-            f"Joint '{self.joint}' engaged at t = {self.time:.9g} s with the impulse ({parts}) N s, "
-            f"N m s, which took {self.energy_lost:.6g} J."
+            f"Joint '{self.joint}' engaged at t = {self.time:.9g} s with the impulse ({parts}) "
+            f"N s, N m s, which took {self.energy_lost:.6g} J."
         )
 
 

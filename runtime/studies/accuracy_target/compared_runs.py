@@ -134,7 +134,7 @@ def named_instants(
     """The instants of a run that have an error of their own, s, by name: ``t(latch)#2``."""
     found = dict[str, float]()
     for name, t in (
-        *((one.joint, one.t) for one in changes),
+        *((one.joint, one.time) for one in changes),
         *([(ended_by, end)] * bool(ended_by)),
     ):
         count = sum(1 for known in found if known.partition("#")[0] == f"t({name})")
