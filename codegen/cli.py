@@ -58,7 +58,7 @@ def refuse_stale(stale: Sequence[Path], reason: str, command: str) -> None:
     for path in stale:
         errors.print(
             f"[bold red]stale:[/] {escaped(str(path))} {reason}; "
-            f"run: python -m codegen {escaped(command)}"
+            f"run: linkwright {escaped(command)}"
         )
     if stale:
         raise typer.Exit(1)

@@ -6,6 +6,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from codegen.readable_signatures import readable_class
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.results.samples import plain
 
@@ -17,6 +18,7 @@ _MOST = 8  # layout: shares that a text shows
 _LONGEST = 60  # layout: characters of a condition in the text of an event
 
 
+@readable_class
 class Event(NamedTuple):
     """A change of a mode, an impact, or a singular configuration.
 
