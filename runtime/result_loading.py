@@ -146,11 +146,13 @@ def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
 
 def _joined(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     """The result of several runs, with other joints each."""
+    from runtime.core.outcomes import Outcome
     from runtime.dynamics.joined_results import joined
     from runtime.mechanism.sibling_scenes import sibling
+    from runtime.results.horizon import end_after
 
-    results = []
-    for part, change in zip(saved["motion"]["parts"], [None, *saved["reconnections"]], strict=True):
+    results, changes = [], saved["motion"]["changes"]
+    for part, change in zip(saved["motion"]["parts"], [None, *changes], strict=True):
         if change is not None:
             watched = next(
                 row
@@ -159,8 +161,11 @@ def _joined(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
             )
             mechanism = sibling(mechanism, watched)
         results.append(_result(mechanism, part))
-    found = joined(results, saved["reconnections"])
-    found.message = saved["message"]
+    found = joined(results, changes)
+    if saved["instants"] < len(found.t):
+        end_after(found, saved["instants"])
+    found.outcome, found.message = Outcome[saved["outcome"]], saved["message"]
+    found.accuracy = saved["accuracy"]
     return found
 
 

@@ -4,6 +4,7 @@ A declaration never raises for a wrong element: every problem is noted, and `bui
 of them at once (`codegen.check.declaration`).
 """
 
+from collections.abc import Iterable
 from typing import Any
 
 from codegen.declare.body import Body
@@ -58,12 +59,13 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Limits, Transmi
 
     def _repr_html_(self) -> str:
         """What is declared, by name, with a table of the parameters, for notebooks."""
-        rows = {
+        rows: dict[str, Iterable[str]] = {
             "bodies": self.bodies, "states": self.states, "joints": self.joints,
             "drivers": self.drivers, "effects": [e for e in self.effects if e not in self.points],
             "points": [e for e in self.effects if e in self.points], "scenes": self.scenes,
         }  # fmt: skip
-        lines = [f"{word} {', '.join(names)}" for word, names in rows.items() if names]
+        texts = {word: ", ".join(names) for word, names in rows.items()}
+        lines = [f"{word} {text}" for word, text in texts.items() if text]
         values = ((p.name, p.value, p.unit) for p in self.parameters.values())
         table = html_table(("parameter", "default", "unit"), values)
         return html_of("\n".join((f"Model {shown(self.name)}", *lines)), table)

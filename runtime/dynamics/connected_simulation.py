@@ -4,6 +4,7 @@ Every set of joints is a scene of its own, with its own module, coordinates and 
 ends where a joint is released or engages, and the next begins there.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -26,10 +27,16 @@ _MOST = 10_000  # safety: changes of joints in a run
 _AT_ONCE = 16  # safety: changes of joints at one instant
 
 
-def simulate(mechanism: Mechanism, t_end: float, t_eval: Any = None, **settings: Any) -> Result:
-    """Integrate the equations of motion, with other joints from where these come or go."""
+def simulate(
+    mechanism: Mechanism, t_end: float, t_eval: Any = None, *,
+    part: Callable[..., Result] = simulate_once, **settings: Any,
+) -> Result:  # fmt: skip
+    """Integrate the equations of motion, with other joints from where these come or go.
+
+    `part` makes the run of one set of joints, with these settings.
+    """
     if not any(row.reconnects for row in mechanism.description.watched):
-        return simulate_once(mechanism, t_end, t_eval, **settings)
+        return part(mechanism, t_end, t_eval, **settings)
     start = settings.get("start")
     first = start.t if isinstance(start, Assembly | State) else settings.get("t_start", 0.0)
     if (t_eval is None or isinstance(t_eval, int)) and first <= t_end:
@@ -41,14 +48,14 @@ def simulate(mechanism: Mechanism, t_end: float, t_eval: Any = None, **settings:
     while True:
         instants, none_left = _later(t_eval, changes, t_end)
         try:
-            run = simulate_once(mechanism, t_end, instants, parameters=values, **settings)
+            run = part(mechanism, t_end, instants, parameters=values, **settings)
         except LinkwrightError as error:
             if not results:
                 raise
             _end_at_change(results[-1], Outcome.INCONSISTENT, f"{changes[-1]} {error}")
             changes.pop()
             break
-        if none_left and run.outcome is Outcome.OK:
+        if none_left and run.outcome is Outcome.OK and not run.ended_by:
             run.samples = Samples._make(array[:0] for array in run.samples)
             run.works = {name: work[:0] for name, work in run.works.items()}
         results.append(run)

@@ -52,7 +52,7 @@ def joined(results: Sequence[Result], changes: Sequence[Reconnection]) -> Result
     result.ended_by = last.ended_by
     motions = [one._motion for one in results]
     if all(motion is not None for motion in motions):
-        result._motion = JoinedMotion(tuple(results), description)
+        result._motion = JoinedMotion(tuple(results), tuple(changes), description)
     totals: dict[str, float] = {}
     works: dict[str, list[FloatArray]] = {name: [] for r in results for name in r.works}
     for one, rows in zip(results, kept, strict=True):
@@ -120,6 +120,7 @@ class JoinedMotion:
     """The motions behind a joined result."""
 
     results: tuple[Result, ...]
+    changes: tuple[Reconnection, ...]  # between them
     description: Description
 
     @property
@@ -156,7 +157,8 @@ class JoinedMotion:
     def saved(self) -> dict[str, Any]:
         """What a file keeps of each of them."""
         source = self._motions[0].saved()["source"]
-        return {"source": source, "parts": [saved_fields(one) for one in self.results]}
+        parts = [saved_fields(one) for one in self.results]
+        return {"source": source, "parts": parts, "changes": list(self.changes)}
 
     def resumed(self, result: Result, *_: Any) -> Result:
         """None: the run that goes on is the last of several."""

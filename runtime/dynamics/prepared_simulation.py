@@ -2,7 +2,7 @@
 
 from contextlib import suppress
 from copy import copy
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -74,6 +74,10 @@ class PreparedSimulation:
         if not mechanism.description.has_masses:
             refuse_massless(mechanism)
         self.mechanism, self.t_end = mechanism, float(t_end)
+        self.given: dict[str, Any] = {
+            "t_start": t_start, "parameters": parameters, "guess": guess, "start": start,
+            "controllers": controllers, "handover": handover,
+        }  # fmt: skip
         self.controllers = controllers_of(mechanism, controllers)
         self.p = p = parameter_values(mechanism, parameters)  # with derived constants, (np,)
         require_masses(mechanism, p)
@@ -108,6 +112,11 @@ class PreparedSimulation:
 
     def until(self, t_end: float) -> "PreparedSimulation":
         """The same start, of runs to another end, s."""
+        if self.begin.t > self.given_t and not isinstance(self.given["start"], Assembly):
+            # Behind a kink, by a distance that depends on the end.
+            other = PreparedSimulation(self.mechanism, t_end, **self.given)
+            other.controllers = self.controllers
+            return other
         other, equations = copy(self), Equations(self.mechanism, self.p)
         other.t_end = t_end
         other.passages = passages_of(equations, self.begin.t, t_end, self.sizes)

@@ -12,6 +12,7 @@ from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
 
 Correction = Literal["step", "stage", "projection", "baumgarte", "hybrid"]
+STABILIZING = ("baumgarte", "hybrid")
 Formulation = Literal["cartesian", "reduced"]
 
 Controller = Callable[[float, Vector, Vector], float]
@@ -117,6 +118,10 @@ class Options:
     max_events: int = 1_000_000  # changes of modes; more are taken for chattering without end
     # trial steps between two looks at the clock; None: chosen for about 50 ms
     chunk: int | None = None
+
+    def baumgarte_time(self, duration: float) -> float:
+        """τ of Baumgarte's accelerations in a run of this length, s."""
+        return self.time_scale or 1e-3 * duration or 1.0
 
     def absolute(self, sizes: Vector, rtol: float) -> Vector:
         """Absolute tolerances of coordinates, then of velocities, of these sizes; (2n,)."""

@@ -37,8 +37,9 @@ class Event(NamedTuple):
     q, v
         State, shape (n,); after an impact, the velocities that it leaves.
     word
-        Of contacts and frictions, what they do: "touches", "leaves", "rests", "sticks", "slips",
-        "reverses"; empty for others.
+        Of contacts, stops and frictions, what they do: "touches", "leaves", "rests", "sticks",
+        "slips", "reverses"; of a gap behind which a damper has ended the push before, "opens";
+        empty for others.
     """
 
     name: str

@@ -59,8 +59,6 @@ def test_a_resumed_run_would_end_there_again(falling: Machine) -> None:
     r = falling.simulate(5.0)
     with pytest.raises(InputError, match=r"'landed'.*end there again"):
         r.resume(6.0)
-    with pytest.raises(AnalysisError, match=r"accuracy=.*'landed', 'far'"):
-        falling.simulate(5.0, accuracy=1e-6)
 
 
 def test_studies_that_compare_runs_refuse_conditions_that_end_them(workshop: Path) -> None:

@@ -185,7 +185,9 @@ class WorkPrecision:
         from runtime.studies.work_precision.interpretation import sentences
 
         span = f"t = {self.t_start:g} to {self.t_end:g} s"
-        title = f"{self.model}/{self.scene}, accuracy: {counted(len(self.lines), 'setting')}, {span}"
+        title = (
+            f"{self.model}/{self.scene}, accuracy: {counted(len(self.lines), 'setting')}, {span}"
+        )
         return "\n  ".join((title, *sentences(self)))
 
     def _repr_html_(self) -> str:
