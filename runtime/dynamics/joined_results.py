@@ -11,7 +11,7 @@ from codegen.errors import InputError
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
 from runtime.results.motion_at_instants import Motion
-from runtime.results.reconnection import Reconnection
+from runtime.results.reconnection import Reconnection, sentences
 from runtime.results.result import Result
 from runtime.results.samples import Samples
 from runtime.results.saved_result import saved_fields
@@ -40,7 +40,7 @@ def joined(results: Sequence[Result], changes: Sequence[Reconnection]) -> Result
     parameters = np.array([values[row.name] for row in description.parameters])
     result = Result(
         description, samples, parameters, analysis=last.analysis, outcome=last.outcome,
-        message=" ".join([*map(str, changes), last.message]),
+        message=" ".join(filter(None, (sentences(changes), last.message))),
         stats=_totals([result.stats for result in results]),
         events=[event for result in results for event in result.events],
         partitions=[one for result in results for one in result.partitions],

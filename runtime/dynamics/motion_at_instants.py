@@ -115,7 +115,7 @@ class SimulatedMotion:
         options = {name: getattr(self.options, name) for name in SAVED}
         return {
             "t": begin.t, "q": begin.q, "v": begin.v, "given_t": ready.given_t, "end": self.end,
-            "taken": (ready.samples_taken, self.samples_taken),
+            "taken": (ready.samples_taken, self.samples_taken), "handover": ready.handover,
             "t_end": ready.t_end, "formulation": self.coordinates.name, "options": options,
             "checkpoints": self.checkpoints.few(_SAVED_BYTES), "source": _source(ready.mechanism),
         }  # fmt: skip

@@ -44,6 +44,7 @@ class Handover(NamedTuple):
     """What a run with other joints hands to the one that follows it, beside its state."""
 
     discrete: Discrete | None
+    length: float  # typical of the machine at the start of the first run, m
 
 
 def lost_samples_note(mechanism: Mechanism, p: FloatArray) -> str:
@@ -88,7 +89,11 @@ class PreparedSimulation:
             t_start = start.t if isinstance(start, State) else t_start
             begin = assemble(mechanism, guess, parameters, t_start, start_at=given)
         equations, self.given_t = Equations(mechanism, p), begin.t
-        sizes = magnitudes(equations, begin.t, begin.q)
+        self.handover = handover
+        if handover is None:
+            sizes = magnitudes(equations, begin.t, begin.q)
+        else:  # one tolerance for the whole motion, wherever joints come and go
+            sizes = equations.scale(handover.length)
         self.passages = passages_of(equations, begin.t, self.t_end, sizes)
         if self.passages is not None and not isinstance(start, Assembly | State):
             behind = self.passages.first_instant(begin.q, begin.v)

@@ -17,7 +17,7 @@ def own_instants(result: Result) -> dict[str, float]:
     """The instants of a run's changes and of its end by a condition, s: ``t(latch)#2``."""
     ends = [(result.ended_by, float(result.t[-1]))] if result.ended_by else []
     found = dict[str, float]()
-    for name, t in [*((one.joint, one.t) for one in result.reconnections), *ends]:
+    for name, t in [*((one.joint, one.time) for one in result.reconnections), *ends]:
         count = sum(1 for known in found if known.partition("#")[0] == f"t({name})")
         found[f"t({name}){f'#{count + 1}' if count else ''}"] = t
     return found

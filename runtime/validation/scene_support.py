@@ -45,7 +45,7 @@ def refuse_structure(mechanism: Mechanism) -> None:
     if not description.drivers:
         raise AnalysisError(
             f"{description.title}: nothing is left to integrate: {len(description.constraints)} "
-            f"constraints hold all {len(description.coordinates)} coordinates and no driver moves "
+            f"constraints hold all {len(description.positions)} coordinates and no driver moves "
             "them. Leave a joint out, take a driver in, or ask for inverse_dynamics, which gives "
             "the reactions at rest."
         )
@@ -70,7 +70,7 @@ def driven_note(mechanism: Mechanism, begin: Assembly) -> str:
         return ""
     return (
         f" Nothing was left to integrate: with drivers {', '.join(description.drivers)} the "
-        f"{len(description.constraints)} constraints determine all {len(description.coordinates)} "
+        f"{len(description.constraints)} constraints determine all {len(description.positions)} "
         "coordinates. inverse_dynamics gives the same motion and forces at any instants without "
         f"steps, kinematics the motion alone."
     )

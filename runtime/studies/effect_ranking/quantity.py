@@ -196,7 +196,7 @@ def _reduce(text: str, reduction: Reduction, name: str, result: Result) -> Quant
 
 def jumps(result: Result) -> FloatArray:
     """Instants at which series may jump, s: of events, and where joints come and go."""
-    changes = (change.t for change in result.reconnections)
+    changes = (change.time for change in result.reconnections)
     return np.array([*(event.time for event in result.events), *changes])
 
 
@@ -209,7 +209,7 @@ def _event(word: str, effect: str, number: int, result: Result) -> QuantityValue
         raise InputError(f"{description.title}: {unknown('effect with events', effect, effects)}")
     times = [event.time for event in result.events if event.name.partition(":")[0] == effect]
     if effect in own:  # beside events of the parts of its condition
-        times = [change.t for change in result.reconnections if change.joint == effect]
+        times = [change.time for change in result.reconnections if change.joint == effect]
         times += [float(result.t[-1])] if result.ended_by == effect else []
     count = len(times)
     if word == "count":

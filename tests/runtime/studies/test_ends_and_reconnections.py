@@ -1,6 +1,7 @@
 """Effect rankings and work-precision studies of runs that end, or change joints, by conditions."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from sympy import pi
 from codegen import Model
 from codegen.errors import InputError
 from runtime import load
+from runtime.results.reconnection import Reconnection
 from runtime.studies.effect_ranking import matters
 from runtime.studies.ends_and_reconnections import Places, own_instants
 from runtime.studies.work_precision import accuracy
@@ -128,6 +130,16 @@ def test_a_reference_from_a_file(cut: Model, tmp_path: Path) -> None:
     assert study.reference.floor < 1e-10
     assert study.t_end == pytest.approx(t[t < LOW][-1])
     assert study.lines[0].points[-1].worst < 1e-7
+
+
+def test_names_of_instants() -> None:
+    changes = [Reconnection(time, "pin", "release", {}, 0.0) for time in (1.0, 3.0)]
+    changes.insert(1, Reconnection(2.0, "slot", "engage", {}, 0.0))
+    run = SimpleNamespace(reconnections=changes, ended_by="home", t=[0.0, 4.0])
+    instants = {"t(pin)": 1.0, "t(slot)": 2.0, "t(pin)#2": 3.0, "t(home)": 4.0}
+    assert own_instants(run) == instants  # type: ignore[arg-type]
+    run.reconnections, run.ended_by = (), ""
+    assert own_instants(run) == {}  # type: ignore[arg-type]
 
 
 def test_runs_with_other_ends_are_told_apart(cut: Model, tmp_path: Path) -> None:
