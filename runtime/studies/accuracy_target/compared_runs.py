@@ -4,9 +4,7 @@ Runs that a condition ends have ends of their own. These are compared with each 
 instants at which joints come and go: each is a quantity, with an error of its own.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from types import MappingProxyType
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,7 +25,6 @@ from runtime.studies.accuracy_target.run_difference import (
 )
 from runtime.studies.series_by_name import FloatArray
 
-EMPTY: Mapping[str, float] = MappingProxyType({})
 _LEAST_SHARE = 0.1  # safety: least share of a difference where the motions diverge later
 
 
@@ -42,7 +39,8 @@ class Run:
     wholes: FloatArray  # magnitudes of the wholes that they are parts of, (c,) or (1,)
     seconds: float  # processor time
     ended_by: str = ""  # the condition that ended it
-    instants: Mapping[str, float] = EMPTY  # of joints that came or went, of that end, s
+    # of joints that came or went, of that end, s
+    instants: dict[str, float] = field(default_factory=dict)
     result: Result | None = None  # of a run in which joints come and go
     difference: float | None = None  # largest, from the run with which it was compared
 
