@@ -201,10 +201,11 @@ def _simulated(
     )  # fmt: skip
     ready.given_t = kept["given_t"]
     ready.samples_taken, taken = kept["taken"]
+    ready.discrete, last = kept["discrete"]
     options = Options(**kept["options"])
     coordinates = formulate(ready, kept["formulation"], options.method, options.correction)
     checkpoints = Checkpoints(rows=kept["checkpoints"])
-    motion = SimulatedMotion(ready, coordinates, options, checkpoints, kept["end"], taken)
+    motion = SimulatedMotion(ready, coordinates, options, checkpoints, kept["end"], taken, last)
     return coordinates.mechanism, motion
 
 

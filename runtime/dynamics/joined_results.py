@@ -10,6 +10,7 @@ import numpy.typing as npt
 from codegen.errors import InputError
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
+from runtime.results.discrete_state import DiscreteState
 from runtime.results.motion_at_instants import Motion
 from runtime.results.reconnection import Reconnection, sentences
 from runtime.results.result import Result
@@ -135,6 +136,17 @@ class JoinedMotion:
     def sampled(self, t: float) -> bool:
         """Whether clocks have renewed what is due in the state at an instant of the span, s."""
         return next((m for m in self._motions if t <= m.span[1]), self._motions[-1]).sampled(t)
+
+    def discrete(self, result: Result, t: float) -> DiscreteState | None:
+        """Where clocks and watched conditions stand at an instant; at a change just before it."""
+        place = next((k for k, m in enumerate(self._motions) if t <= m.span[1]), -1)
+        one, motion = self.results[place], self._motions[place]
+        found = motion.discrete(one, t)
+        if found is None or one is self.results[-1] or t < motion.span[1]:
+            return found
+        change, held = result.reconnections[place], found.stand.held.copy()
+        held[[row[1:] == (change.action, change.joint) for row in found.watched]] = 0.0  # it begins
+        return found._replace(stand=found.stand._replace(held=held))
 
     def at(self, result: Result, times: FloatArray) -> tuple[Samples, dict[str, FloatArray]]:
         """At ascending instants, (k,), of the span, s; at a change of joints just before it."""

@@ -92,7 +92,7 @@ def finish_simulation(
     run = end_at_jam(mechanism, run, ready.p, ready.t_end - begin.t)
     result = _result(mechanism, run, ready, began)
     if run.checkpoints is not None:
-        end = run.final_t, run.samples_taken
+        end = run.final_t, run.samples_taken, run.discrete
         result._motion = SimulatedMotion(ready, coordinates, options, run.checkpoints, *end)
     if works:
         integrate_works(result, len(run.t), options.t_eval)

@@ -214,9 +214,9 @@ class Result(TimeSeries):
     ) -> "Result":  # fmt: skip
         """Go on with a simulation from where it stopped, with everything that it was given.
 
-        It takes the steps of a run that went through at once, with the same bits; where laws of
+        It takes the steps of a run that went through at once, with the same bits. Where laws of
         time are no sums of powers and sines, steps end at instants that depend on the whole time,
-        and Baumgarte's time, unless given, is a part of it: there both agree to the tolerance.
+        and Baumgarte's time, unless given, is a part of it: steps before are then taken again.
 
         Parameters
         ----------
