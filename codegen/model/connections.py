@@ -32,7 +32,8 @@ class Connections(Declarations):
         when
             A condition of t, q, q̇, states and parameters.
         until
-            A condition under which the joint engages again, as with `engage`.
+            A condition under which the joint engages again, as with `engage`; while it holds, the
+            joint is not released.
         """
         self._connect("release", joint, True, when, until)
 
@@ -50,7 +51,8 @@ class Connections(Declarations):
         when
             A condition of t, q, q̇, states and parameters.
         until
-            A condition under which the joint is released again.
+            A condition under which the joint is released again; while it holds, the joint does not
+            engage.
         """
         self._connect("engage", joint, False, until, when)
 
@@ -73,7 +75,13 @@ class Connections(Declarations):
             None if when is None else self._read.gated(sympy.S.One, "", f"{where} '{name}'", when)
             for when in (released, engaged)
         ]
-        self._put("connections", name, Connection(name, acts_first, *indicators))
+        released, engaged = indicators
+        if None not in indicators:  # the condition of `until=` is the stronger one
+            if acts_first:
+                released *= 1 - engaged
+            else:
+                engaged *= 1 - released
+        self._put("connections", name, Connection(name, acts_first, released, engaged))
 
     def _connected_at_first(self) -> tuple[str, ...]:
         return tuple(name for name, one in self.connections.items() if one.acts_first)

@@ -29,7 +29,7 @@ def cross(
     impulse, lost = dict[str, float](), 0.0
     if watched.action == "engage":
         equations = Equations(after, parameter_values(after, known_parameters(after, parameters)))
-        _require_closed(equations, watched.target, t, q)
+        _require_closed(equations, watched.target, t, q, end.length)
         rest = v
         v, multipliers = equations.impact(t, q, rest)
         mass = equations.mass(q)
@@ -39,8 +39,9 @@ def cross(
         lost = float(rest @ mass @ rest - v @ mass @ v) / 2
         impulse = _impulses(after, equations, watched.target, t, q, v, multipliers)
     start = State(t, q, v, after.description.coordinates)
+    discrete = _discrete_by_names(before, after, end.discrete)
     change = Reconnection(t, watched.target, watched.action, impulse, lost)
-    return start, Handover(_discrete_by_names(before, after, end.discrete)), change
+    return start, Handover(discrete, end.length), change
 
 
 def _discrete_by_names(
@@ -84,10 +85,12 @@ def _by_names(before: Mechanism, after: Mechanism, x: FloatArray) -> FloatArray:
     return np.array([x[known[name]] if name in known else 0.0 for name in names])
 
 
-def _require_closed(equations: Equations, joint: str, t: float, q: FloatArray) -> None:
+def _require_closed(
+    equations: Equations, joint: str, t: float, q: FloatArray, length: float
+) -> None:
     rows = equations.description.constraints
     gaps = np.abs(equations.constraints(t, q))
-    least = _CLOSED * equations.row_scale(t, q, equations.size(t, q))
+    least = _CLOSED * equations.row_scale(t, q, max(length, equations.size(t, q)))
     open_rows = [
         f"{row.name} by {gap:.3g}"
         for row, gap, most in zip(rows, gaps, least, strict=True)

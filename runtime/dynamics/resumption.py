@@ -76,7 +76,8 @@ def resume(
         run = coordinates.retaken(
             options, kept, watched, known, lambda t, _: report(max(0.0, (t - first) / span))
         )
-    new = SimulatedMotion(ready, coordinates, options, made[0], run.final_t, run.samples_taken)
+    end = run.final_t, run.samples_taken, run.discrete
+    new = SimulatedMotion(ready, coordinates, options, made[0], *end)
     done = new.works_from(kept, run, first) if works else None
     path = replace(_behind(run, kept, first, times, works), checkpoints=made[0])
     plain = replace(options, t_eval=times, quadrature=False)

@@ -16,7 +16,7 @@ from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import Y0, row_of
 from runtime.integrate.clocks import CLOCK
 from runtime.integrate.initialization import start_anew
-from runtime.integrate.sampling import INSTANTS, QUADRATURE, record
+from runtime.integrate.sampling import INSTANTS, QUADRATURE, STEP_ENDS, record
 from runtime.integrate.step import Signal
 from runtime.linalg.vectors import copy_vector
 
@@ -111,6 +111,16 @@ def replace_samples(context: Context) -> None:
 
 
 @inner
+def replace_step_end(context: Context) -> None:
+    """Give the sample at the end of the step, if ends of steps are sampled, the values renewed."""
+    r = run_record(context)
+    last = r.samples - 1
+    if r.every_step == STEP_ENDS and last >= 0 and context.out_times[last] == r.t:
+        copy_vector(row_of(context, Y0), context.out_states[last])
+        copy_vector(context.modes, context.out_modes[last])
+
+
+@inner
 def update_watched(context: Context) -> int:
     """Evaluate the conditions at Y0; how many values are due as one has begun to hold.
 
@@ -164,6 +174,7 @@ def go_on(context: Context) -> int:
     """Go on with the samples that were computed, and watch what they change; a signal or code."""
     outcome = start_with_samples(context)
     replace_samples(context)
+    replace_step_end(context)
     if outcome != Outcome.OK:
         return int(outcome)
     if context[ft.WATCHED] != 0:

@@ -12,5 +12,5 @@ def end_after(result: Result, count: int) -> None:
     result.events = tuple(event for event in result.events if event.time <= last)
     result.partitions = tuple(one for one in result.partitions if one.time <= last)
     result.singular = tuple(one for one in result.singular if one.time <= last)
-    result.reconnections = tuple(one for one in result.reconnections if one.t <= last)
+    result.reconnections = tuple(one for one in result.reconnections if one.time <= last)
     result.ended_by = ""

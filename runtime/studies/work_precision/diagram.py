@@ -53,7 +53,8 @@ class Point:
 
     rtol: float
     # "OK"; the name of a `runtime.Outcome`; "TIMEOUT" where the limit of time ended it; "NOT_TRIED"
-    # where looser tolerances had met the limit twice
+    # where looser tolerances had met the limit twice; "OTHER_END" where joints come and go, or a
+    # condition ends the run, otherwise than in the reference
     outcome: str
     message: str = ""  # how it ended, in a sentence
     errors: Errors | None = None  # against the reference; None of a run that did not reach its end

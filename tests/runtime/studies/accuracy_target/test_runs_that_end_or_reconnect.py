@@ -13,7 +13,6 @@ from runtime import load, load_result
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
-from runtime.studies.accuracy_target.compared_runs import named_instants
 from tests.models.test_trebuchet import reference
 
 G = 9.81
@@ -86,7 +85,7 @@ def test_a_pendulum_cut_loose(cut: Machine, target: float, formulation: str) -> 
     assert max(found.values()) <= target
     assert max(found.values()) <= LENIENT * r.accuracy.estimated  # type: ignore[union-attr]
     about = LENIENT * max(given["t(hinge)"], given["t(low)"], r.accuracy.estimated)  # type: ignore[union-attr]
-    assert abs(r.reconnections[0].t - CUT) / LOW <= about
+    assert abs(r.reconnections[0].time - CUT) / LOW <= about
     assert abs(r.t[-1] - LOW) / LOW <= about
     assert max(given["t(hinge)"], given["t(low)"]) <= target
     assert set(given) == {*cut_motion(r.t), "t(hinge)", "t(low)"}
@@ -123,7 +122,7 @@ def test_the_result_is_that_of_a_run_with_the_recorded_settings(
 def test_series_are_chosen_by_name(cut: Machine) -> None:
     r = cut.simulate(3.0, accuracy=1e-6, quantities=("bob.x", "hinge.fx"), progress=False)
     assert set(estimates(r)) == {"bob.x", "hinge.fx", "t(hinge)", "t(low)"}
-    behind = r.t > r.reconnections[0].t
+    behind = r.t > r.reconnections[0].time
     assert not r.reaction("hinge", "fx")[behind].any()
     with pytest.raises(InputError, match=r"There is no series 'bob\.z'"):
         cut.simulate(3.0, accuracy=1e-6, quantities=("bob.z",), progress=False)
@@ -193,7 +192,8 @@ def test_two_masses_that_latch(latched: Machine, target: float) -> None:
     found = max(errors(r, exact).values())
     assert found <= target
     assert found <= LENIENT * r.accuracy.estimated  # type: ignore[union-attr]
-    assert abs(r.reconnections[0].t - met) / 2.0 <= max(1e-15, LENIENT * estimates(r)["t(latch)"])
+    apart = abs(r.reconnections[0].time - met) / 2.0
+    assert apart <= max(1e-15, LENIENT * estimates(r)["t(latch)"])
 
 
 def test_an_instant_beside_the_catch_asks_for_more(latched: Machine) -> None:
@@ -225,7 +225,7 @@ def test_the_trebuchet(target: float) -> None:
     assert found <= max(target, 1e-10)  # to which the reference is known
     assert found <= LENIENT * max(r.accuracy.estimated, 1e-12)  # type: ignore[union-attr]
     assert abs(r.t[-1] - exact.landed) / exact.landed <= target
-    assert abs(r.reconnections[0].t - exact.released) / exact.landed <= target
+    assert abs(r.reconnections[0].time - exact.released) / exact.landed <= target
 
 
 # -- ends and horizons -------------------------------------------------------------------------
@@ -276,17 +276,6 @@ def test_runs_that_end_differently_are_no_evidence(swung: Machine, workshop: Pat
     else:
         assert r.t[-1] == 1.5
     assert max(errors(r, {"mass.x": np.cos(3 * r.t)}).values()) <= 1e-3
-
-
-def test_names_of_instants() -> None:
-    from runtime.results.reconnection import Reconnection
-
-    changes = [Reconnection(t, "pin", "release", {}, 0.0) for t in (1.0, 3.0)]
-    changes.insert(1, Reconnection(2.0, "slot", "engage", {}, 0.0))
-    assert named_instants(changes, "home", 4.0) == (
-        ("t(pin)", 1.0), ("t(slot)", 2.0), ("t(pin)#2", 3.0), ("t(home)", 4.0)
-    )  # fmt: skip
-    assert named_instants((), "", 4.0) == ()
 
 
 @pytest.fixture(scope="module")
