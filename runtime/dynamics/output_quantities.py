@@ -146,6 +146,6 @@ def evaluate(
         from runtime.dynamics.sliding_outputs import overwrite_sliding
 
         overwrite_sliding(mechanism, p, samples)
-    for found in (samples.reaction, samples.power):
-        found += 0.0  # makes 0 of -0
+    for values in (samples.reaction, samples.power):
+        np.add(values, 0.0, out=values)  # makes 0 of -0
     return samples
