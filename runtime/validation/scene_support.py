@@ -30,17 +30,6 @@ def refuse_states(mechanism: Mechanism, question: str) -> None:
         )
 
 
-def refuse_early_ends(mechanism: Mechanism, question: str, advice: str = "Take") -> None:
-    """Refuse a comparison of runs that end, or change joints, at instants of their own."""
-    rows = [row for row in mechanism.description.watched if row.action != "sample"]
-    if rows:
-        names = ", ".join(repr(row.name) for row in rows)
-        raise AnalysisError(
-            f"{mechanism.title}: {question} compares runs at the same instants, and {names} may "
-            f"end a run, or change its joints, at an instant of its own. {advice} a scene without."
-        )
-
-
 def require_energy(mechanism: Mechanism) -> None:
     """Refuse a search for equilibrium where the potential was left out."""
     description = mechanism.description
