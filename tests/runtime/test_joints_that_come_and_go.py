@@ -137,13 +137,19 @@ def test_wrong_joints_that_come_and_go() -> None:
     body = model.body("body", mass=1.0, inertia=0.1)
     pin = model.revolute("pin", model.ground.at(0, 0), body.at(0, 0))
     model.release("pni", when=body.phi > 1)
+    model.release(model.driver("motor", body.phi, t), when=body.phi > 1)
     model.release(pin, when=None)
     model.engage(pin, when=body.phi > 1)
     model.scene("runs")
     with pytest.raises(ModelError) as caught:
         build(model, compile=False)
     text = str(caught.value)
-    for part in ("there is no joint 'pni'", "when=None is no condition", "comes and goes already"):
+    for part in (
+        "there is no joint 'pni'",
+        "no joint 'motor'; it is the name of a driver",
+        "when=None is no condition",
+        "comes and goes already",
+    ):
         assert part in text, part
 
 
