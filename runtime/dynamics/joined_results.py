@@ -143,6 +143,11 @@ class JoinedMotion:
         """First and last instant, s."""
         return self._motions[0].span[0], self._motions[-1].span[1]
 
+    @property
+    def t_end(self) -> float:
+        """The end that was asked for, s."""
+        return max(motion.t_end for motion in self._motions)
+
     def sampled(self, t: float) -> bool:
         """Whether clocks have renewed what is due in the state at an instant of the span, s."""
         return next((m for m in self._motions if t <= m.span[1]), self._motions[-1]).sampled(t)
