@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from codegen.object_display import counted
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
 from runtime.results.discrete_state import DiscreteState
@@ -46,10 +47,11 @@ def joined(
     last = results[-1]
     values = {name: value for one in results for name, value in one.parameters.items()}
     parameters = np.array([values[row.name] for row in description.parameters])
+    stats = _totals([result.stats for result in results])
     result = Result(
         description, samples, parameters, analysis=last.analysis, outcome=last.outcome,
-        message=" ".join(filter(None, (sentences(passed), last.message))),
-        stats=_totals([result.stats for result in results]),
+        message=" ".join(filter(None, (sentences(passed), _with_all_steps(last, stats)))),
+        stats=stats,
         events=[event for result in results for event in result.events],
         partitions=[one for result in results for one in result.partitions],
         not_unique=tuple(dict.fromkeys(n for result in results for n in result.not_unique)),
@@ -123,6 +125,12 @@ def _totals(stats: Sequence[Mapping[str, float]]) -> dict[str, float]:
         name: (max if name in largest else sum)(one.get(name, 0) for one in stats)
         for name in stats[0]
     }
+
+
+def _with_all_steps(last: Result, stats: Mapping[str, float]) -> str:
+    """The message of the last run, in which the steps are those of all."""
+    own, total = (counted(int(one["steps"]), "step") for one in (last.stats, stats))
+    return last.message.replace(f" s in {own}.", f" s in {total}.", 1)
 
 
 @dataclass(frozen=True)

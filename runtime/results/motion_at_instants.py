@@ -72,9 +72,12 @@ def at(result: "Result", motion: Motion | None, t: Any, side: Any) -> "Result":
     if len(outside):
         named = ", ".join(f"{x:.9g}" for x in outside[:_SHOWN])
         more = f" and {len(outside) - _SHOWN} more" if len(outside) > _SHOWN else ""
+        advice = "Ask within, or simulate for longer."
+        if result.ended_by and outside.max() > last:
+            advice = f"'{result.ended_by}' ended it there: ask within, or `resume` it past that."
         raise InputError(
             f"{title}: t = {named}{more} s lies outside of the result, which goes from "
-            f"t = {first:.9g} to {last:.9g} s. Ask within, or simulate for longer."
+            f"t = {first:.9g} to {last:.9g} s. {advice}"
         )
     moved = _on_side(result, motion, times, side)
     return _sampled(result, motion, times, np.clip(moved, first, last))
@@ -152,9 +155,7 @@ def _instants(title: str, t: Any) -> FloatArray:
     return np.atleast_1d(given.astype(np.float64))
 
 
-def _on_side(
-    result: "Result", motion: Motion, times: FloatArray, side: str | None
-) -> FloatArray:
+def _on_side(result: "Result", motion: Motion, times: FloatArray, side: str | None) -> FloatArray:
     """Instants, those of events moved to the side that is asked for, s."""
     if side is None or not result.events:
         return times
