@@ -52,7 +52,8 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
     """
     description, named = mechanism.description, run.outcome is not Outcome.SINGULAR
     rubs = any(row.kind == "friction" for row in description.effects)
-    if run.outcome not in _WAYS_IN or (named and run.index >= 0) or not (rubs or description.rigid):
+    holds = rubs or description.rigid or mechanism.system.one_way
+    if run.outcome not in _WAYS_IN or (named and run.index >= 0) or not holds:
         return run
     equations, (t, q, v) = Equations(mechanism, p), (run.final_t, run.final_q, run.final_v)
     locked = _describe_lock_up(equations, run)
@@ -79,7 +80,7 @@ def _describe_lock_up(equations: Equations, run: Trajectory) -> str:
     """Sentences where friction that sticks, and contacts, lock the machine up; empty otherwise."""
     system, switches = equations.mechanism.system, equations.description.switches
     kept = np.flatnonzero(run.final_modes == SLIDING).tolist()
-    kept = [k for k in kept if k in system.sticking or k in system.rigid]
+    kept = [k for k in kept if k in (*system.sticking, *system.rigid, *system.one_way)]
     if not kept:
         return ""
     t, q = run.final_t, run.final_q
@@ -91,6 +92,7 @@ def _describe_lock_up(equations: Equations, run: Trajectory) -> str:
     rubs = [switches[k].name for k in kept if k in system.sticking]
     shut = [switches[k].name for k in kept if k in system.rigid]
     words = [f"friction {name}" for name in rubs] + [f"contact {name}" for name in shut]
+    words += [f"one-way clutch {switches[k].name}" for k in kept if k in system.one_way]
     grows = ", and what friction may exert grows with them" if rubs else ""
     return _LOCKED.format(f"{' and '.join(words)} keep{'s' if len(words) == 1 else ''}", grows)
 

@@ -1,4 +1,4 @@
-"""What contacts and frictions do at an event, in a word."""
+"""What contacts, frictions and freewheels do at an event, in a word."""
 
 from collections.abc import Iterable
 
@@ -12,6 +12,9 @@ _CONTACTS = ("contact", "stop", "clearance joint")  # effects whose one conditio
 _RIGID = {
     Direction.BEGAN: "leaves", Direction.CEASED: "touches", Direction.HOLDS: "rests",
     Direction.IMPACT: "touches",
+}  # fmt: skip
+_FREEWHEEL = {
+    Direction.BEGAN: "overruns", Direction.HOLDS: "grips", Direction.IMPACT: "strikes",
 }  # fmt: skip
 _SOFT = {Direction.BEGAN: "touches", Direction.CEASED: "leaves", Direction.HOLDS: "rests"}
 
@@ -33,6 +36,8 @@ def event_words(
         word = ""
         if row is not None and row.kind == "contact":
             word = _RIGID.get(Direction(direction), "")
+        elif row is not None and row.one_way:
+            word = _FREEWHEEL.get(Direction(direction), "")
         elif row is not None and row.sticks:
             held, stuck[k] = stuck.get(k, False), direction == Direction.HOLDS
             word = "sticks" if stuck[k] else "slips" if held else "reverses"
