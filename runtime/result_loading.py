@@ -72,7 +72,9 @@ def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) 
 def _content(path: Path) -> dict[str, Any]:
     """What `Result.save` wrote beside the series."""
     from runtime.dynamics.changes_of_coordinates import RunsSnapshot
+    from runtime.dynamics.prepared_simulation import Handover
     from runtime.integrate.checkpoints import Checkpoint, Snapshot
+    from runtime.integrate.problem import Discrete
     from runtime.integrate.trajectory import Crossing
     from runtime.results.packed_values import unpack
 
@@ -87,7 +89,7 @@ def _content(path: Path) -> dict[str, Any]:
             f"{path}: reading .nc needs the library netCDF4, which cannot be imported ({error}). "
             "Install linkwright[files]."
         ) from error
-    kinds = [*KINDS, Checkpoint, Crossing, RunsSnapshot, Snapshot]
+    kinds = [*KINDS, Checkpoint, Crossing, Discrete, Handover, RunsSnapshot, Snapshot]
     try:
         with netCDF4.Dataset(path) as file:
             content = np.asarray(file.groups[GROUP].variables[GROUP][:], np.uint8).tobytes()
@@ -146,11 +148,13 @@ def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
 
 def _joined(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     """The result of several runs, with other joints each."""
+    from runtime.core.outcomes import Outcome
     from runtime.dynamics.joined_results import joined
     from runtime.mechanism.sibling_scenes import sibling
+    from runtime.results.horizon import end_after
 
-    results = []
-    for part, change in zip(saved["motion"]["parts"], [None, *saved["reconnections"]], strict=True):
+    results, changes = [], saved["motion"]["changes"]
+    for part, change in zip(saved["motion"]["parts"], [None, *changes], strict=True):
         if change is not None:
             watched = next(
                 row
@@ -159,8 +163,11 @@ def _joined(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
             )
             mechanism = sibling(mechanism, watched)
         results.append(_result(mechanism, part))
-    found = joined(results, saved["reconnections"])
-    found.message = saved["message"]
+    found = joined(results, changes)
+    if saved["instants"] < len(found.t):
+        end_after(found, saved["instants"])
+    found.outcome, found.message = Outcome[saved["outcome"]], saved["message"]
+    found.accuracy = saved["accuracy"]
     return found
 
 
@@ -190,13 +197,15 @@ def _simulated(
     ready = PreparedSimulation(
         mechanism, kept["t_end"], t_start=start.t, parameters=saved["parameters"], guess=None,
         start=start, controllers=dict.fromkeys(mechanism.description.controllers, missing),
+        handover=kept["handover"],
     )  # fmt: skip
     ready.given_t = kept["given_t"]
     ready.samples_taken, taken = kept["taken"]
+    ready.discrete, last = kept["discrete"]
     options = Options(**kept["options"])
     coordinates = formulate(ready, kept["formulation"], options.method, options.correction)
     checkpoints = Checkpoints(rows=kept["checkpoints"])
-    motion = SimulatedMotion(ready, coordinates, options, checkpoints, kept["end"], taken)
+    motion = SimulatedMotion(ready, coordinates, options, checkpoints, kept["end"], taken, last)
     return coordinates.mechanism, motion
 
 

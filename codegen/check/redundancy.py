@@ -39,11 +39,12 @@ def examine(equations: Equations, lowered: Lowered) -> Findings:
     probes = (_jacobian_near(poses, k) for k in range(PROBES))
     dependent = [rows[i] for i in min(map(_dependent_rows, probes), key=len)]
     independent = len(rows) - len(dependent)
+    positions = len(coordinates) - len(equations.states)
     if not dependent:
         return Findings((), (), independent)
     redundant = ", ".join(f"{c.name}.{row} ({c.kind})" for c, row in dependent)
     head = (
-        f"scene '{equations.scene.name}': {len(rows)} constraints on {len(coordinates)} "
+        f"scene '{equations.scene.name}': {len(rows)} constraints on {positions} "
         f"coordinates, of which only {independent} are independent; redundant: {redundant}."
     )
     drivers = {c.name for c, _ in dependent if c.driver}

@@ -28,7 +28,8 @@ def tangents_text(lowered: Lowered, program: Program, origin: Origin, module: st
 def reduced_text(lowered: Lowered, reduced: Reduced, origin: Origin, module: str) -> str:
     """The module of a scene's reduced equations; in its ``p`` branches precede the constants."""
     description, program = lowered.description, reduced.program
-    coordinates = f"{len(reduced.kept)} of {len(description.coordinates)} coordinates"
+    kept, all_ = (len(x) - len(description.states) for x in (reduced.kept, description.coordinates))
+    coordinates = f"{kept} of {all_} coordinates"
     about = (
         "reduced coordinates.",
         f"Left: {coordinates}, {len(reduced.closures)} of {len(description.constraints)} rows.",

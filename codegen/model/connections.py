@@ -32,7 +32,8 @@ class Connections(Declarations):
         when
             A condition of t, q, q̇, states and parameters.
         until
-            A condition under which the joint engages again, as with `engage`.
+            A condition under which the joint engages again, as with `engage`; while it holds, the
+            joint is not released.
         """
         self._connect("release", joint, True, when, until)
 
@@ -50,7 +51,8 @@ class Connections(Declarations):
         when
             A condition of t, q, q̇, states and parameters.
         until
-            A condition under which the joint is released again.
+            A condition under which the joint is released again; while it holds, the joint does not
+            engage.
         """
         self._connect("engage", joint, False, until, when)
 
@@ -59,7 +61,9 @@ class Connections(Declarations):
     ) -> None:
         name, where = name_of(joint), f"{word} of joint"
         if name not in self.joints:
-            self._note(f"model.{word}: there is no joint '{name}'; {nearest(name, self.joints)}")
+            kind = self._kinds.get(name)
+            hint = f"it is the name of a {kind}" if kind else nearest(name, self.joints)
+            self._note(f"model.{word}: there is no joint '{name}'; {hint}")
             return
         if name in self.connections:
             self._note(f"{where} '{name}': it comes and goes already; give all in one call.")
@@ -73,7 +77,13 @@ class Connections(Declarations):
             None if when is None else self._read.gated(sympy.S.One, "", f"{where} '{name}'", when)
             for when in (released, engaged)
         ]
-        self._put("connections", name, Connection(name, acts_first, *indicators))
+        released, engaged = indicators
+        if None not in indicators:  # the condition of `until=` is the stronger one
+            if acts_first:
+                released *= 1 - engaged
+            else:
+                engaged *= 1 - released
+        self._put("connections", name, Connection(name, acts_first, released, engaged))
 
     def _connected_at_first(self) -> tuple[str, ...]:
         return tuple(name for name, one in self.connections.items() if one.acts_first)

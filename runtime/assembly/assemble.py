@@ -141,7 +141,7 @@ def _contradiction(
     return AssemblyError(
         f"{task.equations.description.title}: the fixed start {fault}. Start says "
         f"{', '.join(said)}; with these {misses}. "
-        f'Give one of them the role "guess", or correct its value.'
+        "Make one of them a guess (guess=), or correct its value."
     )
 
 
@@ -217,7 +217,7 @@ def _redundancy(
         problems.append(
             f"{description.title}: constraint {name} is redundant and {kind}: it "
             f"{origin}{gap}. Remove {element}, or use a joint with fewer constraints in its place "
-            f"({len(description.coordinates)} coordinates, {len(table)} constraints, "
+            f"({len(description.positions)} coordinates, {len(table)} constraints, "
             f"{independent} independent)."
         )
     return RedundancyError(problems)

@@ -1,5 +1,6 @@
 """The options of a simulation, which every command that simulates takes."""
 
+import re
 from collections.abc import Callable
 from functools import wraps
 from inspect import Parameter, signature
@@ -44,6 +45,11 @@ def _options(
         float | None, option("Length of the first step in s; chosen unless given.")
     ] = None,
     max_step: Annotated[float | None, option("Longest step in s; none unless given.")] = None,
+    until: Annotated[
+        list[str] | None,
+        option('"NAME: SERIES > VALUE", or with <: the run ends where this begins to hold; again '
+               "for more."),
+    ] = None,
     max_steps: Annotated[
         int | None, option("Trial steps, 100 million unless given; steps that get ever shorter end "
                            "the run before, unless given.", min=1)
@@ -52,6 +58,9 @@ def _options(
     """Words of `Machine.simulate` but instants and guesses; `quantity` is `quantities`."""
 
 
+_CONDITION = re.compile(
+    r"\s*(?P<name>[^:]*[^:\s])\s*:\s*(?P<series>[^<>]*[^<>\s])\s*(?P<sign>[<>])(?P<value>[^<>]*)"
+)
 _PARAMETERS = signature(_options).parameters
 
 
@@ -74,7 +83,30 @@ def with_run_options(command: Callable[..., None]) -> Callable[..., None]:
 
 def words(run: dict[str, Any]) -> dict[str, Any]:
     """The words of `Machine.simulate` for options."""
-    return {"quantities" if name == "quantity" else name: value for name, value in run.items()}
+    given = {"quantities" if name == "quantity" else name: value for name, value in run.items()}
+    return {**given, "until": _conditions(given["until"]) if given.get("until") else None}
+
+
+def _conditions(texts: list[str]) -> dict[str, tuple[str, str, float]]:
+    """Conditions that end a run, of the form ``home: body.x > 3``; InputError with all others."""
+    found, problems = dict[str, tuple[str, str, float]](), []
+    for text in texts:
+        parts = _CONDITION.fullmatch(text)
+        try:
+            value = float(parts["value"] if parts else "")
+        except ValueError:
+            problems.append(
+                f'--until "{text}": write "NAME: SERIES > VALUE", or with <, such as '
+                '"home: body.x > 3": a name, a series of the result and a number.'
+            )
+            continue
+        assert parts is not None
+        if parts["name"] in found:
+            problems.append(f'--until "{text}": {parts["name"]!r} names another condition already.')
+        found[parts["name"]] = parts["series"], parts["sign"], value
+    if problems:
+        raise InputError(problems)
+    return found
 
 
 def refuse_run_options(run: dict[str, Any], title: str) -> None:

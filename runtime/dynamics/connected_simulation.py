@@ -4,6 +4,7 @@ Every set of joints is a scene of its own, with its own module, coordinates and 
 ends where a joint is released or engages, and the next begins there.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -24,12 +25,19 @@ from runtime.validation.output_instants import uniform
 
 _MOST = 10_000  # safety: changes of joints in a run
 _AT_ONCE = 16  # safety: changes of joints at one instant
+_IN_A_ROW, _SHORT = 64, 1e-5  # safety: so many changes within that part of a run have no end
 
 
-def simulate(mechanism: Mechanism, t_end: float, t_eval: Any = None, **settings: Any) -> Result:
-    """Integrate the equations of motion, with other joints from where these come or go."""
+def simulate(
+    mechanism: Mechanism, t_end: float, t_eval: Any = None, *,
+    part: Callable[..., Result] = simulate_once, **settings: Any,
+) -> Result:  # fmt: skip
+    """Integrate the equations of motion, with other joints from where these come or go.
+
+    `part` makes the run of one set of joints, with these settings.
+    """
     if not any(row.reconnects for row in mechanism.description.watched):
-        return simulate_once(mechanism, t_end, t_eval, **settings)
+        return part(mechanism, t_end, t_eval, **settings)
     start = settings.get("start")
     first = start.t if isinstance(start, Assembly | State) else settings.get("t_start", 0.0)
     if (t_eval is None or isinstance(t_eval, int)) and first <= t_end:
@@ -37,27 +45,26 @@ def simulate(mechanism: Mechanism, t_end: float, t_eval: Any = None, **settings:
     parameters = dict(settings.pop("parameters", None) or {})
     idle = mechanism.description.unused  # some scenes that follow may depend on them
     values = {name: value for name, value in parameters.items() if name not in idle}
-    results, changes, at_once = list[Result](), list[Reconnection](), 0
+    results, changes = list[Result](), list[Reconnection]()
     while True:
         instants, none_left = _later(t_eval, changes, t_end)
         try:
-            run = simulate_once(mechanism, t_end, instants, parameters=values, **settings)
+            run = part(mechanism, t_end, instants, parameters=values, **settings)
         except LinkwrightError as error:
             if not results:
                 raise
             _end_at_change(results[-1], Outcome.INCONSISTENT, f"{changes[-1]} {error}")
             changes.pop()
             break
-        if none_left and run.outcome is Outcome.OK:
+        if none_left and run.outcome is Outcome.OK and not run.ended_by:
             run.samples = Samples._make(array[:0] for array in run.samples)
             run.works = {name: work[:0] for name, work in run.works.items()}
         results.append(run)
         end = run.reconnection
         if end is None or run.outcome is not Outcome.OK or end.state.t >= t_end:
             break
-        at_once = at_once + 1 if changes and changes[-1].t == end.state.t else 0
-        if at_once > _AT_ONCE or len(changes) >= _MOST:
-            _end_at_change(run, Outcome.ZENO, _endless(changes))
+        if _endless(changes, end.state.t, t_end - first):
+            _end_at_change(run, Outcome.ZENO, _without_end(changes))
             break
         after = sibling(mechanism, mechanism.description.watched[end.row])
         try:
@@ -91,14 +98,21 @@ def _later(t_eval: Any, changes: list[Reconnection], t_end: float) -> tuple[Any,
     if not changes or not isinstance(t_eval, np.ndarray | list | tuple):
         return t_eval, False
     times: npt.NDArray[np.float64] = np.asarray(t_eval, dtype=np.float64)
-    later = times[times > changes[-1].t]
+    later = times[times > changes[-1].time]
     return (later, False) if len(later) else (np.array([t_end]), True)
 
 
-def _endless(changes: list[Reconnection]) -> str:
+def _endless(changes: list[Reconnection], t: float, span: float) -> bool:
+    """Whether joints come and go for ever at the instant `t` of a run over a `span`, s."""
+    at_once = len(changes) > _AT_ONCE and changes[-1 - _AT_ONCE].time == t
+    in_a_row = len(changes) >= _IN_A_ROW and t - changes[-_IN_A_ROW].time < _SHORT * span
+    return at_once or in_a_row or len(changes) >= _MOST
+
+
+def _without_end(changes: list[Reconnection]) -> str:
     last = changes[-1]
     return (
-        f"Stopped at t = {last.t:.9g} s. Joints come and go without end, the last '{last.joint}' "
-        f"({len(changes)} changes): the condition under which it is released holds where it "
-        "engages. Give conditions that do not hold at the same time."
+        f"Stopped at t = {last.time:.9g} s. Joints come and go without end, {len(changes)} times, "
+        f"the last '{last.joint}': each change makes the condition of the next one hold. Leave a "
+        "margin between the conditions under which a joint engages and is released."
     )

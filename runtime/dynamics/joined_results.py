@@ -10,8 +10,9 @@ import numpy.typing as npt
 from codegen.errors import InputError
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
+from runtime.results.discrete_state import DiscreteState
 from runtime.results.motion_at_instants import Motion
-from runtime.results.reconnection import Reconnection
+from runtime.results.reconnection import Reconnection, sentences
 from runtime.results.result import Result
 from runtime.results.samples import Samples
 from runtime.results.saved_result import saved_fields
@@ -40,7 +41,7 @@ def joined(results: Sequence[Result], changes: Sequence[Reconnection]) -> Result
     parameters = np.array([values[row.name] for row in description.parameters])
     result = Result(
         description, samples, parameters, analysis=last.analysis, outcome=last.outcome,
-        message=" ".join([*map(str, changes), last.message]),
+        message=" ".join(filter(None, (sentences(changes), last.message))),
         stats=_totals([result.stats for result in results]),
         events=[event for result in results for event in result.events],
         partitions=[one for result in results for one in result.partitions],
@@ -52,7 +53,7 @@ def joined(results: Sequence[Result], changes: Sequence[Reconnection]) -> Result
     result.ended_by = last.ended_by
     motions = [one._motion for one in results]
     if all(motion is not None for motion in motions):
-        result._motion = JoinedMotion(tuple(results), description)
+        result._motion = JoinedMotion(tuple(results), tuple(changes), description)
     totals: dict[str, float] = {}
     works: dict[str, list[FloatArray]] = {name: [] for r in results for name in r.works}
     for one, rows in zip(results, kept, strict=True):
@@ -120,6 +121,7 @@ class JoinedMotion:
     """The motions behind a joined result."""
 
     results: tuple[Result, ...]
+    changes: tuple[Reconnection, ...]  # between them
     description: Description
 
     @property
@@ -134,6 +136,17 @@ class JoinedMotion:
     def sampled(self, t: float) -> bool:
         """Whether clocks have renewed what is due in the state at an instant of the span, s."""
         return next((m for m in self._motions if t <= m.span[1]), self._motions[-1]).sampled(t)
+
+    def discrete(self, result: Result, t: float) -> DiscreteState | None:
+        """Where clocks and watched conditions stand at an instant; at a change just before it."""
+        place = next((k for k, m in enumerate(self._motions) if t <= m.span[1]), -1)
+        one, motion = self.results[place], self._motions[place]
+        found = motion.discrete(one, t)
+        if found is None or one is self.results[-1] or t < motion.span[1]:
+            return found
+        change, held = result.reconnections[place], found.stand.held.copy()
+        held[[row[1:] == (change.action, change.joint) for row in found.watched]] = 0.0  # it begins
+        return found._replace(stand=found.stand._replace(held=held))
 
     def at(self, result: Result, times: FloatArray) -> tuple[Samples, dict[str, FloatArray]]:
         """At ascending instants, (k,), of the span, s; at a change of joints just before it."""
@@ -156,7 +169,8 @@ class JoinedMotion:
     def saved(self) -> dict[str, Any]:
         """What a file keeps of each of them."""
         source = self._motions[0].saved()["source"]
-        return {"source": source, "parts": [saved_fields(one) for one in self.results]}
+        parts = [saved_fields(one) for one in self.results]
+        return {"source": source, "parts": parts, "changes": list(self.changes)}
 
     def resumed(self, result: Result, *_: Any) -> Result:
         """None: the run that goes on is the last of several."""

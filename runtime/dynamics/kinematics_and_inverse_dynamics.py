@@ -113,7 +113,7 @@ def require_driven(mechanism: Mechanism, start: Assembly, analysis: str) -> None
     raise AnalysisError(
         f"{description.title}: {analysis.replace('_', ' ')} needs a machine without freedom, and "
         f"{free} degree{'s' if free > 1 else ''} of freedom "
-        f"{'are' if free > 1 else 'is'} left ({len(description.coordinates)} coordinates, drivers: "
+        f"{'are' if free > 1 else 'is'} left ({len(description.positions)} coordinates, drivers: "
         f"{drivers}). Add {free} driver{'s' if free > 1 else ''} to the scene, "
         f"or ask for simulate.{hint}"
     )

@@ -16,15 +16,18 @@ from codegen.errors import AnalysisError, InputError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.driven_motion_past_kinks import follow_past_kinks
 from runtime.dynamics.output_quantities import evaluate
+from runtime.dynamics.start_of_clocks import discrete_state
 from runtime.dynamics.work import along_intervals
-from runtime.integrate.checkpoints import Checkpoint, Checkpoints, Until
-from runtime.integrate.problem import Options
+from runtime.integrate.checkpoints import Checkpoint, Checkpoints, Passed, Until
+from runtime.integrate.problem import Discrete, Options
+from runtime.integrate.run import Change
 from runtime.integrate.sampling import INTERVAL
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.progress_bar import silent
 from runtime.results.assembled_state import Assembly
+from runtime.results.discrete_state import DiscreteState
 from runtime.results.result import Result
 from runtime.results.samples import Samples
 
@@ -53,10 +56,27 @@ class SimulatedMotion:
     checkpoints: Checkpoints
     end: float  # last instant that the run reached, s
     samples_taken: bool = True  # whether clocks have renewed what is due there
+    last: Discrete | None = None  # where clocks and conditions stand there
 
     def sampled(self, t: float) -> bool:
         """Whether clocks have renewed what is due in the state at an instant of the span, s."""
         return t < self.end or self.samples_taken
+
+    def discrete(self, result: Result, t: float) -> DiscreteState | None:
+        """Where clocks and watched conditions stand at an instant of the span, s."""
+        ready, stand = self.ready, self.last
+        if stand is not None and t < self.end:
+            passed, kept = list[Passed](), self.checkpoints.before(t)
+
+            def watched(change: Change | None) -> Change:
+                passed.append(Passed(t, change))
+                return passed[0]
+
+            options = replace(self.options, t_eval=np.array([t]), quadrature=False, chunk=1)
+            known = None if kept is None else self.known(result, kept.t)
+            self.coordinates.retaken(options, kept, watched, known)
+            stand = passed[0].stand
+        return discrete_state(ready.mechanism, ready.p, stand)
 
     @property
     def span(self) -> tuple[float, float]:
@@ -115,7 +135,8 @@ class SimulatedMotion:
         options = {name: getattr(self.options, name) for name in SAVED}
         return {
             "t": begin.t, "q": begin.q, "v": begin.v, "given_t": ready.given_t, "end": self.end,
-            "taken": (ready.samples_taken, self.samples_taken),
+            "taken": (ready.samples_taken, self.samples_taken), "handover": ready.handover,
+            "discrete": (ready.discrete, self.last),
             "t_end": ready.t_end, "formulation": self.coordinates.name, "options": options,
             "checkpoints": self.checkpoints.few(_SAVED_BYTES), "source": _source(ready.mechanism),
         }  # fmt: skip
@@ -187,6 +208,10 @@ class DrivenMotionAtInstants:
     def sampled(self, t: float) -> bool:
         """No clock renews anything in a motion that drivers prescribe."""
         return False
+
+    def discrete(self, result: Result, t: float) -> None:
+        """Nothing is sampled or watched in a motion that drivers prescribe."""
+        return
 
     def at(self, result: Result, times: FloatArray) -> Found:
         """At ascending instants, (k,), of the span, s: followed again from the start."""

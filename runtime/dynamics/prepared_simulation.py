@@ -1,8 +1,9 @@
 """The assembled start of a simulation, from which several runs may be made."""
 
+from collections.abc import Sequence
 from contextlib import suppress
 from copy import copy
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,7 +12,7 @@ from codegen.errors import AssemblyError
 from runtime.assembly.assemble import assemble
 from runtime.assembly.start_values import start_note
 from runtime.dynamics.controllers import Functions, controllers_of
-from runtime.integrate.clocks import read_clocks
+from runtime.dynamics.start_of_clocks import discrete_at_start
 from runtime.integrate.problem import Discrete, Options, Stops
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
@@ -44,17 +45,16 @@ class Handover(NamedTuple):
     """What a run with other joints hands to the one that follows it, beside its state."""
 
     discrete: Discrete | None
+    length: float  # typical of the machine at the start of the first run, m
 
 
-def lost_samples_note(mechanism: Mechanism, p: FloatArray) -> str:
-    """Sentence on samples that a state lacks since they wait for their delay; else empty."""
-    clocks = zip(mechanism.description.sampled, read_clocks(mechanism.system, p), strict=True)
-    late = [name for name, (_, delay) in clocks if delay > 0.0]
-    if not late:
+def lost_samples_note(lost: Sequence[str]) -> str:
+    """Sentence on sampled values whose samples in delay are not known; else empty."""
+    if not lost:
         return ""
     return (
-        f" Samples of {', '.join(late)} that wait for their delay are no part of a state, and do "
-        "not act; Result.resume goes on with them."
+        f" Samples of {', '.join(lost)} that wait for their delay do not act: a state of "
+        "Result.state has them, where period and delay are those of its run."
     )
 
 
@@ -74,6 +74,10 @@ class PreparedSimulation:
         if not mechanism.description.has_masses:
             refuse_massless(mechanism)
         self.mechanism, self.t_end = mechanism, float(t_end)
+        self.given: dict[str, Any] = {
+            "t_start": t_start, "parameters": parameters, "guess": guess, "start": start,
+            "controllers": controllers, "handover": handover,
+        }  # fmt: skip
         self.controllers = controllers_of(mechanism, controllers)
         self.p = p = parameter_values(mechanism, parameters)  # with derived constants, (np,)
         require_masses(mechanism, p)
@@ -84,7 +88,11 @@ class PreparedSimulation:
             t_start = start.t if isinstance(start, State) else t_start
             begin = assemble(mechanism, guess, parameters, t_start, start_at=given)
         equations, self.given_t = Equations(mechanism, p), begin.t
-        sizes = magnitudes(equations, begin.t, begin.q)
+        self.handover = handover
+        if handover is None:
+            sizes = magnitudes(equations, begin.t, begin.q)
+        else:  # one tolerance for the whole motion, wherever joints come and go
+            sizes = equations.scale(handover.length)
         self.passages = passages_of(equations, begin.t, self.t_end, sizes)
         if self.passages is not None and not isinstance(start, Assembly | State):
             behind = self.passages.first_instant(begin.q, begin.v)
@@ -94,11 +102,12 @@ class PreparedSimulation:
                     begin = assemble(mechanism, guess, parameters, behind, start_at=given)
                     self.passages = passages_of(equations, behind, self.t_end, sizes)
         self.begin, self.sizes = begin, sizes
-        self.discrete = None if handover is None else handover.discrete
+        self.discrete, lost = None if handover is None else handover.discrete, list[str]()
+        if isinstance(start, State) and not handover:
+            self.discrete, lost = discrete_at_start(mechanism, p, start)
         self.samples_taken = isinstance(start, State) and start.sampled and begin.t == start.t
         self.note = "" if handover else start_note(mechanism, begin, guess, given)
-        if isinstance(start, State) and not handover:
-            self.note += lost_samples_note(mechanism, p)
+        self.note += lost_samples_note(lost)
         least = float(self.sizes.min(initial=1.0))
         require_apart(mechanism, p, begin.t, begin.q, begin.v, least)
         waits = any(row.reconnects for row in mechanism.description.watched)
@@ -108,6 +117,11 @@ class PreparedSimulation:
 
     def until(self, t_end: float) -> "PreparedSimulation":
         """The same start, of runs to another end, s."""
+        if self.begin.t > self.given_t and not isinstance(self.given["start"], Assembly):
+            # Behind a kink, by a distance that depends on the end.
+            other = PreparedSimulation(self.mechanism, t_end, **self.given)
+            other.controllers = self.controllers
+            return other
         other, equations = copy(self), Equations(self.mechanism, self.p)
         other.t_end = t_end
         other.passages = passages_of(equations, self.begin.t, t_end, self.sizes)

@@ -7,6 +7,7 @@ end in an impact of all constraints, M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν
 import numpy as np
 
 from runtime.dynamics.prepared_simulation import Handover
+from runtime.dynamics.start_of_clocks import numbered
 from runtime.integrate.problem import Discrete
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
@@ -29,7 +30,7 @@ def cross(
     impulse, lost = dict[str, float](), 0.0
     if watched.action == "engage":
         equations = Equations(after, parameter_values(after, known_parameters(after, parameters)))
-        _require_closed(equations, watched.target, t, q)
+        _require_closed(equations, watched.target, t, q, end.length)
         rest = v
         v, multipliers = equations.impact(t, q, rest)
         mass = equations.mass(q)
@@ -39,8 +40,9 @@ def cross(
         lost = float(rest @ mass @ rest - v @ mass @ v) / 2
         impulse = _impulses(after, equations, watched.target, t, q, v, multipliers)
     start = State(t, q, v, after.description.coordinates)
+    discrete = _discrete_by_names(before, after, end.discrete)
     change = Reconnection(t, watched.target, watched.action, impulse, lost)
-    return start, Handover(_discrete_by_names(before, after, end.discrete)), change
+    return start, Handover(discrete, end.length), change
 
 
 def _discrete_by_names(
@@ -50,16 +52,14 @@ def _discrete_by_names(
     old, new = before.description, after.description
     if discrete is None or not (new.sampled or new.watched):
         return None
-    held = {row[:3]: discrete.held[k] for k, row in enumerate(old.watched)}
-    rows = np.array([old.sampled.index(name) for name in new.sampled], np.int64)
-    seen: dict[str, int] = {}
-    for k, name in enumerate(new.sampled):  # a latch stands there twice
-        rows[k] += seen.get(name, 0)
-        seen[name] = seen.get(name, 0) + 1
+    known = numbered([row[:3] for row in old.watched])
+    held = dict(zip(known, discrete.held.tolist(), strict=True))
+    places = {key: k for k, key in enumerate(numbered(old.sampled))}
+    rows = np.array([places[key] for key in numbered(new.sampled)], np.int64)
     ticks = discrete.ticks.reshape(-1, 2)[rows]
     return Discrete(
         ticks.ravel(), discrete.waiting[rows],
-        np.array([held.get(row[:3], 0.0) for row in new.watched]),
+        np.array([held.get(key, 0.0) for key in numbered([row[:3] for row in new.watched])]),
     )  # fmt: skip
 
 
@@ -84,10 +84,12 @@ def _by_names(before: Mechanism, after: Mechanism, x: FloatArray) -> FloatArray:
     return np.array([x[known[name]] if name in known else 0.0 for name in names])
 
 
-def _require_closed(equations: Equations, joint: str, t: float, q: FloatArray) -> None:
+def _require_closed(
+    equations: Equations, joint: str, t: float, q: FloatArray, length: float
+) -> None:
     rows = equations.description.constraints
     gaps = np.abs(equations.constraints(t, q))
-    least = _CLOSED * equations.row_scale(t, q, equations.size(t, q))
+    least = _CLOSED * equations.row_scale(t, q, max(length, equations.size(t, q)))
     open_rows = [
         f"{row.name} by {gap:.3g}"
         for row, gap, most in zip(rows, gaps, least, strict=True)

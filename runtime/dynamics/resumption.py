@@ -15,8 +15,10 @@ from codegen.errors import AnalysisError, InputError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import formulate
 from runtime.dynamics.motion_at_instants import SimulatedMotion
+from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import finish_simulation
 from runtime.integrate.checkpoints import Checkpoint, Checkpoints, Keeper
+from runtime.integrate.problem import STABILIZING
 from runtime.integrate.sampling import INTERVAL
 from runtime.integrate.trajectory import Events, Partitions, Trajectory
 from runtime.mechanism.dense_equations import FloatArray
@@ -57,8 +59,10 @@ def resume(
         old, t_eval=np.array([motion.end]) if works and asked is None else asked,
         quadrature=works, max_steps=max_steps,
     )  # fmt: skip
-    goes_on = result.outcome is Outcome.OK
-    rows = motion.checkpoints.until(motion.end) if goes_on else motion.checkpoints.rows
+    if ready.controllers and old.correction in STABILIZING:
+        span = motion.ready.t_end - motion.ready.begin.t
+        options = replace(options, time_scale=old.baumgarte_time(span))
+    rows, why = _alike(result, motion, ready)
     kept = rows[-1] if rows else None
     made = list[Checkpoints]()
 
@@ -72,14 +76,15 @@ def resume(
         run = coordinates.retaken(
             options, kept, watched, known, lambda t, _: report(max(0.0, (t - first) / span))
         )
-    new = SimulatedMotion(ready, coordinates, options, made[0], run.final_t, run.samples_taken)
+    end = run.final_t, run.samples_taken, run.discrete
+    new = SimulatedMotion(ready, coordinates, options, made[0], *end)
     done = new.works_from(kept, run, first) if works else None
     path = replace(_behind(run, kept, first, times, works), checkpoints=made[0])
     plain = replace(options, t_eval=times, quadrature=False)
     found = finish_simulation(ready, coordinates, plain, began, lambda _: None, path, works=False)
     if done is not None:
         _add_works(found, result, motion, *done)
-    found.message = f"Resumed at t = {first:.9g} s. {found.message}"
+    found.message = f"Resumed at t = {first:.9g} s{why}. {found.message}"
     return found
 
 
@@ -115,6 +120,37 @@ def _read(
             f"lies between t = {motion.end:.9g} s and {last:g} s."
         )
     return last, times
+
+
+def _alike(
+    result: Result, motion: SimulatedMotion, ready: PreparedSimulation
+) -> tuple[list[Checkpoint], str]:
+    """Checkpoints that the run to the later end has too; why the others are left, else empty.
+
+    What follows from the whole span of a run is another from its start on: Baumgarte's time, and
+    the instants at which steps meet the explicit functions of time.
+    """
+    kept, old, taken = motion.checkpoints, motion.ready, motion.options
+    end = motion.end if result.outcome is Outcome.OK else np.inf
+    rows = kept.until(end)
+    same, why = rows, ""
+    if ready.t_end == old.t_end:
+        return rows, ""
+    if taken.correction in STABILIZING and taken.time_scale is None:
+        same, why = [], "Baumgarte's time, unless time_scale= is given, follows"
+    elif ready.passages is not None and old.passages is not None:
+        alike = ready.passages.agrees_until(old.passages)
+        same = kept.until(min(end, alike)) if ready.begin.t == old.begin.t else []
+        why = "instants at which steps meet explicit functions of time follow"
+    if len(same) == len(rows):
+        return rows, ""
+    if ready.controllers:
+        return rows, (
+            f", to the tolerance and not bit for bit, as {why} from the whole run, and functions "
+            "with a memory, as yours may have, cannot be asked again"
+        )
+    since = same[-1].t if same else ready.begin.t
+    return same, f", taken again from t = {since:.9g} s on, as {why} from the whole run"
 
 
 def _behind(

@@ -92,7 +92,7 @@ def finish_simulation(
     run = end_at_jam(mechanism, run, ready.p, ready.t_end - begin.t)
     result = _result(mechanism, run, ready, began)
     if run.checkpoints is not None:
-        end = run.final_t, run.samples_taken
+        end = run.final_t, run.samples_taken, run.discrete
         result._motion = SimulatedMotion(ready, coordinates, options, run.checkpoints, *end)
     if works:
         integrate_works(result, len(run.t), options.t_eval)
@@ -188,7 +188,8 @@ def _result(
     elif run.stopped_by >= 0:
         table = mechanism.description.coordinates
         end = State(run.final_t, run.final_q, run.final_v, table)
-        result.reconnection = Ending(run.stopped_by, end, run.discrete)
+        length = float(ready.sizes[mechanism.description.is_length].max(initial=0.0)) or 1.0
+        result.reconnection = Ending(run.stopped_by, end, run.discrete, length)
     if run.outcome is Outcome.CONTRADICTED:
         result.contradiction = f"At t = {run.final_t:.9g} s it stopped. {run.note}"
     return result

@@ -4,7 +4,7 @@ The kernels say it themselves: they are called on both sides of the instant, at 
 """
 
 from collections.abc import Iterator
-from itertools import chain, islice
+from itertools import chain, islice, zip_longest
 
 import numpy as np
 
@@ -76,6 +76,20 @@ class Passages:
 
         arrays = np.array(times), np.array(numbers, np.int64), np.array(after)
         return Stops(*arrays, passage, (lambda: self.stops(parts)) if more else None)
+
+    def agrees_until(self, other: "Passages") -> float:
+        """The first instant, s, at which a step ends in runs to the end of one of both alone."""
+        for ours, theirs in zip_longest(self._ends(), other._ends(), fillvalue=(np.inf, np.inf)):
+            if ours != theirs:
+                return min(ours[0], theirs[0])
+        return np.inf
+
+    def _ends(self) -> Iterator[tuple[float, float]]:
+        """Where steps end, and where the next ones begin, s."""
+        stops = self.stops()
+        while stops is not None:
+            yield from zip(stops.times.tolist(), stops.after.tolist(), strict=True)
+            stops = None if stops.further is None else stops.further()
 
     def passage(self, kink: Kink, q: Vector, v: Vector, modes: Integers) -> Passage:
         """How a motion passes a kink in the state (q, v), (n,) each, under `modes`."""

@@ -10,10 +10,14 @@ from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol
 
+import numpy as np
+
 from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Integers, Vector
 from runtime.core.loop_record import Plan
 from runtime.core.outcomes import Outcome
+from runtime.integrate.clocks import CLOCK
+from runtime.integrate.problem import Discrete
 from runtime.integrate.run import Change, Run
 from runtime.integrate.step import Signal
 
@@ -174,4 +178,23 @@ class Until:
             run, code = self.change(run, code)
         if code == _GOING and run.state.record["t"] >= self.last:
             code = _OK
+        return run, code
+
+
+class Passed:
+    """A `Change` that ends a run behind an instant, s, and knows where its clocks stood there.
+
+    It has to be called after every step.
+    """
+
+    def __init__(self, last: float, change: Change | None = None) -> None:
+        self.last = last + CLOCK * abs(last)  # instants nearer to each other are one
+        self.until = Until(float(np.nextafter(self.last, np.inf)), change)
+        self.stand: Discrete | None = None
+
+    def __call__(self, run: Run, code: int) -> tuple[Run, int]:
+        """What the other change says, unless the instant lies behind."""
+        run, code = self.until(run, code)
+        if run.state.record["t"] <= self.last:
+            self.stand = run.state.discrete
         return run, code

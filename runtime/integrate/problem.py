@@ -12,6 +12,7 @@ from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
 
 Correction = Literal["step", "stage", "projection", "baumgarte", "hybrid"]
+STABILIZING = ("baumgarte", "hybrid")
 Formulation = Literal["cartesian", "reduced"]
 
 Controller = Callable[[float, Vector, Vector], float]
@@ -25,7 +26,7 @@ class Discrete(NamedTuple):
 
     ticks: Integers  # numbers of the next sample and of the next to act, (2 count,)
     waiting: Matrix  # samples that wait for their delay, (count, length of the queue)
-    held: Vector  # 1 of each watched condition that holds, else 0
+    held: Vector  # 1 of each watched condition that holds, else 0; 2: it has its turn anew
 
 
 class Passage(NamedTuple):
@@ -117,6 +118,10 @@ class Options:
     max_events: int = 1_000_000  # changes of modes; more are taken for chattering without end
     # trial steps between two looks at the clock; None: chosen for about 50 ms
     chunk: int | None = None
+
+    def baumgarte_time(self, duration: float) -> float:
+        """τ of Baumgarte's accelerations in a run of this length, s."""
+        return self.time_scale or 1e-3 * duration or 1.0
 
     def absolute(self, sizes: Vector, rtol: float) -> Vector:
         """Absolute tolerances of coordinates, then of velocities, of these sizes; (2n,)."""

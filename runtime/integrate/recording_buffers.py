@@ -100,6 +100,16 @@ class Recording:
             times, *states = rows
             self.sample_rows.take(self.interval, times[:, 0], *states)
 
+    def replace_first(self, y: Vector, changed: Integers, modes: Integers) -> None:
+        """Give the samples of the first instant, not yet taken over, the state (2 n,) behind it.
+
+        `changed` are the switches whose modes have become others there.
+        """
+        _, states, seen = self.out
+        count = int(self.record["samples"])
+        states[:count] = y
+        seen[:count, changed] = modes[changed]
+
     def add_events(self, t: float, switches: Integers, kinds: list[int], y: Vector) -> None:
         """Add events at one instant that the loop has not seen."""
         count, kind = len(switches), np.column_stack([switches, kinds])

@@ -129,7 +129,10 @@ class Run:
             elif self.crossings.note:
                 code = Outcome.SINGULAR  # whichever way the search for a start ended
         if code == Outcome.OK and self.state.system.watches and not self.state.record["resumed"]:
+            before = self.state.modes.copy()
             code = self._watch_start()
+            changed = np.flatnonzero(self.state.modes != before)
+            self.recording.replace_first(y.ravel(), changed, self.state.modes)
         self.recording.flush()
         if self.state.system.switches and not self.state.record["resumed"]:
             self._log_first_impacts()

@@ -14,7 +14,7 @@ from runtime.hybrid.rhs_with_sliding_or_stabilization import TIME_SCALE
 from runtime.integrate.clocks import set_clocks
 from runtime.integrate.loop import LOG_MARGIN
 from runtime.integrate.method import Method, find_method
-from runtime.integrate.problem import Discrete, Options, Problem, Stops
+from runtime.integrate.problem import STABILIZING, Discrete, Options, Problem, Stops
 from runtime.integrate.sampling import QUADRATURE, STEP_ENDS
 from runtime.integrate.step_accumulation import FIRST_LOOK
 from runtime.integrate.trajectory import Statistics
@@ -139,12 +139,12 @@ class RunState:
     def _choose_return(self, problem: Problem) -> None:
         """When steps return onto the constraints, and Baumgarte's terms."""
         r, options, arrays = self.record, self.options, self.wiring.arrays
-        stabilized = options.correction in ("baumgarte", "hybrid")
+        stabilized = options.correction in STABILIZING
         self.table[ft.CORRECTING] = _CORRECTING[options.correction]
         self.table[ft.STABILIZED] = self.table[ft.MODIFIED] = int(stabilized)
         each_stage = options.correction == "stage" and self.system.constraint_count > 0
         self.table[ft.EACH_STAGE] = int(each_stage)
-        tau = options.time_scale or 1e-3 * float(r["duration"]) or 1.0
+        tau = options.baumgarte_time(float(r["duration"]))
         arrays["settings"][TIME_SCALE] = tau
         if stabilized and options.fixed_step is None:
             r["h_max"] = min(float(r["h_max"]), _FOLLOWED * tau)

@@ -16,10 +16,11 @@ from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import Y0, row_of
 from runtime.integrate.clocks import CLOCK
 from runtime.integrate.initialization import start_anew
-from runtime.integrate.sampling import INSTANTS, QUADRATURE, record
+from runtime.integrate.sampling import INSTANTS, QUADRATURE, STEP_ENDS, record
 from runtime.integrate.step import Signal
 from runtime.linalg.vectors import copy_vector
 
+_WAITS = 2.0  # code: of `held`: it has begun, and has its turn in the run that follows
 _MOST_ROUNDS = 8  # safety: rounds at one instant in which values renew one another
 
 
@@ -111,6 +112,16 @@ def replace_samples(context: Context) -> None:
 
 
 @inner
+def replace_step_end(context: Context) -> None:
+    """Give the sample at the end of the step, if ends of steps are sampled, the values renewed."""
+    r = run_record(context)
+    last = r.samples - 1
+    if r.every_step == STEP_ENDS and last >= 0 and context.out_times[last] == r.t:
+        copy_vector(row_of(context, Y0), context.out_states[last])
+        copy_vector(context.modes, context.out_modes[last])
+
+
+@inner
 def update_watched(context: Context) -> int:
     """Evaluate the conditions at Y0; how many values are due as one has begun to hold.
 
@@ -127,10 +138,11 @@ def update_watched(context: Context) -> int:
         due[k] = 1 if i >= 0 and now[i] != 0.0 and before[i] == 0.0 else 0
         count += due[k]
     for i in range(context[ft.WATCHED]):
-        begins = now[i] != 0.0 and before[i] == 0.0
+        begins = before[i] == _WAITS or (now[i] != 0.0 and before[i] == 0.0)
         if begins and context.ends_run[i] != 0:
             if r.stopped_by >= 0:
-                continue  # it has its turn in the run that follows
+                before[i] = _WAITS
+                continue
             r.stopped_by = i
         before[i] = now[i]
     return count
@@ -164,6 +176,7 @@ def go_on(context: Context) -> int:
     """Go on with the samples that were computed, and watch what they change; a signal or code."""
     outcome = start_with_samples(context)
     replace_samples(context)
+    replace_step_end(context)
     if outcome != Outcome.OK:
         return int(outcome)
     if context[ft.WATCHED] != 0:

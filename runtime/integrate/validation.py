@@ -10,7 +10,7 @@ from codegen.errors import InputError
 from runtime.core.kernel_abi import find_stand_in
 from runtime.core.system import System
 from runtime.integrate.method import EXPLICIT, IMPLICIT, METHODS, alternatives
-from runtime.integrate.problem import Correction, Options, Problem
+from runtime.integrate.problem import STABILIZING, Correction, Options, Problem
 
 CORRECTIONS: tuple[str, ...] = get_args(Correction)
 _MOST = 2**62  # safety: largest count that is accepted, half the range of an int64
@@ -38,7 +38,10 @@ def _check_problem(n: int, problem: Problem) -> Iterator[str]:
             yield f"{name} has entries that are not finite numbers: {values}."
     yield from _check_positive("sizes", problem.sizes, n)
     if not (math.isfinite(problem.t0) and problem.t0 <= problem.t_end < math.inf):
-        yield f"The run must not end (t_end = {problem.t_end}) before t0 = {problem.t0}."
+        yield (
+            f"The run must not end (t_end = {problem.t_end}) before t0 = {problem.t0} s, where it "
+            "begins, as t_start or the state of start= says. Give a later t_end."
+        )
 
 
 def _check_choices(system: System, options: Options) -> Iterator[str]:
@@ -84,7 +87,7 @@ def _check_numbers(options: Options) -> Iterator[str]:
         length = getattr(options, name)
         if length is not None and not (_is_number(length) and 0.0 < length < math.inf):
             yield f"{name} = {length} must be a positive, finite number of seconds."
-    if options.time_scale is not None and options.correction not in ("baumgarte", "hybrid"):
+    if options.time_scale is not None and options.correction not in STABILIZING:
         yield (
             f"time_scale = {options.time_scale} is the time of Baumgarte's stabilisation, and "
             f"correction={options.correction!r} has none: leave it out, or give "

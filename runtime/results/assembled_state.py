@@ -11,6 +11,7 @@ from codegen.errors import UnknownNameError
 from codegen.object_display import html_of, html_table, listed, without_rounding
 from codegen.public_callables import checked_class, named_attributes
 from runtime.mechanism.table_rows import Coordinate, Table, unknown
+from runtime.results.discrete_state import DiscreteState
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -49,7 +50,8 @@ class State:
     """A state of a machine at time t in s: coordinates q and velocities v, shape (n,) each.
 
     `sampled` says whether clocks have renewed what is due at t: a run that starts there renews it
-    unless they have.
+    unless they have. `discrete` has samples that wait for their delay, and the conditions that
+    hold; None where nothing is sampled or watched, or where that is unknown.
     """
 
     t: float
@@ -57,6 +59,7 @@ class State:
     v: FloatArray
     coordinates: Table[Coordinate] = field(default=Table(), repr=False)
     sampled: bool = field(default=False, repr=False)
+    discrete: DiscreteState | None = field(default=None, repr=False)
 
     def __getitem__(self, name: str) -> float:
         """Value of a coordinate or velocity by name."""

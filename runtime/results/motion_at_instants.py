@@ -10,6 +10,7 @@ from codegen.errors import InputError
 from codegen.plain_values import shown
 from runtime.core.unit_roundoff import EPS
 from runtime.results.assembled_state import State
+from runtime.results.discrete_state import DiscreteState
 from runtime.results.samples import Samples
 
 if TYPE_CHECKING:
@@ -34,6 +35,9 @@ class Motion(Protocol):
 
     def sampled(self, t: float) -> bool:
         """Whether clocks have renewed what is due in the state at an instant of the span, s."""
+
+    def discrete(self, result: Any, t: float) -> DiscreteState | None:
+        """Where clocks and watched conditions stand at an instant of the span, s."""
 
     def at(self, result: Any, times: FloatArray) -> tuple[Samples, dict[str, FloatArray]]:
         """Samples, and works by name, at ascending instants, (k,), s."""
@@ -172,8 +176,10 @@ def state(result: "Result", t: float | None, side: Side | None) -> State:
     elif not len(result.t):
         raise InputError(f"{title}: the result has no sample, and no state to start from.")
     q, v, now = result.samples.q[-1].copy(), result.samples.v[-1].copy(), float(result.t[-1])
-    sampled = motion is not None and motion.sampled(now)
-    return State(now, q, v, result.description.coordinates, sampled)
+    if motion is None:
+        return State(now, q, v, result.description.coordinates)
+    discrete = motion.discrete(result, now)
+    return State(now, q, v, result.description.coordinates, motion.sampled(now), discrete)
 
 
 def resume(

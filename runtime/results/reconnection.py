@@ -1,9 +1,12 @@
 """The instants at which a joint was released or engaged in a run."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from codegen.object_display import without_rounding
 from runtime.results.assembled_state import State
+
+_SHOWN = 4  # layout: changes of joints that a message tells
 
 
 class Ending(NamedTuple):
@@ -12,12 +15,13 @@ class Ending(NamedTuple):
     row: int  # of WATCHED
     state: State
     discrete: Any  # where clocks and conditions stand
+    length: float  # typical of the machine, m
 
 
 class Reconnection(NamedTuple):
     """A joint that came or went."""
 
-    t: float  # s
+    time: float  # s
     joint: str
     action: str  # "release" or "engage"
     # component → impulse of the joint on its second body, N s or N m s; empty at a release
@@ -27,11 +31,21 @@ class Reconnection(NamedTuple):
     def __str__(self) -> str:
         """In a sentence."""
         if self.action == "release":
-            return f"Joint '{self.joint}' was released at t = {self.t:.9g} s."
+            return f"Joint '{self.joint}' was released at t = {self.time:.9g} s."
         values = without_rounding(self.impulse.values())
         pairs = zip(self.impulse, values, strict=True)
         parts = ", ".join(f"{name} {value:.6g}" for name, value in pairs)
         return (
-            f"Joint '{self.joint}' engaged at t = {self.t:.9g} s with the impulse ({parts}) N s, "
-            f"N m s, which took {self.energy_lost:.6g} J."
+            f"Joint '{self.joint}' engaged at t = {self.time:.9g} s with the impulse ({parts}) "
+            f"N s, N m s, which took {self.energy_lost:.6g} J."
         )
+
+
+def sentences(changes: Sequence[Reconnection]) -> str:
+    """What happened to the joints; of many changes the first and the last ones."""
+    texts = [str(change) for change in changes]
+    if len(texts) > _SHOWN:
+        half = _SHOWN // 2
+        rest = f"… {len(texts) - 2 * half} more changes, in `reconnections` …"
+        texts = [*texts[:half], rest, *texts[-half:]]
+    return " ".join(texts)

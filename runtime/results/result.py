@@ -214,9 +214,9 @@ class Result(TimeSeries):
     ) -> "Result":  # fmt: skip
         """Go on with a simulation from where it stopped, with everything that it was given.
 
-        It takes the steps of a run that went through at once, with the same bits; where laws of
+        It takes the steps of a run that went through at once, with the same bits. Where laws of
         time are no sums of powers and sines, steps end at instants that depend on the whole time,
-        and Baumgarte's time, unless given, is a part of it: there both agree to the tolerance.
+        and Baumgarte's time, unless given, is a part of it: steps before are then taken again.
 
         Parameters
         ----------
@@ -257,7 +257,8 @@ class Result(TimeSeries):
         return plot(self, names)
 
     def facts(self) -> dict[str, Any]:
-        """The run as JSON: model, scene, outcome, parameters, statistics, accuracy."""
+        """The run as JSON: model, scene, outcome, parameters, statistics, accuracy, joints."""
+        changes = [plain(change._asdict()) for change in self.reconnections]
         return {
             "model": self.description.model,
             "scene": self.description.scene,
@@ -269,6 +270,8 @@ class Result(TimeSeries):
             "not_unique": ", ".join(self.not_unique),
             "singular": [row.facts() for row in self.singular],
             **({"accuracy": self.accuracy.facts()} if self.accuracy else {}),
+            **({"ended_by": self.ended_by} if self.ended_by else {}),
+            **({"reconnections": changes} if changes else {}),
         }
 
     def about(self) -> dict[str, str]:
@@ -294,6 +297,8 @@ class Result(TimeSeries):
             lines.append(f"  points       {listed(points)} (m)")
         if self.events:
             lines.append(f"  events       {len(self.events)}, in .events")
+        if changes := self.reconnections:
+            lines.append(f"  joints       {counted(len(changes), 'change')}, in .reconnections")
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:

@@ -67,9 +67,11 @@ def _fields_of_parts(result: Result, parts: dict[str, Any]) -> dict[str, Any]:
         "title": result.description.title,
         "analysis": result.analysis,
         "parameters": result.parameters,
+        "outcome": result.outcome.name,
         "message": result.message,
+        "instants": len(result.t),
+        "accuracy": result.accuracy,
         "motion": parts,
-        "reconnections": list(result.reconnections),
     }
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from runtime.results.result import Result
 
 MOST_LINES = 10
+_MOST_ROWS = 200  # layout: events, or changes of joints, in a table
 
 
 def page(result: "Result") -> str:
@@ -38,8 +39,11 @@ def page(result: "Result") -> str:
         *map(html_figure, _figures(result)),
     ]
     if result.events:
-        rows = ((f"{e.time:.9g} s", e.text) for e in result.events[:200])
+        rows = ((f"{e.time:.9g} s", e.text) for e in result.events[:_MOST_ROWS])
         parts.append(_section("Events", rows))
+    if result.reconnections:
+        changes = ((f"{one.time:.9g} s", str(one)) for one in result.reconnections[:_MOST_ROWS])
+        parts.append(_section("Joints that came or went", changes))
     return html_page(description.title, parts)
 
 

@@ -75,8 +75,8 @@ def _start_of(mechanism: Mechanism) -> Reader:
         state = value.state() if isinstance(value, Result) else value
         if not isinstance(state, Assembly | State):
             raise KindError(
-                "it must be what assemble() returns, a result or its state(t), or values by name, "
-                'such as {"crank.phi": 0.5}.'
+                "it must be what assemble() returns, a result or its state(t), a saved one as "
+                'load_result("run.nc") gives it, or values by name, such as {"crank.phi": 0.5}.'
             )
         names = state.coordinates.names
         if names and names != mechanism.description.coordinates.names:
@@ -106,7 +106,8 @@ def _by_names(description: Description, value: Assembly | State) -> State:
     rows = [(known.get(row.name), row.velocity) for row in description.coordinates]
     q = np.array([0.0 if k is None else value.q[k] for k, _ in rows])
     v = np.array([first.get(name, 0.0) if k is None else value.v[k] for k, name in rows])
-    return State(value.t, q, v, description.coordinates)
+    known_clocks = (value.sampled, value.discrete) if isinstance(value, State) else ()
+    return State(value.t, q, v, description.coordinates, *known_clocks)
 
 
 def _state_readers(mechanism: Mechanism, prefix: str = "") -> dict[str, Reader]:

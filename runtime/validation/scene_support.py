@@ -30,17 +30,6 @@ def refuse_states(mechanism: Mechanism, question: str) -> None:
         )
 
 
-def refuse_early_ends(mechanism: Mechanism, question: str, advice: str = "Take") -> None:
-    """Refuse a comparison of runs that end, or change joints, at instants of their own."""
-    rows = [row for row in mechanism.description.watched if row.action != "sample"]
-    if rows:
-        names = ", ".join(repr(row.name) for row in rows)
-        raise AnalysisError(
-            f"{mechanism.title}: {question} compares runs at the same instants, and {names} may "
-            f"end a run, or change its joints, at an instant of its own. {advice} a scene without."
-        )
-
-
 def require_energy(mechanism: Mechanism) -> None:
     """Refuse a search for equilibrium where the potential was left out."""
     description = mechanism.description
@@ -56,7 +45,7 @@ def refuse_structure(mechanism: Mechanism) -> None:
     if not description.drivers:
         raise AnalysisError(
             f"{description.title}: nothing is left to integrate: {len(description.constraints)} "
-            f"constraints hold all {len(description.coordinates)} coordinates and no driver moves "
+            f"constraints hold all {len(description.positions)} coordinates and no driver moves "
             "them. Leave a joint out, take a driver in, or ask for inverse_dynamics, which gives "
             "the reactions at rest."
         )
@@ -81,7 +70,7 @@ def driven_note(mechanism: Mechanism, begin: Assembly) -> str:
         return ""
     return (
         f" Nothing was left to integrate: with drivers {', '.join(description.drivers)} the "
-        f"{len(description.constraints)} constraints determine all {len(description.coordinates)} "
+        f"{len(description.constraints)} constraints determine all {len(description.positions)} "
         "coordinates. inverse_dynamics gives the same motion and forces at any instants without "
         f"steps, kinematics the motion alone."
     )

@@ -134,13 +134,13 @@ def test_one_run_slides_lifts_off_lets_go_and_lands(run: Result) -> None:
     assert abs(opened[0] - exact.lift_off) < 1e-8
     (change,) = run.reconnections
     assert (change.joint, change.action, change.impulse) == ("sling", "release", {})
-    assert abs(change.t - exact.released) < 1e-9
+    assert abs(change.time - exact.released) < 1e-9
     assert abs(run.t[-1] - exact.landed) < 1e-8
 
 
 def test_release_speed_and_range(run: Result) -> None:
     exact = reference()
-    state = run.at(run.reconnections[0].t)
+    state = run.at(run.reconnections[0].time)
     velocity = complex(state.v("ball.vx").item(), state.v("ball.vy").item())
     assert abs(velocity - exact.velocity) < 1e-8 * abs(exact.velocity)
     distance = exact.ball(exact.landed)[0].real

@@ -52,20 +52,31 @@ def test_latch_and_end(shown: dict[str, Any]) -> None:
     assert {*race.y("burning")} == {0.0, 1.0}
 
 
+def test_shear_pin(shown: dict[str, Any]) -> None:
+    whole, sheared = shown["whole"], shown["sheared"]
+    # F = g (1 - cos²θ / 1.1 + 2 sin²θ / 1.1) for the angle θ below the horizontal
+    sine = np.sqrt((1.1 * (20 / 9.81 - 1) + 1) / 3)
+    assert whole.ended_by == "shear"
+    assert_allclose(whole.q("lever.y")[-1], -sine, atol=1e-8)
+    omega, last = np.sqrt(2 * 9.81 * sine / 1.1), 2.0 - whole.t[-1]
+    height = -sine - omega * np.sqrt(1 - sine**2) * last - 9.81 * last**2 / 2
+    assert_allclose(sheared.q("lever.y")[-1], height, atol=1e-6)
+
+
 def test_connections(shown: dict[str, Any]) -> None:
     flight, cut = shown["flight"], shown["cut"]
-    assert_allclose(flight.at(cut.t).q("bob.phi"), 0.5, atol=1e-8)
-    last = 1.5 - cut.t
+    assert_allclose(flight.at(cut.time).q("bob.phi"), 0.5, atol=1e-8)
+    last = 1.5 - cut.time
     omega = np.sqrt(49 - 2 * 9.81 * (np.sin(0.5) + 1) / 1.1)
     height = np.sin(0.5) + omega * np.cos(0.5) * last - 9.81 * last**2 / 2
     assert_allclose(flight.q("bob.y")[-1], height, atol=1e-6)
     assert str(cut).startswith("Joint 'hinge' was released at t = 0.")
     caught = shown["caught"]
-    assert_allclose([caught.t, caught.energy_lost], [1 / 3, 3.0], atol=1e-8)
+    assert_allclose([caught.time, caught.energy_lost], [1 / 3, 3.0], atol=1e-8)
     assert_allclose(np.abs([*caught.impulse.values()]), [2.0], atol=1e-8)
     changes = shown["index"].reconnections
     assert [change.action for change in changes] == ["engage", "release"]
-    assert_allclose([change.t for change in changes], [np.pi / 8, 3 * np.pi / 8], atol=1e-8)
+    assert_allclose([change.time for change in changes], [np.pi / 8, 3 * np.pi / 8], atol=1e-8)
 
 
 def test_freewheel(shown: dict[str, Any]) -> None:

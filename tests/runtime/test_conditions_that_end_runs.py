@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from sympy import Not, Piecewise, sin
 
 from codegen import Model, build, t
-from codegen.errors import AnalysisError, InputError, ModelError
+from codegen.errors import InputError, ModelError
 from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
@@ -59,21 +59,6 @@ def test_a_resumed_run_would_end_there_again(falling: Machine) -> None:
     r = falling.simulate(5.0)
     with pytest.raises(InputError, match=r"'landed'.*end there again"):
         r.resume(6.0)
-    with pytest.raises(AnalysisError, match=r"accuracy=.*'landed', 'far'"):
-        falling.simulate(5.0, accuracy=1e-6)
-
-
-def test_studies_that_compare_runs_refuse_conditions_that_end_them(workshop: Path) -> None:
-    from runtime.studies.effect_ranking import matters
-    from runtime.studies.work_precision import accuracy
-
-    model, start = thrown("until_compared")
-    ball = model.bodies["ball"]
-    model.scene("falls", ["gravity"], start=start, until={"landed": ball.y < 0})
-    with pytest.raises(AnalysisError, match=r"matters compares.*'landed'.* Take a scene without"):
-        matters(model, "falls", asked="max:ball.x", t_end=1.0, folder=workshop)
-    with pytest.raises(AnalysisError, match=r"accuracy compares.*'landed'.* Take a scene without"):
-        accuracy(model, "falls", t_end=1.0, folder=workshop)
 
 
 def test_a_result_comes_back_from_its_file(falling: Machine, tmp_path: Path) -> None:

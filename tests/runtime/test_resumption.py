@@ -114,24 +114,6 @@ def test_a_run_that_a_limit_ended_goes_on(gas: Machine) -> None:
     _same(whole, rest)
 
 
-def test_a_law_in_pieces_goes_on_to_the_tolerance(tmp_path: Path) -> None:
-    from sympy import Piecewise, sqrt
-
-    from codegen import t
-
-    model = Model("resumed_push")
-    slide = model.body("slide", mass=2.0, inertia=0.1)
-    model.translational("guide", model.ground.at(0, 0), slide.at(0, 0), axis=(1, 0))
-    push = Piecewise((6.0, t < 0.5), (-4.0 * sqrt(1 + t), t < 1.5), (2.0, True))
-    model.force("push", on=slide.at(0, 0), fx=push)
-    model.scene("pushed", effects=["push"], start={slide.x: 0.0, slide.vx: 0.0})
-    machine = load(model, "pushed", folder=tmp_path)
-    whole, begun = machine.simulate(2.0, 21), machine.simulate(0.7)
-    rest = begun.resume(2.0, [0.7, 1.4, 1.6, 2.0])
-    assert rest.q("slide.x") == pytest.approx(whole.at(rest.t).q("slide.x"), abs=1e-9)
-    assert [round(event.time, 6) for event in rest.events] == [1.5]
-
-
 @pytest.mark.parametrize(
     ("t_end", "t_eval", "message"),
     [

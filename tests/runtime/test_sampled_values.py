@@ -10,9 +10,10 @@ from sympy import Max, Min
 
 from codegen import Model
 from codegen.errors import InputError
-from runtime import load
+from runtime import load, load_result
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
+from runtime.results.assembled_state import State
 
 INERTIA, PERIOD, DELAY = 0.05, 0.01, 0.025
 KP, KI, KD = 40.0, 60.0, 4.0
@@ -182,13 +183,72 @@ def test_a_sample_is_taken_once_where_a_run_starts_from_another(
         assert machine.simulate(1.0, [1.0], start=first).y("count") == 10
 
 
-def test_samples_that_wait_are_lost_and_it_is_said(counter: Callable[[str], Machine]) -> None:
+@pytest.mark.parametrize("delay", [0.05, 0.33])
+@pytest.mark.parametrize("instant", [0.52, 0.5, 0.55, 0.6, 0.0])
+def test_samples_that_wait_go_on_from_a_state(
+    counter: Callable[[str], Machine], tmp_path: Path, instant: float, delay: float
+) -> None:
+    machine, given = counter("counts"), {"parameters": {"delay": delay}}
+    later = [t for t in (0.53, 0.58, 0.61, 0.66, 0.83, 1.0) if t > instant]
+    whole = machine.simulate(1.0, np.union1d(later, [instant]), **given)
+    ended = machine.simulate(instant, **given) if instant else whole
+    kept = load_result(whole.save(tmp_path / "whole.nc"), machine)
+    states = [whole.state(instant), kept.state(instant)] + [ended.state()] * (instant > 0)
+    for state in states:
+        again = machine.simulate(1.0, later, start=state, **given)
+        for name in ("early", "count", "reads"):
+            assert again.y(name).tolist() == whole.at(later).y(name).tolist(), (name, instant)
+        assert "wait for their delay" not in again.message
+    if delay < 0.1:  # the states of later instants have theirs as well
+        then = again.state(0.96)
+        assert machine.simulate(1.0, [1.0], start=then, **given).y("early") == whole.y("early")[-1]
+
+
+def test_samples_that_a_start_does_not_know_are_named(counter: Callable[[str], Machine]) -> None:
     machine, given = counter("counts"), {"parameters": {"delay": 0.05}}
-    first = machine.simulate(0.52, **given)
-    again = machine.simulate(1.0, start=first, **given)
-    assert "Samples of early that wait for their delay" in again.message
-    assert "wait for their delay" not in machine.simulate(1.0, start=first).message
-    assert again.y("early")[-1] == first.resume(1.0).y("early")[-1] - 1
+    state = machine.simulate(0.52, **given).state()
+    plain = State(state.t, state.q, state.v, state.coordinates)
+    for start, other in ((plain, 0.05), (state, 0.06)):
+        again = machine.simulate(1.0, start=start, parameters={"delay": other})
+        assert "Samples of early that wait for their delay do not act" in again.message
+    assert "wait for their delay" not in machine.simulate(1.0, start=plain).message
+
+
+@pytest.fixture(scope="module")
+def lift(workshop: Path) -> Machine:
+    """A mass that rises and falls: its turns are counted, and how often it is above 1 m."""
+    model = Model("lift_sampled", gravity=(0, -10))
+    mass = model.particle("mass", 1.0)
+    model.absolute("rail", mass, "x", 0.0)
+    passed = model.sampled("passed", when=mass.y > 1, value=lambda n: n + 1)
+    beat = model.sampled("beat", 0.25, lambda n: n + 1)
+    model.force("pull", mass, fy=10 - 40 * mass.y + 1e-9 * (passed + beat))
+    start = {mass.y: 2.0, mass.vy: 0.0}
+    model.scene("counted", ["gravity", "pull"], start=start)
+    return load(model, "counted", folder=workshop)
+
+
+def test_a_condition_begins_to_hold_once(lift: Machine, tmp_path: Path) -> None:
+    """y = 2 cos(2 √10 t): it is above 1 m from the start until t = 0.166 s, and from 0.83 s on."""
+    whole = lift.simulate(2.2, [0.1, 0.9, 1.0, 2.2])
+    assert whole.y("passed").tolist() == [1, 2, 2, 3]
+    kept = load_result(whole.save(tmp_path / "lift.nc"), lift)
+    for state in (whole.state(0.1), whole.state(0.9), kept.state(1.0), lift.simulate(1.0).state()):
+        again = lift.simulate(2.2, [2.2], start=state)
+        assert again.y("passed")[-1] == 3
+    for result in (whole, kept):
+        assert lift.simulate(2.5, [2.2], start=result).y("passed")[0] == 3
+    values = {"mass.y": 2.0, "passed": 4.0}  # a start by values begins anew
+    assert lift.simulate(0.1, [0.1], start=values).y("passed")[0] == 5
+
+
+def test_ends_of_steps_show_renewed_values(lift: Machine) -> None:
+    for method in ("dop853", "bdf"):
+        r = lift.simulate(1.1, "steps", method=method)
+        ticks = [t for t in r.t if abs(4 * t - round(4 * t)) < 1e-12]
+        assert np.round(ticks, 9).tolist() == [0, 0.25, 0.5, 0.75, 1]
+        beats = r.y("beat")[np.isin(r.t, ticks)].tolist()
+        assert beats == [1, 2, 3, 4, 5] == lift.simulate(1.1, ticks).y("beat").tolist()
 
 
 def test_the_end_of_a_run_is_where_another_starts(counter: Callable[[str], Machine]) -> None:

@@ -9,7 +9,6 @@ from runtime.integrate.problem import Formulation
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
-from runtime.validation.scene_support import refuse_early_ends
 
 FINEST = 1e-12  # accuracy: tightest target; rounding shows below it
 COARSEST = 0.1  # accuracy: loosest target
@@ -45,21 +44,25 @@ def accuracy_or_tolerances(
         problems += _unknown_quantities(mechanism.description, quantities or ())
     if accuracy is None or problems:
         raise InputError(f"{mechanism.title}: {text}" for text in problems)
-    refuse_early_ends(mechanism, "accuracy=", "Give rtol=, or take")
     from runtime.studies.accuracy_target.search import simulate_to
 
     return partial(simulate_to, mechanism, accuracy=accuracy, quantities=quantities, **chosen)
 
 
 def _unknown_quantities(description: Description, names: Sequence[str]) -> list[str]:
-    """Names of series that no result has; whether it has works and energies, a result says."""
+    """Names of series that no result has; whether it has works and energies, a result says.
+
+    So it does of joints that come and go, since a scene that follows has series of its own.
+    """
+    if any(row.reconnects for row in description.watched):
+        return []
     from runtime.results.series_lookup import ENERGIES
-    from runtime.studies.series_by_name import series_names, unknown_series
+    from runtime.studies.series_by_name import own_name, series_names, unknown_series
 
     known = series_names(description)
     existing = {*ENERGIES, *(name for listed in known.values() for name in listed)}
     return [
         unknown_series(name, known)
         for name in names
-        if name not in existing and not name.startswith("work(")
+        if own_name(description, name) not in existing and not name.startswith("work(")
     ]

@@ -8,10 +8,11 @@ from codegen.errors import AnalysisError
 from runtime.core.outcomes import Outcome
 from runtime.core.unit_roundoff import EPS
 from runtime.results.accuracy_target_record import Estimate, ReachedAccuracy
+from runtime.results.horizon import end_after
 from runtime.results.result import Result
-from runtime.results.samples import Samples
 from runtime.studies.accuracy_target import run_difference
-from runtime.studies.accuracy_target.run_difference import Difference, Pair, Quantities, Run
+from runtime.studies.accuracy_target.compared_runs import Pair, Run
+from runtime.studies.accuracy_target.run_difference import Difference, Quantities
 
 
 def with_accuracy(
@@ -46,7 +47,7 @@ def with_accuracy(
         return result
     if count < (1 if difference.scaled[:1].any() else 2):  # the start alone is no motion
         raise AnalysisError(_refusal(result, accuracy, difference))
-    _cut(result, count)
+    end_after(result, count)
     result.message = _message(accuracy, difference)
     result.outcome = Outcome.INACCURATE
     return result
@@ -56,10 +57,11 @@ def _estimates(quantities: Quantities, difference: Difference, share: float) -> 
     """The largest error of each quantity and its instant, the worst first."""
     t, scaled = difference.t, difference.scaled
     if not len(t):  # no common instant
-        t, scaled = np.zeros(1), np.zeros((1, len(quantities.names)))
+        t, scaled = np.zeros(1), np.zeros((1, len(difference.scales)))
     worst, errors = scaled.argmax(axis=0), np.maximum(share * scaled.max(axis=0), EPS)
     rows = np.stack([difference.scales, errors, t[worst]], axis=1).tolist()
-    estimates = [Estimate(name, *row) for name, row in zip(quantities.names, rows, strict=True)]
+    names = (*quantities.names, *difference.instants)
+    estimates = [Estimate(name, *row) for name, row in zip(names, rows, strict=True)]
     return sorted(estimates, key=lambda estimate: -estimate.error)
 
 
@@ -81,6 +83,11 @@ def _explanation(pair: Pair, reasons: Sequence[str]) -> str:
         text += f"; the error of the tighter run is estimated as {share:.2g} times that"
     if other.events != delivered.events:
         text += f"; they have {other.events} and {delivered.events} events"
+    if not pair.alike:
+        ways = (", ".join(run.passed) or "nothing" for run in reversed(pair.by_merit))
+        text += (
+            f"; joints come and go, and conditions end them, in other ways: {' and '.join(ways)}"
+        )
     for trial in (other, delivered):
         if trial.outcome != Outcome.OK.name:
             text += f"; the run at rtol = {trial.rtol:.1e} ends before ({trial.outcome})"
@@ -113,13 +120,3 @@ def _refusal(result: Result, accuracy: ReachedAccuracy, difference: Difference) 
         f"of {worst.name} is estimated as {worst.error:.1e}, over all the time. {accuracy.means} "
         "Ask for no less than that."
     )
-
-
-def _cut(result: Result, count: int) -> None:
-    """Keep the first instants of a result, and the events until then."""
-    result.samples = Samples._make(array[:count] for array in result.samples)
-    last = float(result.t[-1])
-    result.works = {name: work[:count] for name, work in result.works.items()}
-    result.events = tuple(event for event in result.events if event.time <= last)
-    result.partitions = tuple(one for one in result.partitions if one.time <= last)
-    result.singular = tuple(one for one in result.singular if one.time <= last)

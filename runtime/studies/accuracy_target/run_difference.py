@@ -7,11 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from runtime.core.outcomes import Outcome
-from runtime.integrate.problem import Formulation, Options
-from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.module_tables import Description
-from runtime.results.accuracy_target_record import Trial
 from runtime.results.result import Result
 from runtime.studies.error_norms import scaled_errors
 from runtime.studies.series_by_name import FloatArray, group_magnitude, series_values
@@ -26,7 +22,6 @@ _MOST = 1e-2  # accuracy: difference from which on it no longer grows as a small
 _STRAY = 10.0  # measured: difference over the second run's motion from which on it is an error
 _EACH, _ALL = 3.0, 30.0  # measured: growth over a quarter of an exponential divergence, over two
 _ENOUGH = 16  # safety: instants from which growth is estimated
-_LEAST_SHARE = 0.1  # safety: least share of a difference where the motions diverge later
 
 
 @dataclass(frozen=True)
@@ -85,6 +80,7 @@ class Difference:
     t: FloatArray  # instants that both reached, s, (k,)
     scaled: FloatArray  # |y - r| / (s + |r|) of each quantity, r that of the second run, (k, c)
     scales: FloatArray  # s, (c,)
+    instants: tuple[str, ...] = ()  # names of those whose errors are the last columns
 
     @property
     def largest(self) -> float:
@@ -117,6 +113,26 @@ def difference(
     scaled = scaled_errors(old, new, scales)
     scaled[~np.isfinite(new) & ~(np.isnan(old) & np.isnan(new))] = np.inf
     return Difference(t, scaled, scales)
+
+
+def with_instants(
+    found: Difference, names: Sequence[str], first: FloatArray, second: FloatArray, t_start: float
+) -> Difference:
+    """The same with instants, (m,) s, of two runs that began at `t_start`, as columns of their own.
+
+    What an instant's error is shows from there on; one behind all others is left out. Its typical
+    size is the time of the run.
+    """
+    t = found.t
+    shown = np.flatnonzero(np.minimum(first, second) <= t[-1]) if len(t) else np.zeros(0, np.int64)
+    first, second = first[shown], second[shown]
+    whole = np.full(len(shown), float(t[-1]) - t_start if len(t) else 0.0)
+    errors = scaled_errors(first[None] - t_start, second[None] - t_start, whole)
+    behind = t[:, None] >= np.minimum(first, second)
+    return Difference(
+        t, np.hstack([found.scaled, np.where(behind, errors, 0.0)]),
+        np.concatenate([found.scales, whole]), tuple(names[k] for k in shown.tolist()),
+    )  # fmt: skip
 
 
 def is_resolved(found: Difference, values: FloatArray, target: float) -> bool:
@@ -166,79 +182,3 @@ def safe_share(ratio: float) -> float:
 def sufficient_ratio(share: float) -> float:
     """Ratio of rtol for which the error of the tighter run is this share of the looser one's."""
     return float(min(share / _SCATTER, share ** (1.0 / _SLOWEST)))
-
-
-@dataclass
-class Run:
-    """A run with the settings that it had."""
-
-    formulation: Formulation
-    options: Options
-    path: Trajectory
-    values: FloatArray  # of the quantities, (≥ k, c)
-    wholes: FloatArray  # magnitudes of the wholes that they are parts of, (c,) or (1,)
-    seconds: float  # processor time
-    difference: float | None = None  # largest, from the run with which it was compared
-
-    @property
-    def record(self) -> Trial:
-        """Settings, cost and outcome."""
-        counts, options = self.path.statistics, self.options
-        return Trial(
-            options.method, self.formulation, options.rtol, self.seconds, counts.rhs, counts.steps,
-            counts.events, self.path.outcome.name, self.difference,
-        )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Pair:
-    """Two runs, the second with the tighter tolerance, and their difference.
-
-    A vibration that the loose run does not resolve at all makes a difference of its own size, which
-    shows nothing about the tight run.
-    """
-
-    loose: Run
-    tight: Run
-    difference: Difference
-    resolved: bool
-
-    @property
-    def tight_fails(self) -> bool:
-        """Whether the tighter run fails before the end of the looser one."""
-        failed = self.tight.path.outcome is not Outcome.OK
-        return failed and len(self.tight.path.t) < len(self.loose.path.t)
-
-    @property
-    def conclusive(self) -> bool:
-        """Whether all of the tighter run was compared with a run that resolves all motions."""
-        compared = len(self.loose.path.t) >= len(self.tight.path.t)
-        return self.resolved and compared and not self.tight_fails
-
-    @property
-    def agrees(self) -> bool:
-        """Whether an independent coordinate moves in both runs alike, to the last digit.
-
-        Two runs with different steps err differently, unless nothing acts at the instants at which
-        they look.
-        """
-        runs, count = (self.loose.path, self.tight.path), len(self.difference.t)
-        free = runs[1].partitions.independent[:1].any(axis=0)
-        one, other = (np.hstack([run.q[:count, free], run.v[:count, free]]) for run in runs)
-        alike = (one == other).all(axis=0).reshape(2, -1).all(axis=0)
-        return bool(alike.any()) or self.difference.largest == 0.0
-
-    @property
-    def share(self) -> float:
-        """Share of the difference that the error of the tighter run is estimated to be."""
-        largest = self.difference.largest
-        if not self.conclusive or largest <= ROUNDING:  # rounding, in both runs alike
-            return 1.0
-        loose, tight = (max(run.options.rtol, ROUNDING) for run in (self.loose, self.tight))
-        share = safe_share(tight / loose)
-        return max(share, _LEAST_SHARE) if largest >= DIVERGED else share
-
-    @property
-    def by_merit(self) -> tuple[Run, Run]:
-        """The run that is the result, and the one with which it was compared."""
-        return (self.loose, self.tight) if self.tight_fails else (self.tight, self.loose)

@@ -17,6 +17,7 @@ concluded. With an implicit method, where it costs more, the gap is narrower.
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -42,8 +43,11 @@ from runtime.studies.accuracy_target.choice_of_coordinates import (
     Choices,
     second_ratio,
 )
+from runtime.studies.accuracy_target.compared_runs import Pair, Run, compare
 from runtime.studies.accuracy_target.result_with_estimated_error import with_accuracy
-from runtime.studies.accuracy_target.run_difference import Pair, Quantities, Run
+from runtime.studies.accuracy_target.run_difference import Quantities
+from runtime.studies.accuracy_target.runs_with_reconnections import run_with_reconnections
+from runtime.studies.ends_and_reconnections import own_instants
 from runtime.studies.series_by_name import require_numbers
 from runtime.studies.timing import processor_time
 
@@ -93,7 +97,11 @@ def simulate_to(
     )  # fmt: skip
     chosen = runs.quantities_of(mechanism.description, quantities, ready.sizes)
     choices = Choices(ready, method, formulation, correction)
-    return _Search(ready, choices, accuracy, chosen, options, progress).result(began)
+    given = {
+        "t_start": t_start, "parameters": parameters, "guess": guess, "start": start,
+        "controllers": controllers,
+    }  # fmt: skip
+    return _Search(ready, given, choices, accuracy, chosen, options, progress).result(began)
 
 
 class _InterruptedError(Exception):
@@ -105,6 +113,7 @@ class _Search:
     """The runs, each planned from those before."""
 
     ready: PreparedSimulation
+    given: dict[str, Any]  # arguments of what is ready
     choices: Choices
     target: float
     quantities: Quantities
@@ -140,8 +149,9 @@ class _Search:
         while not self._is_final(pair):
             pair = self._compare(choice, self._tighter(pair), pair.tight)
         run, _ = pair.by_merit
-        ready, coordinates = self.ready, choice.coordinates
-        result = finish_simulation(ready, coordinates, run.options, began, silent, run.path)
+        result = run.result or finish_simulation(
+            self.ready, choice.coordinates, run.options, began, silent, run.path
+        )
         if result.outcome is Outcome.CONTRADICTED and choice.formulation == "reduced":
             self.choices.contradiction = result.contradiction
             return self._search(began)
@@ -160,7 +170,7 @@ class _Search:
         pair = self.pair
         run = pair.by_merit[0] if pair else max(self.runs, key=lambda run: len(run.path.t))
         taken = formulate(self.ready, run.formulation, run.options.method, self.choices.correction)
-        result = finish_simulation(
+        result = run.result or finish_simulation(
             self.ready, taken, run.options, began, silent, run.path, works=False
         )
         error = "its error is not known, since it was compared with no other run"
@@ -176,12 +186,7 @@ class _Search:
 
     def _compare(self, choice: Choice, rtol: float, loose: Run) -> Pair:
         """Another run, of a tighter tolerance, compared with an earlier one."""
-        tight = self._run(choice, rtol)
-        t = min(loose.path.t, tight.path.t, key=len)
-        found = runs.difference(t, loose.values, tight.values, self.quantities, tight.wholes)
-        tight.difference = found.largest
-        resolved = runs.is_resolved(found, tight.values[: len(t)], self.target)
-        self.pair = Pair(loose, tight, found, resolved)
+        self.pair = compare(loose, self._run(choice, rtol), self.quantities, self.target)
         return self.pair
 
     @property
@@ -227,24 +232,47 @@ class _Search:
             if longest is not None and self.runs:
                 ratio = min(rtol / self.runs[0].options.rtol, 1.0)
                 longest *= float(ratio ** (1.0 / REGISTER[choice.method].order))
-        ready, coordinates, quantities = self.ready, choice.coordinates, self.quantities
         options = replace(
             self.options, method=choice.method, rtol=rtol, h_max=longest,
-            correction=coordinates.correction,
+            correction=choice.coordinates.correction,
         )  # fmt: skip
-        path, seconds = processor_time(lambda: ready.run(coordinates, options, self.progress))
-        if quantities.are_states:
-            values, wholes = quantities.of_run(path.q, path.v), np.zeros(1)
-        else:
-            began = clock.perf_counter()
-            result = finish_simulation(ready, coordinates, options, began, silent, path)
-            values, wholes = quantities.of_result(result), quantities.wholes(result)
-            if path.outcome is Outcome.OK:  # else another run may go further
-                require_numbers(result.description, quantities.names, values)
-        self.runs.append(Run(choice.formulation, options, path, values, wholes, seconds))
-        if self.signals.arrived or path.outcome is Outcome.INTERRUPTED:
+        made = self._measured(choice, options)
+        self.runs.append(made)
+        if self.signals.arrived or made.path.outcome is Outcome.INTERRUPTED:
             raise _InterruptedError
-        return self.runs[-1]
+        return made
+
+    def _measured(self, choice: Choice, options: Options) -> Run:
+        """A run with these settings, and the values of the quantities in it."""
+        ready, coordinates, quantities = self.ready, choice.coordinates, self.quantities
+        about, result = ready.mechanism.description, None
+        if any(row.reconnects for row in about.watched):
+            options = replace(options, correction=self.choices.correction)
+            result, path = run_with_reconnections(
+                ready, self.given, choice.formulation, options, self.progress
+            )
+            seconds = path.statistics.seconds
+        else:
+            path, seconds = processor_time(lambda: ready.run(coordinates, options, self.progress))
+        if result is None and quantities.are_states:
+            values, wholes = quantities.of_run(path.q, path.v), np.zeros(1)
+            ended_by = about.watched[path.stopped_by].name if path.stopped_by >= 0 else ""
+            if ended_by and not (len(path.t) and path.t[-1] == path.final_t):
+                end = quantities.of_run(path.final_q[None], path.final_v[None])
+                values = np.vstack([values, end])
+        else:
+            found = result or finish_simulation(
+                ready, coordinates, options, clock.perf_counter(), silent, path
+            )
+            values, wholes = quantities.of_result(found), quantities.wholes(found)
+            ended_by = found.ended_by
+            if path.outcome is Outcome.OK:  # else another run may go further
+                require_numbers(found.description, quantities.names, values)
+        instants = {f"t({ended_by})": path.final_t} if ended_by else {}
+        return Run(
+            choice.formulation, options, path, values, wholes, seconds, ended_by,
+            instants if result is None else own_instants(result), result,
+        )  # fmt: skip
 
 
 def _tightest(pair: Pair) -> float:

@@ -15,7 +15,7 @@ from runtime.cli.app import app
 from runtime.machine_facade import Machine
 
 IN_ANOTHER_FORM = {"t_end", "t_eval", "parameters", "max_bytes", "progress", "self"}
-IN_ANOTHER_FORM |= {"controllers", "until"}  # functions, and conditions that belong into a scene
+IN_ANOTHER_FORM |= {"controllers"}  # functions
 """Words of `Machine.simulate` that no option gives, or one of another name."""
 
 
@@ -59,6 +59,47 @@ def test_options_reach_the_run(run, tmp_path: Path) -> None:  # type: ignore[no-
         assert answer["stats"]["steps"] == 7
         assert 1.0 <= answer["t"][1] <= 1.07
     assert page.is_file()
+
+
+def test_a_condition_ends_a_run(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    words = ("rod_pendulum", "--t-end", "3", "--json")
+    until = ("--until", "low: bar.phi < -0.5", "--until", "never:total>1e6")
+    page = tmp_path / "page.html"
+    for command in (("simulate",), ("report", "--out", page)):
+        done = run(command[0], *words, *command[1:], *until, "--rtol", "1e-10")
+        answer = json.loads(done.stdout)
+        assert answer["q"]["bar.phi"] == pytest.approx(-0.5, abs=1e-9), done.stderr
+        assert answer["t"][1] < 3
+        assert "where 'low' began to hold" in answer["message"]
+    done = run("simulate", *words, "--accuracy", "1e-6", *until)
+    assert json.loads(done.stdout)["q"]["bar.phi"] == pytest.approx(-0.5, abs=1e-6), done.stderr
+
+
+@pytest.mark.parametrize(
+    ("until", "message"),
+    [
+        (["low"], '--until "low": write "NAME: SERIES > VALUE"'),
+        (["low: bar.phi = 3"], '--until "low: bar.phi = 3": write'),
+        (["low: bar.phi >= 3"], '--until "low: bar.phi >= 3": write'),
+        (["low: bar.phi > high"], "bar.phi > high"),
+        ([": bar.phi > 3"], "a name, a series of the result and a number"),
+        (["low: > 3", "a: b"], '--until "a: b": write'),
+        (["low: bar.phi > 3", "low: bar.phi < -3"], "'low' names another condition already"),
+        (["low: bar.fi < 3"], "'bar.fi'"),
+    ],
+)
+def test_what_is_no_condition(run, until: list[str], message: str) -> None:  # type: ignore[no-untyped-def]
+    options = [word for text in until for word in ("--until", text)]
+    done = run("simulate", "rod_pendulum", "--t-end", "1", *options)
+    assert done.exit_code == 2
+    assert message in done.stderr
+
+
+def test_a_driven_report_has_no_end_by_a_condition(run, driven: Machine, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    words = ("report", "sc_driven", "--t-end", "1", "--out", tmp_path / "page.html")
+    done = run(*words, "--until", "a: crank.phi > 1")
+    assert done.exit_code == 2
+    assert "--until would be ignored" in done.stderr
 
 
 def test_a_start_value_holds(run) -> None:  # type: ignore[no-untyped-def]
