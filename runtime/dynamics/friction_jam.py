@@ -16,6 +16,7 @@ from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import Description
+from runtime.mechanism.one_sided_impact import rate_rows
 
 # What a run meets first on its way into a jam, where the multipliers grow without bound.
 _WAYS_IN = {
@@ -86,7 +87,7 @@ def _describe_lock_up(equations: Equations, run: Trajectory) -> str:
     t, q = run.final_t, run.final_q
     scale = equations.scale(equations.size(t, q))
     joints = _unit_rows(equations.jacobian(t, q) * scale)[equations.independent]
-    both = np.vstack([joints, _unit_rows(_rate_rows(equations, t, q)[kept] * scale)])
+    both = np.vstack([joints, _unit_rows(rate_rows(equations, t, q)[kept] * scale)])
     if not np.isfinite(both).all() or not 0.0 < _least(both) < min(_LOST, _OWN * _least(joints)):
         return ""
     rubs = [switches[k].name for k in kept if k in system.sticking]
@@ -95,21 +96,6 @@ def _describe_lock_up(equations: Equations, run: Trajectory) -> str:
     words += [f"one-way clutch {switches[k].name}" for k in kept if k in system.one_way]
     grows = ", and what friction may exert grows with them" if rubs else ""
     return _LOCKED.format(f"{' and '.join(words)} keep{'s' if len(words) == 1 else ''}", grows)
-
-
-def _rate_rows(equations: Equations, t: float, q: FloatArray) -> FloatArray:
-    """By velocities, (s, n): derivatives of slips, and of the rates of gaps."""
-    rest, count = np.zeros(equations.n), len(equations.description.switches)
-    rigid, rates = list(equations.mechanism.system.rigid), equations.kernels.switching_rates
-
-    def values(v: FloatArray) -> FloatArray:
-        found, rate = equations.switching(t, q, v), np.zeros(count)
-        rates(t, q, v, rest, equations.p, rate)
-        found[rigid] = rate[rigid]
-        return found
-
-    start = values(rest)
-    return np.array([values(one) - start for one in np.eye(equations.n)]).T
 
 
 def _unit_rows(matrix: FloatArray) -> FloatArray:
