@@ -1,7 +1,6 @@
 """The impact of all joints, with contacts that are closed and freewheels, which only push."""
 
 import numpy as np
-from scipy.optimize import nnls
 
 from runtime.mechanism.dense_equations import Equations, FloatArray
 
@@ -76,6 +75,8 @@ def _pushes(
     mass: FloatArray, change: FloatArray, gains: FloatArray, missing: FloatArray
 ) -> FloatArray:
     """P ≥ 0, (k,), of the least ‖x‖ with Eᵀ x ≥ `missing`, x = E P and E = √M `change`."""
+    from scipy.optimize import nnls  # other runs load none of it
+
     values, vectors = np.linalg.eigh(mass)
     root = vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
     size = float(np.abs(missing).max())
