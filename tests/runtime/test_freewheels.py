@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from sympy import Piecewise, cos
 
 from codegen import Body, Model, t
-from codegen.errors import AnalysisError
+from codegen.errors import AnalysisError, ModelError
 from runtime import Outcome, Result, load
 
 J = 0.5, 0.3
@@ -263,3 +263,12 @@ def test_what_does_not_decide_whether_it_grips_is_refused_by_name(tmp_path: Path
         load(model, "free", folder=tmp_path).equilibrium()
     with pytest.raises(AnalysisError, match="which one-way clutches grip"):
         load(model, "driven", folder=tmp_path).inverse_dynamics(1.0)
+
+
+def test_two_freewheels_of_one_slip_are_refused(tmp_path: Path) -> None:
+    model, bodies = shafts("twice")
+    model.one_way_clutch("first", *bodies)
+    model.one_way_clutch("second", *bodies)
+    model.scene("run", ["first", "second"], start=start(bodies, 0.0, 0.0))
+    with pytest.raises(ModelError, match="'first' and 'second' are freewheels of one slip"):
+        load(model, folder=tmp_path)
