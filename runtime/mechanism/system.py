@@ -45,6 +45,7 @@ def common_system(
         sticking=tuple(k for k, row in enumerate(description.switches) if row.sticks),
         boundaries=tuple(description.boundaries.tolist()),
         table_parts=description.table_parts,
+        states=description.state_columns,
         sampled=description.sampled_columns,
         sampled_names=sampled,
         triggers=description.triggers or (-1,) * len(sampled),
