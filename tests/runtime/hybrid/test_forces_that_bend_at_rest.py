@@ -33,7 +33,8 @@ def test_a_spring_with_a_one_sided_damper_comes_to_rest(
     model.spring("leg", ground, wheel, force=lambda x, v: 12000 * (x - 1) + force(v))
     start = {wheel.x: 0.0, wheel.y: 0.0, wheel.vx: 0.0, wheel.vy: -0.5}
     model.scene("drop", ["gravity", "leg"], start=start)
-    r = load(model, folder=workshop).simulate(20.0, method=method)
+    # Between the ends of steps at its edge of stability dop853 errs by more than the tolerance.
+    r = load(model, folder=workshop).simulate(20.0, "steps", method=method)
     assert r.outcome is Outcome.OK, r.message
     assert_allclose(r.q("wheel.y")[-1], -40 * 9.81 / 12000, rtol=1e-6)
     assert abs(r.v("wheel.vy")[-1]) < 1e-6
