@@ -35,7 +35,7 @@ def text_of(result: "Result") -> str:
 def html_of_result(result: "Result") -> str:
     """The same with a table of the coordinates, for notebooks."""
     if not len(result.t):
-        return html_of(text_of(result))
+        return html_of(repr(result))
     rows = [(row.name, row.unit) for row in result.description.positions]
     rows += [(row.name, row.unit or "1") for row in result.description.states]
     x = np.array([result.series(name)[0] for name, _ in rows]).T
@@ -44,5 +44,5 @@ def html_of_result(result: "Result") -> str:
         ("coordinate", "unit", "first", "last", "least", "greatest"),
         ((*row, *of) for row, of in zip(rows, numbers, strict=True)),
     )
-    text = [line for line in text_of(result).splitlines() if not line.startswith("  coordinates ")]
+    text = [line for line in repr(result).splitlines() if not line.startswith("  coordinates ")]
     return html_of("\n".join(text), table)

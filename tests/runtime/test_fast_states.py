@@ -37,4 +37,4 @@ def test_states_that_swing_have_steps_of_their_frequency(workshop: Path) -> None
     model.scene("runs", ["act"], start={mass.x: 0.0, mass.y: 0.0, mass.vx: 0.0, mass.vy: 0.0})
     r = load(model, folder=workshop).simulate(1.0, 101, rtol=1e-8)
     assert_allclose(r.y("x"), np.cos(100 * r.t), atol=1e-5)
-    assert r.stats["steps"] < 130
+    assert r.stats["steps"] < 250  # 0.5 rad each, by their error; 1800 by a rate of 1e4
