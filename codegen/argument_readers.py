@@ -9,6 +9,7 @@ is a misfit.
 import inspect
 import math
 import os
+import sys
 import warnings
 from collections.abc import Callable, KeysView, Mapping
 from functools import wraps
@@ -145,14 +146,23 @@ def values(example: str) -> Reader:
     def read(value: Any) -> dict[str, Any]:
         if not isinstance(value, Mapping):
             raise KindError(f"it must be a mapping from names to numbers, such as {example}.")
-        entries = dict(value.items())
-        for name in entries:
-            if not isinstance(name, str):
-                raise KindError(f"its name {shown(name, _SHOWN)} is no text.")
+        entries = {_name(key): entry for key, entry in value.items()}
         plain = {str.__str__(name): finite_float(entry) for name, entry in entries.items()}
         return {name: entries[name] if entry is None else entry for name, entry in plain.items()}
 
     return read
+
+
+def _name(key: Any) -> str:
+    """A name, or that of a coordinate, a velocity, a state or a parameter of a declaration."""
+    if isinstance(key, str):
+        return key
+    symbols = sys.modules.get("codegen.declare.symbols")  # not loaded: no key is of it
+    if symbols is not None and isinstance(key, symbols.Coordinate | symbols.Velocity):
+        return str(symbols.dotted(key))
+    if symbols is not None and isinstance(key, symbols.Parameter):
+        return str(key.name)
+    raise KindError(f"its name {shown(key, _SHOWN)} is no text.")
 
 
 def functions(example: str) -> Reader:

@@ -57,8 +57,7 @@ def refuse_stale(stale: Sequence[Path], reason: str, command: str) -> None:
     """Name the stale files and the command that brings them up to date; exit status 1 if any."""
     for path in stale:
         errors.print(
-            f"[bold red]stale:[/] {escaped(str(path))} {reason}; "
-            f"run: python -m codegen {escaped(command)}"
+            f"[bold red]stale:[/] {escaped(str(path))} {reason}; run: linkwright {escaped(command)}"
         )
     if stale:
         raise typer.Exit(1)

@@ -21,7 +21,8 @@ from codegen.errors import GeneratedFileError, SupersededError
 
 MARK = "# content-sha256: "
 UNSIGNED = "0" * 64
-_REBUILD = re.compile(r"python -m codegen \w+.*")  # in the header
+# in the header, in the form that a checkout has without an installation
+_REBUILD = re.compile(r"python -m codegen (\w+.*)")
 _SIGNATURE = re.compile(rf"^{MARK}([0-9a-f]{{64}})$", re.MULTILINE)
 
 
@@ -120,7 +121,7 @@ def _execute(name: str, path: Path, text: str) -> ModuleType:
         command = _REBUILD.search(text[:4000])
         raise GeneratedFileError(
             f"{path} does not load: {type(error).__name__}: {error}. Delete it, and rebuild it: "
-            f"{command.group() if command else 'load the model again.'}"
+            f"{f'linkwright {command[1]}' if command else 'load the model again.'}"
         ) from error
     return module
 

@@ -17,6 +17,7 @@ from codegen.readable_signatures import readable
 
 Class = TypeVar("Class", bound=type[Any])
 _SHOWN = 40  # layout: characters of an argument in a message
+readable(LinkwrightError.__init__)
 
 
 def wrong_call(

@@ -6,6 +6,7 @@ from inspect import Parameter, formatannotation, isfunction, signature
 from typing import Any, TypeVar
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+Class = TypeVar("Class", bound=type[Any])
 
 
 class _Annotation:
@@ -55,3 +56,12 @@ def readable(function: Function) -> Function:
         parameters=[*parameters], return_annotation=answer
     )
     return function
+
+
+def readable_class(cls: Class) -> Class:
+    """The class, whose own constructor has a signature that a person reads."""
+    for word in ("__new__", "__init__"):
+        own = vars(cls).get(word)
+        if own is not None:
+            readable(getattr(own, "__func__", own))
+    return cls

@@ -125,7 +125,7 @@ def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> 
     name = scene if scene is not None else _first_scene(model)
     if isinstance(name, str) and (path := generated / f"{model.stem}__{name}.py").is_file():
         text = read_generated(path)
-        rebuild = f"python -m codegen build {model} --scene {name} --out {generated}"
+        rebuild = f"linkwright build {model} --scene {name} --out {generated}"
         check_signature(path, text, rebuild)
         if _sources_match(path, text, model):
             return path, text_hash(text)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from inspect import Parameter, Signature
 from itertools import chain
 from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
 
@@ -208,6 +209,20 @@ class Element(Protocol):
     """A few words, the same for all elements of the class."""
     name: str
     """The modeller's name, an identifier."""
+
+    def __init__(self, *fields: object, **named: object) -> None:
+        """Refuse an element without equations; `element` gives a class of one's own its fields."""
+        if type(self) in (Element, Constraint, Effect):
+            base = type(self).__name__
+            raise ModelError(
+                f"{base} is a base class and has no equations; derive a class from it, with the "
+                f"decorator @element: class Drag({base})."
+            )
+        super().__init__(*fields, **named)
+
+    vars()["__init__"].__signature__ = Signature(
+        [Parameter("self", Parameter.POSITIONAL_OR_KEYWORD)]
+    )
 
     @property
     def bodies(self) -> tuple[Body, ...]:

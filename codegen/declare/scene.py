@@ -78,6 +78,10 @@ class Owner(Protocol):
     def name(self) -> str:
         """Of the machine."""
 
+    @property
+    def points(self) -> frozenset[str]:
+        """Names of the tracked points, which stand among the effects of a scene."""
+
     def reconnected(self, scene: "Scene", connected: tuple[str, ...]) -> "Scene":
         """The scene in which other joints act of those that come and go."""
 
@@ -164,10 +168,15 @@ class Scene(Choices):
             raise SceneError(f"scene '{self.name}' belongs to no model, so it cannot be varied.")
         return self.owner
 
+    @property
+    def _points(self) -> frozenset[str]:
+        return self.owner.points if self.owner else frozenset()
+
     def __repr__(self) -> str:
         """Name, analysis, and what acts."""
         machine = f" of {self.owner.name}" if self.owner else ""
-        acts = f"effects {listed(self.effects)}; drivers {listed(self.drivers)}"
+        acting = listed(e for e in self.effects if e not in self._points)
+        acts = f"effects {acting}; drivers {listed(self.drivers)}"
         return f"Scene '{self.name}'{machine}, {self.analysis}: {acts}"
 
     def _repr_html_(self) -> str:
@@ -178,15 +187,18 @@ class Scene(Choices):
         """The scene read aloud, as a test plan."""
         machine = f" of {self.owner.name}" if self.owner else ""
         how = dict(self.fidelity)
-        acting = [f"{e} ({how[e]})" if e in how else e for e in self.effects]
+        points = self._points
+        named = (e for e in self.effects if e not in points)
+        acting = [f"{e} ({how[e]})" if e in how else e for e in named]
         forms = [f"{name} as {word}" for name, word in how.items() if name not in self.effects]
         before, acts = self.root or self, {*self.effects, *self.drivers}
         gone = [n for n in (*before.effects, *before.drivers) if n not in acts]
-        outputs = ("all that there is",) if self.outputs is None else self.outputs
+        outputs = ("reactions", "energy", "powers") if self.outputs is None else self.outputs
         rows = {
             "bodies": self.bodies or ["none"],
             "acting": acting or ["nothing"],
             "driven by": self.drivers or ["nothing"],
+            "points": [e for e in self.effects if e in points],
             "taken": forms,
             "left out": dict.fromkeys((*gone, *self.request.without)),
             "start": _values(self.start),

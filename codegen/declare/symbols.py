@@ -10,6 +10,7 @@ import sympy
 from codegen.errors import FAILURES, ModelError, NoAttributeError
 from codegen.plain_values import one_line, shown
 from codegen.public_callables import error_boundary
+from codegen.readable_signatures import readable_class
 from codegen.real_range import unreal_part
 
 Letter = Literal["x", "y", "phi"]
@@ -113,6 +114,7 @@ def _in_notebook(symbol: sympy.Symbol, unit: str, more: str = "") -> str:
     return f"$\\displaystyle {sympy.latex(symbol)}\\ [\\mathrm{{{unit}}}]{more}$"
 
 
+@readable_class
 class Coordinate(ModelSymbol):
     """A generalized coordinate, ``owner_letter``; `rate` is its velocity."""
 

@@ -8,6 +8,7 @@ from codegen.check.redundancy import Findings
 from codegen.derive.equations import Equations
 from codegen.generated_files.companions import COMPANIONS
 from codegen.generated_files.generated_file import File
+from codegen.readable_signatures import readable_class
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,6 +71,7 @@ class SceneReport(FileReport):
         return tuple(report for report in (self.tangents, self.reduced) if report)
 
 
+@readable_class
 @dataclass(frozen=True)
 class BuildReport:
     """The result of `build`; `stale` lists the files that a check found out of date."""

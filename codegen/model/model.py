@@ -4,6 +4,7 @@ A declaration never raises for a wrong element: every problem is noted, and `bui
 of them at once (`codegen.check.declaration`).
 """
 
+from collections.abc import Iterable
 from typing import Any
 
 from codegen.declare.body import Body
@@ -21,6 +22,7 @@ from codegen.model.scene_variations import Variations
 from codegen.model.states import States
 from codegen.model.stops_and_clearances import Limits
 from codegen.model.transmissions import Transmissions
+from codegen.object_display import html_of, html_table
 from codegen.plain_values import shown
 from codegen.public_callables import (
     error_boundary,
@@ -54,6 +56,19 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Limits, Transmi
         super().__init__(name)
         if gravity is not None:
             self.gravity("gravity", gravity)
+
+    def _repr_html_(self) -> str:
+        """What is declared, by name, with a table of the parameters, for notebooks."""
+        rows: dict[str, Iterable[str]] = {
+            "bodies": self.bodies, "states": self.states, "joints": self.joints,
+            "drivers": self.drivers, "effects": [e for e in self.effects if e not in self.points],
+            "points": [e for e in self.effects if e in self.points], "scenes": self.scenes,
+        }  # fmt: skip
+        texts = {word: ", ".join(names) for word, names in rows.items()}
+        lines = [f"{word} {text}" for word, text in texts.items() if text]
+        values = ((p.name, p.value, p.unit) for p in self.parameters.values())
+        table = html_table(("parameter", "default", "unit"), values)
+        return html_of("\n".join((f"Model {shown(self.name)}", *lines)), table)
 
     def add(self, element: Declared) -> Declared:
         """Declare a user-defined element: a `Constraint`, an `Effect` or a kind of `Body`.

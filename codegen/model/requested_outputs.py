@@ -59,6 +59,11 @@ class Outputs(Declarations):
         """
         return self._declare(TrackedPoint(name, self._point(name, point)))
 
+    @property
+    def points(self) -> frozenset[str]:
+        """Names of the tracked points."""
+        return frozenset(self._tracked())
+
     def _tracked(self) -> list[str]:
         """Names of the tracked points."""
         return [name for name, effect in self.effects.items() if effect.kind == TRACKED]

@@ -183,7 +183,7 @@ def example_of(kind: str, model: Model | None = None) -> Example:
             )
         raise ModelError(
             f"element '{kind}' is one of your own, of {registered[kind].element.__module__}; name "
-            "a model file that declares one: python -m codegen elements --model FILE."
+            "a model file that declares one: linkwright elements --model FILE."
         )
     others, source = _DECLARATIONS[kind]
     pair = Pair("example")

@@ -141,7 +141,7 @@ def _contradiction(
     return AssemblyError(
         f"{task.equations.description.title}: the fixed start {fault}. Start says "
         f"{', '.join(said)}; with these {misses}. "
-        f'Give one of them the role "guess", or correct its value.'
+        "Make one of them a guess (guess=), or correct its value."
     )
 
 

@@ -146,4 +146,6 @@ def evaluate(
         from runtime.dynamics.sliding_outputs import overwrite_sliding
 
         overwrite_sliding(mechanism, p, samples)
+    for values in (samples.reaction, samples.power):
+        np.add(values, 0.0, out=values)  # makes 0 of -0
     return samples

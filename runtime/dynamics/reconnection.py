@@ -7,6 +7,7 @@ end in an impact of all constraints, M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν
 import numpy as np
 
 from runtime.dynamics.prepared_simulation import Handover
+from runtime.dynamics.start_of_clocks import numbered
 from runtime.integrate.problem import Discrete
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
@@ -51,16 +52,14 @@ def _discrete_by_names(
     old, new = before.description, after.description
     if discrete is None or not (new.sampled or new.watched):
         return None
-    held = {row[:3]: discrete.held[k] for k, row in enumerate(old.watched)}
-    rows = np.array([old.sampled.index(name) for name in new.sampled], np.int64)
-    seen: dict[str, int] = {}
-    for k, name in enumerate(new.sampled):  # a latch stands there twice
-        rows[k] += seen.get(name, 0)
-        seen[name] = seen.get(name, 0) + 1
+    known = numbered([row[:3] for row in old.watched])
+    held = dict(zip(known, discrete.held.tolist(), strict=True))
+    places = {key: k for k, key in enumerate(numbered(old.sampled))}
+    rows = np.array([places[key] for key in numbered(new.sampled)], np.int64)
     ticks = discrete.ticks.reshape(-1, 2)[rows]
     return Discrete(
         ticks.ravel(), discrete.waiting[rows],
-        np.array([held.get(row[:3], 0.0) for row in new.watched]),
+        np.array([held.get(key, 0.0) for key in numbered([row[:3] for row in new.watched])]),
     )  # fmt: skip
 
 

@@ -38,7 +38,10 @@ def _check_problem(n: int, problem: Problem) -> Iterator[str]:
             yield f"{name} has entries that are not finite numbers: {values}."
     yield from _check_positive("sizes", problem.sizes, n)
     if not (math.isfinite(problem.t0) and problem.t0 <= problem.t_end < math.inf):
-        yield f"The run must not end (t_end = {problem.t_end}) before t0 = {problem.t0}."
+        yield (
+            f"The run must not end (t_end = {problem.t_end}) before t0 = {problem.t0} s, where it "
+            "begins, as t_start or the state of start= says. Give a later t_end."
+        )
 
 
 def _check_choices(system: System, options: Options) -> Iterator[str]:

@@ -73,34 +73,39 @@ class MechanismTables:
     @property
     def effects(self) -> rows.Table[rows.Effect]:
         """Gravity, forces, springs, contacts and frictions that act in this scene."""
-        return self.description.effects
+        description = self.description
+        others = {*description.states.names, *description.tracked}
+        return rows.Table(row for row in description.effects if row.name not in others)
 
     def __repr__(self) -> str:
         """Sizes, bodies, effects and the first parameters."""
         description, parameters = self.description, self.parameters
         drivers = int(description.driver_rows.sum())
-        acting = [name for name in self.effects.names if name not in self.states.names]
-        rows = [
+        lines = [
             f"{description.title}: {counted(len(description.bodies), 'body')}, "
             f"{counted(len(description.positions), 'coordinate')}, "
             f"{counted(len(self.constraints), 'constraint')}"
             + (f" ({drivers} of drivers)" if drivers else ""),
             f"  bodies      {', '.join(description.bodies)}",
-            f"  effects     {', '.join(acting) or 'none'}",
+            f"  effects     {', '.join(self.effects.names) or 'none'}",
         ]
         if self.states:
-            rows.append(f"  states      {', '.join(self.states.names)}")
-        if description.left_out:
-            rows.append(f"  left out    {', '.join(description.left_out.names)}")
+            lines.append(f"  states      {', '.join(self.states.names)}")
+        if description.tracked:
+            lines.append(f"  points      {', '.join(description.tracked)}")
+        absent = [row.name for row in description.left_out if row.kind != rows.TRACKED]
+        if absent:
+            lines.append(f"  left out    {', '.join(absent)}")
         if not description.has_masses:
-            rows.append("  no masses: kinematics only")
+            lines.append("  no masses: kinematics only")
         shown = ", ".join(f"{row.name} = {row.default:g} {row.unit}" for row in parameters[:_SHOWN])
         more = len(parameters) - _SHOWN
-        rows.append(f"  parameters  {shown}{f', and {more} more' if more > 0 else ''}")
-        return "\n".join(rows)
+        if parameters:
+            lines.append(f"  parameters  {shown}{f', and {more} more' if more > 0 else ''}")
+        return "\n".join(lines)
 
     def _repr_html_(self) -> str:
         """The same with a table of all parameters, for notebooks."""
-        rows = ((row.name, row.default, row.unit) for row in self.parameters)
-        head = "\n".join(repr(self).splitlines()[:-1])
-        return html_of(head, html_table(("parameter", "default", "unit"), rows))
+        values = ((row.name, row.default, row.unit) for row in self.parameters)
+        text = (line for line in repr(self).splitlines() if not line.startswith("  parameters "))
+        return html_of("\n".join(text), html_table(("parameter", "default", "unit"), values))

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from codegen.condition_evaluation import ConditionRow, ProfileRow
 from runtime.core.modes_and_event_kinds import Boundary, TablePart
 from runtime.mechanism.table_rows import (
+    TRACKED,
     Constraint,
     Coordinate,
     Effect,
@@ -114,7 +115,7 @@ class Description(NamedTuple):
     @property
     def tracked(self) -> tuple[str, ...]:
         """Points that are outputs."""
-        return tuple(row.name for row in self.effects if row.kind == "tracked point")
+        return tuple(row.name for row in self.effects if row.kind == TRACKED)
 
     @property
     def boundaries(self) -> npt.NDArray[np.int64]:

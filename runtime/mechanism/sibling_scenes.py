@@ -42,7 +42,7 @@ def _built(mechanism: Mechanism, watched: Watched) -> Mechanism:
     place = origin.path.with_name(f"{own}__{scene}.py")
     if isinstance(origin.model, Path) and isinstance(origin.scene, str) and place.is_file():
         text = read_generated(place)
-        check_signature(place, text, f"python -m codegen build {origin.model} --scene {scene}")
+        check_signature(place, text, f"linkwright build {origin.model} --scene {scene}")
         found = _mechanism(place, text_hash(text), origin, scene)
         same = ("generator", "sources")
         if all(getattr(found.description, n) == getattr(mechanism.description, n) for n in same):

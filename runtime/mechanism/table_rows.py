@@ -167,6 +167,9 @@ class Parameter(NamedTuple):
     sign: str
 
 
+TRACKED = "tracked point"  # kind of a point whose place is an output; it stands among the effects
+
+
 class Effect(NamedTuple):
     """Something that acts on the bodies: gravity, a force, a spring, a driver."""
 

@@ -93,6 +93,6 @@ def _command(origin: Origin, kind: Kind) -> str:
     if not isinstance(origin.model, Path) or not isinstance(origin.scene, str):
         return f"delete the file, and ask for the {_CONTENTS[kind]} again."
     return (
-        f"python -m codegen build {origin.model} --scene {origin.scene} "
+        f"linkwright build {origin.model} --scene {origin.scene} "
         f"--out {origin.path.parent} --{kind}"
     )

@@ -6,6 +6,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from codegen.readable_signatures import readable_class
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.results.samples import plain
 
@@ -17,6 +18,7 @@ _MOST = 8  # layout: shares that a text shows
 _LONGEST = 60  # layout: characters of a condition in the text of an event
 
 
+@readable_class
 class Event(NamedTuple):
     """A change of a mode, an impact, or a singular configuration.
 
@@ -35,8 +37,9 @@ class Event(NamedTuple):
     q, v
         State, shape (n,); after an impact, the velocities that it leaves.
     word
-        Of contacts and frictions, what they do: "touches", "leaves", "rests", "sticks", "slips",
-        "reverses"; empty for others.
+        Of contacts, stops and frictions, what they do: "touches", "leaves", "rests", "sticks",
+        "slips", "reverses"; of a gap behind which a damper has ended the push before, "opens";
+        empty for others.
     """
 
     name: str

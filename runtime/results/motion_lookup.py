@@ -11,7 +11,7 @@ from codegen.errors import InputError
 from codegen.plain_values import is_a, shown
 from codegen.public_callables import checked_class
 from runtime.mechanism.module_tables import Description
-from runtime.mechanism.table_rows import unknown
+from runtime.mechanism.table_rows import TRACKED, unknown
 from runtime.results.samples import Samples
 
 FloatArray = npt.NDArray[np.float64]
@@ -149,7 +149,7 @@ class MotionSeries:
                 return self.samples.reaction[:, row]
             return np.column_stack([self.point(name, axis) for axis in "xy"])
         left_out = description.left_out
-        if name in left_out.names and left_out[name].kind == "tracked point":
+        if name in left_out.names and left_out[name].kind == TRACKED:
             raise InputError(description.suggest_output(f"point({name})"))
         raise self._unknown("tracked point", name, description.tracked)
 

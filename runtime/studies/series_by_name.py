@@ -61,6 +61,20 @@ def default_quantities(description: Description) -> tuple[str, ...]:
     return names + description.states.names
 
 
+def own_name(description: Description, name: str) -> str:
+    """Of a quantity as outputs are written, ``force(strut)``, the name of its series; else `name`.
+
+    A name of which there is no one series stays as it is.
+    """
+    word, _, rest = name.partition("(")
+    element, closed = rest[:-1], rest.endswith(")")
+    if closed and word == "power" and element in description.whole_powers:
+        return element
+    rows = [r for r in description.reactions if r.element == element and quantity_of(r) == word]
+    whole = [row.name for row in rows if row.component == word or len(rows) == 1]
+    return whole[0] if closed and len(whole) == 1 else name
+
+
 def series_of(description: Description, quantities: Sequence[str]) -> tuple[str, ...]:
     """The series of the quantities: of names with ``|`` the first that exists, or InputError."""
     known = series_names(description)
@@ -68,7 +82,7 @@ def series_of(description: Description, quantities: Sequence[str]) -> tuple[str,
     series, problems = [], []
     for text in quantities:
         choices = [name.strip() for name in text.split(OR)]
-        here = [name for name in choices if name in existing]
+        here = [name for name in (own_name(description, x) for x in choices) if name in existing]
         series += here[:1]
         problems += [] if here else [f"{description.title}: {unknown_series(choices[0], known)}"]
     if problems:

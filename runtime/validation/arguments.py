@@ -75,8 +75,8 @@ def _start_of(mechanism: Mechanism) -> Reader:
         state = value.state() if isinstance(value, Result) else value
         if not isinstance(state, Assembly | State):
             raise KindError(
-                "it must be what assemble() returns, a result or its state(t), or values by name, "
-                'such as {"crank.phi": 0.5}.'
+                "it must be what assemble() returns, a result or its state(t), a saved one as "
+                'load_result("run.nc") gives it, or values by name, such as {"crank.phi": 0.5}.'
             )
         names = state.coordinates.names
         if names and names != mechanism.description.coordinates.names:

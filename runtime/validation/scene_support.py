@@ -25,19 +25,9 @@ def refuse_states(mechanism: Mechanism, question: str) -> None:
         names = description.states.names
         raise AnalysisError(
             f"{description.title}: {question} knows positions, but {', '.join(names)} follow from "
-            f"their rates and samples, which only a simulation does. Ask for simulate, or load "
+            f"their rates and samples, which only a simulation does. Ask for simulate, which gives "
+            "a driven motion with its forces as well, or load "
             f"scene.without({', '.join(map(repr, names))}) with the effects that contain them."
-        )
-
-
-def refuse_early_ends(mechanism: Mechanism, question: str, advice: str = "Take") -> None:
-    """Refuse a comparison of runs that end, or change joints, at instants of their own."""
-    rows = [row for row in mechanism.description.watched if row.action != "sample"]
-    if rows:
-        names = ", ".join(repr(row.name) for row in rows)
-        raise AnalysisError(
-            f"{mechanism.title}: {question} compares runs at the same instants, and {names} may "
-            f"end a run, or change its joints, at an instant of its own. {advice} a scene without."
         )
 
 

@@ -46,7 +46,7 @@ def compiled(root: Path, request: pytest.FixtureRequest) -> dict[str, object]:
     pytest's cache.
     """
     library = build(root / "models" / "slider_crank.py", check=True)
-    assert not library.stale, "run: python -m codegen build slider_crank"
+    assert not library.stale, "run: linkwright build slider_crank"
     folder: Path = request.config.cache.mkdir("codegen-compiled")
     odd = folder / "names.py"
     odd.write_text(

@@ -124,7 +124,7 @@ def test_docstrings_become_lists() -> None:
 def test_the_pages_are_what_the_library_gives(root: Path) -> None:
     done = write(root / "docs" / "elements", check=True)
     stale = [path.name for path in done.stale]
-    assert not stale, "run: python -m codegen elements --out docs/elements"
+    assert not stale, "run: linkwright elements --out docs/elements"
     assert len(done.paths) == len(LIBRARY) + 1
 
 

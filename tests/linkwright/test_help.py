@@ -12,6 +12,7 @@ import linkwright as lw
 from runtime.core.kernel_abi import KERNELS, SIGNATURES, Kernels
 
 OF_PYTHON = {"Constraint", "Effect", "Outcome"}  # protocols and enumerations: Python's own
+CLASSES = [name for name in dir(lw) if inspect.isclass(getattr(lw, name))]
 UNREADABLE = re.compile(r"\bat 0x|object object|\*args, \*\*kwargs|\w\.\w|_typing|ForwardRef")
 
 
@@ -42,6 +43,19 @@ def test_there_are_many() -> None:
 def test_signature_is_readable(name: str) -> None:
     text = re.sub(r"\b\d+\.\d+|e[-+]\d+|'[^']*'", "", str(inspect.signature(CALLABLES[name])))
     assert not UNREADABLE.search(text), text
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_signature_of_a_class_is_readable(name: str) -> None:
+    text = re.sub(r"\b\d+\.\d+|e[-+]\d+|'[^']*'", "", str(inspect.signature(getattr(lw, name))))
+    assert not UNREADABLE.search(text), text
+
+
+@pytest.mark.parametrize("base", [lw.Effect, lw.Constraint])
+def test_a_base_of_elements_takes_nothing_and_says_what_to_do(base: Any) -> None:
+    assert str(inspect.signature(base)) == "()"
+    with pytest.raises(lw.ModelError, match=f"{base.__name__} is a base class and has no equat"):
+        base("air", 1.0)
 
 
 @pytest.mark.parametrize("name", CALLABLES)

@@ -83,6 +83,14 @@ def test_the_page_of_results_names_the_columns(run: dict[str, Any]) -> None:
     assert ours - {"work(damper) [J]"} | {"time [s]", "kinetic energy [J]"} <= there
 
 
+def test_the_page_of_results_names_calls_that_there_are(run: dict[str, Any]) -> None:
+    """`r.path("tip")` was one of them."""
+    page = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
+    called = set(re.findall(r"`r\.(\w+)\b", page))
+    assert {"q", "point", "force", "length", "power", "events"} <= called
+    assert all(hasattr(run["r"], word) for word in called)
+
+
 def test_signs_are_those_of_the_page(run: dict[str, Any]) -> None:
     """The ground holds the bob up; the damper takes energy away."""
     assert run["rest"].reaction("hinge", "fy")[0] == pytest.approx(2.0 * 9.81, rel=1e-9)

@@ -92,7 +92,7 @@ def test_fixed_positions_that_contradict_the_joints(free: Machine) -> None:
     text = str(caught.value)
     assert "Start says crank.phi = 0 rad, slider.x = 5 m" in text
     assert "joint C misses by" in text
-    assert 'role "guess"' in text
+    assert "Make one of them a guess (guess=), or correct its value." in text
     assert machine.assemble(start={"slider.x": 5.5})["slider.x"] == 5.5
 
 

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from sympy import Not, Piecewise, sin
 
 from codegen import Model, build, t
-from codegen.errors import AnalysisError, InputError, ModelError
+from codegen.errors import InputError, ModelError
 from runtime import load
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
@@ -53,25 +53,6 @@ def test_the_last_instant_is_a_sample_besides_those_asked_for(falling: Machine) 
 def test_one_that_holds_at_the_start_ends_the_run_there(falling: Machine) -> None:
     r = falling.simulate(5.0, start={"ball.y": -1.0})
     assert (r.ended_by, r.t[-1]) == ("landed", 0.0)
-
-
-def test_a_resumed_run_would_end_there_again(falling: Machine) -> None:
-    r = falling.simulate(5.0)
-    with pytest.raises(InputError, match=r"'landed'.*end there again"):
-        r.resume(6.0)
-
-
-def test_studies_that_compare_runs_refuse_conditions_that_end_them(workshop: Path) -> None:
-    from runtime.studies.effect_ranking import matters
-    from runtime.studies.work_precision import accuracy
-
-    model, start = thrown("until_compared")
-    ball = model.bodies["ball"]
-    model.scene("falls", ["gravity"], start=start, until={"landed": ball.y < 0})
-    with pytest.raises(AnalysisError, match=r"matters compares.*'landed'.* Take a scene without"):
-        matters(model, "falls", asked="max:ball.x", t_end=1.0, folder=workshop)
-    with pytest.raises(AnalysisError, match=r"accuracy compares.*'landed'.* Take a scene without"):
-        accuracy(model, "falls", t_end=1.0, folder=workshop)
 
 
 def test_a_result_comes_back_from_its_file(falling: Machine, tmp_path: Path) -> None:
@@ -208,8 +189,6 @@ def test_a_run_ends_where_a_reaction_grows_too_large(pendulum: Machine) -> None:
 
 def test_a_run_that_ended_by_an_output_says_how_it_goes_on(pendulum: Machine) -> None:
     r = pendulum.simulate(3.0, until={"low": ("bob.y", "<", -0.5)})
-    with pytest.raises(InputError, match=r"start=result, without until="):
-        r.resume(4.0)
     assert pendulum.simulate(1.0, start=r).t[0] == r.t[-1]
 
 

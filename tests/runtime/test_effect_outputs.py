@@ -291,6 +291,10 @@ def test_an_accuracy_target_takes_a_force(folder: Path) -> None:
     assert found.accuracy is not None
     assert [row.name for row in found.accuracy.quantities] == ["strut.force"]
     assert found.accuracy.estimated < 1e-6
+    names, scene = ["force(strut)"], scene.with_(outputs=["force(strut)"])  # as outputs are written
+    machine = load(model, scene, folder=folder)
+    found = machine.simulate(0.5, INSTANTS[:101], accuracy=1e-6, quantities=names)
+    assert [row.name for row in found.accuracy.quantities] == names  # type: ignore[union-attr]
 
 
 def test_a_kinematic_scene_has_lengths_and_no_forces(folder: Path) -> None:

@@ -68,6 +68,31 @@ def test_friction_slips_sticks_and_reverses(workshop: Path) -> None:
     assert {"rub slips", "rub sticks"} <= found
 
 
+def stopped(name: str, **stop: float) -> Result:
+    """A slider that runs into a damped stop; its springs push from 0.5 m on, and never pull."""
+    model, mass = block(name)
+    model.stop("limit", mass.x, lower=-0.5, upper=0.5, stiffness=100.0, **stop)
+    model.scene("runs", ["limit"], start={mass.x: 0.0, mass.vx: 1.0}, outputs=["forces"])
+    return load(model).simulate(2.0)
+
+
+@pytest.mark.parametrize("damping", [0.0, 4.0])
+def test_a_stop_touches_where_it_pushes_and_leaves_where_it_ceases_to(
+    workshop: Path, monkeypatch: pytest.MonkeyPatch, damping: float
+) -> None:
+    """With a damper the push ends before the gap opens, and its sign may change in flight."""
+    monkeypatch.chdir(workshop)
+    r = stopped(f"stopped_words_{damping:g}", damping=damping)
+    named = [event for event in r.events if event.word]
+    assert [event.word for event in named][:3] == (
+        ["touches", "leaves", "opens"] if damping else ["touches", "leaves", "touches"]
+    )
+    push = {event.time: r.at(event.time + 1e-6).force("limit", "second")[0] for event in named}
+    for event, force in zip(named, push.values(), strict=True):
+        if r.at(event.time).q("mass.x")[0] > 0.0:
+            assert (force > 1e-6) == (event.word == "touches"), event
+
+
 def test_long_conditions_are_cut(workshop: Path) -> None:
     model, mass = block("long_words")
     long = sum(sin(k * mass.x) for k in range(1, 20))

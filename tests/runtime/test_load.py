@@ -51,7 +51,7 @@ def test_edited_module_is_refused_with_the_way_out(place: Path) -> None:
     path.write_text(path.read_text().replace("2.0, 'kg'", "3.0, 'kg'"))
     with pytest.raises(GeneratedFileError, match="edited by hand") as caught:
         load("rod_pendulum", folder=place)
-    assert "python -m codegen build" in str(caught.value)
+    assert "linkwright build" in str(caught.value)
     assert "--scene swing" in str(caught.value)
 
 

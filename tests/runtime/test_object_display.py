@@ -1,9 +1,13 @@
 """Results, machines, scenes, coordinates and events show themselves: names, numbers, units."""
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from codegen import Model
 from codegen.declare.symbols import Velocity
+from runtime import load, matters
 from runtime.machine_facade import Machine
 from runtime.results.event_records import Event, SingularPosition
 
@@ -85,6 +89,66 @@ class Printer:
 
     def text(self, words: str) -> None:
         self.said += words
+
+
+@pytest.fixture
+def pointed() -> Model:
+    made = Model("pointed", gravity=(0, -9.81))
+    made.parameter("m", 2.0, "kg", sign="positive")
+    stone = made.body("stone", mass=2.0, inertia=1.0)
+    made.track("tip", stone.at(1, 0))
+    made.force("wind", on=stone, fx=4.0)
+    made.scene("windy", ["wind"], start={stone.x: 1.0}, outputs=["default", "points", "forces"])
+    made.scene("calm", start={stone.x: 1.0})
+    return made
+
+
+def test_points_have_their_own_place(pointed: Model, tmp_path: Path) -> None:
+    """They act on nothing, and are no effects, in scenes, machines and tables."""
+    windy = pointed.scenes["windy"]
+    assert repr(windy).endswith("effects wind; drivers none")
+    assert "  acting      wind\n" in str(windy)
+    assert "  points      tip\n" in str(windy)
+    machine = load(pointed, "windy", folder=tmp_path)
+    assert machine.effects.names == ("wind",)
+    assert "  points      tip" in repr(machine)
+    calm = load(pointed, "calm", folder=tmp_path)
+    assert "  left out    gravity, wind" in repr(calm).splitlines()
+
+
+def test_what_a_scene_reports_is_not_said_to_be_all(pointed: Model) -> None:
+    assert "  reported    reactions, energy, powers" in str(pointed.scenes["calm"]).splitlines()
+
+
+def test_model(pointed: Model) -> None:
+    html = pointed._repr_html_()
+    assert "<b>Model &#x27;pointed&#x27;</b><br>bodies stone<br>effects gravity, wind<br>" in html
+    assert "<br>points tip<br>scenes windy, calm</p>" in html
+    assert "<td>m</td><td style='text-align:right'>2</td><td>kg</td>" in html
+
+
+def test_ranking(pointed: Model, tmp_path: Path) -> None:
+    scene = pointed.scenes["windy"].with_("gravity")
+    found = matters(pointed, scene, asked="stone.x", t_end=1.0, folder=tmp_path)
+    first, *rest = repr(found).splitlines()
+    assert first.endswith(", simulate: stone.x = 2 m")
+    assert any("wind changes stone.x by 50 %" in line for line in rest), rest
+    html = found._repr_html_()
+    assert "<td>wind</td>" in html
+    assert "matters</td>" in html
+
+
+def test_zero_has_no_sign(tmp_path: Path) -> None:
+    """A contact that is open pushes with 0 N, and not with -0 N."""
+    made = Model("open_contact", gravity=(0, -9.81))
+    ball = made.particle("ball", 1.0)
+    made.contact("floor", gap=ball.y, stiffness=1e4)
+    start = {ball.x: 0.0, ball.y: 1.0, ball.vx: 0.0, ball.vy: 0.0}
+    made.scene("fall", ["gravity", "floor"], start=start, outputs="all")
+    r = load(made, folder=tmp_path).simulate(0.1, 3)
+    for values in (r.force("floor"), r.penetration("floor"), r.power("floor"), r.power("gravity")):
+        assert not np.signbit(values[values == 0.0]).any()
+    assert (r.force("floor") == 0.0).all()
 
 
 def test_coordinate_and_velocity(model: Model) -> None:

@@ -10,6 +10,7 @@ import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
+from codegen import Model
 from codegen.errors import AssemblyError, InputError
 from runtime import accuracy, load, matters
 from runtime.cli.app import app
@@ -255,3 +256,30 @@ def test_a_ranking_by_command_starts_where_it_is_told(
 ) -> None:
     words = ("matters", *COMMANDS["matters"], "--rounds", "1", "--start", "bob.phi=0.5")
     assert command(folder, monkeypatch, *words)["value"] == pytest.approx(0.5, abs=1e-9)
+
+
+def test_values_are_named_by_what_the_model_declared(tmp_path: Path) -> None:
+    """As scenes take them: coordinates, velocities, states and parameters."""
+    model = Model("named_by_symbols", gravity=(0, -9.81))
+    length = model.parameter("arm_length", 1.0, "m", sign="positive")
+    bob = model.body("bob", mass=2.0, inertia=0.1)
+    model.revolute("hinge", model.ground.at(0, 0), bob.at(-length, 0))
+    lag = model.state("lag", lambda y: bob.omega - y)
+    model.torque("brake", on=bob, value=-lag)
+    model.scene("swing", ["gravity", "brake"], start={bob.phi: 0.0, bob.omega: 0.0})
+    machine = load(model, folder=tmp_path)
+    r = machine.simulate(
+        0.1, 3, start={bob.phi: 0.25, bob.omega: 1.5, lag: 0.5}, parameters={length: 2.0}
+    )
+    assert (r.q("bob.phi")[0], r.v("bob.omega")[0], r.y("lag")[0]) == (0.25, 1.5, 0.5)
+    assert r.parameters["arm_length"] == 2.0
+    with pytest.raises(InputError, match=r"its name 2\.0 is no text"):
+        machine.simulate(0.1, start={2.0: 1.0})
+
+
+def test_a_start_that_is_none_says_what_to_give(driven: Machine) -> None:
+    with pytest.raises(InputError, match=r'a saved one as load_result\("run\.nc"\) gives it'):
+        driven.simulate(1.0, start="run.nc")  # type: ignore[arg-type]
+    late = driven.simulate(0.5).state()
+    with pytest.raises(InputError, match=r"must not end .*t_start or the state of start= says"):
+        driven.simulate(0.1, start=late)

@@ -189,7 +189,7 @@ def test_edited_file_is_refused_with_the_way_out(stone: Path) -> None:
     with pytest.raises(GeneratedFileError, match="edited by hand") as caught:
         _ = machine.mechanism.tangents
     command = f"{stone / 'models' / 'stone.py'} --scene windy --out {path.parent} --tangents"
-    assert f"python -m codegen build {command}" in str(caught.value)
+    assert f"linkwright build {command}" in str(caught.value)
 
 
 def test_model_of_the_running_program(tmp_path: Path) -> None:

@@ -74,5 +74,5 @@ def test_a_module_that_does_not_load_says_how_it_is_built_again(
     command = "methods" if "methods" in name else "build models/slider_crank.py --scene compressor"
     path = tmp_path / "cut.py"
     path.write_text(text[: len(text) // 2] + "\n(")
-    with pytest.raises(GeneratedFileError, match=rf"rebuild it: python -m codegen {command}$"):
+    with pytest.raises(GeneratedFileError, match=rf"rebuild it: linkwright {command}$"):
         generated.import_generated(path)

@@ -57,12 +57,12 @@ def _unknown_quantities(description: Description, names: Sequence[str]) -> list[
     if any(row.reconnects for row in description.watched):
         return []
     from runtime.results.series_lookup import ENERGIES
-    from runtime.studies.series_by_name import series_names, unknown_series
+    from runtime.studies.series_by_name import own_name, series_names, unknown_series
 
     known = series_names(description)
     existing = {*ENERGIES, *(name for listed in known.values() for name in listed)}
     return [
         unknown_series(name, known)
         for name in names
-        if name not in existing and not name.startswith("work(")
+        if own_name(description, name) not in existing and not name.startswith("work(")
     ]

@@ -53,7 +53,7 @@ class Choices:
             )
         if self.formulation is not None:
             return self._choice(self.formulation)
-        reason = "reduced coordinates are not built (python -m codegen build --reduced)"
+        reason = "reduced coordinates are not built (linkwright build --reduced)"
         if self.ready.mechanism.has_companion("reduced"):
             try:
                 return self._choice("reduced")

@@ -4,8 +4,7 @@ Runs that a condition ends have ends of their own. These are compared with each 
 instants at which joints come and go: each is a quantity, with an error of its own.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,7 +12,6 @@ from runtime.core.outcomes import Outcome
 from runtime.integrate.problem import Formulation, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.results.accuracy_target_record import Trial
-from runtime.results.reconnection import Reconnection
 from runtime.results.result import Result
 from runtime.studies.accuracy_target.run_difference import (
     DIVERGED,
@@ -41,7 +39,8 @@ class Run:
     wholes: FloatArray  # magnitudes of the wholes that they are parts of, (c,) or (1,)
     seconds: float  # processor time
     ended_by: str = ""  # the condition that ended it
-    instants: tuple[tuple[str, float], ...] = ()  # of joints that came or went, of that end, s
+    # of joints that came or went, of that end, s
+    instants: dict[str, float] = field(default_factory=dict)
     result: Result | None = None  # of a run in which joints come and go
     difference: float | None = None  # largest, from the run with which it was compared
 
@@ -54,7 +53,7 @@ class Run:
     @property
     def passed(self) -> tuple[str, ...]:
         """Names of its instants."""
-        return tuple(name for name, _ in self.instants)
+        return tuple(self.instants)
 
     @property
     def record(self) -> Trial:
@@ -128,20 +127,6 @@ class Pair:
         return (self.loose, self.tight) if self.tight_fails else (self.tight, self.loose)
 
 
-def named_instants(
-    changes: Sequence[Reconnection], ended_by: str, end: float
-) -> tuple[tuple[str, float], ...]:
-    """The instants of a run that have an error of their own, s, by name: ``t(latch)#2``."""
-    found = dict[str, float]()
-    for name, t in (
-        *((one.joint, one.time) for one in changes),
-        *([(ended_by, end)] * bool(ended_by)),
-    ):
-        count = sum(1 for known in found if known.partition("#")[0] == f"t({name})")
-        found[f"t({name}){f'#{count + 1}' if count else ''}"] = t
-    return tuple(found.items())
-
-
 def compare(loose: Run, tight: Run, quantities: Quantities, target: float) -> Pair:
     """Two runs at the instants of the tighter one that the looser one reached.
 
@@ -161,7 +146,9 @@ def compare(loose: Run, tight: Run, quantities: Quantities, target: float) -> Pa
     resolved = is_resolved(found, new, target)
     common = [
         (name, first, second)
-        for (name, first), (other, second) in zip(loose.instants, tight.instants, strict=False)
+        for (name, first), (other, second) in zip(
+            loose.instants.items(), tight.instants.items(), strict=False
+        )
         if name == other
     ]
     if common:

@@ -43,10 +43,11 @@ from runtime.studies.accuracy_target.choice_of_coordinates import (
     Choices,
     second_ratio,
 )
-from runtime.studies.accuracy_target.compared_runs import Pair, Run, compare, named_instants
+from runtime.studies.accuracy_target.compared_runs import Pair, Run, compare
 from runtime.studies.accuracy_target.result_with_estimated_error import with_accuracy
 from runtime.studies.accuracy_target.run_difference import Quantities
 from runtime.studies.accuracy_target.runs_with_reconnections import run_with_reconnections
+from runtime.studies.ends_and_reconnections import own_instants
 from runtime.studies.series_by_name import require_numbers
 from runtime.studies.timing import processor_time
 
@@ -267,10 +268,10 @@ class _Search:
             ended_by = found.ended_by
             if path.outcome is Outcome.OK:  # else another run may go further
                 require_numbers(found.description, quantities.names, values)
-        changes = () if result is None else result.reconnections
+        instants = {f"t({ended_by})": path.final_t} if ended_by else {}
         return Run(
             choice.formulation, options, path, values, wholes, seconds, ended_by,
-            named_instants(changes, ended_by, path.final_t), result,
+            instants if result is None else own_instants(result), result,
         )  # fmt: skip
 
 

@@ -3,7 +3,8 @@
 crank.phi              a series at the end: a coordinate, a velocity, a(crank.phi), a reaction
                        guide.fy, an energy (kinetic, potential, total), the power of an effect
 max:guide.fy           a reduction of a series: max, min, peak, range, mean, rate, period
-event:gas, event:gas#3 the instant of the first, or third, event of an effect
+event:gas, event:gas#3 the instant of the first, or third, event of an effect, at which a joint
+                       comes or goes, or a condition ends the run: event:latch, event:landed
 count:gas              the number of its events
 """
 
@@ -186,20 +187,30 @@ def _reduce(text: str, reduction: Reduction, name: str, result: Result) -> Quant
     if not np.isfinite(x).all():
         at = float(result.t[np.flatnonzero(~np.isfinite(x))[0]])
         raise InputError(f"{where} {name} is not a number at t = {at:g} s.")
-    jumps = np.array([event.time for event in result.events])
     try:
-        value = reduction.reduce(Series(result.t, x, jumps))
+        value = reduction.reduce(Series(result.t, x, jumps(result)))
     except InputError as error:
         raise InputError(f"{where} {error}") from None
     return QuantityValue(value + 0.0, reduction.unit.format(unit), float(np.abs(x).max()))
 
 
+def jumps(result: Result) -> FloatArray:
+    """Instants at which series may jump, s: of events, and where joints come and go."""
+    changes = (change.time for change in result.reconnections)
+    return np.array([*(event.time for event in result.events), *changes])
+
+
 def _event(word: str, effect: str, number: int, result: Result) -> QuantityValue:
     description = result.description
-    effects = list(dict.fromkeys(row.name for row in description.switches))
+    rows = [row for row in description.watched if row.action != "sample"]
+    own = [row.target if row.reconnects else row.name for row in rows]
+    effects = list(dict.fromkeys([*(row.name for row in description.switches), *own]))
     if effect not in effects:
         raise InputError(f"{description.title}: {unknown('effect with events', effect, effects)}")
     times = [event.time for event in result.events if event.name.partition(":")[0] == effect]
+    if effect in own:  # beside events of the parts of its condition
+        times = [change.time for change in result.reconnections if change.joint == effect]
+        times += [float(result.t[-1])] if result.ended_by == effect else []
     count = len(times)
     if word == "count":
         return QuantityValue(float(count), "", float(count))

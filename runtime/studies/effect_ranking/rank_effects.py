@@ -23,7 +23,6 @@ from runtime.studies.effect_ranking.ranking import Matters, Proposal, Row, Verdi
 from runtime.studies.effect_ranking.trial_and_comparison import Comparison, Plan, Trial
 from runtime.studies.scene_loading import LEFT_OUT
 from runtime.studies.timing import Stopwatch, take_turns
-from runtime.validation.scene_support import refuse_early_ends
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
@@ -100,8 +99,6 @@ def matters(
     machine = source.machine()
     machine.parameter_values(parameters)  # a name that the full scene does not know is a mistake
     kind, end = analysis or _analysis_of(machine), t_start
-    if kind == "simulate":
-        refuse_early_ends(machine.mechanism, "matters")
     if kind != "equilibrium":
         end = scene_loading.require_time_span(machine, t_start, t_end)
     _require_start(machine, kind, guess, start, parameters, t_start)

@@ -5,6 +5,7 @@ from enum import StrEnum
 from typing import Any
 
 from codegen.errors import UnknownNameError
+from codegen.object_display import html_of, html_table
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class
 from runtime.results.samples import plain
@@ -117,3 +118,28 @@ class Matters:
     def facts(self) -> dict[str, Any]:
         """All fields, as JSON; a number that is not finite is null."""
         return dict(plain(asdict(self)))
+
+    def __repr__(self) -> str:
+        """The quantity, and a sentence an effect."""
+        return "\n  ".join((self._headline, *self._sentences))
+
+    def _repr_html_(self) -> str:
+        """The same with a table of the effects, for notebooks."""
+        rows = (
+            (row.title, *("" if x is None else x for x in (row.change, row.relative)), row.verdict)
+            for row in self.rows
+        )
+        change = f"change [{self.unit}]" if self.unit else "change"
+        table = html_table(("without", change, "relative", "verdict"), rows)
+        return html_of("\n".join((self._headline, *self._sentences)), table)
+
+    @property
+    def _headline(self) -> str:
+        value = f"{self.value:.7g} {self.unit}".rstrip()
+        return f"{self.model}/{self.scene}, {self.analysis}: {self.quantity} = {value}"
+
+    @property
+    def _sentences(self) -> tuple[str, ...]:
+        from runtime.studies.effect_ranking.terminal_table import sentences
+
+        return tuple(sentences(self))

@@ -16,7 +16,7 @@ import numpy as np
 from codegen.errors import LinkwrightError
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
-from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue
+from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue, jumps
 from runtime.studies.effect_ranking.ranking import Costs, Row, Verdict
 from runtime.studies.scene_loading import LEFT_OUT, Source, known_values
 from runtime.studies.series_by_name import FloatArray
@@ -109,8 +109,8 @@ class Plan:
             again = replace(self, guess={**self.guess, **near})
             return rough, again.run(machine, rtol, instants)
         events = NONE
-        if self.analysis == "simulate" and rough.events:
-            events = np.array([event.time for event in rough.events])
+        if self.analysis == "simulate" and (rough.events or rough.reconnections):
+            events = jumps(rough)
             rough = self.run(machine, rtol, self.instants(self.points, events, 4.0 * _BESIDE_EVENT))
         dense = self.instants(2 * self.points - 1, events, _BESIDE_EVENT)
         return rough, self.run(machine, self.rtol, dense)
@@ -177,6 +177,10 @@ class Comparison:
             return LinkwrightError(
                 f"it has {trial.freedom} degrees of freedom, where the full scene has {freedom}"
             )
+        ends = [one.result.ended_by for one in (trial, self.full)]
+        if ends[0] != ends[1]:
+            ways = [f"ends where {name!r} begins to hold" if name else "goes on" for name in ends]
+            return LinkwrightError(f"it {ways[0]}, where the full scene {ways[1]}")
         common = [name for name in reach if moved.get(name, 0.0) > 0.0]
         if common and all(reach[name] <= STILL * moved[name] for name in common):
             return LinkwrightError("nothing moves without it")

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from codegen.errors import UnknownNameError
+from codegen.object_display import counted, html_of, html_table
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class
 from runtime.integrate.method import IMPLICIT
@@ -52,7 +53,8 @@ class Point:
 
     rtol: float
     # "OK"; the name of a `runtime.Outcome`; "TIMEOUT" where the limit of time ended it; "NOT_TRIED"
-    # where looser tolerances had met the limit twice
+    # where looser tolerances had met the limit twice; "OTHER_END" where joints come and go, or a
+    # condition ends the run, otherwise than in the reference
     outcome: str
     message: str = ""  # how it ended, in a sentence
     errors: Errors | None = None  # against the reference; None of a run that did not reach its end
@@ -178,6 +180,28 @@ class WorkPrecision:
         if type(title) is not str or title not in lines:
             raise UnknownNameError(f"no setting {shown(title)}; there are: {'; '.join(lines)}.")
         return lines[title]
+
+    def __repr__(self) -> str:
+        """The scene, the run, and what the study concludes, a line each."""
+        from runtime.studies.work_precision.interpretation import sentences
+
+        span = f"t = {self.t_start:g} to {self.t_end:g} s"
+        title = (
+            f"{self.model}/{self.scene}, accuracy: {counted(len(self.lines), 'setting')}, {span}"
+        )
+        return "\n  ".join((title, *sentences(self)))
+
+    def _repr_html_(self) -> str:
+        """The same with the fastest run of each setting at three, six and nine digits."""
+        from runtime.studies.work_precision.interpretation import TARGETS, digits, time_at
+
+        rows = (
+            (line.setting.title, *("" if s is None else 1e3 * s for s in times))
+            for line in self.lines
+            for times in [[time_at(line, target) for target in TARGETS]]
+        )
+        head = ("setting", *(f"{digits(target)} digits [ms]" for target in TARGETS))
+        return html_of(repr(self), html_table(head, rows))
 
     def facts(self) -> dict[str, Any]:
         """All fields and the sentences, as JSON; a number that is not finite is null."""

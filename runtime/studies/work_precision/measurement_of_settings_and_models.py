@@ -104,7 +104,10 @@ class Measurement:
         point = Point(rtol, timed.outcome_name(result), result.message, counts=counts)
         if result.failed:
             return point, watch
-        reference, errors = self.reference, self.reference.errors(result)
+        reference = self.reference
+        if different := reference.places.difference(result):
+            return replace(point, outcome=timed.OTHER_END, message=different), watch
+        errors = reference.errors(result)
         position, velocity = result.samples.residual.max(axis=0)[:2].tolist()
         point = replace(
             point, errors=errors, beyond=errors.worst < reference.about.floor,

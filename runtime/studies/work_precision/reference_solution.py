@@ -21,6 +21,7 @@ from runtime.integrate.method import LEADING, MULTISTEP, REGISTER, SWITCHING
 from runtime.mechanism.dense_equations import Equations, magnitudes
 from runtime.results.result import Result
 from runtime.studies import series_by_name as by_name
+from runtime.studies.ends_and_reconnections import Places, own_instants
 from runtime.studies.error_norms import Errors, Scale, errors, scaled_errors, scales
 from runtime.studies.series_by_name import FloatArray
 from runtime.studies.work_precision.diagram import Check, Reference, Setting
@@ -114,7 +115,8 @@ class ReferenceSolution:
     """The solution with which runs are compared."""
 
     names: tuple[str, ...]  # of the quantities, as the user spelled them
-    values: FloatArray  # at the instants of the study, (k, j)
+    places: Places  # at which it is compared, k
+    values: FloatArray  # there, (k, j)
     scales: tuple[Scale, ...]  # of their errors
     total: FloatArray  # energy in J, (k,)
     energy: str  # "start" where energy is conserved, "reference" where it changes, "" without any
@@ -124,13 +126,13 @@ class ReferenceSolution:
 
     def errors(self, result: Result) -> Errors:
         """The errors of a run."""
-        return errors(_values(result, self.names), self.values, self.scales)
+        return errors(_values(result, self.names, self.places), self.values, self.scales)
 
     def energy_error(self, result: Result) -> float | None:
         """Largest error of the energy over the largest magnitude of it and its parts."""
         if not self.energy:
             return None
-        total = result.samples.energy.sum(axis=1)
+        total = result.samples.energy.sum(axis=1)[self.places.rows(result)]
         expected = self.total[0] if self.energy == "start" else self.total
         size = max(float(np.abs(result.samples.energy).max()), float(np.abs(self.total).max()))
         return float(np.abs(total - expected).max()) / size if size > 0.0 else 0.0
@@ -158,28 +160,32 @@ def find_reference(
             f"{runner.title}: no run at rtol {TIGHTEST:g} reaches t = {end:g} s, so there is no "
             f"reference: {'; '.join(failures)}."
         )
-    computed = _values(best, names)
+    places = _places(best, runner, file)
+    computed = _values(best, names, places)
     by_name.require_numbers(description, names, computed)
     source = f"{setting.title}, rtol {TIGHTEST:g}"
     others = [] if file is None else [(source, computed)]
     # Runs by other methods confirm it: two, but only one where a second would have to be built.
     candidates = _built_first([other for other in _OTHERS if other.method != setting.method], built)
     confirming = _completed_runs(runner, candidates, [], progress)
-    for other, result in islice(confirming, 2 if "tangents" in built else 1):
-        others.append((f"{other.title}, rtol {TIGHTEST:g}", _values(result, names)))
+    agreeing = ((one, run) for one, run in confirming if not places.difference(run))
+    for other, result in islice(agreeing, 2 if "tangents" in built else 1):
+        others.append((f"{other.title}, rtol {TIGHTEST:g}", _values(result, names, places)))
     if not others:
         raise LinkwrightError(
             f"{runner.title}: only {source} reaches t = {end:g} s, and a run alone is no "
             "reference. Ask for a shorter run, raise the limit, or give --reference."
         )
-    values = computed if file is None else file.values
+    values = computed if file is None else file.values[: len(places.t)]
     machine, begin = runner.machine, runner.begin
     equations = Equations(machine.mechanism, machine.parameter_values(runner.parameters))
     sizes = magnitudes(equations, begin.t, begin.q)
-    series = by_name.series_of(description, names)
+    series = by_name.series_of(best.description, names)
     units = [best.series(name)[1] for name in series]
     whole = [by_name.group_magnitude(best, name) for name in series]
-    by = scales(series, units, description, sizes, values, whole)
+    by = scales(series, units, description, sizes, values[:, : len(series)], whole)
+    span = float(best.t[-1]) - begin.t
+    by += tuple(Scale(name, "s", "others", span) for name in places.names)
     differences = [errors(run, values, by).worst for _, run in others]
     nearest = int(np.argmin(differences))
     by_values = np.array([scale.value for scale in by])
@@ -188,16 +194,27 @@ def find_reference(
         source if file is None else str(file.path), independent=file is not None,
         checks=tuple(Check(run, e) for (run, _), e in zip(others, differences, strict=True)),
         floor=max(differences[nearest], _ROUNDING),
-        horizon=float(runner.instants[int(np.argmax(doubtful))]) if doubtful.any() else None,
+        horizon=float(places.t[int(np.argmax(doubtful))]) if doubtful.any() else None,
     )  # fmt: skip
     length = float(sizes[description.is_length].max(initial=0.0)) or 1.0
     speed = float(np.abs(best.samples.v).max()) or 1.0
-    return ReferenceSolution(tuple(names), values, by, *_energy(best), length, speed, about)
+    energy = _energy(best, places)
+    return ReferenceSolution(tuple(names), places, values, by, *energy, length, speed, about)
 
 
-def _values(result: Result, names: Sequence[str]) -> FloatArray:
-    """The quantities over time, (k, j)."""
-    return by_name.series_values(result, by_name.series_of(result.description, names))
+def _places(best: Result, runner: Runner, file: ReferenceFile | None) -> Places:
+    """The instants of a study up to the end of its best run, and that end, unless of a file."""
+    t, end = runner.instants, float(best.t[-1])
+    if best.ended_by:
+        t = t[t < end] if file is not None else np.append(t[t < end], end)
+    return Places(t, runner.begin.t, own_instants(best), file is None)
+
+
+def _values(result: Result, names: Sequence[str], places: Places) -> FloatArray:
+    """The quantities over time, and the run's own instants, (k, j)."""
+    series = by_name.series_of(result.description, names)
+    values = by_name.series_values(result, series)[places.rows(result)]
+    return np.hstack([values, places.columns(result)])
 
 
 def _completed_runs(
@@ -225,10 +242,10 @@ def _built_first(settings: Sequence[Setting], built: Collection[str]) -> list[Se
     return ready + rest
 
 
-def _energy(best: Result) -> tuple[FloatArray, str]:
+def _energy(best: Result, places: Places) -> tuple[FloatArray, str]:
     """Total energy along the reference; whether runs are compared with it or with its start."""
     energy, drivers = best.samples.energy, best.description.drivers
-    total = energy.sum(axis=1)
+    total = energy.sum(axis=1)[places.rows(best)]
     if not np.isfinite(total).all() or not len(total):
         return total, ""
     conserved = float(np.ptp(total)) <= _CONSERVED * float(np.abs(energy).max())

@@ -25,7 +25,7 @@ from runtime.studies.work_precision.interpretation import fastest
 from runtime.studies.work_precision.json_records import environment
 from runtime.studies.work_precision.measurement_of_settings_and_models import Measurement
 from runtime.studies.work_precision.timed_runs import Runner
-from runtime.validation.scene_support import refuse_early_ends, refuse_massless, require_motion
+from runtime.validation.scene_support import refuse_massless, require_motion
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
@@ -125,8 +125,9 @@ def accuracy(
     measurement = Measurement(runner, solution, *(QUICK_REPEATS if quick else REPEATS), progress)
     lines = measurement.lines(settings, rtols, further)
     return WorkPrecision(
-        model=machine.model, scene=machine.scene, t_start=float(begin.t), t_end=float(instants[-1]),
-        instants=len(instants), quantities=solution.scales, energy=solution.energy,
+        model=machine.model, scene=machine.scene, t_start=float(begin.t),
+        t_end=float(solution.places.t[-1]), instants=len(solution.places.t),
+        quantities=solution.scales, energy=solution.energy,
         limit=runner.limit, steps=runner.steps, lines=lines, build=costs, environment=environment(),
         choices=_choices(others, source, *given, measurement, lines), reference=solution.about,
         model_sha256=machine.description.sources[0][1] if machine.description.sources else "",
@@ -155,7 +156,6 @@ def _comparison(
     """The quantities that are compared, the instants in s, and the reference from a file."""
     description = machine.description
     require_motion(machine.mechanism, "accuracy")
-    refuse_early_ends(machine.mechanism, "accuracy")
     if not description.has_masses:
         refuse_massless(machine.mechanism)
     names = series_by_name.distinct_quantities(description, quantities)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.simulation import simulate
+from runtime.dynamics.connected_simulation import simulate
 from runtime.machine_facade import Machine
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
@@ -16,7 +16,7 @@ from runtime.studies.series_by_name import FloatArray
 from runtime.studies.timing import Stopwatch, TimeLimit, take_turns
 from runtime.studies.work_precision.diagram import Setting
 
-TIMEOUT, NOT_TRIED = "TIMEOUT", "NOT_TRIED"
+TIMEOUT, NOT_TRIED, OTHER_END = "TIMEOUT", "NOT_TRIED", "OTHER_END"
 TIME = "integration_seconds"  # entry of `Result.stats`
 MOST = 30  # safety: runs by which a time is taken, however short
 
@@ -39,12 +39,16 @@ class Runner:
 
     def run(self, setting: Setting, rtol: float) -> Result:
         """Run once; `Outcome.INTERRUPTED` is a run that the limit of time ended."""
-        limit = TimeLimit(self.limit)
-        result = simulate(
-            self.machine.mechanism, float(self.instants[-1]), self.instants, t_start=self.begin.t,
-            rtol=rtol, parameters=self.parameters, start=self.begin, step_limit=self.steps,
-            progress=limit, **asdict(setting),
-        )  # fmt: skip
+        others = any(row.reconnects for row in self.machine.description.watched)
+        for _ in range(2 if others else 1):  # in the first run scenes that follow may be built
+            limit = TimeLimit(self.limit)
+            result = simulate(
+                self.machine.mechanism, float(self.instants[-1]), self.instants,
+                t_start=self.begin.t, rtol=rtol, parameters=self.parameters, start=self.begin,
+                step_limit=self.steps, progress=limit, **asdict(setting),
+            )  # fmt: skip
+            if not limit.exceeded:
+                break
         if result.outcome is Outcome.INTERRUPTED and not limit.exceeded:
             raise KeyboardInterrupt  # by the user
         return result

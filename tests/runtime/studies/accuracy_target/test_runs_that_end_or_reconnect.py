@@ -13,7 +13,6 @@ from runtime import load, load_result
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
-from runtime.studies.accuracy_target.compared_runs import named_instants
 from tests.models.test_trebuchet import reference
 
 G = 9.81
@@ -277,17 +276,6 @@ def test_runs_that_end_differently_are_no_evidence(swung: Machine, workshop: Pat
     else:
         assert r.t[-1] == 1.5
     assert max(errors(r, {"mass.x": np.cos(3 * r.t)}).values()) <= 1e-3
-
-
-def test_names_of_instants() -> None:
-    from runtime.results.reconnection import Reconnection
-
-    changes = [Reconnection(t, "pin", "release", {}, 0.0) for t in (1.0, 3.0)]
-    changes.insert(1, Reconnection(2.0, "slot", "engage", {}, 0.0))
-    assert named_instants(changes, "home", 4.0) == (
-        ("t(pin)", 1.0), ("t(slot)", 2.0), ("t(pin)#2", 3.0), ("t(home)", 4.0)
-    )  # fmt: skip
-    assert named_instants((), "", 4.0) == ()
 
 
 @pytest.fixture(scope="module")
