@@ -145,7 +145,7 @@ TABLE.floats("loop_nearness", (7, LOOPS))
 TABLE.integers("rigid", SWITCHES)  # number of the rigid contact, or -1
 TABLE.floats("spreads", SWITCHES)
 TABLE.floats("share share_low share_high", SWITCHES)
-TABLE.integers("sticks", SWITCHES)  # 1: friction that sticks
+TABLE.integers("sticks", SWITCHES)  # a `Hold`
 TABLE.integers("boundary", SWITCHES)  # a `Boundary`
 TABLE.integers("table_part", SWITCHES)  # a `TablePart`
 TABLE.integers("limits", (2, SWITCHES))  # rows of a force and of its bound, or -1

@@ -17,6 +17,7 @@ class System(Kernels):
     switches: int = 0  # s
     rigid: tuple[int, ...] = ()  # switching functions that are gaps of rigid contacts
     sticking: tuple[int, ...] = ()  # switching functions that are slips of frictions that stick
+    one_way: tuple[int, ...] = ()  # switching functions that are slips of freewheels
     boundaries: tuple[int, ...] = ()  # of the switching functions, a `Boundary` each; none: open
     table_parts: tuple[int, ...] = ()  # of the switching functions, a `TablePart` each; none: 0
     reaction_rows: int = 0

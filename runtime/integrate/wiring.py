@@ -12,6 +12,7 @@ from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import addresses
 from runtime.core.kernel_abi import KERNELS
 from runtime.core.loop_record import RUN, ConstraintReturn
+from runtime.core.modes_and_event_kinds import Hold
 from runtime.core.system import System
 from runtime.hybrid import (
     event_location,
@@ -181,7 +182,8 @@ def _describe_switches(system: System, p: Vector, arrays: dict[str, Any]) -> Non
     arrays["rigid"][:], arrays["limits"][:], arrays["stiction_place"][:] = -1, -1, -1
     arrays["share_place"][:] = -1
     arrays["rigid"][list(system.rigid)] = np.arange(len(system.rigid))
-    arrays["sticks"][list(system.sticking)] = 1
+    arrays["sticks"][list(system.sticking)] = Hold.FRICTION
+    arrays["sticks"][list(system.one_way)] = Hold.ONE_WAY
     arrays["boundary"][: len(system.boundaries)] = system.boundaries
     arrays["table_part"][: len(system.table_parts)] = system.table_parts
     arrays["share"][:], arrays["stiction_units"][:], high[:] = np.nan, 1.0, 1.0

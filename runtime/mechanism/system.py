@@ -43,6 +43,7 @@ def common_system(
         switches=len(description.switches),
         rigid=tuple(contact.switch for contact in description.rigid),
         sticking=tuple(k for k, row in enumerate(description.switches) if row.sticks),
+        one_way=tuple(k for k, row in enumerate(description.switches) if row.one_way),
         boundaries=tuple(description.boundaries.tolist()),
         table_parts=description.table_parts,
         states=description.state_columns,
