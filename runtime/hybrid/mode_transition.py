@@ -13,6 +13,7 @@ from runtime.core.state_derivative import evaluate_accelerations, write_derivati
 from runtime.core.unit_roundoff import EPS
 from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid import switching_values_and_margins as switching
+from runtime.hybrid.continuous_forces import bends_on_surface
 from runtime.hybrid.impact import ON_SURFACE
 from runtime.hybrid.impact_impulses import SLOW
 from runtime.hybrid.mode_selection import prefer_released, set_preferences, surface_band
@@ -305,6 +306,10 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
     mark_surfaces(context, t, h, crossing, impact, jumped)
     ahead = min(LOOK_AHEAD * h, 0.1 * r.flight)
     r.blamed = ft.select_modes_of(context)(context, crossing, t, ahead, ws.Y1)
+    begins = modes[crossing] == SLIDING and context.former_modes[crossing] != SLIDING
+    if (begins or r.blamed == crossing) and bends_on_surface(context, t, crossing):
+        copy_vector(ws.row_of(context, ws.SAMPLE), ws.row_of(context, ws.Y1))
+        r.blamed = ft.select_modes_of(context)(context, crossing, t, ahead, ws.Y1)
     logged, at = 0, r.logged_events
     if impact:
         direction = _HOLDS if modes[crossing] == SLIDING else _IMPACT

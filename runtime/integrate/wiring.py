@@ -135,6 +135,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         ft.METHOD_FLOATS_SIZE: floats,
         ft.METHOD_INTEGERS_SIZE: integers,
         ft.PEAKS: len(system.peaks),
+        ft.STATES: len(system.states),
         ft.SAMPLED: len(system.sampled),
         ft.WATCHED: len(system.watches),
         ft.CONTROLLERS: len(system.controllers),
@@ -164,7 +165,8 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     if system.sampled:
         arrays["sampled_columns"][:], arrays["sample_clocks"][:] = system.sampled, clocks.ravel()
         arrays["sample_triggers"][:] = system.triggers
-    arrays["ends_run"][:] = system.watches
+    arrays["state_columns"][:], arrays["ends_run"][:] = system.states, system.watches
+    arrays["state_direction"][:] = 1.0
     return Wiring(table, arrays)
 
 

@@ -46,6 +46,7 @@ def common_system(
         one_way=tuple(k for k, row in enumerate(description.switches) if row.one_way),
         boundaries=tuple(description.boundaries.tolist()),
         table_parts=description.table_parts,
+        states=description.state_columns,
         sampled=description.sampled_columns,
         sampled_names=sampled,
         triggers=description.triggers or (-1,) * len(sampled),
