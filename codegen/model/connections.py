@@ -61,7 +61,9 @@ class Connections(Declarations):
     ) -> None:
         name, where = name_of(joint), f"{word} of joint"
         if name not in self.joints:
-            self._note(f"model.{word}: there is no joint '{name}'; {nearest(name, self.joints)}")
+            kind = self._kinds.get(name)
+            hint = f"it is the name of a {kind}" if kind else nearest(name, self.joints)
+            self._note(f"model.{word}: there is no joint '{name}'; {hint}")
             return
         if name in self.connections:
             self._note(f"{where} '{name}': it comes and goes already; give all in one call.")

@@ -5,6 +5,7 @@ not begin to hold again. What the two runs do not have in common begins anew.
 """
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from runtime.integrate.problem import Discrete
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.results.assembled_state import State
 from runtime.results.discrete_state import DiscreteState
+
+Row = TypeVar("Row")
 
 
 def discrete_state(mechanism: Mechanism, p: Vector, stand: Discrete | None) -> DiscreteState | None:
@@ -40,8 +43,8 @@ def discrete_at_start(
         return None, []
     count, queue = len(clocks), queue_length(clocks)
     ticks, waiting, lost = np.zeros((count, 2), np.int64), np.zeros((count, queue)), list[str]()
-    rows = {key: j for j, key in enumerate(_numbered(given.sampled))}
-    for k, key in enumerate(_numbered(description.sampled)):
+    rows = {key: j for j, key in enumerate(numbered(given.sampled))}
+    for k, key in enumerate(numbered(description.sampled)):
         j = rows.get(key)
         known = j is not None
         set_clocks(start.t, clocks[k : k + 1], ticks[k], taken=start.sampled and known)
@@ -55,14 +58,16 @@ def discrete_at_start(
                 waiting[k, number % queue] = sample
         elif acting < following:
             lost.append(description.sampled[k])
-    held = dict(zip(given.watched, given.stand.held.tolist(), strict=True))
+    held = dict(zip(numbered(given.watched), given.stand.held.tolist(), strict=True))
     same = given.scene == description.scene  # else with other joints, which come or go anew
+    keys = numbered([row[:3] for row in description.watched])
     holds = [
-        held.get(row[:3], 0.0) if same or not row.reconnects else 0.0 for row in description.watched
+        held.get(key, 0.0) if same or not row.reconnects else 0.0
+        for key, row in zip(keys, description.watched, strict=True)
     ]
     return Discrete(ticks.ravel(), waiting, np.array(holds, np.float64)), lost
 
 
-def _numbered(names: Sequence[str]) -> list[tuple[str, int]]:
-    """Each name, with how often it stood there before."""
-    return [(name, names[:k].count(name)) for k, name in enumerate(names)]
+def numbered(rows: Sequence[Row]) -> list[tuple[Row, int]]:
+    """Each row, with how often it stood there before: a latch has two of its name."""
+    return [(row, rows[:k].count(row)) for k, row in enumerate(rows)]

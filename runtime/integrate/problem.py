@@ -26,7 +26,7 @@ class Discrete(NamedTuple):
 
     ticks: Integers  # numbers of the next sample and of the next to act, (2 count,)
     waiting: Matrix  # samples that wait for their delay, (count, length of the queue)
-    held: Vector  # 1 of each watched condition that holds, else 0
+    held: Vector  # 1 of each watched condition that holds, else 0; 2: it has its turn anew
 
 
 class Passage(NamedTuple):

@@ -20,6 +20,7 @@ from runtime.integrate.sampling import INSTANTS, QUADRATURE, STEP_ENDS, record
 from runtime.integrate.step import Signal
 from runtime.linalg.vectors import copy_vector
 
+_WAITS = 2.0  # code: of `held`: it has begun, and has its turn in the run that follows
 _MOST_ROUNDS = 8  # safety: rounds at one instant in which values renew one another
 
 
@@ -137,10 +138,11 @@ def update_watched(context: Context) -> int:
         due[k] = 1 if i >= 0 and now[i] != 0.0 and before[i] == 0.0 else 0
         count += due[k]
     for i in range(context[ft.WATCHED]):
-        begins = now[i] != 0.0 and before[i] == 0.0
+        begins = before[i] == _WAITS or (now[i] != 0.0 and before[i] == 0.0)
         if begins and context.ends_run[i] != 0:
             if r.stopped_by >= 0:
-                continue  # it has its turn in the run that follows
+                before[i] = _WAITS
+                continue
             r.stopped_by = i
         before[i] = now[i]
     return count

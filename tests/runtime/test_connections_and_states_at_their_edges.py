@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from sympy import Not
+from sympy import And, Not
 
 from codegen import Model, t
 from runtime import load, load_result
@@ -97,6 +97,7 @@ def test_a_joint_engages_at_the_origin(workshop: Path) -> None:
     assert [one.action for one in r.reconnections] == ["engage", "release"]
     assert_allclose(r.reconnections[0].impulse["force"], np.sqrt(2 * G), rtol=1e-12)
     assert_allclose(r.q("ball.y"), [0, -G * 0.01 / 2, -G * 0.16 / 2], atol=1e-12)
+    assert f"Reached t = 1 s in {r.stats['steps']} steps." in r.message
     short = machine.simulate(0.4, [0.4], rtol=1e-10).stats["steps"]
     assert r.stats["steps"] < 6 * short  # its tolerances are not those of a machine without size
     r.save(workshop / "origin.nc")
@@ -134,3 +135,36 @@ def test_what_happened_to_joints_is_shown(workshop: Path) -> None:
         "time": change.time, "joint": "hinge", "action": "release", "impulse": {},
         "energy_lost": 0.0,
     }]  # fmt: skip
+
+
+def test_a_latch_stays_as_it_is_where_a_joint_is_released(workshop: Path) -> None:
+    """Set at 0.1 s and reset at 0.3 s, while the condition that set it goes on to hold."""
+    model = Model("latch_and_release")
+    mass = model.particle("mass", 1.0)
+    model.absolute("rail", mass, "y", 0.0)
+    brake = model.constraint("brake", mass.x)
+    model.release(brake, when=t > 0.5)
+    model.latch("on", when=t > 0.1, reset=And(t > 0.3, t < 0.4))
+    model.scene("moves", ["on"])
+    machine = load(model, folder=workshop)
+    r = machine.simulate(1.0, [0.2, 0.45, 0.7])
+    assert [one.action for one in r.reconnections] == ["release"]
+    assert_allclose(r.y("on"), [1, 0, 0], atol=1e-15)
+    again = machine.simulate(1.0, [1.0], start=r.state(0.45))
+    assert_allclose(again.y("on"), 0, atol=1e-15)
+
+
+@pytest.mark.parametrize("method", ["dop853", "bdf"])
+def test_two_joints_engage_by_one_condition(workshop: Path, method: str) -> None:
+    """The first holds the condition at its boundary; the second engages nonetheless."""
+    model = Model("engage_by_one_condition")
+    a, b = (model.body(name, mass=m, inertia=0.5) for name, m in (("a", 2.0), ("b", 1.0)))
+    model.translational("rail", model.ground.at(0, 0), a.at(0, 0), (1, 0))
+    model.absolute("level", b, "y", 0.0)
+    for name, equation in (("hook", b.x - a.x), ("turn", b.phi - a.phi)):
+        model.engage(model.constraint(name, equation), when=a.x > b.x)
+    model.scene("meet", start={a.x: 0.0, a.vx: 3.0, b.x: 1.0, b.vx: 0.0, b.phi: -1.0, b.omega: 3.0})
+    r = load(model, folder=workshop).simulate(1.0, [1.0], method=method, rtol=1e-10)
+    assert [one.joint for one in r.reconnections] == ["hook", "turn"]
+    assert_allclose([one.time for one in r.reconnections], 1 / 3, atol=1e-9)
+    assert_allclose([r.v("a.vx")[0], r.v("b.vx")[0], r.v("b.omega")[0]], [2, 2, 0], atol=1e-9)
