@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from codegen.object_display import counted
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
 from runtime.results.discrete_state import DiscreteState
@@ -43,13 +44,13 @@ def joined(
             for columns in zip(*pieces, strict=True)
         )
     )
-    last = results[-1]
+    last, stats = results[-1], _totals([result.stats for result in results])
+    end = last.message.replace(_in_steps(last.stats), _in_steps(stats), 1)
     values = {name: value for one in results for name, value in one.parameters.items()}
     parameters = np.array([values[row.name] for row in description.parameters])
     result = Result(
         description, samples, parameters, analysis=last.analysis, outcome=last.outcome,
-        message=" ".join(filter(None, (sentences(passed), last.message))),
-        stats=_totals([result.stats for result in results]),
+        message=" ".join(filter(None, (sentences(passed), end))), stats=stats,
         events=[event for result in results for event in result.events],
         partitions=[one for result in results for one in result.partitions],
         not_unique=tuple(dict.fromkeys(n for result in results for n in result.not_unique)),
@@ -72,6 +73,11 @@ def joined(
     if since > -np.inf:
         keep(result, result.t >= since, since, np.inf)
     return result
+
+
+def _in_steps(stats: Mapping[str, float]) -> str:
+    """What the message of a run says of its steps."""
+    return f" in {counted(int(stats['steps']), 'step')}."
 
 
 def _union(descriptions: Sequence[Description]) -> Description:
