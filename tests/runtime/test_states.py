@@ -194,7 +194,8 @@ def test_states_beside_a_coupler(form: str, workshop: Path) -> None:
             if form == "lumped":
                 for half, where in (("half_i", pin), ("half_j", slider.at(0, 0))):
                     model.revolute(half + "_pin", where, model.particle(half, mass=0.1).at(0, 0))
-        current = model.state("current", lambda i: 100 * (12 - 2 * i - K * crank.omega), unit="A")
+        current = model.state("current", unit="A")
+        model.state_equation(current, 100 * (12 - 2 * current - K * crank.omega))
         fast = model.latch("fast", when=crank.omega > 5)
         held = model.sampled("held", 0.01, 0.01 * current)
         model.torque("drive", on=crank, value=K * current - held)
