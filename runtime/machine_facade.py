@@ -251,11 +251,12 @@ class Machine(MachineStates):
         Parameters
         ----------
         method
-            "energy": a minimum of the total potential energy. "settling": a damped motion until
-            rest, which also finds the way from a start far off.
+            "energy": a minimum of the total potential energy; with states of first order and
+            sampled values, positions and states at which all rates vanish. "settling": a damped
+            motion until rest, which also finds the way from a start far off.
         guess, parameters
-            Positions by name of coordinate, SI units, at which the search begins, over those of
-            the scene; what that fixes is free here. Values by name, in the declared units.
+            Positions by name of coordinate, and states, SI units, at which the search begins, over
+            those of the scene; what that fixes is free here. Values by name, in the declared units.
         t, progress
             Instant in s at which drivers and forces are frozen; whether a terminal shows a bar.
 
@@ -269,7 +270,8 @@ class Machine(MachineStates):
         ------
         AnalysisError
             If the scene has no masses or no degree of freedom, if it has rigid contacts or friction
-            that sticks, if forces at the start are not finite, or if `method` does not exist.
+            that sticks, if forces at the start are not finite, if `method` does not exist, or is
+            "settling" with states, or if a run brings the functions of sampled values.
         AssemblyError, InputError
             As `simulate`.
 
@@ -287,7 +289,6 @@ class Machine(MachineStates):
         if method == "settling":
             require_motion(self.mechanism, 'equilibrium(method="settling")')
         require_energy(self.mechanism)
-        refuse_states(self.mechanism, "equilibrium")
         with bar(f"equilibrium of {self.mechanism.title}", given.pop("progress")) as report:
             return equilibrium(self.mechanism, **given, progress=report)
 

@@ -147,6 +147,7 @@ def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     result.works, result.accuracy = saved["works"], saved["accuracy"]
     result.contradiction, result._motion = saved["contradiction"], motion
     result.ended_by, result.work_at_end = saved["ended_by"], saved["work_at_end"]
+    result._until = tuple(saved["until"])
     return result
 
 
@@ -155,7 +156,7 @@ def _joined(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     from runtime.core.outcomes import Outcome
     from runtime.dynamics.joined_results import joined
     from runtime.mechanism.sibling_scenes import sibling
-    from runtime.results.horizon import end_after
+    from runtime.results.kept_instants import keep
 
     results, changes = [], saved["motion"]["changes"]
     for part, change in zip(saved["motion"]["parts"], [None, *changes], strict=True):
@@ -167,11 +168,13 @@ def _joined(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
             )
             mechanism = sibling(mechanism, watched)
         results.append(_result(mechanism, part))
-    found = joined(results, changes)
-    if saved["instants"] < len(found.t):
-        end_after(found, saved["instants"])
+    found, times = joined(results, changes, saved["motion"]["since"]), saved["t"]
     found.outcome, found.message = Outcome[saved["outcome"]], saved["message"]
-    found.accuracy = saved["accuracy"]
+    if len(times) < len(found.t):
+        last = times[-1] if found.outcome is Outcome.INACCURATE else np.inf
+        keep(found, np.isin(found.t, times), saved["motion"]["since"], last)
+    found.accuracy, found.ended_by = saved["accuracy"], saved["ended_by"]
+    found._until = tuple(saved["until"])
     return found
 
 

@@ -35,8 +35,8 @@ def start_values(
     """The scene's start values, with the user's in place of those of the same name.
 
     Those of `fixed_values` are kept, as those that the scene fixes, which no guess may name. With
-    `release`, nothing is fixed and velocities are zero: a guess may name all positions, and no
-    velocity.
+    `release`, nothing is fixed and velocities are zero, but for states: a guess may name all
+    positions and states, and no velocity.
     """
     description = mechanism.description
     table, n = description.coordinates, len(description.coordinates)
@@ -49,6 +49,7 @@ def start_values(
             place = places[row.name]
             values[place], fixed[place], named[place] = row.value, row.role == "fixed", True
     problems, fixed_names = [], dict[str, float]()
+    states = np.isin(np.arange(n), [state.column for state in description.states])
     given = [(name, value, False) for name, value in (guess or {}).items()]
     given += [(name, value, True) for name, value in (fixed_values or {}).items()]
     for name, value, kept in given:
@@ -59,7 +60,7 @@ def start_values(
             what = "coordinate or velocity"
             what = "coordinate, velocity or state" if description.states else what
             problems.append(unknown(what, name, description.variables))
-        elif release and places[name][0]:
+        elif release and places[name][0] and not states[places[name][1]]:
             problems.append(
                 f"{description.title}: {name} is a velocity, and at rest all of them are zero. "
                 "Leave it out of guess."
@@ -75,7 +76,7 @@ def start_values(
         raise AssemblyError(problems)
     if release:
         none = np.zeros(n, np.bool_)
-        return Start(values[0], np.zeros(n), none, none.copy(), named[0])
+        return Start(values[0], np.where(states, values[1], 0.0), none, none.copy(), named[0])
     return Start(values[0], values[1], fixed[0], fixed[1], named[0])
 
 

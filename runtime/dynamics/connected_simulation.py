@@ -15,7 +15,7 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics.joined_results import joined
 from runtime.dynamics.reconnection import Gap, cross, known_parameters
 from runtime.dynamics.simulation import simulate as simulate_once
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.sibling_scenes import sibling
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.reconnection import Reconnection
@@ -45,40 +45,53 @@ def simulate(
     parameters = dict(settings.pop("parameters", None) or {})
     idle = mechanism.description.unused  # some scenes that follow may depend on them
     values = {name: value for name, value in parameters.items() if name not in idle}
-    results, changes = list[Result](), list[Reconnection]()
+    results = [part(mechanism, t_end, t_eval, parameters=values, **settings)]
+    changes = list[Reconnection | None]()
+    settings |= {"parameters": parameters}
+    follow(results, changes, mechanism, t_end, t_eval, t_end - first, part=part, **settings)
+    return results[0] if len(results) == 1 else joined(results, changes)
+
+
+def follow(
+    results: list[Result], changes: list[Reconnection | None], mechanism: Mechanism, t_end: float,
+    t_eval: Any, span: float, *, parameters: Values, part: Callable[..., Result] = simulate_once,
+    **settings: Any,
+) -> None:  # fmt: skip
+    """Append the runs that follow the last of the results, with other joints, and the changes.
+
+    `mechanism` is that of the last one, `span` the time of the whole run, s.
+    """
     while True:
-        instants, none_left = _later(t_eval, changes, t_end)
-        try:
-            run = part(mechanism, t_end, instants, parameters=values, **settings)
-        except LinkwrightError as error:
-            if not results:
-                raise
-            _end_at_change(results[-1], Outcome.INCONSISTENT, f"{changes[-1]} {error}")
-            changes.pop()
-            break
-        if none_left and run.outcome is Outcome.OK and not run.ended_by:
-            run.samples = Samples._make(array[:0] for array in run.samples)
-            run.works = {name: work[:0] for name, work in run.works.items()}
-        results.append(run)
+        run = results[-1]
         end = run.reconnection
         if end is None or run.outcome is not Outcome.OK or end.state.t >= t_end:
-            break
-        if _endless(changes, end.state.t, t_end - first):
-            _end_at_change(run, Outcome.ZENO, _without_end(changes))
-            break
+            return
+        passed = [change for change in changes if change is not None]
+        if _endless(passed, end.state.t, span):
+            _end_at_change(run, Outcome.ZENO, _without_end(passed))
+            return
         after = sibling(mechanism, mechanism.description.watched[end.row])
         try:
             begin, handover, change = cross(mechanism, after, end, parameters)
         except Gap as gap:
             _end_at_change(run, Outcome.INCONSISTENT, str(gap))
-            break
-        changes.append(change)
+            return
         mechanism, values = after, dict(known_parameters(after, parameters))
         settings |= {"start": begin, "handover": handover, "guess": None, "t_start": 0.0}
         if settings.get("max_steps"):
             done = run.stats["steps"] + run.stats["rejected"]
             settings["max_steps"] = max(1, int(settings["max_steps"] - done))
-    return results[0] if len(results) == 1 else joined(results, changes)
+        instants, none_left = _later(t_eval, change.time, t_end)
+        try:
+            run = part(mechanism, t_end, instants, parameters=values, **settings)
+        except LinkwrightError as error:
+            _end_at_change(results[-1], Outcome.INCONSISTENT, f"{change} {error}")
+            return
+        if none_left and run.outcome is Outcome.OK and not run.ended_by:
+            run.samples = Samples._make(array[:0] for array in run.samples)
+            run.works = {name: work[:0] for name, work in run.works.items()}
+        results.append(run)
+        changes.append(change)
 
 
 def _end_at_change(run: Result, outcome: Outcome, message: str) -> None:
@@ -93,12 +106,12 @@ def _end_at_change(run: Result, outcome: Outcome, message: str) -> None:
     run.outcome, run.message = outcome, message
 
 
-def _later(t_eval: Any, changes: list[Reconnection], t_end: float) -> tuple[Any, bool]:
-    """The instants behind the last change, s, and whether there are none but the end."""
-    if not changes or not isinstance(t_eval, np.ndarray | list | tuple):
+def _later(t_eval: Any, change: float, t_end: float) -> tuple[Any, bool]:
+    """The instants behind a change, s, and whether there are none but the end."""
+    if not isinstance(t_eval, np.ndarray | list | tuple):
         return t_eval, False
     times: npt.NDArray[np.float64] = np.asarray(t_eval, dtype=np.float64)
-    later = times[times > changes[-1].time]
+    later = times[times > change]
     return (later, False) if len(later) else (np.array([t_end]), True)
 
 

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import InputError
+from codegen.object_display import counted
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
 from runtime.results.discrete_state import DiscreteState
+from runtime.results.kept_instants import keep
 from runtime.results.motion_at_instants import Motion
 from runtime.results.reconnection import Reconnection, sentences
 from runtime.results.result import Result
@@ -22,8 +23,15 @@ _TABLES = (
 )  # fmt: skip
 
 
-def joined(results: Sequence[Result], changes: Sequence[Reconnection]) -> Result:
-    """One result of runs that follow one another, in the tables of all their machines."""
+def joined(
+    results: Sequence[Result], changes: Sequence[Reconnection | None], since: float = -np.inf
+) -> Result:
+    """One result of runs that follow one another, in the tables of all their machines.
+
+    Between two of them is the change of joints, None where the second goes on past the condition
+    that ended the first. The result is that from the instant `since` on, s.
+    """
+    passed = [change for change in changes if change is not None and change.time > since]
     description = _union([result.description for result in results])
     pieces = [_in_tables(result, description, result.samples) for result in results]
     kept = [np.ones(len(piece.t), np.bool_) for piece in pieces]
@@ -36,24 +44,24 @@ def joined(results: Sequence[Result], changes: Sequence[Reconnection]) -> Result
             for columns in zip(*pieces, strict=True)
         )
     )
-    last = results[-1]
+    last, stats = results[-1], _totals([result.stats for result in results])
+    end = last.message.replace(_in_steps(last.stats), _in_steps(stats), 1)
     values = {name: value for one in results for name, value in one.parameters.items()}
     parameters = np.array([values[row.name] for row in description.parameters])
     result = Result(
         description, samples, parameters, analysis=last.analysis, outcome=last.outcome,
-        message=" ".join(filter(None, (sentences(changes), last.message))),
-        stats=_totals([result.stats for result in results]),
+        message=" ".join(filter(None, (sentences(passed), end))), stats=stats,
         events=[event for result in results for event in result.events],
         partitions=[one for result in results for one in result.partitions],
         not_unique=tuple(dict.fromkeys(n for result in results for n in result.not_unique)),
         singular=[one for result in results for one in result.singular],
     )  # fmt: skip
     result.contradiction = " ".join(filter(None, (r.contradiction for r in results)))
-    result.reconnections = tuple(changes)
+    result.reconnections = tuple(passed)
     result.ended_by = last.ended_by
     motions = [one._motion for one in results]
     if all(motion is not None for motion in motions):
-        result._motion = JoinedMotion(tuple(results), tuple(changes), description)
+        result._motion = JoinedMotion(tuple(results), tuple(changes), description, since)
     totals: dict[str, float] = {}
     works: dict[str, list[FloatArray]] = {name: [] for r in results for name in r.works}
     for one, rows in zip(results, kept, strict=True):
@@ -62,7 +70,14 @@ def joined(results: Sequence[Result], changes: Sequence[Reconnection]) -> Result
             parts.append(totals.get(name, 0.0) + work[rows])
             totals[name] = totals.get(name, 0.0) + one.work_at_end.get(name, 0.0)
     result.works.update({name: np.concatenate(parts) for name, parts in works.items()})
+    if since > -np.inf:
+        keep(result, result.t >= since, since, np.inf)
     return result
+
+
+def _in_steps(stats: Mapping[str, float]) -> str:
+    """What the message of a run says of its steps."""
+    return f" in {counted(int(stats['steps']), 'step')}."
 
 
 def _union(descriptions: Sequence[Description]) -> Description:
@@ -121,8 +136,9 @@ class JoinedMotion:
     """The motions behind a joined result."""
 
     results: tuple[Result, ...]
-    changes: tuple[Reconnection, ...]  # between them
+    changes: tuple[Reconnection | None, ...]  # between them
     description: Description
+    since: float = -np.inf  # from where on the result is, s
 
     @property
     def _motions(self) -> list[Motion]:
@@ -144,7 +160,9 @@ class JoinedMotion:
         found = motion.discrete(one, t)
         if found is None or one is self.results[-1] or t < motion.span[1]:
             return found
-        change, held = result.reconnections[place], found.stand.held.copy()
+        change, held = self.changes[place], found.stand.held.copy()
+        if change is None:
+            return found
         held[[row[1:] == (change.action, change.joint) for row in found.watched]] = 0.0  # it begins
         return found._replace(stand=found.stand._replace(held=held))
 
@@ -170,12 +188,13 @@ class JoinedMotion:
         """What a file keeps of each of them."""
         source = self._motions[0].saved()["source"]
         parts = [saved_fields(one) for one in self.results]
-        return {"source": source, "parts": parts, "changes": list(self.changes)}
+        changes = list(self.changes)
+        return {"source": source, "parts": parts, "changes": changes, "since": self.since}
 
-    def resumed(self, result: Result, *_: Any) -> Result:
-        """None: the run that goes on is the last of several."""
-        raise InputError(
-            f"{self.description.title}: joints came and went in this run, and only a run with the "
-            "same joints goes on bit for bit. Simulate anew to a later end, or start=result in the "
-            f"scene {self.results[-1].description.scene!r}."
-        )
+    def resumed(
+        self, result: Result, t_end: Any, t_eval: Any, max_steps: int | None, progress: bool
+    ) -> Result:
+        """The run up to another end; see `Result.resume`."""
+        from runtime.dynamics.resumption_of_parts import resume  # which stands above
+
+        return resume(result, self, t_end, t_eval, max_steps, progress)

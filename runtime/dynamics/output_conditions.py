@@ -97,6 +97,7 @@ def simulate_until(
     kept = {name: _Kept(function) for name, function in (given.get("controllers") or {}).items()}
     given = {**given, "controllers": kept or given.get("controllers")}
     whole = analyse(**given)
+    whole._until = conditions
     for function in kept.values():
         function.answers_again = True
     found = _first(whole, conditions)
@@ -107,6 +108,7 @@ def simulate_until(
     if not isinstance(times, str):
         times = np.append(whole.t[whole.t < end], end)
     result = analyse(**{**given, "t_end": end, "t_eval": times})
+    result._until = whole._until
     if result.outcome is Outcome.OK:
         result.ended_by = name
         result.message = f"Ended at t = {end:.9g} s, where '{name}' began to hold. {result.message}"
@@ -130,15 +132,33 @@ def _first(result: Result, conditions: tuple[OutputCondition, ...]) -> tuple[str
     """The condition that begins to hold first, and where, s; None: none does."""
     if len(result.t) < 2:
         return None
-    count = int(np.clip(_A_STEP * result.stats.get("steps", 0), _LEAST, _MOST))
-    ends = float(result.t[0]), float(result.t[-1])
-    seen = result.at(np.union1d(np.linspace(*ends, count + 1), result.t))
-    found = []
+    seen, found = _seen(result, float(result.t[0])), []
     for one in conditions:
         holds = np.flatnonzero(one.of(seen) > 0.0)
         if len(holds):
             found.append((_located(result, one, seen.t, int(holds[0])), one.name))
     return min(found)[::-1] if found else None
+
+
+def end_next_time(result: Result, since: float, ended_by: str) -> tuple[str, float] | None:
+    """The same behind an instant, s: what holds there, as `ended_by` does, begins anew later."""
+    if not len(result.t) or result.t[-1] <= since:
+        return None
+    seen, found = _seen(result, since), []
+    for one in (OutputCondition(*row) for row in result._until):
+        holds = one.of(seen) > 0.0
+        holds[0] |= one.name == ended_by
+        begins = np.flatnonzero(holds[1:] & ~holds[:-1]) + 1
+        if len(begins):
+            found.append((_located(result, one, seen.t, int(begins[0])), one.name))
+    return min(found)[::-1] if found else None
+
+
+def _seen(result: Result, first: float) -> Result:
+    """A run from an instant on, s, at so many instants that nothing it does is missed."""
+    count = int(np.clip(_A_STEP * result.stats.get("steps", 0), _LEAST, _MOST))
+    times = np.linspace(first, float(result.t[-1]), count + 1)
+    return result.at(np.union1d(times, result.t[result.t >= first]))
 
 
 def _located(result: Result, condition: OutputCondition, t: FloatArray, row: int) -> float:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from codegen.argument_readers import count, flag, number, optional, read_arguments
+from codegen.argument_readers import number, optional, read_arguments
 from codegen.errors import AnalysisError, InputError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import formulate
@@ -23,6 +23,7 @@ from runtime.integrate.sampling import INTERVAL
 from runtime.integrate.trajectory import Events, Partitions, Trajectory
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import bar
+from runtime.results.motion_at_instants import Motion
 from runtime.results.result import Result
 from runtime.validation.output_instants import read_instants, uniform
 
@@ -30,26 +31,12 @@ _LIMITS = {Outcome.OK, Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED}
 
 
 def resume(
-    result: Result, motion: SimulatedMotion, t_end: Any, t_eval: Any, max_steps: Any, progress: Any
-) -> Result:
-    """See `Result.resume`."""
+    result: Result, motion: SimulatedMotion, t_end: float, t_eval: Any, max_steps: int | None,
+    progress: bool,
+) -> Result:  # fmt: skip
+    """A run with one set of joints up to another end, s; see `Result.resume`."""
     began, title = clock.perf_counter(), result.description.title
-    others = {"max_steps": optional(count(1)), "progress": flag}
-    given = read_arguments(title, others, {"max_steps": max_steps, "progress": progress})
-    max_steps, progress = given["max_steps"], given["progress"]
-    if result.ended_by:
-        of_scene = any(row.name == result.ended_by for row in result.description.watched)
-        advice = "in a scene without this condition" if of_scene else "without until="
-        raise InputError(
-            f"{title}: the run ended where '{result.ended_by}' began to hold, and would end there "
-            f"again. Simulate from it, start=result, {advice}."
-        )
-    if any(row.reconnects for row in result.description.watched):
-        raise InputError(
-            f"{title}: joints come and go in this scene, and a run with other joints is another "
-            "one. Simulate from it, start=result."
-        )
-    last, times = _read(result, motion, t_end, t_eval)
+    last, times = t_end, None if isinstance(t_eval, str) else t_eval
     ready = motion.ready.until(last)
     old = motion.options
     coordinates = formulate(ready, motion.coordinates.name, old.method, old.correction)
@@ -88,11 +75,11 @@ def resume(
     return found
 
 
-def _read(
-    result: Result, motion: SimulatedMotion, t_end: Any, t_eval: Any
+def read_span(
+    result: Result, motion: Motion, t_end: Any, t_eval: Any
 ) -> tuple[float, FloatArray | None]:
     """The new end, s, and the instants of the samples; None: the ends of steps."""
-    title = result.description.title
+    title, end = result.description.title, motion.span[1]
     readers = {"t_end": number("a finite number of seconds"), "t_eval": optional(read_instants)}
     given = read_arguments(title, readers, {"t_end": t_end, "t_eval": t_eval})
     last, chosen = given["t_end"], given["t_eval"]
@@ -103,21 +90,21 @@ def _read(
         )
     if result.outcome not in _LIMITS:
         raise AnalysisError(
-            f"{title}: the run ended at t = {motion.end:.9g} s ({result.outcome}), and goes on "
+            f"{title}: the run ended at t = {end:.9g} s ({result.outcome}), and goes on "
             f"there no more than it did before. {result.outcome.advice}"
         )
-    if last <= motion.end:
+    if last <= end:
         raise InputError(
-            f"{title}: t_end = {last:g} s must lie after t = {motion.end:.9g} s, where the run "
+            f"{title}: t_end = {last:g} s must lie after t = {end:.9g} s, where the run "
             "stopped; `at` has all instants before."
         )
     if isinstance(chosen, str):
         return last, None
-    times = uniform(motion.end, last, chosen) if not isinstance(chosen, np.ndarray) else chosen
-    if not motion.end <= times[0] <= times[-1] <= last:
+    times = uniform(end, last, chosen) if not isinstance(chosen, np.ndarray) else chosen
+    if not end <= times[0] <= times[-1] <= last:
         raise InputError(
             f"{title}: t_eval goes from {times[0]:g} to {times[-1]:g} s; the run that goes on "
-            f"lies between t = {motion.end:.9g} s and {last:g} s."
+            f"lies between t = {end:.9g} s and {last:g} s."
         )
     return last, times
 
@@ -184,3 +171,4 @@ def _add_works(
         work = np.full(len(found.t), np.nan)
         work[known] = before[name][0] + total[places[known]]
         found.works[name] = work
+        found.work_at_end[name] = float(before[name][0] + total[-1])

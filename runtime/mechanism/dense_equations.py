@@ -34,6 +34,7 @@ class Equations:
         self.boundaries = self.description.boundaries
         self.bands = np.zeros(len(self.boundaries))  # of g about zero, see `widen_bands`
         self.n, self.m = len(self.description.coordinates), len(self.description.constraints)
+        self.still = np.zeros(self.n)  # velocities at rest: zero, but for states of first order
 
     def scaled(self, scale: FloatArray, independent: IntArray) -> ScaledConstraints:
         """The constraints in units of `scale`, of which `independent` follow from no others."""
@@ -112,7 +113,7 @@ class Equations:
 
         That is 2 of a balanced one, and of mixed ones, which kernels know at rest.
         """
-        g = self.switching(t, q, np.zeros(self.n))
+        g = self.switching(t, q, self.still)
         modes: IntArray = np.where(
             np.abs(g) <= self.bands, np.minimum(self.boundaries, SLIDING), g > 0.0
         )

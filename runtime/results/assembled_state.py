@@ -65,6 +65,16 @@ class State:
         """Value of a coordinate or velocity by name."""
         return value_of(self, name)
 
+    def __repr__(self) -> str:
+        """The instant, and the values by name with their units."""
+        if not self.coordinates:
+            return f"State(t={self.t!r}, q={self.q!r}, v={self.v!r})"
+        places = [row for row in self.coordinates if not row.is_state]
+        values = [f"{row.name} = {self[row.name]:.6g} {row.unit}" for row in places]
+        rates = ((row.velocity, row.velocity_unit) for row in self.coordinates)
+        values += [f"{name} = {self[name]:.6g} {unit}".rstrip() for name, unit in rates]
+        return f"State at t = {self.t:.9g} s: {', '.join(values)}"
+
 
 def value_of(state: "State | Assembly", name: str) -> float:
     """A coordinate, a velocity or a state of first order, by name."""

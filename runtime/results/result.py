@@ -94,6 +94,7 @@ class Result(TimeSeries):
     reconnections: tuple[Reconnection, ...]
     reconnection: Ending | None
     work_at_end: dict[str, float]
+    _until: tuple[tuple[str, str, float, float], ...]  # conditions on outputs that may end a run
     _chosen: bool  # whether the samples are at instants that `at` was asked for
     _motion: Motion | None  # behind the samples; None: of an analysis without one
 
@@ -121,7 +122,7 @@ class Result(TimeSeries):
         self.works, self.accuracy, self.contradiction = {}, None, ""
         self._motion, self._chosen = None, False
         self.ended_by, self.reconnections, self.reconnection = "", (), None
-        self.work_at_end = {}
+        self.work_at_end, self._until = {}, ()
         self.parameters = {
             row.name: float(value) for row, value in zip(description.parameters, p, strict=False)
         }
@@ -217,6 +218,8 @@ class Result(TimeSeries):
         It takes the steps of a run that went through at once, with the same bits. Where laws of
         time are no sums of powers and sines, steps end at instants that depend on the whole time,
         and Baumgarte's time, unless given, is a part of it: steps before are then taken again.
+        Joints come and go on; past a condition that ended it, a run goes on until that begins to
+        hold the next time.
 
         Parameters
         ----------

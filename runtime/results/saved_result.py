@@ -52,6 +52,7 @@ def saved_fields(result: Result) -> dict[str, Any]:
         "work_at_end": result.work_at_end,
         "ended_by": result.ended_by,
         "reconnections": list(result.reconnections),
+        "until": [tuple(one) for one in result._until],
     }
 
 
@@ -69,7 +70,9 @@ def _fields_of_parts(result: Result, parts: dict[str, Any]) -> dict[str, Any]:
         "parameters": result.parameters,
         "outcome": result.outcome.name,
         "message": result.message,
-        "instants": len(result.t),
+        "t": result.t,
+        "ended_by": result.ended_by,
+        "until": [tuple(one) for one in result._until],
         "accuracy": result.accuracy,
         "motion": parts,
     }

@@ -20,7 +20,13 @@ from runtime.results.result import Result
 from runtime.results.samples import plain
 from runtime.statics.energy_minimisation import RestPosition, evaluate_position, minimise, polish
 from runtime.statics.reduced_forces_and_stiffness import StaticEquations
-from runtime.statics.stability import Judgement, Stability, judge
+from runtime.statics.stability import Judgement, Stability, judge, unjudged
+from runtime.statics.states_at_rest import (
+    StatesAtRest,
+    find_rest,
+    free_states,
+    require_expressions,
+)
 from runtime.validation.masses import require_masses
 from runtime.validation.parameters import parameter_values
 from runtime.validation.requirements_of_contact_and_stiction import (
@@ -52,10 +58,12 @@ class Equilibrium(Result):
         rad/s.
     eigenvalues
         Those of M⁻¹ K, the squared natural frequencies ω², in 1/s^2, ascending; negative in
-        directions in which the machine falls away; of complex ones the real part.
+        directions in which the machine falls away; of complex ones the real part. Not numbers
+        where states take part, whose stability is not judged.
     stiffness_matrix
         K, the reduced stiffness, in the coordinates `independent`: change of the force along one of
-        them for a unit change of another, the joints kept, shape (f, f), in N/m, N or N m/rad.
+        them for a unit change of another, the joints and states kept, shape (f, f), in N/m, N or
+        N m/rad.
     independent
         Names of these coordinates.
     gradient
@@ -92,8 +100,9 @@ class Equilibrium(Result):
         return f"{super().__repr__()}\n  equilibrium  {self.stability}{tail}"
 
     def __getitem__(self, name: str) -> float:
-        """Value of a coordinate by name."""
-        return float(self.q(name)[0])
+        """Value of a coordinate or a state by name."""
+        is_state = type(name) is str and name in self.description.states.names
+        return float((self.y if is_state else self.q)(name)[0])
 
     def facts(self) -> dict[str, Any]:
         """As of any result, and the stability."""
@@ -118,8 +127,9 @@ def equilibrium(
     require_no_sticking(mechanism, "equilibrium")
     p = parameter_values(mechanism, parameters)
     require_masses(mechanism, p)
+    require_expressions(description)
     start = assemble(mechanism, guess, parameters, t, release=True)
-    if start.degrees_of_freedom == 0:
+    if start.degrees_of_freedom == 0 and not free_states(description):
         drivers = f" (drivers: {', '.join(description.drivers)})" if description.drivers else ""
         raise AnalysisError(
             f"{description.title}: 0 degrees of freedom are left{drivers}, so there is nothing to "
@@ -127,24 +137,36 @@ def equilibrium(
         )
     mechanism = suited_to_masses(with_redundancy(mechanism, start), start.t, start.q, p)
     equations = Equations(mechanism, p)
+    columns = [state.column for state in description.states]
+    equations.still[columns] = start.v[columns]
     _require_finite(equations, float(t), start.q)
     statics = StaticEquations(equations, float(t), equations.scale(equations.size(t, start.q)))
     equations.widen_bands(float(t), start.q, statics.scale)
     position, end, stats = _search(method, statics, start.q, progress)
+    states = None
+    if free_states(description):
+        position, states = _with_states(statics, position, start.q)
+        end = position.q
     ran = [] if position.balanced else _runaways(statics, start.q, end)
     if ran:
         position = evaluate_position(statics, start.q, position.iterations)
     stats |= {"gradient_evaluations": statics.evaluations}
-    judged = judge(statics, position)
+    judged = judge(statics, position) if states is None else unjudged(position)
     q = np.ascontiguousarray(position.q[None, :])
     modes = equations.rest_modes(t, position.q)[None, :]
-    samples = evaluate(mechanism, p, np.array([float(t)]), q, np.zeros_like(q), modes)
+    samples = evaluate(
+        mechanism, p, np.array([float(t)]), q, equations.still[None, :].copy(), modes
+    )
     stats["wall_seconds"] = clock.perf_counter() - began
+    at_rest = states is None or states.balanced
+    message = _message(description, position, judged, ran)
+    if states is not None and position.balanced:
+        message = _states_message(equations, states, position)
     result = Equilibrium(
         description, samples, p, judged=judged, gradient=position.unbalanced,
         stiffness=_stiffness(statics, position),
-        outcome=Outcome.OK if position.balanced else Outcome.UNBALANCED,
-        message=_message(description, position, judged, ran) + redundancy_note(start),
+        outcome=Outcome.OK if position.balanced and at_rest else Outcome.UNBALANCED,
+        message=message + redundancy_note(start),
         stats=stats, not_unique=start.not_unique,
     )  # fmt: skip
     name_left_tables(result, equations)
@@ -169,6 +191,11 @@ def _search(
         return position, position.q, {"iterations": position.iterations}
     equations = statics.equations
     description = equations.description
+    if description.states:
+        raise AnalysisError(
+            f"{description.title}: settling moves positions alone, and the scene has the states "
+            f'{", ".join(description.states.names)}. Use method="energy".'
+        )
     if np.abs(equations.velocity_rhs(statics.t, start)).max(initial=0.0) > 0.0:
         raise AnalysisError(
             f"{description.title}: settling needs drivers at rest, and "
@@ -183,6 +210,39 @@ def _search(
         position = minimise(statics, start, progress)
         return position, position.q, counts
     return polish(statics, end) if finite else evaluate_position(statics, start), end, counts
+
+
+def _with_states(
+    statics: StaticEquations, position: RestPosition, start: FloatArray
+) -> tuple[RestPosition, StatesAtRest]:
+    """Rest of positions and states, from the rest with the states at their start values."""
+    begun, still = position.q if position.balanced else start, statics.equations.still
+    first = still.copy()
+    states = find_rest(statics, begun)
+    if not states.balanced and begun is not start:
+        still[:] = first
+        states = find_rest(statics, start)
+    return evaluate_position(statics, states.q, position.iterations), states
+
+
+def _states_message(equations: Equations, states: StatesAtRest, position: RestPosition) -> str:
+    """The outcome of the search for positions and states whose forces balance, in a sentence."""
+    rows = equations.description.states
+    values = ", ".join(
+        f"{row.name} = {equations.still[row.column]:.6g} {row.unit}".rstrip() for row in rows
+    )
+    if states.balanced:
+        return (
+            f"At rest with {values}. Whether it returns after a small push is not judged where "
+            f"states take part. Unbalanced share of the forces {position.unbalanced:.1e}."
+        )
+    worst = max(states.unbalanced, key=lambda name: states.unbalanced[name])
+    return (
+        f"No equilibrium found: the search ended with {values}, where the rate of {worst}, or what "
+        f"a sample would change it by, is not zero (unbalanced share "
+        f"{states.unbalanced[worst]:.1e}). Give other values to begin with, guess=, or check that "
+        "something brings it to rest."
+    )
 
 
 def _runaways(statics: StaticEquations, start: FloatArray, end: FloatArray) -> list[str]:
@@ -244,11 +304,11 @@ def _message(
 def _require_finite(equations: Equations, t: float, q: FloatArray) -> None:
     """Refuse a start where forces have no value."""
     description, modes = equations.description, equations.rest_modes(t, q)
-    force = equations.forces(t, q, np.zeros(len(q)), modes)
+    force = equations.forces(t, q, equations.still, modes)
     finite = np.isfinite(force + equations.potential_gradient(t, q, modes))
     if finite.all():
         return
-    if left := left_tables(equations, t, q, np.zeros(len(q))):
+    if left := left_tables(equations, t, q, equations.still):
         raise AnalysisError(f"{description.title}: at the start position {left} {_ELSEWHERE}")
     lost = [description.coordinates[int(k)].name for k in np.flatnonzero(~finite)]
     effects = ", ".join(row.name for row in description.effects) or "none"

@@ -46,6 +46,8 @@ class StaticEquations:
     def __init__(self, equations: Equations, t: float, scale: FloatArray) -> None:
         self.equations, self.t, self.scale = equations, t, scale
         self.evaluations = 0  # of the gradient
+        states = [state.column for state in equations.description.states]
+        self.states = np.array(states, dtype=np.int64)  # columns that are no positions
 
     def partition(self, q: FloatArray) -> Partition:
         """Choose independent coordinates at q by full pivoting.
@@ -57,9 +59,8 @@ class StaticEquations:
         rows, columns = np.zeros(len(suffice), np.int64), np.zeros(equations.n, np.int64)
         dense = equations.jacobian(self.t, q)[suffice]
         rank = int(order_by_pivots(dense, self.scale, rows, columns))
-        return Partition(
-            np.sort(columns[:rank]), np.sort(columns[rank:]), np.sort(suffice[rows[:rank]])
-        )
+        free = np.setdiff1d(columns[rank:], self.states)
+        return Partition(np.sort(columns[:rank]), free, np.sort(suffice[rows[:rank]]))
 
     def close(self, q: FloatArray, part: Partition) -> FloatArray | None:
         """Newton's method for the dependent coordinates; None where the machine does not close.
@@ -112,7 +113,8 @@ class StaticEquations:
     def _forces(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Q at rest, and dV/dq, each (n,)."""
         equations, modes = self.equations, self.equations.rest_modes(self.t, q)
-        force = equations.forces(self.t, q, np.zeros(len(q)), modes)
+        force = equations.forces(self.t, q, equations.still, modes)
+        force[self.states] = 0.0
         return force, equations.potential_gradient(self.t, q, modes)
 
     def effort(self, q: FloatArray) -> float:

@@ -64,3 +64,9 @@ def judge(statics: StaticEquations, position: RestPosition) -> Judgement:
     else:
         stability = Stability.STABLE
     return Judgement(stability, eigenvalues, frequencies, flutter)
+
+
+def unjudged(position: RestPosition) -> Judgement:
+    """Of a machine with states, whose motion after a push M and K alone do not determine."""
+    none = np.full(len(position.gradient), np.nan)
+    return Judgement(Stability.UNKNOWN, none, np.zeros(0), False)

@@ -25,7 +25,8 @@ def refuse_states(mechanism: Mechanism, question: str) -> None:
         names = description.states.names
         raise AnalysisError(
             f"{description.title}: {question} knows positions, but {', '.join(names)} follow from "
-            f"their rates and samples, which only a simulation does. Ask for simulate, or load "
+            f"their rates and samples, which only a simulation does. Ask for simulate, which gives "
+            "a driven motion with its forces as well, or load "
             f"scene.without({', '.join(map(repr, names))}) with the effects that contain them."
         )
 

@@ -55,12 +55,6 @@ def test_one_that_holds_at_the_start_ends_the_run_there(falling: Machine) -> Non
     assert (r.ended_by, r.t[-1]) == ("landed", 0.0)
 
 
-def test_a_resumed_run_would_end_there_again(falling: Machine) -> None:
-    r = falling.simulate(5.0)
-    with pytest.raises(InputError, match=r"'landed'.*end there again"):
-        r.resume(6.0)
-
-
 def test_a_result_comes_back_from_its_file(falling: Machine, tmp_path: Path) -> None:
     from runtime import load_result
 
@@ -195,8 +189,6 @@ def test_a_run_ends_where_a_reaction_grows_too_large(pendulum: Machine) -> None:
 
 def test_a_run_that_ended_by_an_output_says_how_it_goes_on(pendulum: Machine) -> None:
     r = pendulum.simulate(3.0, until={"low": ("bob.y", "<", -0.5)})
-    with pytest.raises(InputError, match=r"start=result, without until="):
-        r.resume(4.0)
     assert pendulum.simulate(1.0, start=r).t[0] == r.t[-1]
 
 

@@ -97,6 +97,7 @@ def test_a_joint_engages_at_the_origin(workshop: Path) -> None:
     assert [one.action for one in r.reconnections] == ["engage", "release"]
     assert_allclose(r.reconnections[0].impulse["force"], np.sqrt(2 * G), rtol=1e-12)
     assert_allclose(r.q("ball.y"), [0, -G * 0.01 / 2, -G * 0.16 / 2], atol=1e-12)
+    assert f"Reached t = 1 s in {r.stats['steps']} steps." in r.message
     short = machine.simulate(0.4, [0.4], rtol=1e-10).stats["steps"]
     assert r.stats["steps"] < 6 * short  # its tolerances are not those of a machine without size
     r.save(workshop / "origin.nc")

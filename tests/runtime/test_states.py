@@ -126,10 +126,7 @@ def test_states_that_contain_one_another(workshop: Path) -> None:
 
 
 def test_other_analyses_are_refused_by_name(spin: Machine) -> None:
-    for question in (
-        spin.equilibrium, lambda: spin.kinematics([0.0]),
-        lambda: spin.inverse_dynamics([0.0]),
-    ):  # fmt: skip
+    for question in (lambda: spin.kinematics([0.0]), lambda: spin.inverse_dynamics([0.0])):
         with pytest.raises(AnalysisError, match=r"current follow.*without\('current'\)"):
             question()
 

@@ -8,7 +8,7 @@ from codegen.errors import AnalysisError
 from runtime.core.outcomes import Outcome
 from runtime.core.unit_roundoff import EPS
 from runtime.results.accuracy_target_record import Estimate, ReachedAccuracy
-from runtime.results.horizon import end_after
+from runtime.results.kept_instants import end_after
 from runtime.results.result import Result
 from runtime.studies.accuracy_target import run_difference
 from runtime.studies.accuracy_target.compared_runs import Pair, Run
