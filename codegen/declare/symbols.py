@@ -264,7 +264,7 @@ def own_coordinate(letter: str, text: str) -> Coordinate:
 
 
 def side(name: str) -> Side:
-    """The side on which the effect of that name acts, as its `Sticking` or `Rigid` says."""
+    """The side on which the effect of that name acts, as its `hold` says."""
     return Side(f"{name}_side", real=True)
 
 

@@ -184,20 +184,23 @@ class Transmissions(Declarations):
         start = self._value(offset, "m", f"offset of '{name}'")
         return self._declare(RollingDisc(name, *self._pair(name, disc, line), size, along, start))
 
-    def one_way_clutch(self, name: str, driver: Body, driven: Body, capacity: Any) -> Effect:
+    def one_way_clutch(self, name: str, driver: Body, driven: Body, capacity: Any = None) -> Effect:
         """A freewheel: `driver` turns `driven` counter-clockwise, which may overrun it.
+
+        It is rigid: while it grips, both have one speed, and where something would make the driver
+        faster at an instant, as a start or the impact of a contact, an impact gives them one.
 
         Parameters
         ----------
         driver, driven
             The bodies i and j of ω_j - ω_i ≥ 0; for a clutch that drives clockwise exchange them.
         capacity
-            T_c in N m, the torque at which the clutch slips.
+            T_c in N m, the torque at which the clutch slips; None: it never does.
         """
         where = f"one-way clutch '{name}'"
         advice = "a clutch couples two bodies that turn."
         first, second = (self._body(where, body, advice) for body in (driver, driven))
-        most = self._value(capacity, "N m", f"capacity of {where}", "positive")
+        most = self._optional(capacity, "N m", f"capacity of {where}", "positive")
         return self._declare(OneWayClutch(name, first, second, most))
 
     def _wheels(
