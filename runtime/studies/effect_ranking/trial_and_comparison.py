@@ -8,7 +8,7 @@ answers is the uncertainty of the second.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from runtime.machine_facade import Machine
 from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue, jumps
 from runtime.studies.effect_ranking.ranking import Costs, Row, Verdict
+from runtime.studies.run_words import words_for
 from runtime.studies.scene_loading import LEFT_OUT, Source, known_values
 from runtime.studies.series_by_name import FloatArray
 from runtime.studies.timing import Stopwatch, processor_time
@@ -51,6 +52,8 @@ class Plan:
     parameters: Mapping[str, float]  # a scene gets those that it has
     guess: Mapping[str, float]  # the same
     start: Mapping[str, float]  # the same; empty for an equilibrium
+    # of `Machine.simulate`, besides
+    words: Mapping[str, Any] = field(default_factory=dict)
 
     def run(self, machine: Machine, rtol: float, instants: FloatArray) -> Result:
         """The analysis of a machine."""
@@ -58,7 +61,9 @@ class Plan:
         values["progress"] = False
         if self.analysis == "simulate":
             values |= {"t_start": self.t_start, "method": self.method, "rtol": rtol}
-            values["formulation"] = self.formulation
+            values |= words_for(machine, self.words) | {"formulation": self.formulation}
+            if (atol := self.words.get("atol")) is not None:
+                values["atol"] = atol * (rtol / self.rtol)
             return machine.simulate(self.t_end, instants, **values)
         if self.analysis == "equilibrium":
             return machine.equilibrium(**values, t=self.t_start)
