@@ -314,8 +314,8 @@ class Measure(NamedTuple):
     @property
     def row(self) -> str:
         """Its name among the components of its effect."""
-        if not self.component or self.quantity in ("force", "torque"):
-            return self.component or self.quantity
+        if not self.component or (self.quantity, self.unit) in (("force", "N"), ("torque", "N m")):
+            return self.component or self.quantity  # its unit says what it is
         return f"{self.quantity}.{self.component}"
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from codegen.errors import AnalysisError, InputError
+from codegen.generated_module_signature_and_import import content_hash
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.driven_motion_past_kinks import follow_past_kinks
 from runtime.dynamics.output_quantities import evaluate
@@ -247,9 +248,11 @@ class DrivenMotionAtInstants:
 
 
 def _source(mechanism: Mechanism) -> dict[str, str] | None:
-    """Where a machine comes from: its model file, none of one that was declared, and its scene."""
+    """Where a machine comes from: model file ("" of one that was declared), scene and folder."""
     origin = mechanism.origin
     if origin is None:
         return None
     file = str(origin.model) if isinstance(origin.model, Path) else ""
-    return {"model": file, "scene": mechanism.description.scene, "digest": origin.digest}
+    return {"model": file, "scene": mechanism.description.scene,
+            "generated": str(origin.path.resolve().parent),
+            "content": content_hash(origin.path, origin.digest)}  # fmt: skip
