@@ -63,7 +63,8 @@ class Transmissions(Declarations):
         crossed
             Whether the belt is crossed, and turns the pulleys in opposite directions.
         offset
-            R_j (φ_j - φ_c) - R_i (φ_i - φ_c) as the belt was laid on, m (+ R_i if it is crossed).
+            s0 in m: R_j (φ_j - φ_c) - R_i (φ_i - φ_c) as the belt was laid on. Crossed, R_i counts
+            as negative.
         """
         where = f"belt '{name}'"
         wheels, (start, joints) = self._wheels(where, i, j, carrier, radius_i, radius_j, offset)
@@ -92,7 +93,7 @@ class Transmissions(Declarations):
         crossed
             Whether the belt is crossed, and turns the pulleys in opposite directions.
         offset
-            R_j (φ_j - φ_c) - R_i (φ_i - φ_c) of the idle belt, m (+ R_i if it is crossed).
+            R_j (φ_j - φ_c) - R_i (φ_i - φ_c) of the idle belt, m. Crossed, R_i counts as negative.
         """
         where = f"elastic belt '{name}'"
         wheels, laid = self._wheels(where, i, j, carrier, radius_i, radius_j, offset)

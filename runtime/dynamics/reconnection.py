@@ -31,7 +31,7 @@ def cross(
 ) -> tuple[State, Handover, Reconnection]:
     """The state behind the instant at which a joint comes or goes; raises Gap."""
     watched, (t, q, v) = before.description.watched[end.row], _state_by_names(before, after, end)
-    impulse, lost = dict[str, float](), 0.0
+    impulse, units, lost = dict[str, float](), dict[str, str](), 0.0
     if watched.action == "engage":
         equations = Equations(after, parameter_values(after, known_parameters(after, parameters)))
         _require_closed(equations, watched.target, t, q, end.length)
@@ -47,9 +47,11 @@ def cross(
         mass[states, states] = 0.0
         lost = float(rest @ mass @ rest - v @ mass @ v) / 2
         impulse = _impulses(after, equations, watched.target, t, q, v, multipliers)
+        rows = [row for row in after.description.reactions if row.element == watched.target]
+        units = {row.component: f"{row.unit} s" if row.unit else "" for row in rows}
     start = State(t, q, v, after.description.coordinates)
     discrete = _discrete_by_names(before, after, end.discrete)
-    change = Reconnection(t, watched.target, watched.action, impulse, lost)
+    change = Reconnection(t, watched.target, watched.action, impulse, lost, units)
     return start, Handover(discrete, end.length), change
 
 
@@ -121,4 +123,4 @@ def _impulses(
     if "reactions" in mechanism.description.kernels:
         mechanism.kernels.reactions(t, q, v, equations.p, multipliers, out)
     pairs = zip(rows, out.tolist(), strict=True)
-    return {row.component: value for row, value in pairs if row.element == joint}
+    return {row.component: 0.0 + value for row, value in pairs if row.element == joint}

@@ -173,10 +173,12 @@ class Comparison:
     def trial(self, scene: "Scene") -> Trial | LinkwrightError:
         """Run a variant; an error where it does not work as the full scene does."""
         self.progress(f"{self.source.model.name}/{scene.name}")
+        machine = None
         try:
-            trial = self.plan.trial(self.source.variant(scene))
+            machine = self.source.variant(scene)
+            trial = self.plan.trial(machine)
         except LinkwrightError as error:
-            return error
+            return error if machine is None else self._without_states(machine) or error
         freedom, moved, reach = self.full.freedom, self.full.reach, trial.reach
         if trial.freedom != freedom:
             return LinkwrightError(
@@ -190,6 +192,20 @@ class Comparison:
         if common and all(reach[name] <= STILL * moved[name] for name in common):
             return LinkwrightError("nothing moves without it")
         return trial
+
+    def _without_states(self, machine: Machine) -> LinkwrightError | None:
+        """What to say of a scene that lacks the states of the quantity."""
+        text = self.plan.quantity.text
+        words = {word.strip() for word in text.replace("|", ":").split(":")}
+        here = machine.mechanism.description.states.names
+        states = self.full.result.description.states.names
+        gone = [name for name in states if name in words and name not in here]
+        if not gone:
+            return None
+        return LinkwrightError(
+            f"the state {' and '.join(map(repr, gone))} leaves the scene with it, because nothing "
+            f"else contains it; so {text} has no value there"
+        )
 
     def row(self, change: "Variant", trial: Trial | LinkwrightError) -> Row:
         """The verdict on one change."""
