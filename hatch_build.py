@@ -14,8 +14,9 @@ class CustomBuildHook(BuildHookInterface):  # type: ignore[type-arg]
         """Before a build: exclude them; a source archive, which is no checkout, has none."""
         if version == "editable" or not (Path(self.root) / ".git").exists():
             return
+        # Hatch itself leaves out what .gitignore lists, and knows no other list of git's.
         listing = subprocess.run(
-            ["git", "ls-files", "-z", "--others", "--exclude-standard"],
+            ["git", "ls-files", "-z", "--others", "--exclude-from=.gitignore"],
             cwd=self.root,
             check=True,
             capture_output=True,

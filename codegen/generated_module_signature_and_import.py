@@ -4,6 +4,7 @@ Both sides of the compiler use this module, the driver to compile a file that it
 the runtime to load one. It imports nothing of the compiler.
 """
 
+import ast
 import contextlib
 import hashlib
 import importlib.util
@@ -24,6 +25,7 @@ UNSIGNED = "0" * 64
 # in the header, in the form that a checkout has without an installation
 _REBUILD = re.compile(r"python -m codegen (\w+.*)")
 _SIGNATURE = re.compile(rf"^{MARK}([0-9a-f]{{64}})$", re.MULTILINE)
+FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 
 def companion_path(path: Path, kind: str) -> Path:
@@ -78,6 +80,24 @@ def text_hash(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def content_hash(path: Path, digest: str) -> str:
+    """SHA-256 of what an imported file computes, whatever folder it was built from.
+
+    That is its text without the comments of its header and without SOURCES, which name paths.
+    """
+    module = sys.modules.get(_name(path, digest))
+    text = read_generated(path) if module is None else module.__loader__.text  # type: ignore[union-attr]
+    head = FIRST_KERNEL.split(text, maxsplit=1)[0]
+    named = [x for x in ast.parse(head).body if isinstance(x, ast.Assign)]
+    sources = [x for x in named if ast.unparse(x.targets[0]) == "SOURCES"]
+    lines = head.splitlines(keepends=True)
+    for statement in sources:
+        assert statement.end_lineno is not None
+        del lines[statement.lineno - 1 : statement.end_lineno]
+    kept = [line for line in lines if not line.startswith("#")]
+    return text_hash("".join(kept) + text[len(head) :])
+
+
 def import_generated(path: Path, digest: str | None = None) -> ModuleType:
     """Import a generated file, compiling what numba's cache does not hold.
 
@@ -99,7 +119,11 @@ def import_generated(path: Path, digest: str | None = None) -> ModuleType:
 
 def module_name(path: Path, text: str) -> str:
     """The name of the module that a generated file is imported as."""
-    return f"linkwright_generated_{path.stem}_{text_hash(text)}"
+    return _name(path, text_hash(text))
+
+
+def _name(path: Path, digest: str) -> str:
+    return f"linkwright_generated_{path.stem}_{digest}"
 
 
 def _execute(name: str, path: Path, text: str) -> ModuleType:

@@ -23,6 +23,27 @@ def models_folder(library: Path = LIBRARY) -> Path | None:
     return folder if is_checkout(library) and folder.is_dir() else None
 
 
+def model_names(folder: Path) -> list[str]:
+    """Names of the model files of a folder: in one called `models` all, else what says Model(."""
+    if not folder.is_dir():
+        return []
+    files = (path for path in folder.glob("[!_]*.py") if path.is_file())
+    return sorted(x.stem for x in files if folder.name == "models" or _names_a_model(x))
+
+
+def _names_a_model(path: Path) -> bool:
+    try:
+        return b"Model(" in path.read_bytes()
+    except OSError:
+        return False
+
+
+def file_beside(model: str, folder: Path) -> str:
+    """Hint, after a blank, at the file of a name that lacks its suffix."""
+    found = folder / f"{model}.py"
+    return f" A path ends in .py: did you mean {model}.py?" if found.is_file() else ""
+
+
 def methods_folder() -> Path:
     """The folder of the explicit methods, which are written from their tableaus."""
     return LIBRARY / ("generated" if is_checkout() else _IN_WHEELS) / "methods"

@@ -20,7 +20,7 @@ from typing import cast
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.errors import InputError, ModelFileError
 from codegen.generated_module_signature_and_import import is_signed
-from codegen.library_layout import LIBRARY, models_folder
+from codegen.library_layout import LIBRARY, file_beside, model_names, models_folder
 from codegen.model import Model
 from codegen.plain_values import one_line, shown
 
@@ -67,12 +67,12 @@ def find_model_file(model: str | Path) -> Path:
         for path in candidates:
             if path.is_file():
                 return path.resolve()
-        folder = candidates[-1].parent
-        stems = [p.stem for p in folder.glob("[!_]*.py")] if folder.is_dir() else []
+        stems = model_names(candidates[-1].parent)
+        hint = file_beside(str(model), Path.cwd()).strip() or nearest(given.stem, stems)
     except OSError as error:
         raise ModelFileError(f"no file can be {shown(str(model))}: {error.strerror}.") from error
     tried = " or ".join(one_line(c, _LONGEST_PATH) for c in candidates)
-    raise ModelFileError(f"no model file {tried}; {nearest(given.stem, stems)}")
+    raise ModelFileError(f"no model file {tried}; {hint}")
 
 
 def read_model(model: str | Path | Model) -> ModelFile:

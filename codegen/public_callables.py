@@ -29,7 +29,14 @@ def wrong_call(
     takes = ", ".join(map(_written, taken))
     given = [shown(a, _SHOWN) for a in arguments]
     given += [f"{one_line(k, _SHOWN)}={shown(v, _SHOWN)}" for k, v in words.items()]
-    return f"{title}: {one_line(mismatch)}; it takes ({takes}), and was given ({', '.join(given)})."
+    text = f"{title}: {one_line(mismatch)}; it takes ({takes}), and was given ({', '.join(given)})."
+    known = signature(function).parameters
+    near = [
+        f"{one_line(word, _SHOWN)}: did you mean {found[0]}?"
+        for word in words
+        if word not in known and (found := get_close_matches(word, known, n=1))
+    ]
+    return " ".join([text, *near])
 
 
 def _written(parameter: Parameter) -> str:

@@ -34,11 +34,11 @@ def precompile(
         list[str] | None, typer.Argument(help="Integration methods; all unless given.")
     ] = None,
 ) -> None:
-    """Compile the runtime ahead of the first run, in several processes."""
+    """Compile the runtime ahead of the first run, in several processes: a line for each part."""
     from runtime.precompile import precompile as compile_ahead
 
     with exit_on_error(as_json=False):
-        compile_ahead(*(methods or ()))
+        compile_ahead(*(methods or ()), told=typer.echo)
 
 
 _add(analyses, "Analyse")

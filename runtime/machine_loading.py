@@ -6,7 +6,6 @@ The code generator (and with it SymPy) is imported only for a build.
 import ast
 import hashlib
 import os
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,13 +13,14 @@ from codegen import __version__
 from codegen import argument_readers as readers
 from codegen.errors import ModelFileError, SupersededError
 from codegen.generated_module_signature_and_import import (
+    FIRST_KERNEL,
     check_signature,
     import_generated,
     read_generated,
     text_hash,
 )
 from codegen.library_layout import LIBRARY as _LIBRARY
-from codegen.library_layout import models_folder
+from codegen.library_layout import file_beside, model_names, models_folder
 from codegen.plain_values import one_line, shown
 from runtime.progress_bar import compilation_shown
 
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
 _ATTEMPTS = 5
 _LONGEST_PATH = 1000  # layout: characters of a path in a message
-_FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 
 @readers.reads(
@@ -104,18 +103,17 @@ def _locate(model: str, folder: Path) -> tuple[Path, Path]:
         raise ModelFileError(
             f"There is no model {shown(model)}: looked for "
             f"{' and '.join(one_line(path, _LONGEST_PATH) for path in tried)}."
-            + _models_nearby(model, [path.parent for path in tried])
+            + (file_beside(model, folder) or _models_nearby(model, tried))
         )
     of_library = models is not None and found.is_relative_to(models.resolve())
     return found, generated if of_library and generated.is_dir() else folder / "generated"
 
 
-def _models_nearby(model: str, folders: list[Path]) -> str:
+def _models_nearby(model: str, tried: list[Path]) -> str:
     """Hint at models of a similar name."""
     from difflib import get_close_matches
 
-    paths = [path for folder in folders if folder.is_dir() for path in folder.glob("*.py")]
-    names = sorted({path.stem for path in paths if not path.stem.startswith("_")})
+    names = sorted({name for path in tried for name in model_names(path.parent)})
     near = get_close_matches(Path(model).stem, names, n=3, cutoff=0.5) or names[:8]
     return f" Models there: {', '.join(near)}." if near else ""
 
@@ -165,7 +163,7 @@ def _first_scene(model: Path) -> str | None:
 
 def _sources_match(path: Path, text: str, model: Path) -> bool:
     """Whether the module comes from this generator, and from `model` and its files as they are."""
-    head = ast.parse(_FIRST_KERNEL.split(text, maxsplit=1)[0])
+    head = ast.parse(FIRST_KERNEL.split(text, maxsplit=1)[0])
     assigned = {ast.unparse(s.targets[0]): s.value for s in head.body if isinstance(s, ast.Assign)}
     if not {"GENERATOR", "SOURCES"} <= assigned.keys():
         return False

@@ -11,6 +11,8 @@ import signal
 import sys
 import threading
 import time
+from collections import Counter
+from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from graphlib import TopologicalSorter
 from importlib import import_module
@@ -30,15 +32,18 @@ _OUTSIDE = ("dynamics", "explicit_time", "continuation", "statics", "mechanism")
 _METHOD_OF = {registration.module: name for name, registration in REGISTER.items()}
 
 
-def precompile(*methods: str) -> None:
+def precompile(*methods: str, told: Callable[[str], None] | None = None) -> None:
     """Compile what runs with these methods need; without names, with any.
 
-    Raises InputError if there is no such method.
+    `told` receives a line for each room of the runtime that is done. Raises InputError if there is
+    no such method.
     """
     if unknown := set(methods).difference(METHODS):
         names = ", ".join(sorted(unknown))
         raise InputError(f"no such method: {names}; there are {', '.join(METHODS)}")
-    order = TopologicalSorter(import_graph(methods or METHODS))
+    graph = import_graph(methods or METHODS)
+    left = Counter(map(_room, graph))  # room → modules that are not compiled yet
+    order = TopologicalSorter(graph)
     order.prepare()
     processes = min(_PROCESSES, os.cpu_count() or 1)
     with ProcessPoolExecutor(
@@ -49,7 +54,14 @@ def precompile(*methods: str) -> None:
             pending |= {pool.submit(_compile, module): module for module in order.get_ready()}
             for future in wait(pending, return_when=FIRST_COMPLETED).done:
                 future.result()
-                order.done(pending.pop(future))
+                order.done(module := pending.pop(future))
+                left[_room(module)] -= 1
+                if told and not left[_room(module)]:
+                    told(f"compiled {_room(module)}")
+
+
+def _room(module: str) -> str:
+    return ".".join(module.split(".")[:2])
 
 
 def import_graph(methods: tuple[str, ...]) -> dict[str, set[str]]:

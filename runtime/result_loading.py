@@ -9,6 +9,7 @@ import numpy as np
 
 from codegen import argument_readers as readers
 from codegen.errors import FAILURES, InputError
+from codegen.generated_module_signature_and_import import content_hash
 from codegen.plain_values import KindError
 from runtime.results.saved_result import GROUP, KINDS, events_of, partitions_of
 
@@ -41,9 +42,10 @@ def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) 
     Parameters
     ----------
     path
-        A file ending in .nc.
+        A file ending in .nc, in any folder.
     machine
-        The machine of the result; unless given, that of the model file from which it was loaded.
+        The machine of the result, loaded from anywhere; unless given, that of the model file from
+        which it was loaded, whose place the file tells.
 
     Raises
     ------
@@ -59,12 +61,13 @@ def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) 
         raise InputError(
             f"{place} has a result of {title}, and the machine is {mechanism.description.title}."
         )
-    source = (saved["motion"] or {}).get("source")
-    if source and mechanism.origin is not None and source["digest"] != mechanism.origin.digest:
+    source, origin = (saved["motion"] or {}).get("source"), mechanism.origin
+    content = None if origin is None else content_hash(origin.path, origin.digest)
+    if source and origin is not None and source["content"] != content:
         raise InputError(
             f"{place}: the model of {title}, or the generator, has changed since the result was "
-            "saved. Load the machine as it was, and give it as machine=; or read the numbers alone "
-            "with xarray.open_dataset."
+            f"saved, so that {origin.path} computes something else. Load the machine as it was, "
+            "and give it as machine=; or read the numbers alone with xarray.open_dataset."
         )
     return _result(mechanism, saved)
 
@@ -112,7 +115,8 @@ def _machine_of(path: Path, saved: dict[str, Any]) -> "Machine":
             f"{path}: the machine of {saved['title']} was not loaded from a model file. Give it: "
             "load_result(path, machine=...)."
         )
-    return load(source["model"], source["scene"])
+    folder = source["generated"] if Path(source["generated"]).is_dir() else None
+    return load(source["model"], source["scene"], generated=folder)
 
 
 def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":

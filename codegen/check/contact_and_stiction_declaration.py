@@ -1,4 +1,4 @@
-"""Checks of the sticking frictions and rigid contacts of a scene."""
+"""Checks of the sticking frictions, rigid contacts and freewheels of a scene."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -6,7 +6,7 @@ from itertools import combinations
 import sympy
 
 from codegen.check.expressions import all_problems
-from codegen.declare.element import Rigid, Sticking, label
+from codegen.declare.element import OneWay, Rigid, Sticking, label
 from codegen.declare.element_conditions import ROUNDING
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Time, Velocity, kinds
@@ -29,6 +29,11 @@ def contact_problems(model: Model, scene: Scene) -> list[str]:
             problems += _friction(where, terms.hold)
         elif isinstance(terms.hold, Rigid):
             problems += _contact(where, terms.hold)
+        elif isinstance(terms.hold, OneWay) and kinds(terms.hold.scale, Coordinate, Velocity, Time):
+            problems.append(
+                f"{where}: the typical torque {terms.hold.scale} varies in a run; give a number "
+                "or parameters."
+            )
     return [*problems, *_shared(scene, named)]
 
 
@@ -55,6 +60,13 @@ def _shared(scene: Scene, named: list[Named]) -> Iterator[str]:
     every = [(name, switch) for name, terms in named for switch in switches([(name, terms)])]
     for (first, one), (second, other) in combinations(every, 2):
         if other.g not in (one.g, -one.g):
+            continue
+        if "clutch" in (one.kind, other.kind):
+            if one.kind == other.kind and one.g == other.g:
+                yield (
+                    f"scene '{scene.name}': '{first}' and '{second}' are freewheels of one slip "
+                    f"{one.g}, whose torques no motion distinguishes; leave one of them out."
+                )
             continue
         where = f"scene '{scene.name}': '{first}' and '{second}'"
         if one.kind == other.kind == "contact":

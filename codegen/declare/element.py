@@ -194,6 +194,22 @@ class Rigid:
     scale: sympy.Expr  # F0, N, positive, of numbers and parameters
 
 
+@dataclass(frozen=True)
+class OneWay:
+    """A speed that cannot become negative: w ≥ 0, T ≥ 0, T w = 0.
+
+    The effect writes its force with the symbol ``side(name)``, σ = 0 where w > 0 and σ = 1 where
+    not, as that of the reaction `scale`; a run determines the multiple that keeps w at zero. A
+    speed that something else makes negative ends in an impact, w⁺ = 0.
+    """
+
+    slip: sympy.Expr  # w(t, q, q̇), m/s or rad/s
+    scale: sympy.Expr  # T0, N or N m, positive, of numbers and parameters
+
+
+Hold = Sticking | Rigid | OneWay
+
+
 class Element(Protocol):
     """The common part of joints, drivers and effects.
 
@@ -252,11 +268,11 @@ class Effect(Element, Protocol):
     """A force: brings a potential V or generalized forces Q.
 
     One that follows from a joint's reaction answers, besides, ``friction() -> FrictionLaw``; one
-    that sticks, or is a rigid contact, ``hold(bodies) -> Sticking | Rigid | None``; one whose
-    forces act along scalars ``pulls(bodies) -> ((s, f), ...)``; one that reports a force
-    ``reported(bodies) -> ((component, unit, value), ...)``; one whose lengths, forces and other
-    quantities a scene may name among its outputs ``measures(bodies) -> (Measure, ...)``; of others
-    these follow from the rest. `bodies` are those of the scene.
+    that sticks, is a rigid contact or a freewheel ``hold(bodies) -> Sticking | Rigid | OneWay |
+    None``; one whose forces act along scalars ``pulls(bodies) -> ((s, f), ...)``; one that reports
+    a force ``reported(bodies) -> ((component, unit, value), ...)``; one whose lengths, forces and
+    other quantities a scene may name among its outputs ``measures(bodies) -> (Measure, ...)``; of
+    others these follow from the rest. `bodies` are those of the scene.
     """
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
@@ -298,8 +314,8 @@ class Measure(NamedTuple):
     @property
     def row(self) -> str:
         """Its name among the components of its effect."""
-        if not self.component or self.quantity in ("force", "torque"):
-            return self.component or self.quantity
+        if not self.component or (self.quantity, self.unit) in (("force", "N"), ("torque", "N m")):
+            return self.component or self.quantity  # its unit says what it is
         return f"{self.quantity}.{self.component}"
 
 
@@ -307,7 +323,7 @@ class OptionalTerms(NamedTuple):
     """The terms that not every effect has."""
 
     friction: FrictionLaw | None
-    hold: Sticking | Rigid | None
+    hold: Hold | None
     pulls: Pulls
     reported: Reported
 
@@ -324,5 +340,6 @@ def label(element: object) -> str:
     return " ".join(filter(None, words))
 
 
-for _class in (Frame, Statement, JointReaction, ConjugateReaction, FrictionLaw, Sticking, Rigid):
+_LAWS = FrictionLaw, Sticking, Rigid, OneWay
+for _class in (Frame, Statement, JointReaction, ConjugateReaction, *_LAWS):
     immutable(error_boundary_class(_class, _class.__name__))

@@ -11,7 +11,7 @@ from typing import Any
 import sympy
 
 from codegen.condition_evaluation import ConditionRow, violated_conditions
-from codegen.declare.element import Rigid, Sticking, label
+from codegen.declare.element import Hold, OneWay, Rigid, Sticking, label
 from codegen.declare.symbols import Parameter, ParameterDeclaration, kinds
 from codegen.real_range import constant_value
 
@@ -100,8 +100,10 @@ def static_condition(kinetic: sympy.Expr, static: sympy.Expr | None) -> tuple[Co
     return (Condition(text, numbers),)
 
 
-def hold_conditions(hold: Sticking | Rigid | None) -> tuple[Condition, ...]:
-    """Of a friction that sticks, its static coefficient; of a rigid contact, its restitution."""
+def hold_conditions(hold: Hold | None) -> tuple[Condition, ...]:
+    """Of friction that sticks its static coefficient, of a rigid contact restitution and scale."""
+    if isinstance(hold, OneWay):
+        return sign_conditions(("typical torque", sympy.sympify(hold.scale), ""), positive=True)
     if isinstance(hold, Sticking):
         return static_condition(hold.kinetic, hold.static)
     if not isinstance(hold, Rigid):

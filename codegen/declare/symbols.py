@@ -75,6 +75,14 @@ class ModelSymbol(sympy.Symbol):  # type: ignore[misc]
         """Refuse it."""
         raise self._refusal(word, "deleted")
 
+    def __float__(self) -> float:
+        """Refused, as of any symbol, with what to write; `math.sin` and NumPy ask for it."""
+        raise TypeError(
+            f"{type(self).__name__} '{self.name}' has no value while a model is declared, and "
+            "math, numpy and float() need one. Take functions of sympy: sin, sqrt, Abs, Max, And, "
+            "Piecewise."
+        )
+
     def __gt__(self, other: Any) -> Any:
         """As of any symbol."""
         return self._compared(other, super().__gt__, sympy.StrictGreaterThan)
@@ -256,7 +264,7 @@ def own_coordinate(letter: str, text: str) -> Coordinate:
 
 
 def side(name: str) -> Side:
-    """The side on which the effect of that name acts, as its `Sticking` or `Rigid` says."""
+    """The side on which the effect of that name acts, as its `hold` says."""
     return Side(f"{name}_side", real=True)
 
 

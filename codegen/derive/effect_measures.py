@@ -8,8 +8,9 @@ from codegen.declare import element as el
 from codegen.declare.body import Body
 from codegen.declare.return_values.effects import measures_of, optional_terms, potential_of
 from codegen.declare.scene import Scene
-from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
+from codegen.declare.symbols import SPEED
 from codegen.derive.effect_terms import EffectTerms, effect_terms, measured
+from codegen.elements.forces.scalar_measures import is_angle, is_length
 
 _WORD = {"N": "force", "N m": "torque"}  # unit → quantity
 
@@ -36,9 +37,10 @@ def effect_measures(
 def available_quantities(terms: EffectTerms, measures: tuple[el.Measure, ...]) -> set[str]:
     """Quantities of an effect that a scene may name, also those that it reports unasked."""
     units = {unit for _, unit, _ in terms.reported}
+    named = {component for component, *_ in terms.reported if component in el.QUANTITIES}
     if terms.friction is not None:
         units |= {terms.friction.unit, "N"}
-    return {m.quantity for m in measures} | {_WORD[unit] for unit in units & {*_WORD}}
+    return named | {m.quantity for m in measures} | {_WORD[unit] for unit in units & {*_WORD}}
 
 
 def terms_in_scene(effect: el.Effect, scene: Scene, bodies: tuple[Body, ...]) -> EffectTerms | None:
@@ -71,8 +73,8 @@ def _derived(
     pulls = optional_terms(effect, bodies).pulls
     if len(pulls) == 1 and not terms.loads and potential_of(effect, bodies) is None:
         ((s, force),) = pulls
-        turns = _is_angle(s)
-        if turns or _is_length(s):
+        turns = is_angle(s)
+        if turns or is_length(s):
             word, unit = ("angle", "rad") if turns else ("length", "m")
             exerted, force_unit = ("torque", "N m") if turns else ("force", "N")
             return (
@@ -90,31 +92,4 @@ def _derived(
         for q in rows
         for unit in (q.measure.force_unit,)
         if forces[q] != 0
-    )
-
-
-def _is_angle(scalar: sympy.Expr) -> bool:
-    """Whether a scalar is a sum and difference of angles, as that of a torsion spring is."""
-    moved = kinds(scalar, Coordinate)
-    return (
-        bool(moved)
-        and not kinds(scalar, Velocity, Time)
-        and all(q.unit == "rad" and abs(sympy.diff(scalar, q)) == 1 for q in moved)
-    )
-
-
-def _is_length(scalar: sympy.Expr) -> bool:
-    """Whether a scalar is known to be in m: a sum of lengths, or the root of a sum of squares.
-
-    A length x enters a sum with ∂s/∂x = ±1, and a sum of squares s² with ∂²s²/∂x² = 2.
-    """
-    moved = kinds(scalar, Coordinate)
-    if kinds(scalar, Velocity) or not any(q.unit == "m" for q in moved):
-        return False
-    rest = scalar.as_independent(*moved, as_Add=True)[1]
-    root = rest.is_Pow and rest.exp == sympy.S.Half
-    return all(
-        (sympy.diff(rest.base, q, 2) == 2) if root else (abs(sympy.diff(rest, q)) == 1)
-        for q in moved
-        if q.unit == "m"
     )

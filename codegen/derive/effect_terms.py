@@ -47,7 +47,7 @@ class EffectTerms:
     # for ṡ
     pulls: tuple[tuple[sympy.Expr, sympy.Expr], ...] = ()
     friction: FrictionTerms | None = None  # the force that follows from a joint's reaction
-    hold: el.Sticking | el.Rigid | None = None  # how it keeps its switching function at zero
+    hold: el.Hold | None = None  # how it keeps its switching function at zero
     reported: tuple[tuple[str, str, sympy.Expr], ...] = ()  # (component, unit, value) of its forces
     # the quantities of the effect that the scene names among its outputs
     measures: tuple[el.Measure, ...] = ()
@@ -126,9 +126,7 @@ def measured(measure: el.Measure) -> el.Measure:
     return measure._replace(value=value, along=tables_by_branches(measure.along))
 
 
-def _friction(
-    effect: str, law: el.FrictionLaw, law_at_rest: el.Sticking | el.Rigid | None
-) -> FrictionTerms:
+def _friction(effect: str, law: el.FrictionLaw, law_at_rest: el.Hold | None) -> FrictionTerms:
     direction = tuple((q, derivative(law.along, q)) for q in kinds(law.along, Coordinate))
     slip = sympy.Add(*(slope * q.rate for q, slope in direction), derivative(law.along, t))
     direction_of_slip = side(effect) if law.creep is None else sympy.tanh(slip / law.creep)

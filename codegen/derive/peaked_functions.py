@@ -13,6 +13,7 @@ import sympy
 
 from codegen.declare.symbols import Coordinate, Parameter, Time
 from codegen.declare.table_function import Interpolant
+from codegen.derive.element_expressions import element_expressions
 from codegen.derive.piecewise_conditions import (
     STEPS,
     as_pieces,
@@ -31,6 +32,7 @@ Kind = Literal["exponential", "step", "power"]
 
 _STEPS = (sympy.tanh, sympy.atan)
 _PARTS_OF_STEPS = (sympy.cosh, sympy.sinh)  # below a fraction's line
+_FUNCTIONS = (sympy.Pow, sympy.log, *_STEPS, *_PARTS_OF_STEPS, sympy.exp)  # that may peak
 _HIGH = 16  # measured: (1 - x²)^8 has a width of 0.3, which the error of a step shows
 
 
@@ -53,7 +55,7 @@ def peaked_functions(
 ) -> tuple[PeakedFunction, ...]:
     """The functions of constraints, potentials and forces that may peak, each argument once."""
     found: dict[tuple[Kind, bool, sympy.Expr], PeakedFunction] = {}
-    for element, expression in _expressions(constraints, effects):
+    for element, expression, _ in element_expressions(constraints, effects, _FUNCTIONS):
         for function in _functions(element, expression):
             if not _is_translatable(function.argument, switches):
                 continue
@@ -62,22 +64,6 @@ def peaked_functions(
             if known is None or abs(known.exponent) < abs(function.exponent):
                 found[key] = function
     return tuple(found.values())
-
-
-def _expressions(
-    constraints: Iterable["ConstraintEquations"], effects: Iterable["EffectEquations"]
-) -> Iterator[tuple[str, sympy.Expr]]:
-    """The expressions in which peaks are looked for, by coordinates, each with its element."""
-    for constraint in constraints:
-        bindings = constraint.statement.bindings
-        for expression in (*constraint.terms.phi, *bindings.values()):
-            if expression.has(sympy.Pow, sympy.log, *_STEPS, *_PARTS_OF_STEPS, sympy.exp):
-                yield constraint.name, expression.xreplace(bindings)
-    for effect in effects:
-        terms = effect.terms
-        forces = (*(f for pair in terms.pulls for f in pair), *(f for _, f in terms.loads))
-        for expression in (*forces, *([] if terms.potential is None else [terms.potential])):
-            yield effect.name, expression
 
 
 def _functions(element: str, expression: sympy.Basic) -> Iterator[PeakedFunction]:

@@ -1,4 +1,4 @@
-"""The switching functions of a scene: of conditions, frictions that stick, rigid contacts."""
+"""Switching functions of a scene: conditions, frictions that stick, contacts, freewheels."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -8,7 +8,7 @@ from typing import Literal
 import sympy
 from sympy.core.relational import Relational
 
-from codegen.declare.element import Rigid, Sticking
+from codegen.declare.element import Hold, OneWay, Rigid, Sticking
 from codegen.declare.symbols import Acceleration, Coordinate, Side, Velocity, kinds, side, t
 from codegen.declare.table_function import Interpolant
 from codegen.derive.effect_terms import EffectTerms
@@ -32,11 +32,16 @@ class Switch:
     text: str  # the condition that holds where g > 0
     g: sympy.Expr
     rate: sympy.Expr
-    # A "friction" holds g = 0 by forces between those of both modes, a "contact" by a reaction; all
-    # else is a "condition".
-    kind: Literal["condition", "friction", "contact"] = "condition"
+    # A "friction" holds g = 0 by forces between those of both modes, a "contact" and a "clutch" by
+    # a reaction; all else is a "condition".
+    kind: Literal["condition", "friction", "contact", "clutch"] = "condition"
     ratio: sympy.Expr | None = None  # of a friction: μ_s/μ, where it is not 1
     boundary: Boundary = Boundary.OPEN  # what holds where the motion stays on g = 0
+
+    @property
+    def alone(self) -> bool:
+        """Whether a reaction scales the force of this effect alone."""
+        return self.kind in ("contact", "clutch")
 
     @property
     def at_zero(self) -> str:
@@ -97,7 +102,8 @@ def switches(effects: Sequence[Named]) -> tuple[Switch, ...]:
     """The switching functions of the effects of a scene, (name, terms) each.
 
     One switch a condition: a condition and its opposite share it, and so does a friction whose
-    slip changes sign with them. A contact has its own, since a reaction scales its force alone.
+    slip changes sign with them. Contacts and freewheels have their own, since a reaction scales
+    their force alone.
     """
     contacts, others = list[Switch](), list[Switch]()
     for name, terms in effects:
@@ -124,13 +130,14 @@ def labelled(
     )
 
 
-def _add_hold(
-    name: str, hold: Sticking | Rigid | None, contacts: list[Switch], others: list[Switch]
-) -> None:
-    """Add the switch of a contact or of a friction that sticks."""
+def _add_hold(name: str, hold: Hold | None, contacts: list[Switch], others: list[Switch]) -> None:
+    """Add the switch of a contact, of a freewheel or of a friction that sticks."""
     if isinstance(hold, Rigid):
         g = hold.gap
         contacts.append(Switch(name, f"{g} > 0", g, rate(g), "contact"))
+    elif isinstance(hold, OneWay):
+        g = hold.slip
+        others.append(Switch(name, f"{g} > 0", g, rate(g), "clutch"))
     elif isinstance(hold, Sticking) and _same(hold.slip, others) is None:
         g = hold.slip
         ratio = None if hold.static is None else hold.static / hold.kinetic
@@ -161,7 +168,7 @@ def find_switch(
     switch whose conditions do not agree is MIXED. Any other conditions of a scene have a switch.
     """
     for k, switch in enumerate(among):
-        if switch.kind != "contact" and switch.g in (g, -g):
+        if not switch.alone and switch.g in (g, -g):
             opposite = switch.g != g
             agreed = at_zero.of_opposite() if opposite else at_zero
             indifferent = Boundary.INDIFFERENT in (agreed, switch.boundary)
@@ -172,9 +179,9 @@ def find_switch(
 
 def side_values(effects: Sequence[Named], among: tuple[Switch, ...]) -> tuple[SideValue, ...]:
     """The sides of the effects that hold, in their order."""
-    numbers, sides = _of_contacts(among), []
+    numbers, sides = _alone(among), []
     for name, terms in effects:
-        if isinstance(terms.hold, Rigid):
+        if isinstance(terms.hold, Rigid | OneWay):
             sides.append(SideValue(side(name), numbers[name], 0, 1))
         elif isinstance(terms.hold, Sticking):
             same = _same(terms.hold.slip, among)
@@ -205,7 +212,7 @@ def stiction(effects: Sequence[Named], among: tuple[Switch, ...]) -> tuple[tuple
 def prescribed_shares(
     effects: Sequence[Named], among: tuple[Switch, ...]
 ) -> tuple[tuple[str, int], ...]:
-    """(effect, switch) of the contacts and given frictions whose share α kernels take in mode 2.
+    """(effect, switch) of reactions and given frictions whose share α kernels take in mode 2.
 
     Beside a friction that follows from a reaction, and is no linear function of what keeps other
     functions at zero, superposition does not do. What switches with a condition has no force of
@@ -223,7 +230,7 @@ def prescribed_shares(
 
 def rigid_contacts(effects: Sequence[Named], among: tuple[Switch, ...]) -> tuple[RigidContact, ...]:
     """The rigid contacts, in the order of the effects."""
-    numbers = _of_contacts(among)
+    numbers = _alone(among)
     return tuple(
         RigidContact(
             name, numbers[name], t in c.gap.free_symbols, rate(rate(c.gap)), c.restitution, c.scale
@@ -233,15 +240,15 @@ def rigid_contacts(effects: Sequence[Named], among: tuple[Switch, ...]) -> tuple
     )
 
 
-def _of_contacts(among: Sequence[Switch]) -> dict[str, int]:
-    """Rigid contact → number of its switch."""
-    return {s.effect: k for k, s in enumerate(among) if s.kind == "contact"}
+def _alone(among: Sequence[Switch]) -> dict[str, int]:
+    """Rigid contact or freewheel → number of its switch."""
+    return {s.effect: k for k, s in enumerate(among) if s.alone}
 
 
 def _same(g: sympy.Expr, among: Sequence[Switch]) -> tuple[int, bool] | None:
-    """Number of the switch with g or -g that is no contact's, and whether it is -g."""
+    """Number of the switch with g or -g that others may share, and whether it is -g."""
     for k, switch in enumerate(among):
-        if switch.kind != "contact" and switch.g in (g, -g):
+        if not switch.alone and switch.g in (g, -g):
             return k, switch.g != g
     return None
 

@@ -4,13 +4,14 @@ A switch ends a simulation where an effect's table does (`codegen.derive.piecewi
 other analyses, and tables of motion laws and constraints, have no number beyond.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
 import sympy
 
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
 from codegen.declare.table_function import Interpolant
+from codegen.derive.element_expressions import element_expressions
 from codegen.derive.switching_functions import rate
 
 if TYPE_CHECKING:
@@ -32,28 +33,12 @@ def table_ranges(
 ) -> tuple[TableRange, ...]:
     """The tables of constraints and effects that a motion may leave, each use once."""
     found: dict[TableRange, None] = {}
-    for element, expression in _expressions(constraints, effects):
-        for node in sorted(expression.atoms(Interpolant), key=str):
+    for element, expression, along in element_expressions(constraints, effects):
+        moved = along is not None and expression.has(SPEED)
+        taken = expression.xreplace({SPEED: rate(along)}) if moved else expression
+        for node in sorted(taken.atoms(Interpolant), key=str):
             table = node.table
             moves = kinds(node.at, Coordinate, Velocity, Time)
             if table.stops and table.role in ("values", "end") and moves:
                 found[TableRange(element, table.name, node.at, table.first, table.last)] = None
     return tuple(found)
-
-
-def _expressions(
-    constraints: Iterable["ConstraintEquations"], effects: Iterable["EffectEquations"]
-) -> Iterator[tuple[str, sympy.Expr]]:
-    """Expressions by coordinates, velocities and the time, each with its element."""
-    for constraint in constraints:
-        bindings = constraint.statement.bindings
-        for expression in (*constraint.terms.phi, *bindings.values()):
-            yield constraint.name, expression.xreplace(bindings)
-    for effect in effects:
-        terms = effect.terms
-        for scalar, force in terms.pulls:
-            yield effect.name, scalar
-            yield effect.name, force.xreplace({SPEED: rate(scalar)}) if force.has(SPEED) else force
-        yield from ((effect.name, force) for _, force in terms.loads)
-        if terms.potential is not None:
-            yield effect.name, terms.potential

@@ -189,9 +189,8 @@ class SceneGraph:
                     stored = self.moving.jet(energy).first.value()
                     self.working[effect.name] = graph.sub(power, stored)
                 for part, unit, value in terms.reported:
-                    reaction = Reaction(
-                        effect.name, part, unit, self.translate(value), _words(unit)
-                    )
+                    words = _words(unit, part)
+                    reaction = Reaction(effect.name, part, unit, self.translate(value), words)
                     self.reactions.append(reaction)
                 for measure in terms.measures:
                     self._measure(effect.name, measure)
@@ -294,6 +293,7 @@ class SceneGraph:
         return self.graph.power(self.graph.dot(vector, vector), 0.5)
 
 
-def _words(unit: str) -> tuple[str, ...]:
-    """The outputs of which a component that an effect reports is a part, by its unit."""
-    return ("reaction", *{"N": ("force",), "N m": ("torque",)}.get(unit, ()))
+def _words(unit: str, part: str = "") -> tuple[str, ...]:
+    """The outputs of which a component that an effect reports is a part, by its unit or name."""
+    named = (part,) if part in ("force", "torque") else ()
+    return ("reaction", *{"N": ("force",), "N m": ("torque",)}.get(unit, named))

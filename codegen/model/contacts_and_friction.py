@@ -43,7 +43,8 @@ class Contacts(Declarations):
         gap
             Instead of points: g itself, in m, an expression of coordinates, parameters and t.
         may_pull
-            False cuts the damper off where it would hold the bodies together.
+            False cuts the damper off where it would hold the bodies together, which tyres, balls
+            and all other surfaces that do not stick need; True is the plain law k g + c ġ.
         restitution
             Instead of stiffness and damping: e of a rigid contact, from 0 to 1.
         typical_force

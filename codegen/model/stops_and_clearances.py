@@ -6,10 +6,10 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.symbols import Coordinate
 from codegen.elements.forces.clearance_joint import ClearanceJoint
 from codegen.elements.forces.joint_coordinate import JOINTS, joint_coordinate
 from codegen.elements.forces.rigid_contact import RigidContact
+from codegen.elements.forces.scalar_measures import unit_of
 from codegen.elements.forces.stop import Stop, limit_conditions, stop_problems
 from codegen.model.base import Declarations, Place
 from codegen.plain_values import shown
@@ -144,8 +144,7 @@ class Limits(Declarations):
             )
             return sympy.S.One, "", ()
         s = self._value(of, "", f"coordinate of {where}")
-        unit = s.unit if isinstance(s, Coordinate) and s.unit in ("m", "rad") else ""
-        return s, unit, self._bodies_in(s)
+        return s, unit_of(s), self._bodies_in(s)
 
 
 def _gap_of_both(s: sympy.Expr, lower: sympy.Expr | None, upper: sympy.Expr | None) -> sympy.Expr:

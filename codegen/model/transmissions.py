@@ -63,7 +63,8 @@ class Transmissions(Declarations):
         crossed
             Whether the belt is crossed, and turns the pulleys in opposite directions.
         offset
-            R_j (φ_j - φ_c) - R_i (φ_i - φ_c) as the belt was laid on, m (+ R_i if it is crossed).
+            s0 in m: R_j (φ_j - φ_c) - R_i (φ_i - φ_c) as the belt was laid on. Crossed, R_i counts
+            as negative.
         """
         where = f"belt '{name}'"
         wheels, (start, joints) = self._wheels(where, i, j, carrier, radius_i, radius_j, offset)
@@ -92,7 +93,7 @@ class Transmissions(Declarations):
         crossed
             Whether the belt is crossed, and turns the pulleys in opposite directions.
         offset
-            R_j (φ_j - φ_c) - R_i (φ_i - φ_c) of the idle belt, m (+ R_i if it is crossed).
+            R_j (φ_j - φ_c) - R_i (φ_i - φ_c) of the idle belt, m. Crossed, R_i counts as negative.
         """
         where = f"elastic belt '{name}'"
         wheels, laid = self._wheels(where, i, j, carrier, radius_i, radius_j, offset)
@@ -183,20 +184,23 @@ class Transmissions(Declarations):
         start = self._value(offset, "m", f"offset of '{name}'")
         return self._declare(RollingDisc(name, *self._pair(name, disc, line), size, along, start))
 
-    def one_way_clutch(self, name: str, driver: Body, driven: Body, capacity: Any) -> Effect:
+    def one_way_clutch(self, name: str, driver: Body, driven: Body, capacity: Any = None) -> Effect:
         """A freewheel: `driver` turns `driven` counter-clockwise, which may overrun it.
+
+        It is rigid: while it grips, both have one speed, and where something would make the driver
+        faster at an instant, as a start or the impact of a contact, an impact gives them one.
 
         Parameters
         ----------
         driver, driven
             The bodies i and j of ω_j - ω_i ≥ 0; for a clutch that drives clockwise exchange them.
         capacity
-            T_c in N m, the torque at which the clutch slips.
+            T_c in N m, the torque at which the clutch slips; None: it never does.
         """
         where = f"one-way clutch '{name}'"
         advice = "a clutch couples two bodies that turn."
         first, second = (self._body(where, body, advice) for body in (driver, driven))
-        most = self._value(capacity, "N m", f"capacity of {where}", "positive")
+        most = self._optional(capacity, "N m", f"capacity of {where}", "positive")
         return self._declare(OneWayClutch(name, first, second, most))
 
     def _wheels(

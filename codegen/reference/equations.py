@@ -25,8 +25,12 @@ HELD = {
         "σ is 0 where {g} is positive, in mode 1, and 1 in mode 0. While the contact is closed, "
         "{g} = 0, σ is the number from 0 to infinity that keeps it so."
     ),
+    "clutch": (
+        "σ is 0 where {g} is positive, in mode 1, and 1 in mode 0. While the clutch grips, "
+        "{g} = 0, σ is the number from 0 to infinity that keeps it so."
+    ),
 }
-"""The meaning of the symbol of a friction or contact."""
+"""The meaning of the symbol of a friction, contact or freewheel."""
 
 SIZE = r"\left|\sigma\right|_{\max}"
 

@@ -119,8 +119,7 @@ motor
     omega_0 = model.parameter("omega_0", 300.0, unit="rad/s")
     model.motor("motor", on=j, from_=i, stall_torque=T_s, no_load_speed=omega_0)
 one-way clutch
-    T_c = model.parameter("T_c", 40.0, unit="N m")
-    model.one_way_clutch("freewheel", driver=i, driven=j, capacity=T_c)
+    model.one_way_clutch("freewheel", driver=i, driven=j)
 potential
     model.potential("pendulum", 20 * (1 - cos(i.phi)))
 rigid contact

@@ -64,8 +64,13 @@ _CONDITION = re.compile(
 _PARAMETERS = signature(_options).parameters
 
 
-def with_run_options(command: Callable[..., None]) -> Callable[..., None]:
-    """The command with these options in place of its `**run`, of which they are the words."""
+def with_run_options(
+    command: Callable[..., None], *, without: tuple[str, ...] = ()
+) -> Callable[..., None]:
+    """The command with these options in place of its `**run`, of which they are the words.
+
+    Those that the command has itself, and those `without`, are left out.
+    """
 
     @wraps(command)
     def taking(*arguments: Any, **options: Any) -> None:
@@ -73,7 +78,9 @@ def with_run_options(command: Callable[..., None]) -> Callable[..., None]:
 
     about = signature(command)
     own = [p for p in about.parameters.values() if p.kind is not Parameter.VAR_KEYWORD]
-    more = [p.replace(kind=Parameter.KEYWORD_ONLY) for p in _PARAMETERS.values()]
+    left_out = {*about.parameters, *without}
+    more = [p for p in _PARAMETERS.values() if p.name not in left_out]
+    more = [p.replace(kind=Parameter.KEYWORD_ONLY) for p in more]
     own = [p.replace(kind=Parameter.KEYWORD_ONLY) for p in own]
     taking.__signature__ = about.replace(parameters=[*own, *more])  # type: ignore[attr-defined]
     kinds = {p.name: p.annotation for p in (*own, *more)}

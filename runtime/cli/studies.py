@@ -1,9 +1,10 @@
 """`python -m runtime matters` and `python -m runtime accuracy`: the studies of a scene."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from runtime.cli import common
 from runtime.cli.common import (
@@ -18,6 +19,7 @@ from runtime.cli.common import (
     Values,
     option,
 )
+from runtime.cli.run_options import with_run_options, words
 
 if TYPE_CHECKING:
     from runtime.studies.effect_ranking import Matters
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 Answer = TypeVar("Answer", "Matters", "WorkPrecision")
 
 
+@partial(with_run_options, without=("accuracy",))
 def matters(
     model: Model,
     quantity: Annotated[
@@ -57,7 +60,7 @@ def matters(
         int | None, option("Timed runs of each scene; the least time counts.")
     ] = None,
     out: Annotated[Path | None, option("Picture: .png, .svg or .pdf.")] = None,
-    as_json: Json = False,
+    as_json: Json = False, **run: Any,
 ) -> None:  # fmt: skip
     """Effect ranking: the scene without each of its effects, the change and the saving."""
     from runtime.studies.effect_ranking import matters as rank_effects
@@ -68,7 +71,8 @@ def matters(
             model, scene, asked=quantity, t_end=t_end, t_start=t_start, error=error,
             analysis=analysis, fidelities=fidelities, method=method, formulation=formulation,
             rtol=rtol, points=points, rounds=rounds, generated=generated,
-            progress=common.write_line, **common.start_values(settings, guess, start),
+            progress=common.write_line, **words(run),
+            **common.start_values(settings, guess, start),
         )  # fmt: skip
 
     ranking = _answer(study, picture, out, as_json)
@@ -79,6 +83,7 @@ def matters(
         show((table(ranking),), sentences(ranking))
 
 
+@partial(with_run_options, without=("accuracy", "rtol", "correction"))
 def accuracy(
     model: Model, scene: Scene = None,
     quantity: Annotated[
@@ -117,7 +122,7 @@ def accuracy(
     out: Annotated[
         Path | None, option("Folder for the picture and the runs as JSON lines.")
     ] = None,
-    as_json: Json = False,
+    as_json: Json = False, **run: Any,
 ) -> None:  # fmt: skip
     """Work-precision: digits against time, by method, formulation and modelling choice."""
     from runtime.integrate.method import METHODS
@@ -131,7 +136,8 @@ def accuracy(
             methods=tuple(method or METHODS), formulations=tuple(formulation or FORMULATIONS),
             points=points, reference=reference, modelling=modelling, beside=tuple(beside or ()),
             building=building, quick=quick, limit=limit, generated=generated,
-            progress=common.write_line, **common.start_values(settings, guess, start),
+            progress=common.write_line, **words(run),
+            **common.start_values(settings, guess, start),
         )  # fmt: skip
 
     diagram = _answer(study, picture, out, as_json)

@@ -39,6 +39,7 @@ MODIFIED = TABLE.number("modified")  # not 0: the right-hand side is not the ker
 SLIDING_COUNT = TABLE.number("sliding_count")  # functions in sliding mode
 STABILIZED = TABLE.number("stabilized")  # 1: constraints are stabilized by Baumgarte's terms
 PEAKS = TABLE.number("peaks")  # functions of the position that may peak within a step
+STATES = TABLE.number("states")  # states of first order that no clock renews
 SAMPLED = TABLE.number("sampled")  # values that clocks renew
 WATCHED = TABLE.number("watched_count")  # conditions that are watched
 CONTROLLERS = TABLE.number("controllers")  # those among them that Python computes
@@ -144,7 +145,7 @@ TABLE.floats("loop_nearness", (7, LOOPS))
 TABLE.integers("rigid", SWITCHES)  # number of the rigid contact, or -1
 TABLE.floats("spreads", SWITCHES)
 TABLE.floats("share share_low share_high", SWITCHES)
-TABLE.integers("sticks", SWITCHES)  # 1: friction that sticks
+TABLE.integers("sticks", SWITCHES)  # a `Hold`
 TABLE.integers("boundary", SWITCHES)  # a `Boundary`
 TABLE.integers("table_part", SWITCHES)  # a `TablePart`
 TABLE.integers("limits", (2, SWITCHES))  # rows of a force and of its bound, or -1
@@ -172,6 +173,9 @@ TABLE.floats("reaction base_reaction unit_reaction", REACTION_ROWS)  # the first
 TABLE.integers("peak_kinds", PEAKS)
 TABLE.floats("peak_exponents", PEAKS)
 TABLE.matrix("peak_rows", (8, None), PEAKS)  # u, du/dt at both ends, between
+
+TABLE.integers("state_columns", STATES)  # of the velocities that they are
+TABLE.floats("state_direction", STATES)  # in sizes, in which their rates change fastest
 
 # Values that clocks renew: see `integrate.sampled_values`.
 TABLE.integers("sampled_columns sample_triggers due", SAMPLED)

@@ -45,6 +45,8 @@ _FLOATS += [
     "end",  # instant at which it ends
     "reach",  # its length without the event
     "next_length",  # of the step after it
+    "followed",  # length of a step in which the fastest state of first order does not grow
+    "radius",  # factor by which the rates of these states grew in its iteration; 0: not known
     "foresight",  # change of the coordinates, in their sizes, over which one is looked for
     "energy",  # T + V at the start of the next step, J; NaN: not known
     "power",  # of all effects and drivers there, W

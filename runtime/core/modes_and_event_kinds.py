@@ -8,9 +8,9 @@ class Mode(IntEnum):
     """The mode of a switching function g, frozen within a step; an input of the kernels."""
 
     OFF = 0  # g ≤ 0
-    ON = 1  # g > 0, or an open rigid contact
-    # Motion stays on g = 0: sliding mode, sticking friction, or a closed contact. To kernels it
-    # says of mixed conditions that each holds as it is written.
+    ON = 1  # g > 0, an open rigid contact, a freewheel that overruns
+    # Motion stays on g = 0: sliding mode, sticking friction, a closed contact or a freewheel that
+    # grips. To kernels it says of mixed conditions that each holds as it is written.
     SLIDING = 2
     FREE = 3  # of friction with an unknown stiction force: it exerts none, and does not stick
 
@@ -23,6 +23,15 @@ class Boundary(IntEnum):
     CLOSED = 1  # it holds, as g ≥ 0
     BALANCED = 2  # the mean of both sides, as in sign and Heaviside
     MIXED = 3  # several on one velocity do not agree, and each holds as it is written
+
+
+@unique
+class Hold(IntEnum):
+    """What may hold a switching function of velocities at g = 0, in mode 2."""
+
+    NONE = 0  # both modes, by their share
+    FRICTION = 1  # friction that sticks
+    ONE_WAY = 2  # a freewheel: never g < 0, and a force as large as needed, never negative
 
 
 @unique
@@ -50,4 +59,5 @@ class Direction(IntEnum):
 SLIDING, FREE = int(Mode.SLIDING), int(Mode.FREE)
 OPEN, CLOSED = int(Boundary.OPEN), int(Boundary.CLOSED)
 BALANCED, MIXED = int(Boundary.BALANCED), int(Boundary.MIXED)
+ONE_WAY = int(Hold.ONE_WAY)
 KNOTS, RANGE = int(TablePart.KNOTS), int(TablePart.RANGE)

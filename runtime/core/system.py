@@ -17,6 +17,7 @@ class System(Kernels):
     switches: int = 0  # s
     rigid: tuple[int, ...] = ()  # switching functions that are gaps of rigid contacts
     sticking: tuple[int, ...] = ()  # switching functions that are slips of frictions that stick
+    one_way: tuple[int, ...] = ()  # switching functions that are slips of freewheels
     boundaries: tuple[int, ...] = ()  # of the switching functions, a `Boundary` each; none: open
     table_parts: tuple[int, ...] = ()  # of the switching functions, a `TablePart` each; none: 0
     reaction_rows: int = 0
@@ -40,6 +41,7 @@ class System(Kernels):
     linear_reactions: bool = True  # in multipliers: no friction follows from them
     # constraints of which none follows from others everywhere; None: all
     independent: tuple[int, ...] | None = None
+    states: tuple[int, ...] = ()  # velocities that are states of first order
     sampled: tuple[int, ...] = ()  # velocities that a clock renews
     sampled_names: tuple[str, ...] = ()
     # of each of them the condition that renews it, -1: a clock

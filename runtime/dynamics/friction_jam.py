@@ -16,6 +16,7 @@ from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import Description
+from runtime.mechanism.one_sided_impact import rate_rows
 
 # What a run meets first on its way into a jam, where the multipliers grow without bound.
 _WAYS_IN = {
@@ -52,7 +53,8 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
     """
     description, named = mechanism.description, run.outcome is not Outcome.SINGULAR
     rubs = any(row.kind == "friction" for row in description.effects)
-    if run.outcome not in _WAYS_IN or (named and run.index >= 0) or not (rubs or description.rigid):
+    holds = rubs or description.rigid or mechanism.system.one_way
+    if run.outcome not in _WAYS_IN or (named and run.index >= 0) or not holds:
         return run
     equations, (t, q, v) = Equations(mechanism, p), (run.final_t, run.final_q, run.final_v)
     locked = _describe_lock_up(equations, run)
@@ -79,35 +81,21 @@ def _describe_lock_up(equations: Equations, run: Trajectory) -> str:
     """Sentences where friction that sticks, and contacts, lock the machine up; empty otherwise."""
     system, switches = equations.mechanism.system, equations.description.switches
     kept = np.flatnonzero(run.final_modes == SLIDING).tolist()
-    kept = [k for k in kept if k in system.sticking or k in system.rigid]
+    kept = [k for k in kept if k in (*system.sticking, *system.rigid, *system.one_way)]
     if not kept:
         return ""
     t, q = run.final_t, run.final_q
     scale = equations.scale(equations.size(t, q))
     joints = _unit_rows(equations.jacobian(t, q) * scale)[equations.independent]
-    both = np.vstack([joints, _unit_rows(_rate_rows(equations, t, q)[kept] * scale)])
+    both = np.vstack([joints, _unit_rows(rate_rows(equations, t, q)[kept] * scale)])
     if not np.isfinite(both).all() or not 0.0 < _least(both) < min(_LOST, _OWN * _least(joints)):
         return ""
     rubs = [switches[k].name for k in kept if k in system.sticking]
     shut = [switches[k].name for k in kept if k in system.rigid]
     words = [f"friction {name}" for name in rubs] + [f"contact {name}" for name in shut]
+    words += [f"one-way clutch {switches[k].name}" for k in kept if k in system.one_way]
     grows = ", and what friction may exert grows with them" if rubs else ""
     return _LOCKED.format(f"{' and '.join(words)} keep{'s' if len(words) == 1 else ''}", grows)
-
-
-def _rate_rows(equations: Equations, t: float, q: FloatArray) -> FloatArray:
-    """By velocities, (s, n): derivatives of slips, and of the rates of gaps."""
-    rest, count = np.zeros(equations.n), len(equations.description.switches)
-    rigid, rates = list(equations.mechanism.system.rigid), equations.kernels.switching_rates
-
-    def values(v: FloatArray) -> FloatArray:
-        found, rate = equations.switching(t, q, v), np.zeros(count)
-        rates(t, q, v, rest, equations.p, rate)
-        found[rigid] = rate[rigid]
-        return found
-
-    start = values(rest)
-    return np.array([values(one) - start for one in np.eye(equations.n)]).T
 
 
 def _unit_rows(matrix: FloatArray) -> FloatArray:

@@ -44,14 +44,13 @@ def joined(
             for columns in zip(*pieces, strict=True)
         )
     )
-    last = results[-1]
+    last, stats = results[-1], _totals([result.stats for result in results])
+    end = last.message.replace(_in_steps(last.stats), _in_steps(stats), 1)
     values = {name: value for one in results for name, value in one.parameters.items()}
     parameters = np.array([values[row.name] for row in description.parameters])
-    stats = _totals([result.stats for result in results])
     result = Result(
         description, samples, parameters, analysis=last.analysis, outcome=last.outcome,
-        message=" ".join(filter(None, (sentences(passed), _with_all_steps(last, stats)))),
-        stats=stats,
+        message=" ".join(filter(None, (sentences(passed), end))), stats=stats,
         events=[event for result in results for event in result.events],
         partitions=[one for result in results for one in result.partitions],
         not_unique=tuple(dict.fromkeys(n for result in results for n in result.not_unique)),
@@ -74,6 +73,11 @@ def joined(
     if since > -np.inf:
         keep(result, result.t >= since, since, np.inf)
     return result
+
+
+def _in_steps(stats: Mapping[str, float]) -> str:
+    """What the message of a run says of its steps."""
+    return f" in {counted(int(stats['steps']), 'step')}."
 
 
 def _union(descriptions: Sequence[Description]) -> Description:
@@ -127,12 +131,6 @@ def _totals(stats: Sequence[Mapping[str, float]]) -> dict[str, float]:
     }
 
 
-def _with_all_steps(last: Result, stats: Mapping[str, float]) -> str:
-    """The message of the last run, in which the steps are those of all."""
-    own, total = (counted(int(one["steps"]), "step") for one in (last.stats, stats))
-    return last.message.replace(f" s in {own}.", f" s in {total}.", 1)
-
-
 @dataclass(frozen=True)
 class JoinedMotion:
     """The motions behind a joined result."""
@@ -156,9 +154,17 @@ class JoinedMotion:
         """The end that was asked for, s."""
         return max(motion.t_end for motion in self._motions)
 
+    def _motion_at(self, t: float) -> Motion:
+        """The motion at an instant of the span, s; at a change of joints the one before it."""
+        return next((m for m in self._motions if t <= m.span[1]), self._motions[-1])
+
     def sampled(self, t: float) -> bool:
         """Whether clocks have renewed what is due in the state at an instant of the span, s."""
-        return next((m for m in self._motions if t <= m.span[1]), self._motions[-1]).sampled(t)
+        return self._motion_at(t).sampled(t)
+
+    def scene(self, t: float) -> str:
+        """The scene whose joints act at an instant of the span, s."""
+        return self._motion_at(t).scene(t)
 
     def discrete(self, result: Result, t: float) -> DiscreteState | None:
         """Where clocks and watched conditions stand at an instant; at a change just before it."""

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from codegen.errors import AnalysisError, InputError
+from codegen.generated_module_signature_and_import import content_hash
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.driven_motion_past_kinks import follow_past_kinks
 from runtime.dynamics.output_quantities import evaluate
@@ -61,6 +62,10 @@ class SimulatedMotion:
     def sampled(self, t: float) -> bool:
         """Whether clocks have renewed what is due in the state at an instant of the span, s."""
         return t < self.end or self.samples_taken
+
+    def scene(self, t: float) -> str:
+        """The scene whose joints act at an instant of the span, s."""
+        return self.ready.mechanism.description.scene
 
     def discrete(self, result: Result, t: float) -> DiscreteState | None:
         """Where clocks and watched conditions stand at an instant of the span, s."""
@@ -219,6 +224,10 @@ class DrivenMotionAtInstants:
         """No clock renews anything in a motion that drivers prescribe."""
         return False
 
+    def scene(self, t: float) -> str:
+        """The scene, whose joints act all the time."""
+        return self.mechanism.description.scene
+
     def discrete(self, result: Result, t: float) -> None:
         """Nothing is sampled or watched in a motion that drivers prescribe."""
         return
@@ -249,9 +258,11 @@ class DrivenMotionAtInstants:
 
 
 def _source(mechanism: Mechanism) -> dict[str, str] | None:
-    """Where a machine comes from: its model file, none of one that was declared, and its scene."""
+    """Where a machine comes from: model file ("" of one that was declared), scene and folder."""
     origin = mechanism.origin
     if origin is None:
         return None
     file = str(origin.model) if isinstance(origin.model, Path) else ""
-    return {"model": file, "scene": mechanism.description.scene, "digest": origin.digest}
+    return {"model": file, "scene": mechanism.description.scene,
+            "generated": str(origin.path.resolve().parent),
+            "content": content_hash(origin.path, origin.digest)}  # fmt: skip

@@ -132,6 +132,7 @@ def evaluate(
         _find_modes(kernels, samples, p, bands, np.zeros((2, s)), description.boundaries)
     plain = np.where(samples.modes == SLIDING, 0, samples.modes)
     plain[:, [contact.switch for contact in description.rigid]] = 1
+    plain[:, [k for k, row in enumerate(description.switches) if row.one_way]] = 1
     rows, columns = description.jacobian_rows, description.jacobian_columns
     _evaluate(
         kernels, samples, p, plain, rows.astype(np.int64), columns.astype(np.int64),

@@ -1,7 +1,8 @@
 """The instant at which a joint is released or engages.
 
 Positions and velocities stay, but for velocities that a joint which engages does not permit: these
-end in an impact of all constraints, M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν.
+end in an impact of all constraints, M Δv + Φ_qᵀ Λ = Gᵀ P, Φ_q (v + Δv) = ν, in which contacts that
+are closed and freewheels take part by their impulses P ≥ 0.
 """
 
 import numpy as np
@@ -11,10 +12,13 @@ from runtime.dynamics.start_of_clocks import numbered
 from runtime.integrate.problem import Discrete
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.one_sided_impact import Contradiction, impact
 from runtime.results.assembled_state import State
 from runtime.results.reconnection import Ending, Reconnection
 from runtime.validation.parameters import parameter_values
 
+# accuracy: of the machine's lengths; a contact with a gap below it is closed
+_TOUCHING = 1e-9
 _CLOSED = 1e-6  # safety: of the size of its equation; a joint further open does not engage
 
 
@@ -27,21 +31,27 @@ def cross(
 ) -> tuple[State, Handover, Reconnection]:
     """The state behind the instant at which a joint comes or goes; raises Gap."""
     watched, (t, q, v) = before.description.watched[end.row], _state_by_names(before, after, end)
-    impulse, lost = dict[str, float](), 0.0
+    impulse, units, lost = dict[str, float](), dict[str, str](), 0.0
     if watched.action == "engage":
         equations = Equations(after, parameter_values(after, known_parameters(after, parameters)))
         _require_closed(equations, watched.target, t, q, end.length)
         rest = v
-        v, multipliers = equations.impact(t, q, rest)
+        try:
+            v, multipliers = impact(equations, t, q, rest, _TOUCHING * end.length)
+        except Contradiction as found:
+            where = f"Joint '{watched.target}' is to engage at t = {t:.9g} s"
+            raise Gap(f"{where}, and {found}. Choose another instant, or release it.") from None
         mass = equations.mass(q)
         states = [row.column for row in after.description.states]
         v[states] = rest[states]  # to the last bit
         mass[states, states] = 0.0
         lost = float(rest @ mass @ rest - v @ mass @ v) / 2
         impulse = _impulses(after, equations, watched.target, t, q, v, multipliers)
+        rows = [row for row in after.description.reactions if row.element == watched.target]
+        units = {row.component: f"{row.unit} s" if row.unit else "" for row in rows}
     start = State(t, q, v, after.description.coordinates)
     discrete = _discrete_by_names(before, after, end.discrete)
-    change = Reconnection(t, watched.target, watched.action, impulse, lost)
+    change = Reconnection(t, watched.target, watched.action, impulse, lost, units)
     return start, Handover(discrete, end.length), change
 
 
@@ -113,4 +123,4 @@ def _impulses(
     if "reactions" in mechanism.description.kernels:
         mechanism.kernels.reactions(t, q, v, equations.p, multipliers, out)
     pairs = zip(rows, out.tolist(), strict=True)
-    return {row.component: value for row, value in pairs if row.element == joint}
+    return {row.component: 0.0 + value for row, value in pairs if row.element == joint}

@@ -122,7 +122,8 @@ class Passages:
             size = abs(float(nu_after[row] - nu[row]))
             if slides:
                 text = f"has a rate that jumps by {size:.6g} a second at t = {kink.after:.9g} s, "
-                return self._end(kink, f"{text}while a contact is closed or friction sticks", row)
+                holds = "while a contact is closed, friction sticks or a one-way clutch grips"
+                return self._end(kink, f"{text}{holds}", row)
             v_after, _ = self.equations.impact(kink.after, q, v)
 
             def behind(t: float) -> bool:

@@ -8,9 +8,10 @@ or a rigid contact is closed. With accelerations a⁰ and a¹ of modes 0 and 1 t
 
 the share α between bounds: 0 and 1; wider by the ratio of the coefficients where friction sticks.
 A rigid contact has a¹ without its force and a⁰ with a unit of it; g̈ = 0 decides, and the reaction
-is 1 - α units, from 0 to infinity. Friction in a joint has a⁰ without its force and a¹ with a unit
-of it (`stiction_force`). Several functions slide by as many shares at once: forces of different
-effects add up, so that the accelerations of one changed mode each are enough.
+is 1 - α units, from 0 to infinity; of a freewheel too, with dg/dt = 0. Friction in a joint has a⁰
+without its force and a¹ with a unit of it (`stiction_force`). Several functions slide by as many
+shares at once: forces of different effects add up, so that the accelerations of one changed mode
+each are enough.
 
 Reactions that depend on modes are the same convex combinations as accelerations, each mode with its
 own multipliers; the others follow from the combined multipliers where they are linear in them.
@@ -25,6 +26,7 @@ from runtime.core.jit import addressed, inner
 from runtime.core.modes_and_event_kinds import FREE, SLIDING
 from runtime.core.unit_roundoff import EPS
 from runtime.hybrid.redundant_sliding import (
+    is_unilateral,
     keep_resting,
     measure_forces,
     rest_mixed,
@@ -157,8 +159,9 @@ def solve_responses(context: Context, matrix: Vector, rest: float, level: float)
         for c in range(count):
             k = context.sliding_functions[c]
             # A contact without a force has its upper bound as its share, and no lower one.
-            middle[c] = high[k] if context.rigid[k] >= 0 else 0.5 * (context.share_low[k] + high[k])
-            reach[c] = 1.0 if context.rigid[k] >= 0 else 0.5 * (high[k] - context.share_low[k])
+            alone = is_unilateral(context, k)
+            middle[c] = high[k] if alone else 0.5 * (context.share_low[k] + high[k])
+            reach[c] = 1.0 if alone else 0.5 * (high[k] - context.share_low[k])
             if context.stiction_place[k] >= 0:
                 middle[c], reach[c] = 0.0, context.stiction_units[s + k] / context.stiction_units[k]
             middle[c] *= level

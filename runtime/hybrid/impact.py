@@ -1,4 +1,4 @@
-"""Rigid contacts: impacts, the end of bouncing, and the return onto switching surfaces."""
+"""Contacts and freewheels: impacts, the end of bouncing, the return onto switching surfaces."""
 
 import numpy as np
 
@@ -7,22 +7,18 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inner
-from runtime.core.modes_and_event_kinds import FREE, SLIDING
-from runtime.core.unowned_array_views import view
+from runtime.core.modes_and_event_kinds import FREE, ONE_WAY, SLIDING
 from runtime.hybrid import filippov_shares as shares
 from runtime.hybrid.coupled_sliding_friction import put_friction_on_law
+from runtime.hybrid.impact_impulses import apply_impulses, evaluate_directions
 from runtime.hybrid.redundant_sliding import is_resting, solve_least
 from runtime.hybrid.stiction_force import is_prescribed
 from runtime.linalg.lu import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
-from runtime.linalg.vectors import axpy, copy_vector, largest_magnitude
+from runtime.linalg.vectors import copy_vector
 
 ON_SURFACE = 1e-13  # accuracy: |g| over its running maximum below which g is zero at an event
 
-_SWEEPS = 200  # safety: sweeps over all contacts with rebound, and as many again without
-_AGREED = 1e-14  # accuracy: of the fastest approach; change by a sweep at which impulses agree
-_ROUNDING = 1e-15  # accuracy: of the largest velocity; the same
-_HOPELESS = 1e-6  # accuracy: of the fastest approach; larger changes mean no convergence
 _LOW_FLIGHT = 0.01  # accuracy: of the tolerance of a position; flights that rise no higher are over
 _UNSEEN = 2e-12  # accuracy: of the largest gap; heights at which rounding moves the next impact
 
@@ -48,82 +44,32 @@ def evaluate_free_gap(context: Context, t: float, q: Vector, v: Vector, first: i
 
 @inner
 def close_contacts(context: Context, first: int, t: float, q: Vector, v: Vector) -> None:
-    """Close `first` and all contacts that touch, and open all else: friction gives no impulse."""
+    """Close `first`, all contacts that touch and all freewheels, and open all else.
+
+    Friction gives no impulse. A freewheel that overruns may get one: its slip may not be negative.
+    """
     modes, gaps = context.modes, context.right_side
     abi.switching_of(context)(t, q, v, context.parameters, gaps)
     for k in range(context[ft.SWITCHES]):
         touches = abs(gaps[k]) <= ON_SURFACE * find_largest_gap(context, k)
-        if context.rigid[k] < 0 and modes[k] == SLIDING:
+        if context.sticks[k] == ONE_WAY:
+            modes[k] = SLIDING
+        elif context.rigid[k] < 0 and modes[k] == SLIDING:
             modes[k] = FREE if is_prescribed(context, k) else 0
         elif context.rigid[k] >= 0 and touches:
             modes[k] = SLIDING
     modes[first] = SLIDING
 
 
-@inner
-def evaluate_directions(context: Context, t: float, q: Vector, v: Vector) -> None:
-    """Fill the units of the functions in sliding mode, without friction that they would cause.
-
-    Friction that sticks elsewhere is free meanwhile, and friction that creeps exerts nothing where
-    nothing moves; what acts beside a condition depends on the velocities.
-    """
-    free, still = context.candidate_modes, view(context.weights, v.size, v.size)
-    copy_vector(context.modes, free)
-    copy_vector(v, still)
-    if context[ft.SUPERPOSES] == 0:
-        moves = False
-        for k in range(context[ft.SWITCHES]):
-            prescribed = is_prescribed(context, k)
-            moves = moves or (free[k] == SLIDING and not prescribed)
-            if free[k] != SLIDING and context.rigid[k] < 0 and prescribed:
-                free[k] = FREE
-        if not moves:
-            still.fill(0.0)
-    shares.evaluate_units(context, t, q, still, free)
-
-
-@inner
-def sweep_impulses(context: Context, t: float, q: Vector, v: Vector) -> None:
-    """Change v by the impulses of the closed contacts, by projected Gauss-Seidel sweeps."""
-    rates, impulse, target = context.rate_now, context.right_side, context.response_column
-    p, count = context.parameters, context[ft.SLIDING_COUNT]
-    any_a = context.base_accelerations  # the rate of a gap does not depend on it
-    abi.switching_rates_of(context)(t, q, v, any_a, p, rates)
-    fastest = 0.0
-    for c in range(count):
-        k = context.sliding_functions[c]
-        impulse[c] = 0.0
-        target[c] = -context.restitution_coefficients[context.rigid[k]] * min(rates[k], 0.0)
-        fastest = max(fastest, abs(rates[k]))
-    rounding = _ROUNDING * largest_magnitude(v)
-    for sweep in range(2 * _SWEEPS):
-        moved = 0.0
-        for c in range(count):
-            k = context.sliding_functions[c]
-            abi.switching_rates_of(context)(t, q, v, any_a, p, rates)
-            gain = -context.response[c * count + c]
-            more = max((target[c] - rates[k]) / gain, -impulse[c]) if gain > 0.0 else 0.0
-            axpy(-more, context.unit_accelerations[c], v)
-            impulse[c] += more
-            moved = max(moved, abs(more * gain))
-        if not moved > _AGREED * fastest + rounding:
-            break
-        if sweep == _SWEEPS - 1:
-            if not moved > _HOPELESS * fastest:
-                break
-            # Bodies without clearance cannot rebound from each other.
-            for c in range(count):
-                target[c] = 0.0
-
-
 @addressed(ft.IMPACT)
 def apply_impact(context: Context, first: int, t: float, state: int) -> float:
-    """Change the velocities in row `state` by the impact of rigid contact `first`.
+    """Change the velocities in row `state` by the impact of contact or freewheel `first`.
 
     Newton's law, ġ⁺ = -e ġ⁻, with impulses that only push, and with those that hold the other
     contacts that touch: v⁺ = v⁻ + Σ P_i d_i, P_i ≥ 0, ġ_i⁺ ≥ -e_i ġ_i⁻, one of the two an
-    equality, by projected Gauss-Seidel sweeps; without rebound where no such velocities exist. The
-    directions d_i are those in which the forces of the contacts accelerate the machine.
+    equality; without rebound where no such velocities exist. The directions d_i are those in which
+    the forces of the contacts accelerate the machine. Freewheels take part, with their slips in the
+    place of ġ and e = 0.
 
     Where the next flight would rise no higher than tolerances resolve, bouncing ends: all further
     flights, each e times as long as the one before, take T/(1 - e) together, and the contact
@@ -138,10 +84,12 @@ def apply_impact(context: Context, first: int, t: float, state: int) -> float:
     before, sliding_count = modes[first], context[ft.SLIDING_COUNT]
     copy_vector(modes, former)
     close_contacts(context, first, t, q, v)
-    evaluate_directions(context, t, q, v)
-    sweep_impulses(context, t, q, v)
+    apply_impulses(context, t, q, v)
     for k in range(context[ft.SWITCHES]):
         modes[k] = int(former[k])
+    if context.rigid[first] < 0:
+        context[ft.SLIDING_COUNT] = sliding_count
+        return np.inf
     abi.switching_rates_of(context)(t, q, v, any_a, p, rates)
     leaving = rates[first]
     # The motion of the gap after the contact has opened.

@@ -11,7 +11,7 @@ from runtime.core.jit import inlined, inner
 from runtime.core.modes_and_event_kinds import BALANCED, CLOSED, SLIDING, Mode
 from runtime.core.state_derivative import evaluate_accelerations
 from runtime.hybrid.redundant_sliding import is_resting, rests
-from runtime.hybrid.switching_values_and_margins import extrapolate
+from runtime.hybrid.switching_values_and_margins import UNBOUNDED, extrapolate
 
 CONSISTENT = -1
 _DECIDED = len(Mode)  # code: added to a mode in row PREFERRED
@@ -25,6 +25,18 @@ MISSED = 1e-9  # accuracy: distance by which a share may miss its bounds at an e
 def decided_entry(mode: int) -> int:
     """The entry of row PREFERRED for a mode that is decided and needs no look-ahead."""
     return mode + _DECIDED
+
+
+@inlined
+def fixed_entry(mode: int) -> int:
+    """The entry of row PREFERRED for a mode that is decided and permits no other."""
+    return mode + 2 * _DECIDED
+
+
+@inlined
+def is_fixed(entry: float) -> bool:
+    """Whether an entry of row PREFERRED permits no other mode."""
+    return int(entry) >= 2 * _DECIDED
 
 
 @inlined
@@ -55,6 +67,8 @@ def count_sliding(context: Context, modes: Integers) -> None:
 def nearest_mode(context: Context, k: int) -> int:
     """The mode, 0 or 1, at the bound to which the share of function `k` is nearer."""
     low, high = context.share_low[k], context.share_high[k]
+    if low < UNBOUNDED:
+        return 1
     return 1 if context.share[k] > 0.5 * (low + high) else 0
 
 
@@ -162,7 +176,8 @@ def find_contradiction(
             continue
         if not np.isfinite(context.trial[k]):
             return k
-        if int(context.preferred[k]) == decided_entry(candidate[k]):
+        entry = context.preferred[k]
+        if int(entry) == decided_entry(candidate[k]) or is_fixed(entry):
             continue
         # A contact that others keep closed may touch without a force of its own; friction at rest
         # may exert any force within its bounds, also those at their ends.

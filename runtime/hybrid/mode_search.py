@@ -7,7 +7,7 @@ from runtime.core.array_types import Context
 from runtime.core.jit import inner
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.hybrid import mode_consistency as consistency
-from runtime.hybrid.redundant_sliding import rests
+from runtime.hybrid.redundant_sliding import is_unilateral, rests
 from runtime.linalg.vectors import copy_vector
 
 MOST_COMBINED = 10  # safety: functions of which all combinations of modes are tried
@@ -15,14 +15,15 @@ MOST_WITH_SLIDING = 6  # safety: the same where all may slide; more are first se
 
 
 @inner
-def choose_mode(rigid: int, preferred: int, choice: int) -> int:
+def choose_mode(unilateral: bool, preferred: int, choice: int) -> int:
     """The mode that stands for `choice`, 0 being the preferred one; -1 where there is none.
 
-    A rigid contact is open (1) or closed; others are 0, 1 or sliding, and sliding comes last.
+    A contact is open (1) or closed, a freewheel overruns or grips; others are 0, 1 or sliding, and
+    sliding comes last.
     """
     if choice == 0:
         return preferred
-    if rigid >= 0:
+    if unilateral:
         return (SLIDING if preferred == 1 else 1) if choice == 1 else -1
     if preferred == SLIDING:
         return choice - 1
@@ -41,7 +42,7 @@ def flip_mode(context: Context, k: int, mode: int, preferred: int) -> int:
             if context.members[i] == k:
                 return 1 if context.signs[i] > 0 else 0
     if mode == SLIDING:
-        if context.rigid[k] >= 0 or not np.isfinite(context.share[k]):
+        if is_unilateral(context, k) or not np.isfinite(context.share[k]):
             return 1
         return consistency.nearest_mode(context, k)
     alternates = context.rigid[k] < 0 and context.sticks[k] == 0
@@ -93,9 +94,10 @@ def search_all(context: Context, t: float, d: float, state: int, tried: int, cou
                     changed += 1 if choice > 0 else 0
                     late += 1 if choice == 2 else 0
                     k = context.members[i]
-                    preferred = consistency.preferred_mode(context.preferred[k])
-                    mode = choose_mode(context.rigid[k], preferred, choice)
-                    known = known and mode >= 0
+                    entry = context.preferred[k]
+                    preferred = consistency.preferred_mode(entry)
+                    mode = choose_mode(is_unilateral(context, k), preferred, choice)
+                    known = known and mode >= 0 and not (choice > 0 and consistency.is_fixed(entry))
                     candidate[k] = mode
                 if changed != changes or late != holds or not known:
                     continue

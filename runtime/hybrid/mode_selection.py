@@ -14,11 +14,12 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inlined, inner
-from runtime.core.modes_and_event_kinds import KNOTS, MIXED, SLIDING
+from runtime.core.modes_and_event_kinds import KNOTS, MIXED, ONE_WAY, SLIDING
 from runtime.core.state_derivative import evaluate_accelerations
 from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid import mode_search as search
 from runtime.hybrid.impact import ON_SURFACE
+from runtime.hybrid.redundant_sliding import is_unilateral
 from runtime.hybrid.switching_values_and_margins import compute_margin
 from runtime.linalg.vectors import copy_vector, largest_magnitude
 
@@ -124,7 +125,7 @@ def initialize_modes(context: Context, first: int, t: float, d: float, state: in
     q, v = ws.positions(context, state), ws.velocities(context, state)
     abi.switching_of(context)(t, q, v, p, g)
     for k in range(s):
-        modes[k] = 1 if g[k] > 0.0 or rigid[k] >= 0 else 0
+        modes[k] = 1 if g[k] > 0.0 or is_unilateral(context, k) else 0
     consistency.count_sliding(context, modes)
     for k in range(s):
         if context.stiction_place[k] >= 0 and abs(g[k]) <= ON_SURFACE * largest[k]:
@@ -154,16 +155,27 @@ def initialize_modes(context: Context, first: int, t: float, d: float, state: in
             ft.impact_of(context)(context, k, t, state)
             abi.switching_rates_of(context)(t, q, v, a, p, rates)
             struck = struck or context.struck[k] > 0.0
+        elif context.sticks[k] == ONE_WAY:
+            abi.switching_of(context)(t, q, v, p, g)
+            if g[k] < -context.band[k]:
+                ft.impact_of(context)(context, k, t, state)
+                abi.switching_rates_of(context)(t, q, v, a, p, rates)
+                struck = True
     if struck:
         abi.switching_of(context)(t, q, v, p, g)
         for k in range(s):
-            if rigid[k] < 0 and abs(g[k]) > context.band[k]:
+            if context.sticks[k] == ONE_WAY:
+                grips = g[k] <= max(_RESTING * largest_magnitude(v), ON_SURFACE * largest[k])
+                context.band[k] = surface_band(g[k], largest[k]) if grips else 0.0
+            elif rigid[k] < 0 and abs(g[k]) > context.band[k]:
                 # An impact may give a function on its surface a velocity off it.
                 modes[k], context.band[k] = 1 if g[k] > 0.0 else 0, 0.0
                 largest[k] = max(largest[k], abs(g[k]))
     consistency.count_sliding(context, modes)
     set_preferences(context)
     for k in range(s):
+        if rigid[k] >= 0 and modes[k] == 1 and rates[k] > resting:
+            context.preferred[k] = consistency.fixed_entry(1)
         # Where conditions written apart let a velocity rest, it does not set off by itself.
         if context.boundary[k] == MIXED and context.band[k] > 0.0:
             context.preferred[k] = SLIDING

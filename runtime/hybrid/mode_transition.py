@@ -8,12 +8,14 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
-from runtime.core.modes_and_event_kinds import CLOSED, KNOTS, SLIDING, Direction
+from runtime.core.modes_and_event_kinds import CLOSED, KNOTS, ONE_WAY, SLIDING, Direction
 from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.unit_roundoff import EPS
 from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid import switching_values_and_margins as switching
+from runtime.hybrid.continuous_forces import bends_on_surface
 from runtime.hybrid.impact import ON_SURFACE
+from runtime.hybrid.impact_impulses import SLOW
 from runtime.hybrid.mode_selection import prefer_released, set_preferences, surface_band
 from runtime.hybrid.redundant_sliding import rests, share_freedom
 from runtime.linalg.vectors import copy_vector, largest_magnitude
@@ -89,8 +91,7 @@ def prefer_release(context: Context, t: float, crossing: int) -> None:
     their bounds break loose together: one after the other, each would stop the other again. The
     accelerations must just have been evaluated.
     """
-    unbounded = context.share_low[crossing] < switching.UNBOUNDED
-    mode = 1 if unbounded else consistency.nearest_mode(context, crossing)
+    mode = consistency.nearest_mode(context, crossing)
     context.preferred[crossing] = consistency.decided_entry(mode)
     for k in range(context[ft.SWITCHES]):
         frictions = context.rigid[k] < 0 and context.rigid[crossing] < 0
@@ -123,7 +124,7 @@ def meet_conditions(context: Context, t: float) -> None:
 
 @inner
 def resolve_impact(context: Context, crossing: int, t: float) -> float:
-    """Impact of contact `crossing`, and the modes of all others after it; time until it closes.
+    """Impact of contact or freewheel `crossing`, and the modes of all others; time until it closes.
 
     `run.flight` receives the time of the next flight, row STRUCK the closing rates of open contacts
     that touch, and 0 of all others. All other modes follow from the values of g, which stay in NOW.
@@ -144,11 +145,13 @@ def resolve_impact(context: Context, crossing: int, t: float) -> float:
             context.flight[k] = t - context.impact_at[k]
             context.impact_at[k] = t
     evaluate_now(context, t)
-    rounding = 1e-12 * largest_magnitude(context.v1)
+    rounding = SLOW * largest_magnitude(context.v1)
     for k in range(context[ft.SWITCHES]):
         if context.rigid[k] >= 0:
             if k != crossing and modes[k] == SLIDING and context.rate_now[k] > rounding:
                 modes[k] = 1
+        elif context.sticks[k] == ONE_WAY:
+            modes[k] = 1 if context.now[k] > rounding else modes[k]
         elif abs(context.now[k]) > ON_SURFACE * max(context.largest[k], context.reserve[k]):
             modes[k] = 1 if context.now[k] > 0.0 else 0
     consistency.count_sliding(context, modes)
@@ -164,20 +167,22 @@ def mark_surfaces(
     A function `crossing` that `jumped` is on neither side near it.
     """
     rigid, g, band, rates = context.rigid, context.now, context.band, context.rate_now
+    slow = SLOW * largest_magnitude(context.v1) if impact else 0.0
     for k in range(context[ft.SWITCHES]):
         # An impact may give a function in sliding mode a velocity off its surface.
         slid = context.former_modes[k] == SLIDING and (context.modes[k] == SLIDING or rigid[k] >= 0)
         largest = context.reserve[k] if slid else context.largest[k]
         surface = ON_SURFACE * largest
         touches = abs(g[k]) <= max(surface, _CLOCK * abs(t * context.r1[k]))
-        near = (k == crossing and not jumped) or slid or touches
+        gripped = context.sticks[k] == ONE_WAY and g[k] <= slow
+        near = (k == crossing and not jumped) or slid or touches or gripped
         if rigid[k] >= 0 and context.modes[k] == 1 and k != crossing and not slid:
             # A contact that touches took part in this impact, or rests against the one that opens;
             # any other will have an impact of its own.
             rests = impact or abs(rates[k]) * LOOK_AHEAD * h <= surface
             near = abs(g[k]) <= surface and rests
             if near and impact and rates[k] > _STILL * context.struck[k]:
-                context.preferred[k] = consistency.decided_entry(1)
+                context.preferred[k] = consistency.fixed_entry(1)
         band[k] = surface_band(g[k], largest) if near else 0.0
         if k == crossing and impact and abs(g[k]) > surface:
             # It came back before it had left the band of its opening; the next impact is no deeper.
@@ -268,6 +273,9 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
         if jumped and before and r.length > 0.0:
             r.blamed = consistency.CONSISTENT
             return 0  # before its pole, or before it jumps: the next step begins there
+    strikes = jumped and context.sticks[crossing] == ONE_WAY
+    if strikes:
+        last, jumped = resolve_impact(context, crossing, t), False
     if jumped:
         # It passes no zero, as the rate of a length where this vanishes.
         modes[crossing] = 1 - modes[crossing]
@@ -276,7 +284,7 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
     if impact:
         approach, mode = context.struck[crossing], int(modes[crossing])
         leaves = mode != SLIDING and context.rate_now[crossing] > _STILL * approach
-        context.preferred[crossing] = consistency.decided_entry(mode) if leaves else SLIDING
+        context.preferred[crossing] = consistency.fixed_entry(mode) if leaves else SLIDING
     elif context.table_part[crossing] == KNOTS:
         context.preferred[crossing] = consistency.decided_entry(1 - former)
         prefer_released(context, crossing, t)
@@ -294,9 +302,14 @@ def make_transition(context: Context, crossing: int, t: float, h: float) -> int:
                 prefer_release(context, t, crossing)
         prefer_released(context, crossing, t)
         evaluate_now(context, t)
+    impact = impact or strikes
     mark_surfaces(context, t, h, crossing, impact, jumped)
     ahead = min(LOOK_AHEAD * h, 0.1 * r.flight)
     r.blamed = ft.select_modes_of(context)(context, crossing, t, ahead, ws.Y1)
+    begins = modes[crossing] == SLIDING and context.former_modes[crossing] != SLIDING
+    if (begins or r.blamed == crossing) and bends_on_surface(context, t, crossing):
+        copy_vector(ws.row_of(context, ws.SAMPLE), ws.row_of(context, ws.Y1))
+        r.blamed = ft.select_modes_of(context)(context, crossing, t, ahead, ws.Y1)
     logged, at = 0, r.logged_events
     if impact:
         direction = _HOLDS if modes[crossing] == SLIDING else _IMPACT

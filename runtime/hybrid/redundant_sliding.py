@@ -6,8 +6,8 @@ from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Vector
-from runtime.core.jit import inner
-from runtime.core.modes_and_event_kinds import BALANCED, MIXED, SLIDING
+from runtime.core.jit import inlined, inner
+from runtime.core.modes_and_event_kinds import BALANCED, MIXED, ONE_WAY, SLIDING
 from runtime.core.unowned_array_views import view
 from runtime.linalg.lu import equilibrate
 from runtime.linalg.rank_policy import SAME_HOLD
@@ -17,15 +17,22 @@ _DRIVEN = 1e-12  # accuracy: of a size and all accelerations; a smaller response
 _FORCED = 1e-14  # accuracy: of a size and all F/m; a response of what stands, below it, is rounding
 
 
+@inlined
+def is_unilateral(context: Context, k: int) -> bool:
+    """Whether function `k` is held by a reaction without a bound: of a contact, of a freewheel."""
+    return bool(context.rigid[k] >= 0 or context.sticks[k] == ONE_WAY)
+
+
 @inner
 def orthogonalize_row(context: Context, i: int) -> float:
-    """Make row `i` orthogonal to the rows before it, those of contacts first; size of its terms."""
+    """Make row `i` orthogonal to the rows before it, reactions first; size of its terms."""
     matrix, right, count = context.response_copy, context.right_side, context[ft.SLIDING_COUNT]
-    closed, row = context.rigid[context.sliding_functions[i]] >= 0, view(matrix, i * count, count)
+    closed = is_unilateral(context, context.sliding_functions[i])
+    row = view(matrix, i * count, count)
     scale = max(1.0, abs(right[i]))
     for _ in range(2):
         for j in range(count):
-            first = context.rigid[context.sliding_functions[j]] >= 0
+            first = is_unilateral(context, context.sliding_functions[j])
             if not (j < i if first == closed else first):
                 continue
             other = view(matrix, j * count, count)
@@ -45,8 +52,8 @@ def solve_least(context: Context, slack: float) -> int:
     Σ |column| x²/reach least: each bears the same part of its reach, the largest permitted |x| in
     `response_column`, so that they stick as long as possible, and break loose together. Rows are
     made orthogonal one after the other (Gram and Schmidt, twice); a row without a rest depends on
-    the others, and its residual may be `slack` of its terms. Rows of contacts come first and must
-    be independent: a contact that repeats others may open.
+    the others, and its residual may be `slack` of its terms. Rows of contacts and freewheels come
+    first and must be independent: one that repeats others may open.
     """
     matrix, right, reach = context.response_copy, context.right_side, context.response_column
     count = context[ft.SLIDING_COUNT]
@@ -63,7 +70,7 @@ def solve_least(context: Context, slack: float) -> int:
             matrix[i * count + c] *= reach[c]
     for turn in range(2):
         for i in range(count):
-            closed = context.rigid[context.sliding_functions[i]] >= 0
+            closed = is_unilateral(context, context.sliding_functions[i])
             if closed != (turn == 0):
                 continue
             row = view(matrix, i * count, count)
@@ -118,12 +125,12 @@ def is_driven(context: Context, c: int, way: float) -> bool:
     """Whether its modes move the `c`-th function in sliding mode, `way` -1 onto, 1 off, 0 either.
 
     A response that is the rounding of accelerations moves nothing, nor does that of forces which a
-    machine that stands bears, nor does a condition move what a closed contact keeps.
+    machine that stands bears, nor does a condition move what a contact or a freewheel keeps.
     """
     k = context.sliding_functions[c]
     for j in range(context[ft.SLIDING_COUNT]):
         other = context.sliding_functions[j]
-        kept = context.rigid[other] >= 0 and context.sticks[k] == 0
+        kept = is_unilateral(context, other) and context.sticks[k] == 0
         if kept and share_freedom(context, k, other):
             return False
     response = context.response[c * context[ft.SLIDING_COUNT] + c]

@@ -16,6 +16,7 @@ from runtime.core.workspace_rows import Y0, K, row_of, switch_row
 from runtime.hybrid.impact import ON_SURFACE
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.hybrid.mode_transition import LOOK_AHEAD, log_event
+from runtime.hybrid.redundant_sliding import is_unilateral
 from runtime.hybrid.rhs_with_sliding_or_stabilization import STEP
 from runtime.hybrid.stiction_force import find_jamming_friction, suspend_friction
 from runtime.hybrid.switching_values_and_margins import evaluate_switching_and_rates
@@ -119,7 +120,8 @@ def record_start(context: Context, t: float) -> None:
     for i in range(r.samples):
         for k in range(context[ft.SWITCHES]):
             # At the very instant of the start g > 0 does not hold yet on its boundary, g ≥ 0 may.
-            if context.band[k] > 0.0 and context.boundary[k] == OPEN:
+            on_boundary = context.band[k] > 0.0 and context.boundary[k] == OPEN
+            if on_boundary and not is_unilateral(context, k):
                 context.out_modes[i, k] = 0
 
 

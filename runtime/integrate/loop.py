@@ -147,7 +147,7 @@ def propose_next(context: Integers) -> None:
     r = run_record(context)
     r.next_length = r.h
     if r.fixed == 0:
-        r.next_length = r.length * ft.propose_of(context)(context, r.length)
+        r.next_length = min(r.length * ft.propose_of(context)(context, r.length), r.followed)
         if r.planned != 0:
             r.next_length = max(r.next_length, r.h) if r.plan == Plan.APPROACHING else r.h
         elif r.end == r.stop or r.end == r.sample_at:  # noqa: PLR1714

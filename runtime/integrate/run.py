@@ -8,7 +8,6 @@ import numpy as np
 
 from codegen.errors import AnalysisError
 from codegen.termination_signals import SignalDeferral
-from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Integers, Vector
 from runtime.core.modes_and_event_kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
@@ -16,13 +15,14 @@ from runtime.core.system import System
 from runtime.core.workspace_rows import BAND, STRUCK
 from runtime.integrate import notes_on_outcomes as notes
 from runtime.integrate.clocks import CLOCK
-from runtime.integrate.initialization import start, start_anew
+from runtime.integrate.initialization import start
+from runtime.integrate.kinks import end_at_pole, pass_kink
 from runtime.integrate.loop import advance
 from runtime.integrate.method import LEADING
-from runtime.integrate.problem import Options, Passage, Problem
+from runtime.integrate.problem import Options, Problem
 from runtime.integrate.recording_buffers import Recording, in_order
 from runtime.integrate.run_state import COUNTS, RunState
-from runtime.integrate.sampling import INTERVAL, STEP_ENDS
+from runtime.integrate.sampling import INTERVAL
 from runtime.integrate.singular_crossing.crossing import Crossings
 from runtime.integrate.step import Signal
 from runtime.integrate.trajectory import Statistics, Trajectory
@@ -44,7 +44,7 @@ _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress
 _GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
 _KINK, _SAMPLE, _STOP = int(Signal.KINK), int(Signal.SAMPLE), int(Signal.STOP)
 _STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
-_CLOSE = 1e-6  # safety: of the run; nearer to a pole or a lock-up, that is why it ends
+_CLOSE = 1e-6  # safety: of the run; nearer to a lock-up, that is why it ends
 
 
 def integrate(
@@ -130,7 +130,7 @@ class Run:
                 code = Outcome.SINGULAR  # whichever way the search for a start ended
         if code == Outcome.OK and self.state.system.watches and not self.state.record["resumed"]:
             before = self.state.modes.copy()
-            code = self._watch_start()
+            code = self.watch_start()
             changed = np.flatnonzero(self.state.modes != before)
             self.recording.replace_first(y.ravel(), changed, self.state.modes)
         self.recording.flush()
@@ -176,7 +176,7 @@ class Run:
                 if code < 0:
                     signals.begin()
                 if code == _KINK:
-                    code = run._pass_kink()
+                    code = pass_kink(run)
                 if code == _CHANGE:
                     run.state.change_method()
                     code = _GOING
@@ -201,29 +201,8 @@ class Run:
                     code, signals.answered = int(Outcome.INTERRUPTED), not stopped
             code = int(Outcome.OK) if code == _STOP else code
             if code in (*_STUCK, Outcome.CONTRADICTED):
-                code = run._end_at_lock_up(run._end_at_pole(code))
+                code = run._end_at_lock_up(end_at_pole(run, code))
         return run.result(Outcome(code), time.thread_time() - began)
-
-    def _end_at_pole(self, code: int) -> int:
-        """The outcome of a run whose steps get ever shorter up to an instant known beforehand."""
-        r, arrays = self.state.record, self.state.wiring.arrays
-        ahead = np.flatnonzero(arrays["stop_kinds"][r["next_stop"] :] >= 0) + r["next_stop"]
-        stops = self.state.stops
-        if not len(ahead) or (stops is not None and stops.further is not None and len(ahead) == 1):
-            return code
-        way = float(arrays["stop_times"][ahead[0]] - r["t"])
-        if way > _CLOSE * float(r["duration"]):
-            return code
-        passage = self._passage(ahead[0])
-        if passage.outcome is not Outcome.OK:
-            return passage.outcome
-        if not passage.function:  # it has no value at the first instant
-            return code
-        self.note = (
-            f"At t = {r['t'] + way:.9g} s, {way:.3g} s later, a function of time in "
-            f"'{passage.function}' bends or ends: its derivatives may grow without bound there."
-        )
-        return code
 
     def _end_at_lock_up(self, code: int) -> int:
         """SINGULAR where drivers ask for ever more speed up to a position that is close by."""
@@ -237,43 +216,7 @@ class Run:
         r["index"] = row
         return int(Outcome.SINGULAR)
 
-    def _passage(self, stop: int) -> Passage:
-        """How the run passes the kink that is a stop of this number."""
-        state, r = self.state, self.state.record
-        assert state.stops is not None
-        q, v = state.y
-        kink = int(state.wiring.arrays["stop_kinds"][stop])
-        passage = state.stops.passage(kink, q.copy(), v.copy(), state.modes.copy())
-        if passage.outcome is not Outcome.OK:
-            r["index"], self.note = passage.row, passage.note
-        return passage
-
-    def _pass_kink(self) -> int:
-        """Go on behind a kink of an explicit function of time, or end before it."""
-        state, r = self.state, self.state.record
-        last = r["next_stop"] == state.table[ft.STOPS] - 1
-        if last and state.stops is not None and state.stops.further is not None:
-            state.set_further_stops()
-            return _GOING
-        passage = self._passage(int(r["next_stop"]))
-        if passage.outcome is not Outcome.OK:
-            return passage.outcome
-        before = state.y.ravel().copy(), state.modes.copy()
-        state.leave_kink()
-        if passage.v is not None:
-            state.y[1] = passage.v
-        code: int = start_anew(state.table)
-        self.recording.flush()
-        self._sample_kink(before, passage)
-        if passage.event is not None:
-            number = np.array([state.system.switches + passage.source])
-            self.recording.add_events(r["t"], number, [passage.event], state.y.ravel())
-            r["events"] += 1
-        if code == Outcome.OK and state.system.watches:
-            code = self._watch_start()
-        return _GOING if code == Outcome.OK else code
-
-    def _watch_start(self) -> int:
+    def watch_start(self) -> int:
         """What begins with a condition that holds from the first instant on; a code or STOP."""
         from runtime.integrate.sampled_values import watch_now
 
@@ -304,19 +247,6 @@ class Run:
                 q, v = state.y
                 value = self.controllers[k](float(state.record["t"]), q.copy(), v.copy())
                 arrays["sample_values"][k] = value
-
-    def _sample_kink(self, before: tuple[Vector, Integers], passage: Passage) -> None:
-        """Take the samples that are asked for between the two sides of a kink."""
-        state, r, times = self.state, self.state.record, self.state.wiring.arrays["sample_times"]
-        while r["next_sample"] < len(times) and times[r["next_sample"]] <= r["t"]:
-            at = float(times[r["next_sample"]])
-            after = passage.behind is None or passage.behind(at)
-            if r["every_step"] != STEP_ENDS:
-                y, modes = (state.y.ravel(), state.modes) if after else before
-                self.recording.add_sample(at, y, modes)
-            r["next_sample"] += 1
-        if r["every_step"] == STEP_ENDS and r["t"] >= r["t_end"]:
-            self.recording.add_sample(float(r["t"]), state.y.ravel(), state.modes)
 
     def result(self, outcome: Outcome, seconds: float) -> Trajectory:
         """What was recorded since the start, or since the run took over from another."""

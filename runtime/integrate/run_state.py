@@ -229,6 +229,7 @@ class RunState:
         for name in _METHOD_NUMBERS:
             self.record[name] = getattr(method, name)
         self.record["exponent"] = 1.0 / method.estimate_order
+        self.record["followed"], self.record["radius"] = np.inf, 0.0
 
     def set_functions(self, name: str) -> None:
         """Write the functions of the method `name` into the table."""

@@ -15,6 +15,7 @@ from runtime.core.loop_record import ConstraintReturn, is_near_singularity, run_
 from runtime.core.state_derivative import write_derivative
 from runtime.core.unowned_array_views import view
 from runtime.hybrid.rhs_with_sliding_or_stabilization import STEP
+from runtime.integrate.step_control import limit_by_states
 from runtime.linalg.vectors import copy_vector, is_finite, largest_magnitude
 
 
@@ -176,6 +177,8 @@ def take_trial_step(context: Context, t: float, h: float) -> int:
     """
     r = run_record(context)
     context.settings[STEP] = h
+    if context[ft.STATES] != 0 and r.dense_calls != 0:
+        limit_by_states(context, t)
     taken = ft.stages_of(context)(context, t, h)
     r.rhs += r.stage_calls
     if taken < 0:

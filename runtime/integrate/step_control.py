@@ -9,15 +9,18 @@ import numpy as np
 
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers
-from runtime.core.jit import addressed, compiled
+from runtime.core.array_types import Context, Integers
+from runtime.core.jit import addressed, compiled, inner
 from runtime.core.loop_record import Plan, run_record
 from runtime.core.state_derivative import write_derivative
 from runtime.core.workspace_rows import row_of
+from runtime.linalg.vectors import copy_vector
 
 _FALL = 0.1  # measured: least ratio of an error to what the step before let expect
 _COMPARABLE = 2.0  # measured: ratio of two lengths up to which one error tells the other
 _ROUNDING = 1e-12  # accuracy: of the typical size; start values that assembly left of zero
+_APART = 1e-6  # accuracy: of the typical size; distance of the states of a difference
+_STABLE = 5.5  # measured: |λ| h of a fast decay at which dop853 is stable; its edge is at 6
 _START = 1e-3  # measured: of the typical size; a start value counts as no smaller
 
 
@@ -42,6 +45,38 @@ def propose(context: Integers, h: float) -> float:
         change = r.error ** (r.exponent - 0.75 * r.beta) / r.error_old**r.beta / r.safety
         ratio = max(r.shrink, min(r.grow, 1.0 / change))
     return float(min(ratio, 1.0) if r.rejected_before != 0 else ratio)
+
+
+@inner
+def limit_by_states(context: Context, t: float) -> None:
+    """Write the longest step from Y0 in which the fastest state of first order decays.
+
+    Dense output that has stages of its own takes what is left of a fast state for its motion, so
+    that samples err far more than the ends of steps where these go beyond the edge of stability.
+    The spectral radius of the states' own rates follows by power iteration, one evaluation a step.
+    """
+    r, n, along = run_record(context), context[ft.COORDINATES], context.state_direction
+    y, z, size = row_of(context, ws.Y0), row_of(context, ws.STAGE), row_of(context, ws.SIZE)
+    rate, moved = row_of(context, ws.K), row_of(context, ws.DELTA)
+    copy_vector(y, z)
+    for i in range(context[ft.STATES]):
+        j = n + context.state_columns[i]
+        z[j] += _APART * along[i] * size[j]
+    write_derivative(context, t, ws.STAGE, ws.DELTA)
+    r.rhs += 1
+    total = 0.0
+    for i in range(context[ft.STATES]):
+        j = n + context.state_columns[i]
+        along[i] = (moved[j] - rate[j]) / (_APART * size[j])
+        total += along[i] ** 2
+    radius = np.sqrt(total)
+    known = np.isfinite(radius) and radius > 0.0
+    for i in range(context[ft.STATES]):
+        along[i] = along[i] / radius if known else 1.0
+    # Two steps together tell |λ| of states that swing, whose rates grow and shrink in turns.
+    mean = np.sqrt(radius * r.radius) if known and r.radius > 0.0 else radius
+    r.radius = radius if known else 0.0
+    r.followed = _STABLE / mean if known else np.inf
 
 
 @compiled(ft.FIRST_STEP)

@@ -12,6 +12,7 @@ from runtime.core.array_types import Integers, Vector
 from runtime.core.jit import addresses
 from runtime.core.kernel_abi import KERNELS
 from runtime.core.loop_record import RUN, ConstraintReturn
+from runtime.core.modes_and_event_kinds import Hold
 from runtime.core.system import System
 from runtime.hybrid import (
     event_location,
@@ -134,6 +135,7 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         ft.METHOD_FLOATS_SIZE: floats,
         ft.METHOD_INTEGERS_SIZE: integers,
         ft.PEAKS: len(system.peaks),
+        ft.STATES: len(system.states),
         ft.SAMPLED: len(system.sampled),
         ft.WATCHED: len(system.watches),
         ft.CONTROLLERS: len(system.controllers),
@@ -163,7 +165,8 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     if system.sampled:
         arrays["sampled_columns"][:], arrays["sample_clocks"][:] = system.sampled, clocks.ravel()
         arrays["sample_triggers"][:] = system.triggers
-    arrays["ends_run"][:] = system.watches
+    arrays["state_columns"][:], arrays["ends_run"][:] = system.states, system.watches
+    arrays["state_direction"][:] = 1.0
     return Wiring(table, arrays)
 
 
@@ -179,7 +182,8 @@ def _describe_switches(system: System, p: Vector, arrays: dict[str, Any]) -> Non
     arrays["rigid"][:], arrays["limits"][:], arrays["stiction_place"][:] = -1, -1, -1
     arrays["share_place"][:] = -1
     arrays["rigid"][list(system.rigid)] = np.arange(len(system.rigid))
-    arrays["sticks"][list(system.sticking)] = 1
+    arrays["sticks"][list(system.sticking)] = Hold.FRICTION
+    arrays["sticks"][list(system.one_way)] = Hold.ONE_WAY
     arrays["boundary"][: len(system.boundaries)] = system.boundaries
     arrays["table_part"][: len(system.table_parts)] = system.table_parts
     arrays["share"][:], arrays["stiction_units"][:], high[:] = np.nan, 1.0, 1.0

@@ -205,8 +205,19 @@ class Equations:
     def impact(self, t: float, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Velocities behind an impact of all constraints, (n,), and its impulses Λ, (m,).
 
-        M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν, in units in which every coordinate has the inertia 1
-        and every row of Φ_q the length 1.
+        M Δv + Φ_qᵀ Λ = 0, Φ_q (v + Δv) = ν.
+        """
+        gap = self.velocity_rhs(t, q) - self.jacobian(t, q) @ v
+        change, multipliers = self.responses(t, q, np.zeros((self.n, 1)), gap[:, None])
+        return v + change[:, 0], multipliers[:, 0]
+
+    def responses(
+        self, t: float, q: FloatArray, impulses: FloatArray, jumps: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Changes of velocities, (n, k), and impulses Λ, (m, k), by k impulses with jumps of Φ_q v.
+
+        M Δv + Φ_qᵀ Λ = `impulses`, (n, k), Φ_q Δv = `jumps`, (m, k), in units in which every
+        coordinate has the inertia 1 and every row of Φ_q the length 1.
         """
         jacobian, mass = self.jacobian(t, q), self.mass(q)
         diagonal = np.diag(mass)
@@ -217,9 +228,9 @@ class Equations:
         rows *= row_unit[:, None]
         none = np.zeros((len(rows), len(rows)))
         matrix = np.block([[mass * np.outer(unit, unit), rows.T], [rows, none]])
-        gap = row_unit * (self.velocity_rhs(t, q) - jacobian @ v)
-        change = np.linalg.lstsq(matrix, np.concatenate([np.zeros(self.n), gap]), rcond=None)[0]
-        return v + unit * change[: self.n], row_unit * change[self.n :]
+        right = np.vstack([unit[:, None] * impulses, row_unit[:, None] * jumps])
+        change = np.linalg.lstsq(matrix, right, rcond=None)[0]
+        return unit[:, None] * change[: self.n], row_unit[:, None] * change[self.n :]
 
     def scale(self, size: float) -> FloatArray:
         """Typical changes of coordinates, (n,): `size` for lengths, 1 for angles, a state's own."""

@@ -188,6 +188,11 @@ class Description(NamedTuple):
         return np.array([row.is_length for row in self.coordinates], dtype=np.bool_)
 
     @property
+    def state_columns(self) -> tuple[int, ...]:
+        """Columns of the states with rates of their own."""
+        return tuple(row.column for row in self.states if row.name not in self.sampled)
+
+    @property
     def sampled_columns(self) -> tuple[int, ...]:
         """Columns of the values that clocks renew."""
         return tuple(self.states[name].column for name in self.sampled)

@@ -38,13 +38,14 @@ class Reduced:
     @cached_property
     def system(self) -> System:
         """The reduced equations, as the integrator takes them."""
-        n, m = len(self.kept), len(self.closures)
+        n, m, places = len(self.kept), len(self.closures), self.kept.tolist()
         behind = len(self.description.parameters) + len(self.branches)
         return replace(
             common_system(self.description, self.kernels, *self.jacobian, n, m),
             dead_centres=self.dead_centres,
             loops=len(self.branches),
-            sampled=tuple(map(self.kept.tolist().index, self.description.sampled_columns)),
+            states=tuple(map(places.index, self.description.state_columns)),
+            sampled=tuple(map(places.index, self.description.sampled_columns)),
             shares=tuple((k, behind + i) for i, k in enumerate(self.description.shares)),
             superposes=self.description.superposes,
             **self.tangents._asdict(),

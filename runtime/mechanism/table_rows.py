@@ -182,7 +182,8 @@ class Switch(NamedTuple):
 
     name: str
     condition: str
-    # "friction": a slip that may stay zero; "contact": the gap of a rigid contact; at g = 0 a
+    # "friction": a slip that may stay zero; "contact": the gap of a rigid contact; "clutch": the
+    # slip of a freewheel, which is never negative; at g = 0 a
     # "closed condition" holds, of a "balanced condition" the mean of both sides, and of a "mixed
     # condition" or "mixed friction" each condition as it is written
     kind: str = "condition"
@@ -191,6 +192,11 @@ class Switch(NamedTuple):
     def sticks(self) -> bool:
         """Whether it is the slip of a friction that sticks."""
         return self.kind.endswith("friction")
+
+    @property
+    def one_way(self) -> bool:
+        """Whether it is the slip of a freewheel."""
+        return self.kind == "clutch"
 
     @property
     def title(self) -> str:

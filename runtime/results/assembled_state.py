@@ -51,7 +51,8 @@ class State:
 
     `sampled` says whether clocks have renewed what is due at t: a run that starts there renews it
     unless they have. `discrete` has samples that wait for their delay, and the conditions that
-    hold; None where nothing is sampled or watched, or where that is unknown.
+    hold; None where nothing is sampled or watched, or where that is unknown. `scene` names the
+    scene whose joints act, empty where that is unknown.
     """
 
     t: float
@@ -60,10 +61,21 @@ class State:
     coordinates: Table[Coordinate] = field(default=Table(), repr=False)
     sampled: bool = field(default=False, repr=False)
     discrete: DiscreteState | None = field(default=None, repr=False)
+    scene: str = field(default="", repr=False)
 
     def __getitem__(self, name: str) -> float:
         """Value of a coordinate or velocity by name."""
         return value_of(self, name)
+
+    def __repr__(self) -> str:
+        """The instant, and the values by name with their units."""
+        if not self.coordinates:
+            return f"State(t={self.t!r}, q={self.q!r}, v={self.v!r})"
+        places = [row for row in self.coordinates if not row.is_state]
+        values = [f"{row.name} = {self[row.name]:.6g} {row.unit}" for row in places]
+        rates = ((row.velocity, row.velocity_unit) for row in self.coordinates)
+        values += [f"{name} = {self[name]:.6g} {unit}".rstrip() for name, unit in rates]
+        return f"State at t = {self.t:.9g} s: {', '.join(values)}"
 
 
 def value_of(state: "State | Assembly", name: str) -> float:

@@ -31,9 +31,9 @@ class Event(NamedTuple):
         In s; where bouncing ends, the instant at which its last flight would.
     direction
         1: the condition began to hold, or a contact opened; -1: it ceased; 0: from now on the
-        motion stays on its boundary: it slides there, friction sticks, or a contact is closed;
-        2: an impact, after which the contact is open; 3: a singular position was crossed; 4: the
-        machine locked up in one.
+        motion stays on its boundary: it slides there, friction sticks, a contact is closed, or
+        a one-way clutch grips; 2: an impact, after which the contact is open; 3: a singular
+        position was crossed; 4: the machine locked up in one.
     q, v
         State, shape (n,); after an impact, the velocities that it leaves.
     word

@@ -1,4 +1,4 @@
-"""What contacts and frictions do at an event, in a word."""
+"""What contacts, frictions and freewheels do at an event, in a word."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -13,6 +13,9 @@ _CONTACTS = ("contact", "stop", "clearance joint", "gear with backlash")  # spri
 _RIGID = {
     Direction.BEGAN: "leaves", Direction.CEASED: "touches", Direction.HOLDS: "rests",
     Direction.IMPACT: "touches",
+}  # fmt: skip
+_FREEWHEEL = {
+    Direction.BEGAN: "overruns", Direction.HOLDS: "grips", Direction.IMPACT: "strikes",
 }  # fmt: skip
 _WORD = re.compile(r"\w+")
 
@@ -68,6 +71,8 @@ def event_words(
         word = ""
         if row is not None and row.kind == "contact":
             word = _RIGID.get(Direction(direction), "")
+        elif row is not None and row.one_way:
+            word = _FREEWHEEL.get(Direction(direction), "")
         elif row is not None and row.sticks:
             held, stuck[k] = stuck.get(k, False), direction == Direction.HOLDS
             word = "sticks" if stuck[k] else "slips" if held else "reverses"

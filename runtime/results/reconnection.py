@@ -27,17 +27,18 @@ class Reconnection(NamedTuple):
     # component → impulse of the joint on its second body, N s or N m s; empty at a release
     impulse: dict[str, float]
     energy_lost: float  # kinetic energy that the impact took, J
+    units: dict[str, str]  # component → unit of its impulse, "" of an expression without one
 
     def __str__(self) -> str:
         """In a sentence."""
         if self.action == "release":
             return f"Joint '{self.joint}' was released at t = {self.time:.9g} s."
         values = without_rounding(self.impulse.values())
-        pairs = zip(self.impulse, values, strict=True)
-        parts = ", ".join(f"{name} {value:.6g}" for name, value in pairs)
+        rows = zip(self.impulse, values, self.units.values(), strict=True)
+        parts = ", ".join(f"{name} {value:.6g} {unit}".rstrip() for name, value, unit in rows)
         return (
-            f"Joint '{self.joint}' engaged at t = {self.time:.9g} s with the impulse ({parts}) "
-            f"N s, N m s, which took {self.energy_lost:.6g} J."
+            f"Joint '{self.joint}' engaged at t = {self.time:.9g} s with the impulse ({parts}), "
+            f"which took {self.energy_lost:.6g} J."
         )
 
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from codegen import __version__
 from codegen import argument_readers as readers
 from codegen.errors import InputError
-from codegen.object_display import counted, html_of, html_table, listed, without_rounding
+from codegen.object_display import counted
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class, declared_attributes, named_attributes
 from runtime.core.outcomes import Outcome
@@ -286,41 +286,15 @@ class Result(TimeSeries):
 
     def __repr__(self) -> str:
         """The headline, and what there is to look up."""
-        rows, states = self.description.positions, self.description.states
-        lines = [self.headline, f"  coordinates  {listed(f'{r.name} ({r.unit})' for r in rows)}"]
-        if states:
-            units = (f"{row.name} ({row.unit or '1'})" for row in states)
-            lines.append(f"  states       {listed(units)}")
-        effects = self.description.effects.names
-        parts = dict.fromkeys(row.element for row in self.description.reactions)
-        if joints := [name for name in parts if name not in effects]:
-            lines.append(f"  reactions    {listed(joints)} (N, N m)")
-        if acting := [n for n in parts if n in effects and n not in self.description.tracked]:
-            lines.append(f"  effects      {listed(acting)}")
-        if points := self.description.tracked:
-            lines.append(f"  points       {listed(points)} (m)")
-        if self.events:
-            lines.append(f"  events       {len(self.events)}, in .events")
-        if changes := self.reconnections:
-            lines.append(f"  joints       {counted(len(changes), 'change')}, in .reconnections")
-        return "\n".join(lines)
+        from runtime.results.result_display import text_of
+
+        return text_of(self)
 
     def _repr_html_(self) -> str:
         """The same with a table of the coordinates, for notebooks."""
-        if not len(self.t):
-            return html_of(repr(self))
-        rows = [(row.name, row.unit) for row in self.description.positions]
-        rows += [(row.name, row.unit or "1") for row in self.description.states]
-        x = np.array([self.series(name)[0] for name, _ in rows]).T
-        numbers = zip(
-            *map(without_rounding, (x[0], x[-1], x.min(axis=0), x.max(axis=0))), strict=True
-        )
-        table = html_table(
-            ("coordinate", "unit", "first", "last", "least", "greatest"),
-            ((*row, *of) for row, of in zip(rows, numbers, strict=True)),
-        )
-        text = [line for line in repr(self).splitlines() if not line.startswith("  coordinates ")]
-        return html_of("\n".join(text), table)
+        from runtime.results.result_display import html_of_result
+
+        return html_of_result(self)
 
     @property
     def headline(self) -> str:

@@ -41,10 +41,11 @@ def series_names(description: Description) -> dict[str, list[str]]:
 
 
 def unknown_series(name: str, known: dict[str, list[str]]) -> str:
-    """Sentences saying that a series does not exist, with the nearest names and all that exist."""
+    """Sentences saying that a series does not exist: the nearest names; without any, all."""
     text = unknown("series", name, [one for listed in known.values() for one in listed])
-    if "nearest" not in text:
-        text = f"There is no series {name!r}."
+    if "nearest" in text:
+        return text
+    text = f"There is no series {name!r}."
     lists = []
     for kind, listed in known.items():
         more = f" and {len(listed) - _LISTED} more" if len(listed) > _LISTED else ""

@@ -32,8 +32,14 @@ def require_apart(
 
 
 def require_no_rigid(mechanism: Mechanism, analysis: str) -> None:
-    """Refuse an analysis that does not determine which rigid contacts are closed."""
+    """Refuse an analysis that determines neither closed contacts nor freewheels that grip."""
     description = mechanism.description
+    if wheels := [row.name for row in description.switches if row.one_way]:
+        raise AnalysisError(
+            f"{description.title}: {analysis} does not decide which one-way clutches grip, and "
+            f"this scene has {', '.join(wheels)}. Let the machine come to rest in a simulation, or "
+            "ask for a scene without them: with a gear where a clutch grips, or with capacity=."
+        )
     if description.rigid:
         raise AnalysisError(
             f"{description.title}: {analysis} does not decide which rigid contacts are closed, and "

@@ -6,7 +6,7 @@ from typing import Any
 import sympy
 
 from codegen import t
-from codegen.declare.element import Rigid, Sticking
+from codegen.declare.element import OneWay, Rigid, Sticking
 from codegen.declare.symbols import SPEED, coordinate, side
 from tests.codegen.hostile_own_elements import (
     NAN,
@@ -115,6 +115,9 @@ EFFECTS: dict[str, tuple[Callable[[Machine], Any], str]] = {
     "hold: of a stranger": (lambda m: Effort(m, hold=Sticking(STRANGER, ONE)), "stranger"),
     "hold: a class": (lambda m: Effort(m, hold=lambda b: Rigid), "hold"),
     "hold: gap of a velocity": (lambda m: Effort(m, hold=Rigid(m.a.vx, ONE, ONE)), "velocity"),
+    "hold: slip of squares": (lambda m: Effort(m, hold=OneWay(m.a.vx**2, ONE)), "linear"),
+    "hold: slip of places": (lambda m: Effort(m, hold=OneWay(m.a.x, ONE)), "velocity"),
+    "hold: torque below 0": (lambda m: Effort(m, hold=OneWay(m.a.vx, -ONE)), "typical torque"),
     "hold: gap of nothing": (lambda m: Effort(m, hold=Rigid(ONE, ONE, ONE)), "gap"),
     "hold: slip of a place": (lambda m: Effort(m, hold=Sticking(ONE, ONE)), "slip"),
     "hold: restitution 2": (lambda m: Effort(m, hold=Rigid(m.a.x, 2 * ONE, ONE)), "restitution"),

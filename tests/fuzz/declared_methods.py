@@ -156,7 +156,7 @@ METHODS: dict[str, dict[str, Kind]] = {
         "axis?": PAIR,
         "offset?": NUMBER,
     },
-    "one_way_clutch": {"driver": BODY, "driven": BODY, "capacity": NUMBER},
+    "one_way_clutch": {"driver": BODY, "driven": BODY, "capacity?": NUMBER},
     "rolling_disc": {"disc": PLACE, "line": PLACE, "radius": NUMBER, "axis?": PAIR},
     "absolute": {"on": PLACE, "letter": LETTER, "value": NUMBER},
     "relative": {"i": PLACE, "j": PLACE, "letter": LETTER, "value": NUMBER},

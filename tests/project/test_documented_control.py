@@ -77,3 +77,12 @@ def test_connections(shown: dict[str, Any]) -> None:
     changes = shown["index"].reconnections
     assert [change.action for change in changes] == ["engage", "release"]
     assert_allclose([change.time for change in changes], [np.pi / 8, 3 * np.pi / 8], atol=1e-8)
+
+
+def test_freewheel(shown: dict[str, Any]) -> None:
+    coast = shown["coast"]
+    assert [event.word for event in coast.events if event.word] == ["overruns"]
+    assert_allclose(coast.at(0.5).torque("clutch"), 1.0, atol=1e-9)
+    together = 1.5 + 2.0 * np.minimum(coast.t, 1.0)  # two of 0.5 kg m² under 2 N m
+    assert_allclose(coast.v("disc.phi"), together, atol=1e-8)
+    assert_allclose(coast.v("shaft.phi")[-1], together[-1] - 4.0, atol=1e-8)

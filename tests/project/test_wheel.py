@@ -21,6 +21,8 @@ UNTRACKED = (
     "runtime/mine.txt",
     "notes.md",
 )
+HIDDEN = {"runtime/private.py": ".git/info/exclude", "linkwright/hidden.py": ".git/ignored"}
+"""Untracked files, and the list of a user's own that hides them from git."""
 BUILD = """
 import sys
 from hatchling.build import build_sdist, build_wheel
@@ -43,7 +45,12 @@ def archives(
         copy.write_bytes(path.read_bytes())
     for command in (["init", "--quiet"], ["add", "--all"]):
         subprocess.run(["git", *command], cwd=tree, check=True)
-    for name in UNTRACKED:
+    ignored = ["config", "core.excludesFile", str(tree / ".git" / "ignored")]
+    subprocess.run(["git", *ignored], cwd=tree, check=True)
+    for name, listed_in in HIDDEN.items():
+        with (tree / listed_in).open("a") as listing:
+            listing.write(f"/{name}\n")
+    for name in (*UNTRACKED, *HIDDEN):
         (tree / name).parent.mkdir(exist_ok=True)
         (tree / name).write_text("mine = 1\n")
     done = subprocess.run(

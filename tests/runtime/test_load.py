@@ -12,6 +12,7 @@ import pytest
 
 import codegen
 from codegen.errors import GeneratedFileError, ModelFileError
+from codegen.model_file import find_model_file
 from runtime import load
 from runtime.machine_facade import Machine
 
@@ -38,6 +39,19 @@ def test_first_scene_is_read_from_the_model_file(pendulum: Machine, workshop: Pa
 def test_unknown_model_names_the_nearest(place: Path) -> None:
     with pytest.raises(ModelFileError, match=r"no model 'rod_pendulm'.*Models there: rod_pendulum"):
         load("rod_pendulm", folder=place)
+
+
+def test_a_name_without_its_suffix_is_answered_with_the_file_beside(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "lift.py").write_text("model = Model('lift')")
+    (tmp_path / "notes.py").write_text("print('no machine')")
+    monkeypatch.chdir(tmp_path)
+    for read in (load, find_model_file):
+        with pytest.raises(ModelFileError, match=r"did you mean lift\.py\?$"):
+            read("lift")
+    with pytest.raises(ModelFileError, match=r"Models there: lift\.$"):
+        load("./notess.py")
 
 
 def test_model_that_does_not_parse_names_the_line(place: Path) -> None:

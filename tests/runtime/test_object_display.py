@@ -45,6 +45,14 @@ def test_assembly(pendulum: Machine) -> None:
     assert "<td>bar.phi</td>" in state._repr_html_()
 
 
+def test_state(pendulum: Machine) -> None:
+    text = repr(pendulum.simulate(0.1, start={"bar.phi": 0.25, "bar.omega": 0.5}).state(0.0))
+    assert text.startswith("State at t = 0 s: bar.x = ")
+    assert ", bar.phi = 0.25 rad, bar.vx = " in text
+    assert text.endswith(", bar.omega = 0.5 rad/s")
+    assert "array" not in text
+
+
 def test_machine_and_its_tables(driven: Machine) -> None:
     assert "<th style='text-align:left'>parameter</th>" in driven._repr_html_()
     lines = repr(driven.coordinates).splitlines()

@@ -4,8 +4,10 @@ from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from codegen.errors import InputError
+from linkwright.commands import app
 from runtime.core.jit import ROOMS
 from runtime.integrate.method import EXPLICIT, LEADING, METHODS, REGISTER
 from runtime.precompile import import_graph, precompile
@@ -46,3 +48,11 @@ def test_a_method_that_another_loads_is_compiled_before_it():
 def test_unknown_method_is_refused_by_name():
     with pytest.raises(InputError, match="no such method: dop85; there are dop853, dopri5"):
         precompile("dop853", "dop85")
+
+
+def test_a_line_tells_of_each_room_that_is_compiled():
+    done = CliRunner().invoke(app, ["precompile", "dop853"])
+    assert done.exit_code == 0
+    lines = done.stdout.splitlines()
+    assert "compiled runtime.integrate" in lines
+    assert len(lines) == len({*lines}) > 4

@@ -104,12 +104,12 @@ def _sum(effect: Any, word: str, value: Any, needed: str) -> tuple[tuple[str, sy
     return tuple((name(effect, word, c), expression(effect, word, f)) for c, f in pairs)
 
 
-def _hold(effect: Any, bodies: tuple[Body, ...]) -> el.Sticking | el.Rigid | None:
-    hold: el.Sticking | el.Rigid | None = call_optional_method(effect, "hold", None, bodies)
+def _hold(effect: Any, bodies: tuple[Body, ...]) -> el.Hold | None:
+    hold: el.Hold | None = call_optional_method(effect, "hold", None, bodies)
     if hold is None:
         return None
-    if not isinstance(hold, el.Sticking | el.Rigid):
-        raise refusal(effect, "hold()", hold, "a Sticking, a Rigid or None")
+    if not isinstance(hold, el.Hold):
+        raise refusal(effect, "hold()", hold, "a Sticking, a Rigid, a OneWay or None")
     values: dict[str, Any] = {
         word: None if value is None and word == "static" else expression(effect, "hold()", value)
         for word, value in vars(hold).items()
@@ -121,12 +121,24 @@ def _hold(effect: Any, bodies: tuple[Body, ...]) -> el.Sticking | el.Rigid | Non
             f"{el.label(effect)}: the slip of its hold() is {shown(values['slip'])}, without a "
             "velocity; give the rate at which the surfaces slip."
         )
+    elif isinstance(hold, el.OneWay):
+        _linear_slip(effect, values["slip"])
     elif values["static"] is not None and values["kinetic"].is_nonpositive:
         raise ModelError(
             f"{el.label(effect)}: the coefficient of its hold() is {values['kinetic']}, beside a "
             "static one; give a positive number."
         )
     return type(hold)(**values)
+
+
+def _linear_slip(effect: Any, slip: sympy.Expr) -> None:
+    """Refuse a slip whose change in an impact does not follow from impulses alone."""
+    velocities = kinds(slip, Velocity)
+    if any(kinds(slip.diff(v), Velocity) for v in velocities):
+        raise ModelError(
+            f"{el.label(effect)}: the slip of its hold() is {shown(slip)}, no linear function of "
+            "velocities; give the rate of a scalar."
+        )
 
 
 def _pulls(effect: Any, bodies: tuple[Body, ...]) -> el.Pulls:

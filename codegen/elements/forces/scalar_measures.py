@@ -63,6 +63,38 @@ def angle_problems(element: Element, *bodies: Body) -> list[str]:
     ]
 
 
+def is_angle(scalar: sympy.Expr) -> bool:
+    """Whether a scalar is a sum and difference of angles, as that of a torsion spring is."""
+    moved = kinds(scalar, Coordinate)
+    return (
+        bool(moved)
+        and not kinds(scalar, Velocity, Time)
+        and all(q.unit == "rad" and abs(sympy.diff(scalar, q)) == 1 for q in moved)
+    )
+
+
+def is_length(scalar: sympy.Expr) -> bool:
+    """Whether a scalar is known to be in m: a sum of lengths, or the root of a sum of squares.
+
+    A length x enters a sum with ∂s/∂x = ±1, and a sum of squares s² with ∂²s²/∂x² = 2.
+    """
+    moved = kinds(scalar, Coordinate)
+    if kinds(scalar, Velocity) or not any(q.unit == "m" for q in moved):
+        return False
+    rest = scalar.as_independent(*moved, as_Add=True)[1]
+    root = rest.is_Pow and rest.exp == sympy.S.Half
+    return all(
+        (sympy.diff(rest.base, q, 2) == 2) if root else (abs(sympy.diff(rest, q)) == 1)
+        for q in moved
+        if q.unit == "m"
+    )
+
+
+def unit_of(scalar: sympy.Expr) -> str:
+    """Its unit, "rad" or "m", where that follows from the coordinates; else empty."""
+    return "rad" if is_angle(scalar) else "m" if is_length(scalar) else ""
+
+
 WORDS = {
     "m": ("length", "force", "N"),
     "rad": ("angle", "torque", "N m"),

@@ -124,7 +124,8 @@ class Contact(GapSprings):
     The switching is located: g = 0 is an event of a run, and between events every step is smooth.
     The spring has the potential V = k g² / 2 while g < 0; the damper is a force. With damping the
     force jumps where the contact begins, and at its end, where c ġ outweighs k g, it pulls.
-    With `may_pull` False it is cut off there: f = min(k g + c ġ, 0). A gap that depends on the time
+    With `may_pull` False it is cut off there: f = min(k g + c ġ, 0). Surfaces that do not stick, a
+    tyre on the road or a ball on the ground, need `may_pull` False. A gap that depends on the time
     is a moving wall, whose spring has no potential.
     """
 

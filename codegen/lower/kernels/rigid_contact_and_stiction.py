@@ -1,4 +1,4 @@
-"""Kernels of sticking frictions and rigid contacts: bounds of α, gaps, restitution."""
+"""Kernels of sticking frictions, rigid contacts and freewheels: bounds of α, gaps, restitution."""
 
 import sys
 from collections.abc import Sequence
@@ -24,9 +24,9 @@ CONTACT_KERNELS = (
 
 
 def hold_kernels(scene: SceneGraph, reported: Sequence[Reaction]) -> list[Kernel]:
-    """The kernels of sticking frictions and rigid contacts that a scene needs."""
+    """The kernels of sticking frictions, rigid contacts and freewheels that a scene needs."""
     kernels, contacts = [], scene.equations.contacts
-    if any(s.kind == "contact" or s.ratio is not None for s in scene.equations.switches):
+    if any(s.alone or s.ratio is not None for s in scene.equations.switches):
         kernels.append(_holds(scene))
     if contacts:
         columns = zip(
@@ -62,7 +62,7 @@ def _holds(scene: SceneGraph) -> Kernel:
     for switch in scene.equations.switches:
         notes.append(f"{switch.effect}: {switch.kind}")
         first, last = graph.zero, graph.one
-        if switch.kind == "contact":
+        if switch.alone:
             first = graph.constant(-UNBOUNDED)
         elif switch.ratio is not None:
             half = graph.constant(0.5)

@@ -79,6 +79,11 @@ def _explanation(pair: Pair, reasons: Sequence[str]) -> str:
             "; something moves alike in both, to the last digit, also with steps of at most "
             f"{tight.options.h_max:.3g} s, so that only a shorter pulse would go unseen"
         )
+    if delivered.rtol == other.rtol and not pair.agrees and tight.options.h_max is not None:
+        text += (
+            f", the second with steps of at most {tight.options.h_max:.3g} s, since "
+            "runs of two tolerances took the same steps, or moved alike"
+        )
     if share < 1.0:
         text += f"; the error of the tighter run is estimated as {share:.2g} times that"
     if other.events != delivered.events:

@@ -59,6 +59,7 @@ _EXPECTED_POWER = 0.85  # measured: power of rtol with which errors are expected
 _MARGIN = 0.5  # safety: share of the target that a run is planned for, and judged by
 _NEXT = 0.03  # measured: rtol of the next run over that of the last, if that shows nothing
 _MOST_RUNS = 8  # safety
+_PACED = 1.2  # safety: ratio of steps below which samples bound them, not the tolerances
 _SAMPLED = 1e-3  # safety: longest step, of the whole time, where runs agree to the last digit
 
 
@@ -142,8 +143,12 @@ class _Search:
                 break
         second = max(_LAST, rtol * second_ratio(choice, first.path))
         pair = self._compare(choice, second, first)
-        if self._is_unseen(pair):
-            longest = min(self.options.h_max or np.inf, self._sampled)
+        longest = self._sampled if self._is_unseen(pair) else np.inf
+        if self._is_paced(pair):
+            path = pair.tight.path  # its mean step, which `_run` shortens by the tolerance
+            longest = min(longest, (path.final_t - self.ready.begin.t) / path.statistics.steps)
+        if longest < np.inf:
+            longest = min(self.options.h_max or np.inf, longest)
             self.options = replace(self.options, h_max=longest)
             pair = self._compare(choice, pair.tight.options.rtol, pair.tight)
         while not self._is_final(pair):
@@ -201,6 +206,11 @@ class _Search:
         """
         steps = pair.loose.path.statistics.steps
         return pair.agrees and (pair.difference.largest == 0.0 or steps * _SAMPLED < 1.0)
+
+    def _is_paced(self, pair: Pair) -> bool:
+        """Whether samples cut the steps of both runs, which then take the same and err alike."""
+        steps, loose = (run.path.statistics.steps for run in (pair.tight, pair.loose))
+        return bool(self.ready.mechanism.description.sampled) and steps < _PACED * loose
 
     def _is_final(self, pair: Pair) -> bool:
         """Whether no further run is needed, or helps."""

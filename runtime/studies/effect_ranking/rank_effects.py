@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from codegen import argument_readers as readers
 from codegen.errors import InputError
@@ -21,6 +21,7 @@ from runtime.studies.effect_ranking import trial_and_comparison
 from runtime.studies.effect_ranking.quantity import Function, parse_quantity
 from runtime.studies.effect_ranking.ranking import Matters, Proposal, Row, Verdict
 from runtime.studies.effect_ranking.trial_and_comparison import Comparison, Plan, Trial
+from runtime.studies.run_words import read_words, refuse_run_words, takes_run_words
 from runtime.studies.scene_loading import LEFT_OUT
 from runtime.studies.timing import Stopwatch, take_turns
 
@@ -40,6 +41,7 @@ SECONDS = 3.0  # measured: wall-clock time for all rounds
     rtol=readers.number("a number"), points=readers.count(-(2**62)),
     rounds=readers.optional(readers.count(-(2**62))),
 )  # fmt: skip
+@takes_run_words()
 def matters(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     asked: str | Function, t_end: float | None = None, t_start: float = 0.0,
@@ -49,7 +51,7 @@ def matters(
     method: str = "dop853", formulation: str | None = None, rtol: float = 1e-10,
     points: int = 1001, rounds: int | None = None, folder: str | os.PathLike[str] | None = None,
     generated: str | os.PathLike[str] | None = None,
-    progress: Callable[[str], None] = lambda line: None,
+    progress: Callable[[str], None] = lambda line: None, **run: Any,
 ) -> Matters:  # fmt: skip
     """Rank the effects of a scene by their influence on a quantity.
 
@@ -72,7 +74,10 @@ def matters(
         As in the analyses, `start` by name; a variant without the thing that a value belongs to
         ignores it.
     method, formulation, rtol
-        Of a simulation; a second one with 100 `rtol` shows how far it can be trusted.
+        Of a simulation; a second one with 100 `rtol`, and 100 `atol` where that is given, shows how
+        far it can be trusted.
+    atol, controllers, until, correction, time_scale, first_step, max_step, max_steps, max_bytes
+        As in `simulate`, for each of its runs.
     points
         Output instants of a timed run.
     rounds
@@ -102,9 +107,12 @@ def matters(
     if kind != "equilibrium":
         end = scene_loading.require_time_span(machine, t_start, t_end)
     _require_start(machine, kind, guess, start, parameters, t_start)
+    words = read_words(machine, run)
+    if kind != "simulate":
+        refuse_run_words(words, title, "inverse dynamics" if kind == "inverse" else kind)
     values = dict(parameters or {}), dict(guess or {}), dict(start or {})
     span = float(t_start), float(end)
-    plan = Plan(quantity, kind, *span, points, rtol, method, formulation, *values)
+    plan = Plan(quantity, kind, *span, points, rtol, method, formulation, *values, words)
     full = plan.trial(machine)
     comparison = Comparison(source, plan, full, error, progress)
     found = [(change, comparison.trial(change.of(source.scene))) for change in changes]

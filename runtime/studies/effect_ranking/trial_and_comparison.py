@@ -8,7 +8,7 @@ answers is the uncertainty of the second.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from runtime.machine_facade import Machine
 from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue, jumps
 from runtime.studies.effect_ranking.ranking import Costs, Row, Verdict
+from runtime.studies.run_words import words_for
 from runtime.studies.scene_loading import LEFT_OUT, Source, known_values
 from runtime.studies.series_by_name import FloatArray
 from runtime.studies.timing import Stopwatch, processor_time
@@ -51,6 +52,8 @@ class Plan:
     parameters: Mapping[str, float]  # a scene gets those that it has
     guess: Mapping[str, float]  # the same
     start: Mapping[str, float]  # the same; empty for an equilibrium
+    # of `Machine.simulate`, besides
+    words: Mapping[str, Any] = field(default_factory=dict)
 
     def run(self, machine: Machine, rtol: float, instants: FloatArray) -> Result:
         """The analysis of a machine."""
@@ -58,7 +61,9 @@ class Plan:
         values["progress"] = False
         if self.analysis == "simulate":
             values |= {"t_start": self.t_start, "method": self.method, "rtol": rtol}
-            values["formulation"] = self.formulation
+            values |= words_for(machine, self.words) | {"formulation": self.formulation}
+            if (atol := self.words.get("atol")) is not None:
+                values["atol"] = atol * (rtol / self.rtol)
             return machine.simulate(self.t_end, instants, **values)
         if self.analysis == "equilibrium":
             return machine.equilibrium(**values, t=self.t_start)
@@ -168,10 +173,12 @@ class Comparison:
     def trial(self, scene: "Scene") -> Trial | LinkwrightError:
         """Run a variant; an error where it does not work as the full scene does."""
         self.progress(f"{self.source.model.name}/{scene.name}")
+        machine = None
         try:
-            trial = self.plan.trial(self.source.variant(scene))
+            machine = self.source.variant(scene)
+            trial = self.plan.trial(machine)
         except LinkwrightError as error:
-            return error
+            return error if machine is None else self._without_states(machine) or error
         freedom, moved, reach = self.full.freedom, self.full.reach, trial.reach
         if trial.freedom != freedom:
             return LinkwrightError(
@@ -185,6 +192,20 @@ class Comparison:
         if common and all(reach[name] <= STILL * moved[name] for name in common):
             return LinkwrightError("nothing moves without it")
         return trial
+
+    def _without_states(self, machine: Machine) -> LinkwrightError | None:
+        """What to say of a scene that lacks the states of the quantity."""
+        text = self.plan.quantity.text
+        words = {word.strip() for word in text.replace("|", ":").split(":")}
+        here = machine.mechanism.description.states.names
+        states = self.full.result.description.states.names
+        gone = [name for name in states if name in words and name not in here]
+        if not gone:
+            return None
+        return LinkwrightError(
+            f"the state {' and '.join(map(repr, gone))} leaves the scene with it, because nothing "
+            f"else contains it; so {text} has no value there"
+        )
 
     def row(self, change: "Variant", trial: Trial | LinkwrightError) -> Row:
         """The verdict on one change."""

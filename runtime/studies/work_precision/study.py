@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from runtime.machine_facade import Machine
 from runtime.mechanism.table_rows import unknown
 from runtime.results.assembled_state import Assembly
 from runtime.studies import scene_loading, series_by_name
+from runtime.studies.run_words import read_words, takes_run_words
 from runtime.studies.series_by_name import FloatArray
 from runtime.studies.work_precision import diagram, reference_solution
 from runtime.studies.work_precision.build_costs import build_costs
@@ -49,6 +50,7 @@ QUICK_REPEATS = 3, 0.01  # measured: the same of a quick study
     limit=readers.number("a finite number of seconds"), steps=readers.count(-(2**62)),
     **dict.fromkeys(("modelling", "quick"), readers.flag),
 )  # fmt: skip
+@takes_run_words("correction")
 def accuracy(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     quantities: Sequence[str] = (), t_end: float | None = None, t_start: float = 0.0,
@@ -59,7 +61,7 @@ def accuracy(
     limit: float = 10.0, steps: int = 1_000_000, parameters: Mapping[str, float] | None = None,
     guess: Mapping[str, float] | None = None, start: Mapping[str, float] | None = None,
     folder: str | os.PathLike[str] | None = None, generated: str | os.PathLike[str] | None = None,
-    progress: Callable[[str], None] = lambda line: None,
+    progress: Callable[[str], None] = lambda line: None, **run: Any,
 ) -> WorkPrecision:  # fmt: skip
     """The work-precision diagram of a scene: digits against time, by every method.
 
@@ -93,6 +95,8 @@ def accuracy(
         methods and formulations take; by default unless `quick`: four tolerances, few runs a time.
     limit, steps
         Time in s and steps that a run may take; a reference may take more.
+    atol, controllers, until, time_scale, first_step, max_step, max_steps, max_bytes
+        As in `simulate`, for each of its runs; `correction` follows from the setting.
     progress
         Receives a line before every step that takes time.
 
@@ -112,7 +116,9 @@ def accuracy(
     others = _other_models(source, modelling, beside)
     given = guess or {}, start or {}
     begin = _assemble_with_freedom(machine, *given, parameters, t_start)
-    runner = Runner(machine, begin, instants, dict(parameters or {}), float(limit), int(steps))
+    words = read_words(machine, run)
+    values = dict(parameters or {})
+    runner = Runner(machine, begin, instants, values, float(limit), int(steps), words)
     progress(
         f"{runner.title}: at most {limit:g} s and {steps:g} steps per run, "
         f"{reference_solution.LIMIT_FACTOR * limit:g} s for a reference"

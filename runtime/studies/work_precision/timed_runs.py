@@ -4,14 +4,18 @@ Assembly before the motion, and reactions and energies after it, take a millisec
 the motion: they do not count.
 """
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import partial
+from typing import Any
 
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.connected_simulation import simulate
+from runtime.dynamics.output_conditions import read_conditions, simulate_until
 from runtime.machine_facade import Machine
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
+from runtime.studies.run_words import words_for
 from runtime.studies.series_by_name import FloatArray
 from runtime.studies.timing import Stopwatch, TimeLimit, take_turns
 from runtime.studies.work_precision.diagram import Setting
@@ -31,6 +35,8 @@ class Runner:
     parameters: dict[str, float]  # over the scene's defaults
     limit: float  # time of a run, s
     steps: int  # trial steps of a run
+    # of `Machine.simulate`, besides
+    words: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
@@ -42,11 +48,19 @@ class Runner:
         others = any(row.reconnects for row in self.machine.description.watched)
         for _ in range(2 if others else 1):  # in the first run scenes that follow may be built
             limit = TimeLimit(self.limit)
-            result = simulate(
-                self.machine.mechanism, float(self.instants[-1]), self.instants,
-                t_start=self.begin.t, rtol=rtol, parameters=self.parameters, start=self.begin,
-                step_limit=self.steps, progress=limit, **asdict(setting),
-            )  # fmt: skip
+            words = words_for(self.machine, self.words)
+            until = words.pop("until", None)
+            given = {
+                "t_end": float(self.instants[-1]), "t_eval": self.instants, "rtol": rtol,
+                "t_start": self.begin.t, "parameters": self.parameters, "start": self.begin,
+                "step_limit": self.steps, "progress": limit, **asdict(setting), **words,
+            }  # fmt: skip
+            analyse = partial(simulate, self.machine.mechanism)
+            if until is None:
+                result = analyse(**given)
+            else:
+                conditions = read_conditions(self.machine.description, until)
+                result = simulate_until(analyse, conditions, given)
             if not limit.exceeded:
                 break
         if result.outcome is Outcome.INTERRUPTED and not limit.exceeded:

@@ -10,6 +10,8 @@ from scipy.optimize import brentq
 
 from codegen import Model
 from runtime import Outcome, Result, load
+from runtime.mechanism.table_rows import ReactionRow
+from runtime.results.effect_series import quantity_of
 from tests.codegen.elements.test_library_forces import (
     S_I,
     S_J,
@@ -75,6 +77,32 @@ def test_stop_of_a_travel_by_hand(kind: str) -> None:
         travel = np.linalg.norm(d) if kind == "expression" else A(phi) @ [0.6, 0.8] @ d
         assert_allclose(machine.vector("potential", s), 15 * (travel + 10) ** 2, **TOLERANCE)
         assert_allclose(momenta(machine, s), np.zeros(3), atol=1e-10)
+
+
+@pytest.mark.parametrize("law", [{"stiffness": 50.0}, {"restitution": 0.0}])
+@pytest.mark.parametrize(
+    ("of", "quantity", "units"),
+    [
+        ("angle", "torque", ("rad/s", "N m")), ("length", "force", ("m/s", "N")),
+        ("twice", "force", ("1/s", "")),
+    ],
+)  # fmt: skip
+def test_stop_of_an_expression_has_its_force(
+    of: str, quantity: str, units: tuple[str, str], law: dict[str, float]
+) -> None:
+    """With the unit that follows from the coordinates, and without one where none does."""
+    model, first, second = pair()
+    s = {
+        "angle": second.phi - first.phi, "length": second.x - first.x,
+        "twice": 2 * (second.phi - first.phi),
+    }[of]  # fmt: skip
+    model.stop("limit", s, lower=-0.5, upper=0.5, **law)
+    model.scene("run", ["limit"], outputs=[f"{quantity}(limit)", "rates"])
+    rows = [ReactionRow(*row) for row in Interpreted(model).lowered.description.reactions]
+    sides = 1 if "restitution" in law else 2
+    assert sorted((quantity_of(row), row.unit) for row in rows) == sorted(
+        [("rate", units[0]), (quantity, units[1])] * sides
+    )
 
 
 def test_slider_between_stops_that_yield(tmp_path: Path) -> None:

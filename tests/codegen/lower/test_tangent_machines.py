@@ -57,6 +57,7 @@ MACHINES: dict[str, Callable[[Path], Interpreted]] = {
     "free follower": library("valve_lifter", "free_follower"),
     "coil spring": library("coil_spring", "impact"),
     "web cutter": library("web_cutter", "running"),
+    "states of an arm": library("robot_arm", "integral"),
     "friction in one joint": with_friction(1),
     "friction in four joints": with_friction(4),
     "drag and springs": drag_and_springs,

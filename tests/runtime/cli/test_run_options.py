@@ -10,7 +10,7 @@ from typer.testing import CliRunner, Result
 
 from codegen.cli import app as compiler
 from codegen.errors import AnalysisError
-from runtime import load, matters
+from runtime import accuracy, load, matters
 from runtime.cli.app import app
 from runtime.machine_facade import Machine
 
@@ -39,6 +39,40 @@ def test_simulate_and_report_take_what_simulate_takes() -> None:
     words = words - {"quantities"} | {"quantity"}
     assert words <= names("simulate")
     assert names("simulate") - names("report") == set()
+
+
+def test_studies_take_what_they_do_not_set_themselves() -> None:
+    words = set(signature(Machine.simulate).parameters) - IN_ANOTHER_FORM
+    words = words - {"quantities", "accuracy"} | {"quantity"}
+    assert words <= names("matters")
+    assert words - {"rtol", "correction"} <= names("accuracy")
+    assert not {"accuracy"} & (names("matters") | names("accuracy"))
+    of_python = set(signature(Machine.simulate).parameters) - {
+        "self", "t_eval", "accuracy", "quantities"
+    }  # fmt: skip
+    assert of_python <= set(signature(matters).parameters)
+    assert of_python - {"method", "formulation", "rtol", "correction"} <= set(
+        signature(accuracy).parameters
+    )
+
+
+def test_options_reach_the_runs_of_studies(rod: Path) -> None:
+    words = ["matters", str(rod), "--quantity", "bob.phi", "--t-end", "3", "--rounds", "1",
+             "--points", "11", "--until", "low: bob.phi < -0.5", "--json"]  # fmt: skip
+    done = CliRunner().invoke(app, words)
+    assert json.loads(done.stdout)["value"] == pytest.approx(-0.5, abs=1e-9), done.stderr
+    done = CliRunner().invoke(app, [*words, "--max-steps", "3"])
+    assert done.exit_code == 1
+    assert "3 steps" in done.stderr or "MAX_STEPS" in done.stderr or "max_steps" in done.stderr
+    done = CliRunner().invoke(app, [*words, "--atol", "-1"])
+    assert done.exit_code == 2
+    assert "atol is -1" in done.stderr
+    words = ["accuracy", str(rod), "--t-end", "3", "--quick", "--method", "dop853",
+             "--formulation", "cartesian", "--points", "11", "--until", "low: bob.phi < -0.5",
+             "--max-step", "0.05", "--json"]  # fmt: skip
+    study = json.loads(CliRunner().invoke(app, words).stdout)
+    assert study["ok"]
+    assert study["t_end"] < 3
 
 
 def test_all_analyses_take_values_and_the_folder_of_modules() -> None:
@@ -185,3 +219,14 @@ def test_start_values_are_kept(run) -> None:  # type: ignore[no-untyped-def]
     done = run("simulate", "rod_pendulum", "--t-end", "0.1", "--start", "bar.phi")
     assert done.exit_code == 2
     assert "--start bar.phi: write NAME=VALUE" in done.stderr
+
+
+def test_a_value_given_twice_is_refused() -> None:
+    from runtime.cli.common import start_values
+
+    with pytest.raises(InputError) as caught:
+        start_values(["m=2", "m=3"], None, ["a=1", "a = 2"])
+    assert caught.value.problems == (
+        "--set m is given twice; give one value.",
+        "--start a is given twice; give one value.",
+    )

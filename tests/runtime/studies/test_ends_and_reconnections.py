@@ -133,8 +133,8 @@ def test_a_reference_from_a_file(cut: Model, tmp_path: Path) -> None:
 
 
 def test_names_of_instants() -> None:
-    changes = [Reconnection(time, "pin", "release", {}, 0.0) for time in (1.0, 3.0)]
-    changes.insert(1, Reconnection(2.0, "slot", "engage", {}, 0.0))
+    changes = [Reconnection(time, "pin", "release", {}, 0.0, {}) for time in (1.0, 3.0)]
+    changes.insert(1, Reconnection(2.0, "slot", "engage", {}, 0.0, {}))
     run = SimpleNamespace(reconnections=changes, ended_by="home", t=[0.0, 4.0])
     instants = {"t(pin)": 1.0, "t(slot)": 2.0, "t(pin)#2": 3.0, "t(home)": 4.0}
     assert own_instants(run) == instants  # type: ignore[arg-type]

@@ -223,6 +223,26 @@ def nonsense(result: Result) -> float:
     return float("nan")
 
 
+def test_a_near_name_is_not_followed_by_all_names(folder: Path) -> None:
+    with pytest.raises(InputError, match=r"nearest: body\.x[^;]*$"):
+        matters(sledge(), "kicked", asked="body.xx", t_end=1.0, folder=folder)
+
+
+def test_a_state_that_leaves_with_its_only_user_is_named(folder: Path) -> None:
+    model = Model("driven_sledge")
+    body = model.particle("body", mass=2.0)
+    model.absolute("rail", body, "y", 0.0)
+    current = model.state("i", lambda i: 12.0 - 2.0 * i - body.vx, unit="A")
+    model.force("motor", body, fx=current)
+    model.force("drag", body, fx=-0.1 * body.vx)
+    model.scene("run", ["motor", "drag"], start={body.x: 0.0, body.vx: 0.0})
+    found = matters(model, "run", asked="max:i", t_end=0.5, folder=folder)
+    assert found["motor"].reason == (
+        "the state 'i' leaves the scene with it, because nothing else contains it; so max:i has no "
+        "value there"
+    )
+
+
 @pytest.mark.parametrize(
     ("asked", "message"),
     [

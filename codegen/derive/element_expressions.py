@@ -1,0 +1,41 @@
+"""The expressions of constraints and effects, in which functions of some kind are looked for."""
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+import sympy
+
+if TYPE_CHECKING:
+    from codegen.derive.equations import ConstraintEquations, EffectEquations
+
+
+class ElementExpression(NamedTuple):
+    """An expression by coordinates and velocities, the time and parameters."""
+
+    element: str
+    expression: sympy.Expr
+    along: sympy.Expr | None = None  # the scalar along which it is a force, with SPEED its rate
+
+
+def element_expressions(
+    constraints: Iterable["ConstraintEquations"],
+    effects: Iterable["EffectEquations"],
+    functions: tuple[type[sympy.Basic], ...] = (),
+) -> Iterator[ElementExpression]:
+    """Those of constraints, with their bindings, that have any of `functions`, and of effects.
+
+    All of the constraints where no functions are named.
+    """
+    for constraint in constraints:
+        bindings = constraint.statement.bindings
+        for expression in (*constraint.terms.phi, *bindings.values()):
+            if not functions or expression.has(*functions):
+                yield ElementExpression(constraint.name, expression.xreplace(bindings))
+    for effect in effects:
+        terms = effect.terms
+        for scalar, force in terms.pulls:
+            yield ElementExpression(effect.name, scalar)
+            yield ElementExpression(effect.name, force, scalar)
+        yield from (ElementExpression(effect.name, force) for _, force in terms.loads)
+        if terms.potential is not None:
+            yield ElementExpression(effect.name, terms.potential)

@@ -1,0 +1,104 @@
+"""Studies hand the words of `simulate` to each of their runs."""
+
+from functools import wraps
+from inspect import signature
+from pathlib import Path
+
+import pytest
+
+from codegen import Model
+from codegen.errors import InputError, LinkwrightError
+from runtime.machine_facade import Machine
+from runtime.studies.effect_ranking import matters
+from runtime.studies.run_words import takes_run_words
+from runtime.studies.work_precision import accuracy
+
+
+@pytest.fixture(scope="module")
+def pushed() -> Model:
+    """A mass that a function of the user's own pushes, against a little air."""
+    model = Model("worded")
+    mass = model.particle("mass", 2.0)
+    model.absolute("rail", mass, "y", 0.0)
+    model.force("push", mass, fx=model.sampled("u", 0.1, unit="N"))
+    model.force("air", mass, fx=-0.01 * mass.vx)
+    model.force("breeze", mass, fx=1e-3)
+    model.driver("drive", mass.x, 0.5)
+    start = {mass.x: 0.0, mass.vx: 0.0}
+    model.scene("runs", ["push", "air", "breeze"], start=start)
+    model.scene("free", ["air", "breeze"], start={mass.x: 0.0, mass.vx: 1.0})
+    model.scene("driven", ["air", "breeze"], ["drive"])
+    return model
+
+
+def constant(sample: object) -> float:
+    return 4.0
+
+
+def test_a_ranking_runs_with_functions_and_conditions(pushed: Model, tmp_path: Path) -> None:
+    words = {"controllers": {"u": constant}, "until": {"far": ("mass.x", ">", 1.0)}}
+    found = matters(
+        pushed, "runs", asked="mass.vx", t_end=3.0, points=21, rounds=1, folder=tmp_path, **words
+    )  # type: ignore[arg-type]
+    assert found["air"].value == pytest.approx((2 * 4.001 / 2) ** 0.5, rel=1e-8)  # v² = 2 a x
+    assert found["push"].verdict == "needed"
+    assert "goes on, where the full scene ends where 'far' begins to hold" in found["push"].reason
+
+
+def test_a_limit_and_a_tolerance_reach_each_run(
+    pushed: Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen, real = [], Machine.simulate
+
+    @wraps(real)
+    def simulate(self: Machine, *given: object, **words: object) -> object:
+        seen.append((words["rtol"], words.get("atol"), words.get("correction")))
+        return real(self, *given, **words)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Machine, "simulate", simulate)
+    matters(
+        pushed, "free", asked="mass.x", t_end=1.0, points=11, rounds=1, folder=tmp_path,
+        rtol=1e-9, atol=1e-10, correction="projection", fidelities=False,
+    )  # fmt: skip
+    assert {(round(rtol, 12), kind) for rtol, _, kind in seen} == {
+        (1e-7, "projection"), (1e-9, "projection")
+    }  # fmt: skip
+    for rtol, atol, _ in seen:
+        assert atol == pytest.approx(0.1 * rtol)
+
+
+def test_words_that_are_wrong_or_ignored(pushed: Model, tmp_path: Path) -> None:
+    about = {"t_end": 1.0, "folder": tmp_path}
+    with pytest.raises(InputError, match="atol is -1"):
+        matters(pushed, "free", asked="mass.x", atol=-1, **about)
+    with pytest.raises(InputError, match=r"no series 'mass\.z'"):
+        accuracy(pushed, "free", until={"far": ("mass.z", ">", 1.0)}, **about)
+    with pytest.raises(InputError, match="inverse dynamics integrates nothing, so atol, max_step"):
+        matters(pushed, "driven", asked="drive.fx", max_step=0.1, atol=1e-8, **about)
+    with pytest.raises(InputError, match="unexpected keyword argument 'correction'"):
+        accuracy(pushed, "free", correction="stage", **about)
+    with pytest.raises(LinkwrightError, match="steps"):
+        matters(pushed, "free", asked="mass.x", max_steps=1, **about)
+
+
+def test_a_study_of_accuracy_with_functions_and_conditions(pushed: Model, tmp_path: Path) -> None:
+    study = accuracy(
+        pushed, "runs", t_end=3.0, quick=True, points=20, methods=("dop853", "dopri5"),
+        formulations=("cartesian",), modelling=False, folder=tmp_path,
+        controllers={"u": constant}, until={"far": ("mass.x", ">", 1.0)}, max_step=0.05,
+    )  # fmt: skip
+    assert [scale.name for scale in study.quantities][-1] == "t(far)"
+    assert 0.9 < study.t_end < 1.1
+    for line in study.lines:
+        assert all(point.errors is not None for point in line.points)
+        assert min(point.counts["steps"] for point in line.points) >= 19
+
+
+def test_new_words_of_simulate_follow() -> None:
+    def study(model: str, **run: object) -> None:
+        """Nothing."""
+
+    words = list(signature(takes_run_words("correction")(study)).parameters)
+    assert words[0] == "model"
+    assert {"atol", "controllers", "until", "max_bytes"} <= {*words}
+    assert not {"correction", "t_end", "rtol", "progress", "run"} & {*words}
