@@ -9,7 +9,7 @@ from typer.main import get_command
 from typer.testing import CliRunner, Result
 
 from codegen.cli import app as compiler
-from codegen.errors import AnalysisError
+from codegen.errors import AnalysisError, InputError
 from runtime import accuracy, load, matters
 from runtime.cli.app import app
 from runtime.machine_facade import Machine
