@@ -121,11 +121,13 @@ class Machine(MachineStates):
         >>> m.simulate(10.0, np.linspace(0.0, 10.0, 1001), start={"bob.phi": 0.5})
         """
         from runtime.dynamics.output_conditions import read_conditions, simulate_until
+        from runtime.dynamics.scene_of_start import scene_of_start
         from runtime.studies.accuracy_target import accuracy_or_tolerances
 
         require_motion(self.mechanism, "simulate")
+        mechanism = scene_of_start(self.mechanism, start)
         given = check(
-            self.mechanism, t_end=t_end, t_eval=t_eval, t_start=t_start, parameters=parameters,
+            mechanism, t_end=t_end, t_eval=t_eval, t_start=t_start, parameters=parameters,
             guess=guess, start=start, controllers=controllers, correction=correction,
             time_scale=time_scale,
             first_step=first_step, max_step=max_step, max_steps=max_steps, max_bytes=max_bytes,
@@ -133,9 +135,9 @@ class Machine(MachineStates):
             method=method, formulation=formulation,
         )  # fmt: skip
         settings = {name: given.pop(name) for name in _SETTINGS}
-        conditions = () if until is None else read_conditions(self.mechanism.description, until)
-        analyse = accuracy_or_tolerances(self.mechanism, **settings)
-        with bar(f"simulate {self.mechanism.title}", given.pop("progress")) as report:
+        conditions = () if until is None else read_conditions(mechanism.description, until)
+        analyse = accuracy_or_tolerances(mechanism, **settings)
+        with bar(f"simulate {mechanism.title}", given.pop("progress")) as report:
             if until is None:
                 return analyse(**given, progress=report)
             return simulate_until(analyse, conditions, {**given, "progress": report})

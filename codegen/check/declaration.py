@@ -141,7 +141,9 @@ def _problems_in_scene(
     if scene.bodies != tuple(model.bodies):
         known = _known_symbols(model)
         bodies = tuple(model.bodies[name] for name in scene.bodies)
-        for effect in model.acting(scene).values():
+        for name, effect in model.acting(scene).items():
+            if name in scene.states:  # whose rate no body changes
+                continue
             with name_errors(effect):
                 yield from effect_problems(model, effect, bodies, known)
 

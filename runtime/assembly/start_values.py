@@ -115,6 +115,7 @@ def start_note(
         moved = ", ".join(f"{m.name} by {m.by:.3g} {m.unit}" for m in begin.moved)
         parts.append(
             f"It starts from a state at t = {given.t:.9g} s"
+            f"{f' of scene {given.scene!r}' if given.scene else ''}"
             f"{f', which joints and drivers moved ({moved})' if moved else ''}."
         )
     elif given:

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from codegen.errors import LinkwrightError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.joined_results import joined
+from runtime.dynamics.motion_at_instants import SimulatedMotion
 from runtime.dynamics.reconnection import Gap, cross, known_parameters
 from runtime.dynamics.simulation import simulate as simulate_once
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
@@ -49,7 +50,12 @@ def simulate(
     changes = list[Reconnection | None]()
     settings |= {"parameters": parameters}
     follow(results, changes, mechanism, t_end, t_eval, t_end - first, part=part, **settings)
-    return results[0] if len(results) == 1 else joined(results, changes)
+    if len(results) == 1:
+        return results[0]
+    found, motion = joined(results, changes), results[0]._motion
+    if isinstance(motion, SimulatedMotion):  # what became of the start
+        found.message += motion.ready.note
+    return found
 
 
 def follow(

@@ -149,9 +149,17 @@ class JoinedMotion:
         """First and last instant, s."""
         return self._motions[0].span[0], self._motions[-1].span[1]
 
+    def _motion_at(self, t: float) -> Motion:
+        """The motion at an instant of the span, s; at a change of joints the one before it."""
+        return next((m for m in self._motions if t <= m.span[1]), self._motions[-1])
+
     def sampled(self, t: float) -> bool:
         """Whether clocks have renewed what is due in the state at an instant of the span, s."""
-        return next((m for m in self._motions if t <= m.span[1]), self._motions[-1]).sampled(t)
+        return self._motion_at(t).sampled(t)
+
+    def scene(self, t: float) -> str:
+        """The scene whose joints act at an instant of the span, s."""
+        return self._motion_at(t).scene(t)
 
     def discrete(self, result: Result, t: float) -> DiscreteState | None:
         """Where clocks and watched conditions stand at an instant; at a change just before it."""

@@ -63,6 +63,10 @@ class SimulatedMotion:
         """Whether clocks have renewed what is due in the state at an instant of the span, s."""
         return t < self.end or self.samples_taken
 
+    def scene(self, t: float) -> str:
+        """The scene whose joints act at an instant of the span, s."""
+        return self.ready.mechanism.description.scene
+
     def discrete(self, result: Result, t: float) -> DiscreteState | None:
         """Where clocks and watched conditions stand at an instant of the span, s."""
         ready, stand = self.ready, self.last
@@ -209,6 +213,10 @@ class DrivenMotionAtInstants:
     def sampled(self, t: float) -> bool:
         """No clock renews anything in a motion that drivers prescribe."""
         return False
+
+    def scene(self, t: float) -> str:
+        """The scene, whose joints act all the time."""
+        return self.mechanism.description.scene
 
     def discrete(self, result: Result, t: float) -> None:
         """Nothing is sampled or watched in a motion that drivers prescribe."""

@@ -111,6 +111,7 @@ class PreparedSimulation:
         least = float(self.sizes.min(initial=1.0))
         require_apart(mechanism, p, begin.t, begin.q, begin.v, least)
         waits = any(row.reconnects for row in mechanism.description.watched)
+        waits |= isinstance(start, State) and start.scene == mechanism.description.scene
         still = not equations.velocity_rhs(begin.t, begin.q).any()
         if begin.is_determined and still and not (waits or handover):
             refuse_structure(mechanism)

@@ -10,7 +10,7 @@ from runtime.core.array_types import Context
 from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.loop_record import run_record
-from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.modes_and_event_kinds import RANGE, SLIDING
 from runtime.core.unit_roundoff import EPS
 from runtime.hybrid.switching_values_and_margins import evaluate_switching
 from runtime.linalg.vectors import copy_vector
@@ -92,10 +92,13 @@ def find_crossing_at_end(context: Context, t: float) -> int:
     """A function that is zero within the clock's resolution after the end of a run, or -1.
 
     The instant is known as well as the state: methods with large weights round a step's result by
-    some tens of units, which the clock resolves.
+    some tens of units, which the clock resolves. A table has its value at its end, and is not left
+    there.
     """
     duration = run_record(context).duration
     for k in range(context[ft.SWITCHES]):
+        if context.table_part[k] == RANGE:
+            continue
         side = mode_sign(context, k)
         closing = -side * context.r1[k]
         rounding = min(_NOISE * context.largest[k], closing * _ROUNDED * duration)

@@ -8,6 +8,7 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Integers
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
+from runtime.core.modes_and_event_kinds import RANGE
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import row_of, switch_row
 from runtime.hybrid.event_location import INSTANT, find_crossing_at_end
@@ -101,6 +102,9 @@ def end_at_event(context: Context) -> int:
         x = ft.locate_of(context)(context)
         if x <= 1.0:
             r.crossing, r.length = context.crossed[0], x * h
+    late = r.crossing >= 0 and r.t + r.length >= r.t_end - INSTANT * abs(r.t_end)
+    if late and context.table_part[r.crossing] == RANGE:
+        r.crossing, r.length = -1, h  # the table and the run end together
     if r.crossing < 0 and r.end >= r.t_end:
         r.crossing = find_crossing_at_end(context, r.end)
     if r.crossing < 0:

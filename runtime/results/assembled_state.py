@@ -51,7 +51,8 @@ class State:
 
     `sampled` says whether clocks have renewed what is due at t: a run that starts there renews it
     unless they have. `discrete` has samples that wait for their delay, and the conditions that
-    hold; None where nothing is sampled or watched, or where that is unknown.
+    hold; None where nothing is sampled or watched, or where that is unknown. `scene` names the
+    scene whose joints act, empty where that is unknown.
     """
 
     t: float
@@ -60,6 +61,7 @@ class State:
     coordinates: Table[Coordinate] = field(default=Table(), repr=False)
     sampled: bool = field(default=False, repr=False)
     discrete: DiscreteState | None = field(default=None, repr=False)
+    scene: str = field(default="", repr=False)
 
     def __getitem__(self, name: str) -> float:
         """Value of a coordinate or velocity by name."""

@@ -36,6 +36,9 @@ class Motion(Protocol):
     def sampled(self, t: float) -> bool:
         """Whether clocks have renewed what is due in the state at an instant of the span, s."""
 
+    def scene(self, t: float) -> str:
+        """The scene whose joints act at an instant of the span, s."""
+
     def discrete(self, result: Any, t: float) -> DiscreteState | None:
         """Where clocks and watched conditions stand at an instant of the span, s."""
 
@@ -177,9 +180,9 @@ def state(result: "Result", t: float | None, side: Side | None) -> State:
         raise InputError(f"{title}: the result has no sample, and no state to start from.")
     q, v, now = result.samples.q[-1].copy(), result.samples.v[-1].copy(), float(result.t[-1])
     if motion is None:
-        return State(now, q, v, result.description.coordinates)
-    discrete = motion.discrete(result, now)
-    return State(now, q, v, result.description.coordinates, motion.sampled(now), discrete)
+        return State(now, q, v, result.description.coordinates, scene=result.description.scene)
+    known = motion.sampled(now), motion.discrete(result, now), motion.scene(now)
+    return State(now, q, v, result.description.coordinates, *known)
 
 
 def resume(

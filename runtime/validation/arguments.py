@@ -106,8 +106,8 @@ def _by_names(description: Description, value: Assembly | State) -> State:
     rows = [(known.get(row.name), row.velocity) for row in description.coordinates]
     q = np.array([0.0 if k is None else value.q[k] for k, _ in rows])
     v = np.array([first.get(name, 0.0) if k is None else value.v[k] for k, name in rows])
-    known_clocks = (value.sampled, value.discrete) if isinstance(value, State) else ()
-    return State(value.t, q, v, description.coordinates, *known_clocks)
+    stands = (value.sampled, value.discrete, value.scene) if isinstance(value, State) else ()
+    return State(value.t, q, v, description.coordinates, *stands)
 
 
 def _state_readers(mechanism: Mechanism, prefix: str = "") -> dict[str, Reader]:

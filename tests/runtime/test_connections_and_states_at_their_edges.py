@@ -168,3 +168,31 @@ def test_two_joints_engage_by_one_condition(workshop: Path, method: str) -> None
     assert [one.joint for one in r.reconnections] == ["hook", "turn"]
     assert_allclose([one.time for one in r.reconnections], 1 / 3, atol=1e-9)
     assert_allclose([r.v("a.vx")[0], r.v("b.vx")[0], r.v("b.omega")[0]], [2, 2, 0], atol=1e-9)
+
+
+def test_a_run_starts_with_the_joints_of_its_state(workshop: Path) -> None:
+    """Behind a release, a catch or both, a run from a state is the one that it was taken from."""
+    model = Model("starts_where_joints_act")
+    particle = model.particle("p", mass=1.0)
+    model.absolute("rail", particle, "y", 0.0)
+    model.release(model.constraint("pin", particle.x), when=t > 1)
+    model.engage(model.constraint("end", particle.x - 0.5), when=particle.x > 0.5)
+    model.force("push", particle, fx=2.0)
+    model.scene("s", ["push"], start={particle.x: 0.0})
+    machine = load(model, "s", folder=workshop)
+    whole = machine.simulate(3.0)  # x = (t - 1)² until it is caught
+    saved = workshop / "starts_where_joints_act.nc"
+    for instant, x, joint in [(0.5, 0.0, "pin"), (1.5, 0.25, "pin"), (2.0, 0.5, "end")]:
+        state = whole.state(instant)
+        assert_allclose(state["p.x"], x, atol=1e-12)
+        again = machine.simulate(3.0, start=state)
+        assert_allclose(again.q("p.x"), whole.at(again.t).q("p.x"), atol=1e-10)
+        assert_allclose(again.q("p.x")[-1], 0.5, atol=1e-12)
+        assert f"'{state.scene}'" in again.message
+        assert (f"with_{joint}" in state.scene) == (joint == "end")
+    assert whole.state(2.0).scene == "s_without_pin_with_end"
+    half = machine.simulate(1.5)
+    half.save(saved)
+    for first in (half, load_result(saved, machine=machine)):
+        new = load(model, "s", folder=workshop)  # which has no other scene yet
+        assert_allclose(new.simulate(1.7, start=first).q("p.x")[-1], 0.49, atol=1e-10)

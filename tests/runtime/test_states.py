@@ -169,3 +169,43 @@ def test_a_run_starts_from_a_scene_without_its_states(workshop: Path) -> None:
     free = load(other, folder=workshop)
     with pytest.raises(InputError, match=r"lacks mass\.x"):
         free.simulate(0.1, start=rest)
+
+
+@pytest.mark.parametrize("form", ["body", "link", "lumped"])
+def test_states_beside_a_coupler(form: str, workshop: Path) -> None:
+    """A motor turns a crank with a rod: in every form of the rod as with parts of one's own."""
+    got = []
+    for own in (True, False):
+        model = Model(f"motor_coupler_{form}_{'own' if own else 'coupler'}")
+        crank = model.body("crank", mass=1.0, inertia=J)
+        slider = model.particle("slider", mass=0.5)
+        model.revolute("shaft", model.ground.at(0, 0), crank.at(0, 0))
+        model.absolute("rail", slider, "y", 0.0)
+        pin, parts = crank.at(0.1, 0), {}
+        if not own:
+            model.coupler("rod", pin, slider, 0.4, mass=0.2, inertia=0.01)
+            parts = {"couplers": {"rod": form}}
+        elif form == "body":
+            rod = model.body("rod", mass=0.2, inertia=0.01)
+            model.revolute("rod_i", pin, rod.at(-0.2, 0))
+            model.revolute("rod_j", rod.at(0.2, 0), slider.at(0, 0))
+        else:
+            model.distance("rod", pin, slider.at(0, 0), 0.4)
+            if form == "lumped":
+                for half, where in (("half_i", pin), ("half_j", slider.at(0, 0))):
+                    model.revolute(half + "_pin", where, model.particle(half, mass=0.1).at(0, 0))
+        current = model.state("current", unit="A")
+        model.state_equation(current, 100 * (12 - 2 * current - K * crank.omega))
+        fast = model.latch("fast", when=crank.omega > 5)
+        held = model.sampled("held", 0.01, 0.01 * current)
+        model.torque("drive", on=crank, value=K * current - held)
+        model.torque("brake", on=crank, value=-0.02, when=fast)
+        start = {crank.phi: 0.5, crank.omega: 0.0}
+        guess = {slider.x: 0.5, "rod.x": 0.3, "rod.phi": -0.1}
+        if form != "body":
+            guess = {slider.x: 0.5}
+        model.scene("turn", ["drive", "brake"], start=start, guess=guess, **parts)
+        r = load(model, "turn", folder=workshop).simulate(0.5, rtol=1e-11)
+        assert r.outcome is Outcome.OK
+        got.append([r.q("crank.phi"), r.v("slider.vx"), r.y("current"), r.y("held")])
+    assert_allclose(got[0], got[1], rtol=1e-9, atol=1e-10)

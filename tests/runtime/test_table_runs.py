@@ -122,6 +122,29 @@ def test_start_at_the_end_of_a_table(tmp_path: Path) -> None:
     assert not out.failed
 
 
+@pytest.mark.parametrize("method", ["dop853", "bdf"])
+@pytest.mark.parametrize(("last", "end"), [(1.0, 1.0), (0.3, 0.1 * 3)])
+def test_run_and_table_of_time_that_end_together(
+    last: float, end: float, method: str, tmp_path: Path
+) -> None:
+    """Also where rounding puts the end of the run behind that of the table."""
+    model = Model("cart")
+    cart = model.particle("cart", mass=2.0)
+    law = model.table("law", [0.0, last / 2, last], [0.0, 1.0, 0.5], kind="linear")
+    model.force("push", cart, fx=law(t))
+    start = {cart.x: 0, cart.y: 0, cart.vx: 0, cart.vy: 0}
+    model.scene("run", ["push"], start=start, outputs=["default", "forces"])
+    machine = load(model, folder=tmp_path)
+    run = machine.simulate(end, method=method)
+    assert run.outcome is Outcome.OK, run.message
+    assert run.t[-1] == end
+    assert_allclose(run.v("cart.vx")[-1], 0.3125 * last, rtol=1e-9)
+    assert_allclose(run.at(end).force("push", "fx"), 0.5, rtol=1e-12)
+    beyond = run.resume(2 * end)
+    assert beyond.outcome is Outcome.OUT_OF_RANGE
+    assert f"Table 'law' of 'push' is left at t = {last:g}: its points" in beyond.message
+
+
 def driven(law: Any, model: Model) -> Model:
     arm = model.body("arm", mass=1.0, inertia=1.0)
     model.revolute("pin", model.ground, arm)
