@@ -21,7 +21,7 @@ def text_of(result: "Result") -> str:
     parts = dict.fromkeys(row.element for row in result.description.reactions)
     if joints := [name for name in parts if name not in effects]:
         lines.append(f"  reactions    {listed(joints)} (N, N m)")
-    if acting := [n for n in parts if n in effects and n not in result.description.tracked]:
+    if acting := [name for name in effects if name not in result.description.tracked]:
         lines.append(f"  effects      {listed(acting)}")
     if points := result.description.tracked:
         lines.append(f"  points       {listed(points)} (m)")

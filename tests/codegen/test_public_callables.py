@@ -1,7 +1,6 @@
 """What users call and set: wrong calls, read-only declarations, failures of their own functions."""
 
 import copy
-import math
 import pickle
 import stat
 from collections.abc import Callable
@@ -75,11 +74,6 @@ def test_a_wrong_call_says_what_is_taken_and_what_was_given(title: str) -> None:
     assert str(caught.value).lower().startswith(title.lower())
     assert "it takes (" in str(caught.value)
     assert "was given (" in str(caught.value)
-
-
-def test_a_word_that_is_nearly_one_is_answered_with_it() -> None:
-    with pytest.raises(LinkwrightError, match=r"\. gravty: did you mean gravity\?$"):
-        Model("m", gravty=(0, -9.81))  # type: ignore[call-arg]
 
 
 class _Mute(type):
@@ -399,10 +393,3 @@ def test_what_is_no_condition_is_named(when: Any) -> None:
     model.force("push", on=model.bodies["a"], fx=1.0, when=when)
     with pytest.raises(ModelError, match=r"force 'push': when=.* (never changes|is no condition)"):
         valid_scenes(model, None)
-
-
-def test_functions_that_need_numbers_name_the_symbol_and_the_remedy() -> None:
-    body = Model("m").body("b", mass=1.0, inertia=1.0)
-    for call in (math.sin, float):
-        with pytest.raises(TypeError, match=r"'b_phi' has no value .* functions of sympy: sin"):
-            call(body.phi)

@@ -119,6 +119,9 @@ def test_points_have_their_own_place(pointed: Model, tmp_path: Path) -> None:
     assert "  points      tip\n" in str(windy)
     machine = load(pointed, "windy", folder=tmp_path)
     assert machine.effects.names == ("wind",)
+    pointed.scene("plain", ["gravity", "wind"], start={pointed.bodies["stone"].x: 1.0})
+    shown = repr(load(pointed, "plain", folder=tmp_path).simulate(0.1))
+    assert "  effects      gravity, wind" in shown.splitlines()  # those that act, as of the machine
     assert "  points      tip" in repr(machine)
     calm = load(pointed, "calm", folder=tmp_path)
     assert "  left out    gravity, wind" in repr(calm).splitlines()
