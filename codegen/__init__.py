@@ -20,6 +20,7 @@ from codegen.errors import (
     RedundancyError,
     SceneError,
     SupersededError,
+    TableWarning,
     UnknownNameError,
 )
 
@@ -33,10 +34,11 @@ if TYPE_CHECKING:
         I,
         J,
         JointReaction,
+        Measure,
         Statement,
     )
     from codegen.declare.scene import Scene
-    from codegen.declare.symbols import Coordinate, alpha, coordinate, given, t
+    from codegen.declare.symbols import SPEED, Coordinate, alpha, coordinate, given, t
     from codegen.driver import build
     from codegen.elements.registry import element
     from codegen.generated_files.build_report import BuildReport
@@ -49,10 +51,11 @@ _ROOMS = {
     "codegen.model": ("Model",),
     "codegen.declare.body": ("Body", "Curve", "Point"),
     "codegen.declare.element": (
-        *("ConjugateReaction", "Constraint", "Effect", "I", "J", "JointReaction", "Statement"),
+        *("ConjugateReaction", "Constraint", "Effect", "I", "J", "JointReaction", "Measure"),
+        "Statement",
     ),
     "codegen.declare.scene": ("Scene",),
-    "codegen.declare.symbols": ("Coordinate", "alpha", "coordinate", "given", "t"),
+    "codegen.declare.symbols": ("SPEED", "Coordinate", "alpha", "coordinate", "given", "t"),
     "codegen.generated_files.build_report": ("BuildReport",),
     "codegen.driver": ("build",),
     "codegen.elements.registry": ("element",),
@@ -63,7 +66,7 @@ __all__ = ["AnalysisError", "AssemblyError", "Body", "BuildReport", "ConjugateRe
 __all__ += ["Constraint", "Coordinate", "Curve", "Effect", "GeneratedFileError", "I", "InputError"]
 __all__ += ["J", "JointReaction", "LinkwrightError", "Model", "ModelError", "ModelFileError"]
 __all__ += ["NoAttributeError", "ParameterError", "Point", "RedundancyError", "Scene", "SceneError"]
-__all__ += ["Statement", "SupersededError", "UnknownNameError"]
+__all__ += ["SPEED", "Measure", "Statement", "SupersededError", "TableWarning", "UnknownNameError"]
 __all__ += ["__version__", "alpha", "build", "coordinate", "element", "given", "t"]
 
 

@@ -65,11 +65,14 @@ def refuse_stale(stale: Sequence[Path], reason: str, command: str) -> None:
 
 def parse_settings(settings: list[str]) -> dict[str, float]:
     """``NAME=VALUE`` pairs of ``--set``."""
-    values, problems = {}, []
+    values, problems = dict[str, float](), list[str]()
     for setting in settings:
         name, _, value = setting.partition("=")
+        name = name.strip()
+        if name in values:
+            problems.append(f"--set {name} is given twice; give one value.")
         try:
-            values[name.strip()] = float(value)  # "" where there is no =
+            values[name] = float(value)  # "" where there is no =
         except ValueError:
             problems.append(f"--set {setting!r}: write NAME=VALUE with a number, like J1=900.")
     if problems:

@@ -62,7 +62,11 @@ def __getattr__(name: str) -> object:
             value = getattr(package, name)
             globals()[name] = value
             return value
-    raise AttributeError(f"module 'linkwright' has no attribute {name!r}")
+    if name.startswith("_"):  # which Python itself asks for
+        raise AttributeError(f"module 'linkwright' has no attribute {name!r}")
+    from codegen.declare.name_rules_and_hints import nearest
+
+    raise AttributeError(f"module 'linkwright' has no attribute {name!r}; {nearest(name, __all__)}")
 
 
 def __dir__() -> list[str]:

@@ -12,6 +12,7 @@ from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import Coordinate, Time, Velocity
 from codegen.declare.units import in_unit, is_quantity, same_dimension
 from codegen.errors import FAILURES, ModelError
+from codegen.object_display import counted
 from codegen.piecewise_cubic import Table
 from codegen.plain_values import KindError, plain_float, shown
 from codegen.public_callables import error_boundary
@@ -151,7 +152,8 @@ def point_problems(x: list[float], y: list[float], periodic: bool, kind: Kind) -
     if len(x) < fewest:
         name = "cubic spline" if kind == "spline" else f"table of kind {kind!r}"
         repeats = " that repeats" if periodic else ""
-        yield f"{len(x)} points are too few for a {name}{repeats}; give at least {fewest}."
+        count = f"{counted(len(x), 'point')} {'is' if len(x) == 1 else 'are'}"
+        yield f"{count} too few for a {name}{repeats}; give at least {fewest}."
         return
     for k, (left, right) in enumerate(pairwise(x)):
         if right == left:

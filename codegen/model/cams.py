@@ -17,6 +17,7 @@ from codegen.elements.joints.cam_follower import CamFollower
 from codegen.elements.joints.point_follower import PointFollower
 from codegen.errors import FAILURES
 from codegen.model.base import Declarations, Pair, Place
+from codegen.object_display import counted
 from codegen.plain_values import is_a, members, shown
 
 # accuracy: first and last point of a path that agree to this part of its size are one
@@ -106,7 +107,8 @@ class Cams(Declarations):
                 self._note(f"{where}: points {k} and {k + 1} are both {tuple(rows[k])}; drop one.")
         fewest = FEWEST["spline"]
         if len(rows) < fewest:
-            self._note(f"{where}: {len(given)} points are too few; give at least {fewest}.")
+            count = f"{counted(len(given), 'point')} {'is' if len(given) == 1 else 'are'}"
+            self._note(f"{where}: {count} too few; give at least {fewest}.")
         if not self._claim("curve", name) or len(self.problems) > before:
             return on.circle(1)
         unit = 2 * pi if closed else 1.0

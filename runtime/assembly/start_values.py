@@ -124,5 +124,7 @@ def start_note(
     for name, value in (guess or {}).items():
         reached = f"{begin[name]:.6g} {units[name]}"
         if abs(begin[name] - value) > MOVED * max(1.0, abs(value)):
-            parts.append(f"guess {name} = {value:.6g} became {reached}: start= sets a value.")
+            set_others = "" if isinstance(given, State) else ", ".join(given or ())
+            why = f", with start of {set_others}" if set_others else ": start= sets a value"
+            parts.append(f"guess {name} = {value:.6g} became {reached}{why}.")
     return "".join(f" {part}" for part in parts)

@@ -61,8 +61,11 @@ def start_values(
     problems = []
     for argument, option, text in options:
         name, _, value = text.partition("=")
+        name = name.strip()
+        if name in values[argument]:
+            problems.append(f"{option} {name} is given twice; give one value.")
         try:
-            values[argument][name.strip()] = float(value)  # "" where there is no =
+            values[argument][name] = float(value)  # "" where there is no =
         except ValueError:
             problems.append(f"{option} {text}: write NAME=VALUE with a number.")
     if problems:

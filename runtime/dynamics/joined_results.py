@@ -149,6 +149,11 @@ class JoinedMotion:
         """First and last instant, s."""
         return self._motions[0].span[0], self._motions[-1].span[1]
 
+    @property
+    def t_end(self) -> float:
+        """The end that was asked for, s."""
+        return max(motion.t_end for motion in self._motions)
+
     def _motion_at(self, t: float) -> Motion:
         """The motion at an instant of the span, s; at a change of joints the one before it."""
         return next((m for m in self._motions if t <= m.span[1]), self._motions[-1])

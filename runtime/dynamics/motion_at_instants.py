@@ -88,6 +88,11 @@ class SimulatedMotion:
         """First and last instant, s."""
         return self.ready.given_t, self.end
 
+    @property
+    def t_end(self) -> float:
+        """The end that was asked for, s."""
+        return float(self.ready.t_end)
+
     def at(self, result: Result, times: FloatArray) -> Found:
         """At ascending instants, (k,), of the span, s."""
         times = np.maximum(times, self.ready.begin.t)
@@ -209,6 +214,11 @@ class DrivenMotionAtInstants:
         """First and last instant, s."""
         t, first, last = self.start.t, float(self.times[0]), float(self.times[-1])
         return min(t, first), max(t, last)
+
+    @property
+    def t_end(self) -> float:
+        """The last instant, s."""
+        return self.span[1]
 
     def sampled(self, t: float) -> bool:
         """No clock renews anything in a motion that drivers prescribe."""

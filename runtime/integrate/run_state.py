@@ -184,7 +184,9 @@ class RunState:
         """Stand behind the kink before which the run stands."""
         assert self.stops is not None
         r, times = self.record, self.wiring.arrays["stop_times"]
-        r["t"] = self.stops.after[np.searchsorted(self.stops.times, r["stop"])]
+        # By its number: at the same instant a step may end for another reason.
+        number = self.wiring.arrays["stop_kinds"][r["next_stop"]]
+        r["t"] = self.stops.after[np.argmax(self.stops.kinks == number)]
         r["energy"] = np.nan  # velocities and forces are others from here on
         r["next_stop"] += 1
         r["stop"] = times[r["next_stop"]] if r["next_stop"] < len(times) else np.inf

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 Side = Literal["before", "after"]
 
-_CLOSE = 40.0  # accuracy: units of rounding about a kink of a function of time, which has a width
+# accuracy: units of rounding of a run's times; the two sides of a kink are 32 of them apart
+_CLOSE = 40.0
 _PATIENCE = 1.0  # measured: s of integration that a picture takes once more
 _A_STEP = 4  # layout: points of a curve in a step of the run
 _LEAST, _MOST = 1000, 8000  # layout: points of a curve, and events of which both sides are drawn
@@ -32,6 +33,10 @@ class Motion(Protocol):
     @property
     def span(self) -> tuple[float, float]:
         """First and last instant, s."""
+
+    @property
+    def t_end(self) -> float:
+        """The end that was asked for, s, which a run may not have reached."""
 
     def sampled(self, t: float) -> bool:
         """Whether clocks have renewed what is due in the state at an instant of the span, s."""
@@ -70,11 +75,15 @@ def at(result: "Result", motion: Motion | None, t: Any, side: Any) -> "Result":
     if len(outside):
         named = ", ".join(f"{x:.9g}" for x in outside[:_SHOWN])
         more = f" and {len(outside) - _SHOWN} more" if len(outside) > _SHOWN else ""
+        advice = "Ask within, or simulate for longer."
+        if result.ended_by and outside.max() > last:
+            advice = f"'{result.ended_by}' ended it there: ask within, or `resume` it past that."
         raise InputError(
             f"{title}: t = {named}{more} s lies outside of the result, which goes from "
-            f"t = {first:.9g} to {last:.9g} s. Ask within, or simulate for longer."
+            f"t = {first:.9g} to {last:.9g} s. {advice}"
         )
-    return _sampled(result, motion, times, np.clip(_on_side(result, times, side), first, last))
+    moved = _on_side(result, motion, times, side)
+    return _sampled(result, motion, times, np.clip(moved, first, last))
 
 
 def for_curves(result: "Result") -> "Result":
@@ -90,7 +99,7 @@ def for_curves(result: "Result") -> "Result":
     events = np.unique([event.time for event in result.events if first < event.time < last])
     events = events[: 0 if len(events) > _MOST else None]
     between = np.union1d(np.linspace(first, last, points), result.t)
-    sides = [_on_side(result, events, side) for side in ("before", "after")]
+    sides = [_on_side(result, motion, events, side) for side in ("before", "after")]
     moved = np.concatenate([between, *sides])
     order = np.argsort(moved, kind="stable")
     times = np.concatenate([between, events, events])[order]
@@ -149,14 +158,14 @@ def _instants(title: str, t: Any) -> FloatArray:
     return np.atleast_1d(given.astype(np.float64))
 
 
-def _on_side(result: "Result", times: FloatArray, side: str | None) -> FloatArray:
+def _on_side(result: "Result", motion: Motion, times: FloatArray, side: str | None) -> FloatArray:
     """Instants, those of events moved to the side that is asked for, s."""
     if side is None or not result.events:
         return times
     of_time = {function.title for function in result.description.time_functions}
-    moved = times.copy()
+    moved, width = times.copy(), _CLOSE * EPS * max(map(abs, (*motion.span, motion.t_end)))
     for event in result.events:
-        reach = _CLOSE * EPS * abs(event.time) if event.name in of_time else 0.0
+        reach = width if event.name in of_time else 0.0
         here = np.abs(times - event.time) <= reach
         if side == "after":
             moved[here] = np.nextafter(event.time, np.inf)

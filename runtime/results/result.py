@@ -169,7 +169,8 @@ class Result(TimeSeries):
         """The motion at any instant: a result like this one, with its samples at `t`.
 
         The run is taken again from a checkpoint shortly before, with the same steps, so that a
-        quantity is what it is with `t` among the instants of `t_eval`, to the last digit.
+        quantity is what it is with `t` among the instants of `t_eval`, to the last digit; a work,
+        the sum over other intervals, is so to rounding.
 
         Parameters
         ----------

@@ -142,6 +142,7 @@ def test_names_of_tables_cannot_meet_those_of_the_module() -> None:
         ([0, 1, 1, 2], [0, 0, 0, 0], "the abscissa 1 is repeated, at points 1 and 2"),
         ([0, 2, 1, 3], [0, 0, 0, 0], "x falls from 2 to 1 at point 2; sort the points"),
         ([0, 1, 2], [0, 0, 0], "3 points are too few"),
+        ([0], [0], "1 point is too few"),
         ([0, 1, 2, 3], [0, 0, 0], "4 abscissae and 3 values"),
         ([0, 1, math.nan, 3], [0, 0, 0, 0], r"table 'law', x[2]: the value is nan"),
         ([0, 1, 2, 3], [0, 1, 2, 3], "begins at 0 and ends at 3"),

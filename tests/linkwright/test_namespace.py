@@ -53,6 +53,13 @@ def test_public_names_and_lazy_homes_agree() -> None:
 def test_what_is_not_there_is_no_attribute() -> None:
     with pytest.raises(AttributeError, match="module 'linkwright' has no attribute 'laod'"):
         linkwright.laod  # noqa: B018
+    with pytest.raises(AttributeError, match="did you mean 'Model'"):
+        linkwright.Modle  # noqa: B018
+
+
+def test_what_the_documents_name_is_there() -> None:
+    for name in ("Measure", "SPEED", "TableWarning"):
+        assert getattr(linkwright, name) is not None
 
 
 def test_a_star_import_binds_every_name(tmp_path: Path) -> None:

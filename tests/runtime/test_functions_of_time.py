@@ -176,6 +176,19 @@ def test_a_jump_of_the_rate_is_an_impact(workshop: Path) -> None:
     assert [event.what for event in reduced.events] == ["impact"]
 
 
+@pytest.mark.parametrize("bend", [0.5, 3.0])
+def test_a_bend_at_the_end_of_a_step_is_passed(bend: float, workshop: Path) -> None:
+    """Halves of the time are ends of steps: the run stands behind a bend there, too."""
+    model = Model("bends")
+    slide = model.body("slide", 3.0, 0.1)
+    model.translational("guide", model.ground.at(0, 0), slide.at(0, 0), axis=(1, 0))
+    model.driver("d", slide.x, Max(0.2 * t, 0.2 * bend + 0.6 * (t - bend)))
+    model.scene("s", drivers=["d"])
+    result = load(model, "s", folder=workshop).simulate(4.0, 20, progress=False)
+    assert result.outcome is Outcome.OK, result.message
+    assert [event.time > bend for event in result.events] == [True]
+
+
 PULSES = {
     "gauss": (10 * exp(-(((t - 50) / 0.1) ** 2)), 10 * 0.1 * sqrt(pi)),
     "train": (

@@ -231,6 +231,31 @@ def test_so_has_a_law_that_bends(tmp_path: Path) -> None:
     assert r.at(r.events[0].time, "before").a("slide.x") == pytest.approx([3.0], abs=1e-12)
 
 
+@pytest.mark.parametrize("analysis", ["simulate", "inverse_dynamics"])
+@pytest.mark.parametrize("t_end", [0.6, 4.0, 40.0])
+def test_sides_of_a_kink_do_not_depend_on_the_end(
+    analysis: str, t_end: float, tmp_path: Path
+) -> None:
+    from sympy import Piecewise
+
+    from codegen import t
+
+    model = Model("kink")
+    slide = model.body("slide", mass=2.0, inertia=0.1)
+    model.translational("guide", model.ground.at(0, 0), slide.at(0, 0), axis=(1, 0))
+    model.driver("pieces", slide.x, Piecewise((0.2 * t, t < 0.5), (0.1 + 0.6 * (t - 0.5), True)))
+    points = [0.0, 0.5, 50.0], [0.0, 0.1, 29.8]
+    table = model.table("law", *points, kind="linear", beyond="hold")
+    model.driver("table", slide.x, table(t))
+    for driver in ("pieces", "table"):
+        model.scene(f"of_{driver}", drivers=[driver])
+        machine = load(model, f"of_{driver}", folder=tmp_path)
+        r = getattr(machine, analysis)(t_end, 20, progress=False)
+        for instant in (0.5, r.events[0].time):
+            for side, speed in (("before", 0.2), ("after", 0.6)):
+                assert r.at(instant, side).v("slide.vx") == pytest.approx([speed]), (driver, side)
+
+
 def test_a_run_that_failed_goes_to_where_it_stopped(gas: Machine) -> None:
     whole = gas.simulate(30.0)
     r = gas.simulate(30.0, max_steps=5)

@@ -7,6 +7,7 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.particle_and_ground import Ground
 from codegen.elements.joints.gear import find_carrier
 from codegen.elements.joints.revolute import Revolute
 
@@ -32,6 +33,11 @@ class WheelPair:
         i, j, carrier = bodies
         if i is j:
             problems.append(f"{where} is between body '{i.name}' and itself; give two.")
+        elif isinstance(carrier, Ground) and (carrier is i or carrier is j):
+            problems.append(
+                f"{where}: the ground is one of its wheels and, as no carrier is given, carries "
+                "the bearings too; give two bodies that turn, or as carrier= an arm that turns."
+            )
         elif carrier is i or carrier is j:
             problems.append(
                 f"{where}: the carrier '{carrier.name}' is one of its wheels; give the body that "

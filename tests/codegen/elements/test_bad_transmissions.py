@@ -36,6 +36,10 @@ model.revolute('B', b, arm.at(2, 0))
             ["belt 'B': the carrier 'b' is one of its wheels; give the body that carries"],
         ),
         (
+            "model.belt('B', model.ground, b, 1, 2)",
+            ["belt 'B': the ground is one of its wheels and, as no carrier is given, carries"],
+        ),
+        (
             ARM + "model.belt('D', a, b, 1, 2)",
             ["belt 'D' turns against 'ground', but the bearings of 'a' and 'b' are on 'arm'; give"],
         ),

@@ -9,7 +9,7 @@ from typer.main import get_command
 from typer.testing import CliRunner, Result
 
 from codegen.cli import app as compiler
-from codegen.errors import AnalysisError
+from codegen.errors import AnalysisError, InputError
 from runtime import accuracy, load, matters
 from runtime.cli.app import app
 from runtime.machine_facade import Machine
@@ -219,3 +219,14 @@ def test_start_values_are_kept(run) -> None:  # type: ignore[no-untyped-def]
     done = run("simulate", "rod_pendulum", "--t-end", "0.1", "--start", "bar.phi")
     assert done.exit_code == 2
     assert "--start bar.phi: write NAME=VALUE" in done.stderr
+
+
+def test_a_value_given_twice_is_refused() -> None:
+    from runtime.cli.common import start_values
+
+    with pytest.raises(InputError) as caught:
+        start_values(["m=2", "m=3"], None, ["a=1", "a = 2"])
+    assert caught.value.problems == (
+        "--set m is given twice; give one value.",
+        "--start a is given twice; give one value.",
+    )
