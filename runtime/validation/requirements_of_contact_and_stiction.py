@@ -22,8 +22,9 @@ def require_apart(
     g = np.zeros(len(description.switches))
     mechanism.kernels.switching(t, q, v, p, g)
     problems = [
-        f"{description.title}: at t = {t:g} s the gap of the rigid contact {contact.name} is "
-        f"{g[contact.switch]:.6g} m: the bodies overlap. Start with a gap that is zero or positive."
+        f"{description.title}: at t = {t:g} s the gap of '{contact.name}' is "
+        f"{g[contact.switch]:.6g} in SI units: bodies overlap at a rigid contact, or a coordinate "
+        "lies beyond a rigid stop. Start where the gap is zero or positive."
         for contact in description.rigid
         if not g[contact.switch] >= -TOUCHING * size
     ]

@@ -18,7 +18,7 @@ def ball() -> Machine:
 
 
 def test_overlap_at_the_start_names_contact_and_gap(ball: Machine) -> None:
-    with pytest.raises(InputError, match=r"gap of the rigid contact plate is -0\.01 m"):
+    with pytest.raises(InputError, match=r"gap of 'plate' is -0\.01 in SI units: bodies overlap"):
         ball.simulate(1.0, start={"ball.y": 0.09})
     run = ball.simulate(1.0, start={"ball.y": 0.1 - 1e-11})
     assert held(run, "plate").all()
