@@ -87,3 +87,6 @@ class NoAttributeError(ModelError, AttributeError):
 
 class TableWarning(UserWarning):
     """A curve through the points of a table is not what the points show."""
+
+    def __init__(self, text: str = "") -> None:
+        super().__init__(text)

@@ -14,6 +14,7 @@ from codegen.declare.symbols import KINDS, Coordinate, given
 from codegen.errors import FAILURES, ModelError
 from codegen.plain_values import KindError, is_a, one_line, plain_name, shown
 from codegen.public_callables import error_boundary_class, immutable
+from codegen.readable_signatures import readable_class
 
 
 @dataclass(frozen=True)
@@ -302,6 +303,7 @@ EXERTED = ("force", "torque", "potential")
 """Those of them that a scene has in which effects act; the others are geometry."""
 
 
+@readable_class
 class Measure(NamedTuple):
     """A quantity of an effect that is computed where a scene names it among its outputs."""
 
