@@ -53,10 +53,13 @@ def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) 
         If the file cannot be read or was not written by `Result.save`, or if the model is another
         one than it was.
     """
+    from runtime.mechanism.sibling_scenes import sibling_named
+
     place = Path(path)
     saved = _content(place)
     machine = machine or _machine_of(place, saved)
     mechanism, title = machine.mechanism, saved["title"]
+    mechanism = sibling_named(mechanism, title.partition("/")[2]) or mechanism
     if mechanism.description.title != title:
         raise InputError(
             f"{place} has a result of {title}, and the machine is {mechanism.description.title}."
