@@ -73,10 +73,11 @@ def limit_by_states(context: Context, t: float) -> None:
     known = np.isfinite(radius) and radius > 0.0
     for i in range(context[ft.STATES]):
         along[i] = along[i] / radius if known else 1.0
-    # Two steps together tell |λ| of states that swing, whose rates grow and shrink in turns.
-    mean = np.sqrt(radius * r.radius) if known and r.radius > 0.0 else radius
+    # Two steps together tell |λ| of states that swing, whose rates grow and shrink in turns. Of a
+    # chain of integrators the first is a mere factor, and the second zero.
+    mean = np.sqrt(radius * r.radius) if known else 0.0
     r.radius = radius if known else 0.0
-    r.followed = _STABLE / mean if known else np.inf
+    r.followed = _STABLE / mean if mean > 0.0 else np.inf
 
 
 @compiled(ft.FIRST_STEP)

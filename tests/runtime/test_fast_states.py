@@ -38,3 +38,17 @@ def test_states_that_swing_have_steps_of_their_frequency(workshop: Path) -> None
     r = load(model, folder=workshop).simulate(1.0, 101, rtol=1e-8)
     assert_allclose(r.y("x"), np.cos(100 * r.t), atol=1e-5)
     assert r.stats["steps"] < 250  # 0.5 rad each, by their error; 1800 by a rate of 1e4
+
+
+def test_chains_of_integrators_have_no_fast_state(workshop: Path) -> None:
+    """x' = 1e6 y and y' = 0.1 v: a large factor, and no rate at which anything decays."""
+    model = Model("chain_of_integrators")
+    mass = model.particle("mass", 1.0)
+    x, y = model.state("x"), model.state("y")
+    model.state_equation(x, 1e6 * y)
+    model.state_equation(y, 0.1 * mass.vx)
+    model.force("act", mass, fx=1.0, fy=x)
+    model.scene("runs", ["act"], start={mass.x: 0.0, mass.y: 0.0, mass.vx: 1.0, mass.vy: 0.0})
+    r = load(model, folder=workshop).simulate(0.05, 11)
+    assert_allclose(r.y("x"), 1e5 * (r.t**2 / 2 + r.t**3 / 6), rtol=1e-6, atol=1e-6)
+    assert r.stats["steps"] < 50
