@@ -124,11 +124,12 @@ class Machine(MachineStates):
         >>> m.simulate(10.0, np.linspace(0.0, 10.0, 1001), start={"bob.phi": 0.5})
         """
         from runtime.dynamics.output_conditions import read_conditions, simulate_until
-        from runtime.dynamics.scene_of_start import scene_of_start
+        from runtime.dynamics.scene_of_start import parameters_there, scene_of_start
         from runtime.studies.accuracy_target import accuracy_or_tolerances
 
         require_motion(self.mechanism, "simulate")
         mechanism = scene_of_start(self.mechanism, start)
+        parameters = parameters_there(mechanism, self.mechanism, parameters)
         given = check(
             mechanism, t_end=t_end, t_eval=t_eval, t_start=t_start, parameters=parameters,
             guess=guess, start=start, controllers=controllers, correction=correction,

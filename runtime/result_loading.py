@@ -53,15 +53,18 @@ def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) 
         If the file cannot be read or was not written by `Result.save`, or if the model is another
         one than it was.
     """
+    from runtime.mechanism.sibling_scenes import sibling_named
+
     place = Path(path)
     saved = _content(place)
     machine = machine or _machine_of(place, saved)
     mechanism, title = machine.mechanism, saved["title"]
+    mechanism = sibling_named(mechanism, title.partition("/")[2]) or mechanism
     if mechanism.description.title != title:
         raise InputError(
             f"{place} has a result of {title}, and the machine is {mechanism.description.title}."
         )
-    source, origin = (saved["motion"] or {}).get("source"), mechanism.origin
+    source, origin = _source(saved), mechanism.origin
     content = None if origin is None else content_hash(origin.path, origin.digest)
     if source and origin is not None and source["content"] != content:
         raise InputError(
@@ -69,7 +72,10 @@ def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) 
             f"saved, so that {origin.path} computes something else. Load the machine as it was, "
             "and give it as machine=; or read the numbers alone with xarray.open_dataset."
         )
-    return _result(mechanism, saved)
+    try:
+        return _result(mechanism, saved)
+    except KeyError as error:
+        raise _unreadable(place, error) from error
 
 
 def _content(path: Path) -> dict[str, Any]:
@@ -97,19 +103,30 @@ def _content(path: Path) -> dict[str, Any]:
         with netCDF4.Dataset(path) as file:
             content = np.asarray(file.groups[GROUP].variables[GROUP][:], np.uint8).tobytes()
         saved: dict[str, Any] = unpack(content, kinds)
+        _ = saved["title"], _source(saved)
     except (*FAILURES, KeyError, OSError) as error:
-        raise InputError(
-            f"{path} was not written by this version of Result.save, or is damaged "
-            f"({type(error).__name__}). Read the numbers alone with xarray.open_dataset."
-        ) from error
+        raise _unreadable(path, error) from error
     return saved
+
+
+def _unreadable(path: Path, error: BaseException) -> InputError:
+    return InputError(
+        f"{path} was not written by this version of Result.save, or is damaged "
+        f"({type(error).__name__}). Read the numbers alone with xarray.open_dataset."
+    )
+
+
+def _source(saved: dict[str, Any]) -> dict[str, str] | None:
+    """Where the machine of a saved result comes from; KeyError where a field is missing."""
+    source = saved["motion"] and saved["motion"]["source"]
+    return source and {name: source[name] for name in ("model", "scene", "generated", "content")}
 
 
 def _machine_of(path: Path, saved: dict[str, Any]) -> "Machine":
     """The machine of a saved result, from its model file."""
     from runtime.machine_loading import load
 
-    source = (saved["motion"] or {}).get("source")
+    source = _source(saved)
     if not source or not source["model"]:
         raise InputError(
             f"{path}: the machine of {saved['title']} was not loaded from a model file. Give it: "

@@ -44,6 +44,7 @@ class OutputCondition(NamedTuple):
 def read_conditions(description: Description, until: Any) -> tuple[OutputCondition, ...]:
     """The conditions that a user gives; InputError with all that are none."""
     found, problems, title = list[OutputCondition](), list[str](), description.title
+    taken = {name for row in description.watched for name in (row.name, row.target)}
     if not isinstance(until, Mapping) or not until:
         raise InputError(
             f"{title}: until={shown(until)} names no condition; write "
@@ -60,6 +61,12 @@ def read_conditions(description: Description, until: Any) -> tuple[OutputConditi
                 f"{title}: until={{{shown(name)}: {shown(one)}}} is no condition; write "
                 'until={"overload": ("hinge.fx", ">", 500.0)}: a name, a series of the result, '
                 '"<" or ">", and a number.'
+            )
+        elif name in taken:
+            problems.append(
+                f"{title}: until= names {shown(name)}, which is the name of a condition, latch, "
+                "value or joint of the scene; a result tells by its name what ended it. Choose "
+                "another name."
             )
         else:
             found.append(OutputCondition(name, series, _SIGNS[sign], number))

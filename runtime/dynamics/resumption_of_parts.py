@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from codegen.argument_readers import count, flag, optional, read_arguments
+from runtime.core.outcomes import Outcome
 from runtime.dynamics.connected_simulation import follow
 from runtime.dynamics.joined_results import JoinedMotion, joined
 from runtime.dynamics.motion_at_instants import SimulatedMotion
@@ -23,7 +24,7 @@ from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import bar
 from runtime.results.assembled_state import State
 from runtime.results.kept_instants import keep
-from runtime.results.reconnection import Reconnection, sentences
+from runtime.results.reconnection import Reconnection
 from runtime.results.result import Result
 
 Resumable = SimulatedMotion | JoinedMotion
@@ -46,8 +47,10 @@ def resume(
     if times is not None:
         times = np.append(times[times < end], end)
     again = _go_on(result, motion, end, times, **given)
-    again._until, again.ended_by = result._until, name
-    again.message = f"Ended at t = {end:.9g} s, where '{name}' began to hold. {again.message}"
+    again._until = result._until
+    if again.outcome is Outcome.OK:
+        again.ended_by = name
+        again.message = f"Ended at t = {end:.9g} s, where '{name}' began to hold. {again.message}"
     return again
 
 
@@ -90,10 +93,7 @@ def _go_on(
         asked[-1:] |= found.failed or bool(found.ended_by)
         keep(found, asked, since, np.inf)
     if len(parts) > begun or past:
-        text = sentences(found.reconnections), parts[-1].message
-        found.message = " ".join(filter(None, (f"Resumed at t = {since:.9g} s.", *text)))
-    else:
-        found.message = run.message
+        found.message = f"Resumed at t = {since:.9g} s. {found.message}"
     return found
 
 

@@ -1,7 +1,7 @@
 """The scene in which a run begins: of a machine whose joints come and go, that of its state."""
 
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
-from runtime.mechanism.sibling_scenes import sibling
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.sibling_scenes import sibling_named
 from runtime.results.assembled_state import State
 from runtime.results.result import Result
 
@@ -12,15 +12,19 @@ def scene_of_start(mechanism: Mechanism, start: object) -> Mechanism:
     A state of any other scene, and values by name, leave the mechanism as it is.
     """
     state = start.state() if isinstance(start, Result) else start
-    wanted = state.scene if isinstance(state, State) else ""
-    found, passed = mechanism, {""}
-    while found.description.scene not in {wanted, *passed}:
-        scene = found.description.scene
-        passed.add(scene)
-        ways = [row for row in found.description.watched if row.reconnects]
-        direct = [row for row in ways if row.scene == wanted]
-        # A sibling is named after the joints in which it differs from the first one.
-        apart = [row for row in ways if (f"_{row.target}" in wanted) != (f"_{row.target}" in scene)]
-        if nearer := [row for row in direct + apart if row.scene not in passed]:
-            found = sibling(found, nearer[0])
-    return found if found.description.scene == wanted else mechanism
+    scene = state.scene if isinstance(state, State) else ""
+    return sibling_named(mechanism, scene) or mechanism
+
+
+def parameters_there(
+    there: Mechanism, mechanism: Mechanism, parameters: Values | None
+) -> Values | None:
+    """Values of the parameters of `mechanism`, without those that only its other scenes need.
+
+    `there` is the mechanism of the scene in which a run begins.
+    """
+    rows = there.description.watched
+    if not parameters or there is mechanism or any(row.reconnects for row in rows):
+        return parameters
+    idle = {*there.description.unused} - {*mechanism.description.unused}
+    return {name: value for name, value in parameters.items() if name not in idle}

@@ -42,7 +42,7 @@ def impact(
     Raises
     ------
     Contradiction
-        Where there are none.
+        Where there are none, or the search for them does not end.
     """
     alone, multipliers = equations.impact(t, q, v)
     system, before = equations.mechanism.system, approaches(equations, t, q, v)
@@ -62,7 +62,11 @@ def impact(
         return alone, multipliers
     rows = rate_rows(equations, t, q)[held]
     change, forces = equations.responses(t, q, rows.T, np.zeros((equations.m, len(held))))
-    pushes = _pushes(equations.mass(q), change, rows @ change, missing)
+    try:
+        pushes = _pushes(equations.mass(q), change, rows @ change, missing)
+    except RuntimeError as found:
+        names = [equations.description.switches[k].name for k in held]
+        raise Contradiction(f"no impulses of {' and '.join(names)} were found with it") from found
     ended, reached = alone + change @ pushes, missing - rows @ change @ pushes
     if not reached.max() <= _REACHED * fastest:
         missed = held[~(reached <= _REACHED * fastest)]

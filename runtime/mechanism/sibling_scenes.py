@@ -30,6 +30,27 @@ def sibling(mechanism: Mechanism, watched: Watched) -> Mechanism:
     return known[watched.scene]
 
 
+def sibling_named(mechanism: Mechanism, scene: str) -> Mechanism | None:
+    """The mechanism, or one into which it may turn as joints come and go, by its scene's name."""
+    found = [mechanism]
+    names = {mechanism.description.scene: mechanism}
+    if _root(scene) != _root(mechanism.description.scene):
+        return None
+    for known in found:  # which grows meanwhile
+        if scene in names:
+            break
+        for watched in known.description.watched:
+            if watched.reconnects and watched.scene not in names and scene not in names:
+                names[watched.scene] = sibling(known, watched)
+                found.append(names[watched.scene])
+    return names.get(scene)
+
+
+def _root(scene: str) -> str:
+    """What the names of all siblings begin with."""
+    return scene.partition("_without_")[0].partition("_with_")[0]
+
+
 def _built(mechanism: Mechanism, watched: Watched) -> Mechanism:
     """The sibling's module, loaded where it is there and of the same sources, else built."""
     origin, scene = mechanism.origin, watched.scene

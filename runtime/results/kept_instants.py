@@ -10,7 +10,7 @@ from runtime.results.samples import Samples
 def keep(result: Result, rows: npt.NDArray[np.bool_], first: float, last: float) -> None:
     """Keep these rows, (k,), and what happened behind `first` and up to `last`, s.
 
-    Of partitions that in force at `first` is kept from there on.
+    Of the partitions the one in force at `first` is kept from there on.
     """
     result.samples = Samples._make(array[rows] for array in result.samples)
     result.works = {name: work[rows] for name, work in result.works.items()}

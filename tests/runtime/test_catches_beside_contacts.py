@@ -107,3 +107,16 @@ def test_a_catch_against_a_sprag_is_told_by_name(workshop: Path) -> None:
     assert "Joint 'dog' is to engage at t = 0.5 s" in r.message
     assert "sprag" in r.message
     assert r.t[-1] <= 0.5 + 1e-9
+
+
+def test_a_search_for_impulses_that_does_not_end_is_told_by_name(
+    workshop: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def endless(*_: object) -> None:
+        raise RuntimeError("Maximum number of iterations reached.")
+
+    monkeypatch.setattr("scipy.optimize.nnls", endless)
+    r = load(dog_clutch(0.0), folder=workshop).simulate(1.0)
+    assert r.outcome is Outcome.INCONSISTENT
+    assert "'dog' is to engage" in r.message
+    assert "no impulses of freewheel" in r.message

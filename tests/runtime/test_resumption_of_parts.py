@@ -1,6 +1,7 @@
 """Runs that go on where joints came or went, and past conditions that ended them."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from codegen import Model, t
 from codegen.errors import InputError
 from runtime import load, load_result
 from runtime.core.outcomes import Outcome
+from runtime.dynamics import resumption_of_parts
 from runtime.integrate import checkpoints
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
@@ -97,15 +99,24 @@ def test_one_goes_on_several_times(towed: Machine, tmp_path: Path) -> None:
     assert_allclose(r.y("count")[-1], whole.y("count")[-1])
 
 
-@pytest.mark.parametrize("t_eval", [7, "steps", [1.9], None])
-def test_instants_of_what_goes_on(towed: Machine, t_eval: object) -> None:
+@pytest.mark.parametrize(("t_eval", "count"), [(7, 7), ("steps", None), ([1.9], 1), (None, 501)])
+def test_instants_of_what_goes_on(towed: Machine, t_eval: object, count: int | None) -> None:
+    """Of those at the ends of steps there are as many as of the whole run behind 0.2 s, and 0.2."""
     r = towed.simulate(0.2, [0.1]).resume(2.0, t_eval)  # type: ignore[arg-type]
     assert r.t[-1] == (1.9 if isinstance(t_eval, list) else 2.0)
     assert r.t[0] == (1.9 if isinstance(t_eval, list) else 0.2)
-    assert len(r.t) == {7: 7, None: 501}.get(t_eval if t_eval != [1.9] else 0, len(r.t))  # type: ignore[call-overload]
-    assert (np.diff(r.t) > 0).all()
     whole = towed.simulate(2.0, "steps")
+    assert len(r.t) == (count or 1 + np.count_nonzero(whole.t > 0.2))
+    assert (np.diff(r.t) > 0).all()
     assert_allclose(r.works["drag"], whole.at(r.t).works["drag"], atol=1e-9)
+
+
+def test_a_message_tells_the_steps_of_all_parts(towed: Machine) -> None:
+    r = towed.simulate(0.2, [0.2])
+    for end in (1.9, 2.0):  # through changes of joints, and behind them
+        r = r.resume(end, [end])
+        assert r.message.startswith("Resumed at")
+        assert f"Reached t = {end:g} s in {r.stats['steps']:.0f} steps." in r.message
 
 
 def test_a_limit_of_steps_counts_all(towed: Machine) -> None:
@@ -240,8 +251,29 @@ def test_conditions_on_outputs_stay(pendulum: Machine, tmp_path: Path) -> None:
     assert not r.resume(r.t[-1] + 0.01).ended_by
 
 
+def test_one_that_fails_on_its_way_to_the_end_is_not_ended(
+    pendulum: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun = pendulum.simulate(0.1, rtol=1e-11, until={"low": ("bob.y", "<", -0.5)})
+    go_on, limits = resumption_of_parts._go_on, [None, 1]
+
+    def limited(*arguments: Any, **words: Any) -> Result:
+        return go_on(*arguments, **words | {"max_steps": limits.pop(0)})
+
+    monkeypatch.setattr(resumption_of_parts, "_go_on", limited)
+    r = begun.resume(4.0)
+    assert (r.outcome, r.ended_by, limits) == (Outcome.MAX_STEPS, "", [])
+    assert "began to hold" not in r.message
+
+
 def test_a_run_without_conditions_has_none(pendulum: Machine) -> None:
     whole = pendulum.simulate(2.0, 21)
     rest = pendulum.simulate(1.0, 3).resume(2.0, 11)
     same(whole.at(rest.t), rest)
     assert rest.ended_by == ""
+
+
+def test_conditions_have_names_of_their_own(swung: Machine, towed: Machine) -> None:
+    for machine, name in ((swung, "left"), (towed, "hook")):
+        with pytest.raises(InputError, match=f"until= names '{name}'.*another name"):
+            machine.simulate(1.0, until={name: ("kinetic", ">", 0.1)})

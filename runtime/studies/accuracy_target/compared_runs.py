@@ -108,8 +108,8 @@ class Pair:
         if self.alike and self.tight.ended_by:
             ends = (np.hstack([run.final_q[free], run.final_v[free]]) for run in runs)
             one, other = (np.vstack(pair) for pair in zip((one, other), ends, strict=True))
-        alike = (one == other).all(axis=0).reshape(2, -1).all(axis=0)
-        return bool(alike.any()) or self.difference.largest == 0.0
+        same = (one == other).all(axis=0).reshape(2, -1).all(axis=0)
+        return bool(same.any()) or self.difference.largest == 0.0
 
     @property
     def share(self) -> float:

@@ -263,19 +263,26 @@ def test_one_that_holds_at_the_start_ends_the_run_there(swung: Machine, workshop
     assert (r.outcome, r.ended_by, r.t.tolist()) == (Outcome.OK, "right", [0.0])
 
 
-def test_runs_that_end_differently_are_no_evidence(swung: Machine, workshop: Path) -> None:
+@pytest.mark.parametrize("target", [1e-3, 1e-6])
+def test_runs_that_end_differently_are_no_evidence(
+    swung: Machine, workshop: Path, target: float
+) -> None:
     """A condition that holds for 4e-5 of a swing: a loose run may miss it, and the target says so.
 
     Where all do, the result goes on; where the last ones end, the instant is known to the root of
     the error of the position.
     """
     machine = load(swung.mechanism.origin.model, "grazes", folder=workshop)  # type: ignore[union-attr]
-    r = machine.simulate(1.5, accuracy=1e-3, progress=False)
+    r = machine.simulate(1.5, accuracy=target, progress=False)
     if r.ended_by:
         assert abs(r.t[-1] - np.pi / 3) < 2e-3
     else:
         assert r.t[-1] == 1.5
-    assert max(errors(r, {"mass.x": np.cos(3 * r.t)}).values()) <= 1e-3
+    assert max(errors(r, {"mass.x": np.cos(3 * r.t)}).values()) <= target
+    assert r.accuracy is not None
+    loose, tight = r.accuracy.runs[-2:]
+    assert f"between rtol = {loose.rtol:.1e} and {tight.rtol:.1e}" in r.accuracy.means
+    assert loose.events == tight.events == bool(r.ended_by)
 
 
 @pytest.fixture(scope="module")
