@@ -59,7 +59,10 @@ def find_rest(statics: StaticEquations, q: FloatArray) -> StatesAtRest:
         residual, matrix = search.residual(search.q), search.slopes()
         size = matrix_size(matrix, search.values())
         share = np.abs(residual) / size
-        if not np.isfinite(share).all() or share.max(initial=0.0) <= 1e-3 * _BALANCED:
+        if (
+            not (np.isfinite(share).all() and np.isfinite(matrix).all())
+            or share.max(initial=0.0) <= 1e-3 * _BALANCED
+        ):
             break
         step = np.linalg.lstsq(matrix / size[:, None], -residual / size, rcond=1e-12)[0]
         turn = np.abs(step[: search.count]).max(initial=0.0)
@@ -73,9 +76,12 @@ def find_rest(statics: StaticEquations, q: FloatArray) -> StatesAtRest:
 
 
 def matrix_size(matrix: FloatArray, values: FloatArray) -> FloatArray:
-    """What unknowns of their own size change each equation by, (k,); 1 where nothing does."""
+    """What unknowns of their own size change each equation by, (k,); 1 where nothing does.
+
+    Not a number where a slope has no value.
+    """
     size: FloatArray = np.abs(matrix) @ np.maximum(1.0, np.abs(values))
-    return np.where(size > 0.0, size, 1.0)
+    return np.where(size == 0.0, 1.0, size)
 
 
 class _Search:
@@ -121,8 +127,8 @@ class _Search:
             sides = []
             for change in (_DIFFERENCE, -_DIFFERENCE):
                 q, before = self._moved(change * unit)
-                if q is not None:
-                    sides.append((change, self.residual(q)))
+                if q is not None and np.isfinite(there := self.residual(q)).all():
+                    sides.append((change, there))
                 self.equations.still[self.columns] = before
             here = [(0.0, self.residual(self.q))] if len(sides) == 1 else []
             (a, first), (b, second) = (*sides, *here)[:2] if sides else ((1.0, np.nan), (0.0, 0.0))

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from sympy import Max, Min
+from sympy import Max, Min, sqrt
 
 from codegen import Model, t
 from codegen.declare.body import Body
@@ -109,6 +109,30 @@ def test_a_held_machine_has_states_at_rest() -> None:
     rest = load(model).equilibrium()
     assert rest.outcome is Outcome.OK
     assert abs(rest["lag"] - 0.5) < 1e-12
+
+
+@pytest.mark.parametrize("level", [0.0, 1e-6, 0.5])
+def test_a_tank_whose_outflow_has_a_value_on_one_side(level: float) -> None:
+    """0.01 flows in, 0.1 sqrt(y) out: below y = 0 there is no root."""
+
+    def tank(model: Model, link: Body) -> object:
+        level_now = model.state("y", lambda y: 0.01 - 0.1 * sqrt(y), start=level)
+        return level_now - 20.0 * link.phi
+
+    rest = arm(f"tank_{level:g}".replace(".", "_").replace("-", "_"), tank).equilibrium()
+    assert rest.outcome is Outcome.OK
+    assert abs(rest["y"] - 0.01) < 1e-10
+
+
+def test_slopes_without_a_value_end_the_search() -> None:
+    """Of y and of -y there are roots at y = 0 alone."""
+
+    def level(model: Model, link: Body) -> object:
+        return model.state("y", lambda y: 0.5 + sqrt(y) + sqrt(-y), start=0.0) - 20.0 * link.phi
+
+    rest = arm("lone_value", level).equilibrium()
+    assert rest.outcome is Outcome.UNBALANCED
+    assert rest.message.startswith("No equilibrium found:")
 
 
 def test_where_no_state_rests_it_is_named() -> None:
