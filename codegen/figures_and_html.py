@@ -38,7 +38,8 @@ def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Fi
         from matplotlib.figure import Figure
     except ImportError as error:
         raise InputError(
-            f"A {purpose} needs matplotlib, which is not installed. Install linkwright[plot]."
+            f"A {purpose} needs matplotlib, which is not installed. Run pip install "
+            "'linkwright[plot]', in the checkout pip install '.[plot]'."
         ) from error
     return Figure(figsize=(width, height), layout="constrained", **options)
 

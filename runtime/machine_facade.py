@@ -58,9 +58,10 @@ class Machine(MachineStates):
             First instant in s, by default that of `start` or 0. `start` sets values by name of
             coordinate (m, rad) or velocity (m/s, rad/s), over those of the scene, and is refused
             where the joints do not allow them; or it is a state in place of the scene's start: an
-            assembled one, a result's end or `Result.state(t)`, an equilibrium. `guess` has values
-            with which the search for a start begins, in place of the scene's guesses; a name that
-            the scene fixes is refused. `Result.message` says what became of them.
+            assembled one, a result's end or `Result.state(t)`, an equilibrium. Where joints come
+            and go, a run from a result or its state begins with those that act there. `guess` has
+            values with which the search for a start begins, in place of the scene's guesses; a name
+            that the scene fixes is refused. `Result.message` says what became of them.
         method
             "dop853" (default), of order 8, "dopri5" and "tsit5", of order 5, are explicit.
             "radau5" and "bdf" are implicit, for stiff equations: contacts and springs much stiffer
@@ -82,7 +83,9 @@ class Machine(MachineStates):
             Sampled value that is declared without an expression → a function of yours that computes
             it at each of its samples, ``lambda sample: -4.0 * sample.q("arm.phi")``, from
             `Sample.t`, `q`, `v` and `y`. A call takes some microseconds, where an expression takes
-            one; `accuracy` calls the function in several runs.
+            one. `accuracy` and the studies call the same function in several runs: one with a
+            memory begins anew at the first sample of a run, where `Sample.t` is not greater than
+            that of the sample before.
         until
             Conditions on series of the result that end the run, by name: ``{"overload":
             ("hinge.fx", ">", 500.0)}``, with "<" or ">". The run is made twice, to its end and to

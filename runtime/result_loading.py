@@ -96,7 +96,7 @@ def _content(path: Path) -> dict[str, Any]:
     except ImportError as error:
         raise InputError(
             f"{path}: reading .nc needs the library netCDF4, which cannot be imported ({error}). "
-            "Install linkwright[files]."
+            "Run pip install 'linkwright[files]', in the checkout pip install '.[files]'."
         ) from error
     kinds = [*KINDS, Checkpoint, Crossing, Discrete, Handover, RunsSnapshot, Snapshot]
     try:

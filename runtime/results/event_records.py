@@ -37,9 +37,9 @@ class Event(NamedTuple):
     q, v
         State, shape (n,); after an impact, the velocities that it leaves.
     word
-        Of contacts, stops and frictions, what they do: "touches", "leaves", "rests", "sticks",
-        "slips", "reverses"; of a gap behind which a damper has ended the push before, "opens";
-        empty for others.
+        Of contacts and stops "touches", "leaves", "rests"; of a gap that closes or opens while a
+        damper keeps it from pushing, "closes", "opens"; of frictions "sticks", "slips", "reverses";
+        of one-way clutches without a capacity "overruns", "grips", "strikes"; empty for others.
     """
 
     name: str

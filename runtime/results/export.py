@@ -48,7 +48,8 @@ def check_place(path: Path) -> None:
         except ImportError as error:
             raise InputError(
                 f"{path}: writing {path.suffix} needs the library {library}, which cannot be "
-                f"imported ({error}). Install linkwright[files], or save as .csv."
+                f"imported ({error}). Run pip install 'linkwright[files]', in the checkout "
+                "pip install '.[files]', or save as .csv."
             ) from error
 
 

@@ -172,7 +172,7 @@ def test_plot_without_matplotlib_says_what_to_install(
     import sys
 
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    with pytest.raises(InputError, match=r"Install linkwright\[plot\]"):
+    with pytest.raises(InputError, match=r"pip install 'linkwright\[plot\]', in the checkout"):
         result.plot()
 
 
