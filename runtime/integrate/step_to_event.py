@@ -102,7 +102,8 @@ def end_at_event(context: Context) -> int:
         x = ft.locate_of(context)(context)
         if x <= 1.0:
             r.crossing, r.length = context.crossed[0], x * h
-    late = r.crossing >= 0 and r.t + r.length >= r.t_end - INSTANT * abs(r.t_end)
+    unresolved = INSTANT * max(abs(r.t), abs(r.t_end))
+    late = r.crossing >= 0 and r.t + r.length >= r.t_end - unresolved
     if late and context.table_part[r.crossing] == RANGE:
         r.crossing, r.length = -1, h  # the table and the run end together
     if r.crossing < 0 and r.end >= r.t_end:

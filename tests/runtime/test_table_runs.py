@@ -145,6 +145,21 @@ def test_run_and_table_of_time_that_end_together(
     assert f"Table 'law' of 'push' is left at t = {last:g}: its points" in beyond.message
 
 
+@pytest.mark.parametrize("begin", [-1.0, -0.7, -0.3])
+def test_run_and_table_of_time_that_end_together_at_zero(begin: float, tmp_path: Path) -> None:
+    """Rounding is that of the start, which the end at t = 0 does not tell."""
+    model = Model("cart")
+    cart = model.particle("cart", mass=2.0)
+    law = model.table("law", [begin, begin / 2, 0.0], [0.0, 1.0, 0.5], kind="linear")
+    model.force("push", cart, fx=law(t))
+    start = {cart.x: 0, cart.y: 0, cart.vx: 0, cart.vy: 0}
+    model.scene("run", ["push"], start=start)
+    run = load(model, folder=tmp_path).simulate(0.0, t_start=begin)
+    assert run.outcome is Outcome.OK, run.message
+    assert run.t[-1] == 0.0
+    assert_allclose(run.v("cart.vx")[-1], -0.3125 * begin, rtol=1e-9)
+
+
 def driven(law: Any, model: Model) -> Model:
     arm = model.body("arm", mass=1.0, inertia=1.0)
     model.revolute("pin", model.ground, arm)
