@@ -161,6 +161,9 @@ def initialize_modes(context: Context, first: int, t: float, d: float, state: in
                 ft.impact_of(context)(context, k, t, state)
                 abi.switching_rates_of(context)(t, q, v, a, p, rates)
                 struck = True
+                abi.switching_of(context)(t, q, v, p, g)
+                if g[k] < -TOUCHING * largest_magnitude(v):
+                    return k  # drivers force it against its way
     if struck:
         abi.switching_of(context)(t, q, v, p, g)
         for k in range(s):

@@ -272,3 +272,16 @@ def test_two_freewheels_of_one_slip_are_refused(tmp_path: Path) -> None:
     model.scene("run", ["first", "second"], start=start(bodies, 0.0, 0.0))
     with pytest.raises(ModelError, match="'first' and 'second' are freewheels of one slip"):
         load(model, folder=tmp_path)
+
+
+def test_drivers_against_a_freewheel_are_told_by_name(tmp_path: Path) -> None:
+    """No impact makes the slip of -1 rad/s that they prescribe any faster."""
+    model, bodies = shafts("forced")
+    model.one_way_clutch("clutch", *bodies)
+    for k, (body, speed) in enumerate(zip(bodies, (2, 1), strict=True)):
+        model.driver(f"turns_{k}", body.phi, speed * t)
+    model.scene("run", ["clutch"], ["turns_0", "turns_1"], outputs="all")
+    run = load(model, folder=tmp_path).simulate(1.0, 6)
+    assert run.outcome is Outcome.INCONSISTENT
+    assert "clutch" in run.message
+    assert run.t[-1] == 0.0
