@@ -274,7 +274,7 @@ def test_two_freewheels_of_one_slip_are_refused(tmp_path: Path) -> None:
         load(model, folder=tmp_path)
 
 
-def test_drivers_against_a_freewheel_are_told_by_name(tmp_path: Path) -> None:
+def test_drivers_against_a_freewheel_end_the_run_by_name(tmp_path: Path) -> None:
     """No impact makes the slip of -1 rad/s that they prescribe any faster."""
     model, bodies = shafts("forced")
     model.one_way_clutch("clutch", *bodies)
