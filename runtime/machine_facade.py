@@ -129,7 +129,6 @@ class Machine(MachineStates):
 
         require_motion(self.mechanism, "simulate")
         mechanism = scene_of_start(self.mechanism, start)
-        parameters = parameters_there(mechanism, self.mechanism, parameters)
         given = check(
             mechanism, t_end=t_end, t_eval=t_eval, t_start=t_start, parameters=parameters,
             guess=guess, start=start, controllers=controllers, correction=correction,
@@ -138,6 +137,7 @@ class Machine(MachineStates):
             progress=progress, accuracy=accuracy, rtol=rtol, atol=atol, quantities=quantities,
             method=method, formulation=formulation,
         )  # fmt: skip
+        given["parameters"] = parameters_there(mechanism, self.mechanism, given["parameters"])
         settings = {name: given.pop(name) for name in _SETTINGS}
         conditions = () if until is None else read_conditions(mechanism.description, until)
         analyse = accuracy_or_tolerances(mechanism, **settings)
