@@ -116,6 +116,12 @@ class PreparedSimulation:
         if begin.is_determined and still and not (waits or handover):
             refuse_structure(mechanism)
 
+    @property
+    def length(self) -> float:
+        """The length to which tolerances of lengths are relative, m; 1 where nothing is one."""
+        lengths = self.sizes[self.mechanism.description.is_length]
+        return float(lengths.max(initial=0.0)) or 1.0
+
     def until(self, t_end: float) -> "PreparedSimulation":
         """The same start, of runs to another end, s."""
         if self.begin.t > self.given_t and not isinstance(self.given["start"], Assembly):

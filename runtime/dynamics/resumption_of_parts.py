@@ -73,7 +73,7 @@ def _go_on(
     settings = _settings(own, max_steps)
     if past:
         start = {
-            "start": _end_of(last, own), "handover": _handover(own),
+            "start": _end_of(last, own), "handover": Handover(own.last, own.ready.length),
             "parameters": dict(known_parameters(mechanism, parameters)),
         }  # fmt: skip
         with bar(f"resume {result.description.title}", progress) as report:
@@ -120,10 +120,3 @@ def _end_of(result: Result, motion: SimulatedMotion) -> State:
         samples, _ = motion.at(result, np.array([end]))
     table = motion.ready.mechanism.description.coordinates
     return State(end, samples.q[-1], samples.v[-1], table)
-
-
-def _handover(motion: SimulatedMotion) -> Handover:
-    """Clocks and conditions as they stand at the end of a run."""
-    ready = motion.ready
-    lengths = ready.sizes[ready.mechanism.description.is_length]
-    return Handover(motion.last, float(lengths.max(initial=0.0)) or 1.0)

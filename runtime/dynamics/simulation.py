@@ -188,8 +188,7 @@ def _result(
     elif run.stopped_by >= 0:
         table = mechanism.description.coordinates
         end = State(run.final_t, run.final_q, run.final_v, table)
-        length = float(ready.sizes[mechanism.description.is_length].max(initial=0.0)) or 1.0
-        result.reconnection = Ending(run.stopped_by, end, run.discrete, length)
+        result.reconnection = Ending(run.stopped_by, end, run.discrete, ready.length)
     if run.outcome is Outcome.CONTRADICTED:
         result.contradiction = f"At t = {run.final_t:.9g} s it stopped. {run.note}"
     return result

@@ -32,18 +32,20 @@ def sibling(mechanism: Mechanism, watched: Watched) -> Mechanism:
 
 def sibling_named(mechanism: Mechanism, scene: str) -> Mechanism | None:
     """The mechanism, or one into which it may turn as joints come and go, by its scene's name."""
-    found = [mechanism]
-    names = {mechanism.description.scene: mechanism}
-    if _root(scene) != _root(mechanism.description.scene):
-        return None
+    own = mechanism.description.scene
+    if scene == own or _root(scene) != _root(own):
+        return mechanism if scene == own else None
+    found, names = [mechanism], {own}
     for known in found:  # which grows meanwhile
-        if scene in names:
-            break
-        for watched in known.description.watched:
-            if watched.reconnects and watched.scene not in names and scene not in names:
-                names[watched.scene] = sibling(known, watched)
-                found.append(names[watched.scene])
-    return names.get(scene)
+        ways = [row for row in known.description.watched if row.reconnects]
+        for watched in ways:  # before any other sibling is built
+            if watched.scene == scene:
+                return sibling(known, watched)
+        for watched in ways:
+            if watched.scene not in names:
+                names.add(watched.scene)
+                found.append(sibling(known, watched))
+    return None
 
 
 def _root(scene: str) -> str:
