@@ -6,13 +6,13 @@ from typing import Any, NamedTuple
 
 import sympy
 
-from codegen.declare.body import Body, Point
+from codegen.declare.body import Body, Curve, Point
 from codegen.declare.element import Element, JointReaction, Statement
 from codegen.declare.return_values.calls import call_optional_method, name_errors, refusal
 from codegen.declare.return_values.elements import bodies_of
-from codegen.declare.symbols import Parameter
+from codegen.declare.symbols import Parameter, t
 from codegen.drawing import shapes
-from codegen.drawing.shapes import Shape
+from codegen.drawing.shapes import Place, Shape
 
 Hubs = dict[frozenset[Body], tuple[Point, ...]]
 """Two bodies → the points at which a pin connects them."""
@@ -25,8 +25,34 @@ class Scoped(NamedTuple):
     bindings: Mapping[sympy.Symbol, sympy.Expr]
 
 
+class BodyNumber(NamedTuple):
+    """A body of a picture, 0 for the ground."""
+
+    number: int
+
+
+class PlaneCurve(NamedTuple):
+    """A curve of a body, x'(t) and y'(t) in m: t stands for its parameter, which goes to 2π."""
+
+    body: int
+    x: sympy.Expr
+    y: sympy.Expr
+
+
+class BodyFrame(NamedTuple):
+    """A body: x, y and φ, or x, y, cos φ and sin φ; corners of its outlines in its frame."""
+
+    name: str
+    fixed: bool
+    pose: tuple[sympy.Expr, ...]
+    outlines: tuple[tuple[tuple[sympy.Expr, sympy.Expr], ...], ...]
+
+
 class ElementShape(NamedTuple):
-    """A shape in symbols, and the element that it belongs to."""
+    """A shape in symbols, and the element that it belongs to.
+
+    Its places are `Place` of expressions, its bodies `BodyNumber`, its curves `PlaneCurve`.
+    """
 
     element: str
     kind: str
@@ -38,7 +64,7 @@ class ElementShape(NamedTuple):
 class ScenePicture:
     """What a scene looks like, in the coordinates and parameters of its equations."""
 
-    bodies: tuple[Body, ...]  # the ground first
+    bodies: tuple[BodyFrame, ...]  # the ground first
     shapes: tuple[ElementShape, ...]
     # parameters that nothing but the picture contains, and their values
     constants: tuple[tuple[sympy.Symbol, float], ...] = ()
@@ -60,8 +86,9 @@ def scene_picture(
         Values of all parameters by name; those that the equations contain.
     """
     hubs = _hubs([e for e in elements["joint"] if e.kind == "revolute"])
+    numbers = {body: k for k, body in enumerate((ground, *bodies))}
     found = [
-        ElementShape(element.name, element.kind, role, shape)
+        ElementShape(element.name, element.kind, role, _numbered(shape, numbers))
         for role, members in elements.items()
         for element in members
         for shape in _shapes(element, role, hubs)
@@ -71,7 +98,30 @@ def scene_picture(
         for name, value in parameters.items()
         if name not in known
     )
-    return ScenePicture((ground, *bodies), tuple(found), constants)
+    return ScenePicture(tuple(map(_frame, numbers)), tuple(found), constants)
+
+
+def _frame(body: Body) -> BodyFrame:
+    turn = body.rotation if body.angle is None else (body.angle,)
+    return BodyFrame(body.name, bool(body.fixed), (*body.position, *turn), body.outlines)
+
+
+def _numbered(shape: Shape, numbers: Mapping[Body, int]) -> Shape:
+    """The shape with numbers for its bodies."""
+
+    def numbered(value: Any) -> Any:
+        match value:
+            case Point():
+                return Place(numbers[value.body], *value.place)
+            case Curve():
+                return PlaneCurve(numbers[value.body], *value.at(t))
+            case Body():
+                return BodyNumber(numbers[value])
+            case tuple() if not isinstance(value, Scoped):
+                return tuple(map(numbered, value))
+        return value
+
+    return replace(shape, **{f.name: numbered(getattr(shape, f.name)) for f in fields(shape)})
 
 
 def _shapes(element: Element, role: str, hubs: Hubs) -> Iterator[Shape]:

@@ -3,10 +3,16 @@
 from dataclasses import fields
 from typing import Any, NamedTuple
 
-from codegen.declare.body import Body, Curve, Point
-from codegen.declare.symbols import alpha
-from codegen.derive.scene_picture import ElementShape, ScenePicture, Scoped
+from codegen.derive.scene_picture import (
+    BodyFrame,
+    BodyNumber,
+    ElementShape,
+    PlaneCurve,
+    ScenePicture,
+    Scoped,
+)
 from codegen.drawing.layout import BodyLayout, Layout, ShapeLayout
+from codegen.drawing.shapes import Place
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Program, storing
 from codegen.lower.scene_graph import SceneGraph
@@ -38,7 +44,6 @@ class _Lowering:
         known = {s: self.graph.constant(value) for s, value in self.picture.constants}
         # Without switches conditions are compared: a picture knows no modes.
         self.translate = Translator(scene.graph, {**scene.translate.environment, **known}, None)
-        self.numbers: dict[Body, int] = {b: k for k, b in enumerate(self.picture.bodies)}
         self.values: list[int] = []
         self.notes: list[str] = []
         self.curves: list[int] = []
@@ -55,15 +60,14 @@ class _Lowering:
             kernels.append(storing(CURVES, about, "t p out", self.curves, self.curve_notes))
         return LoweredPicture(Program(tuple(self.graph.values), tuple(kernels), (), 0.0), layout)
 
-    def _body(self, body: Body) -> BodyLayout:
-        turn = body.rotation if body.angle is None else (body.angle,)
-        pose = tuple(self._slot(e, f"pose of {body.name}") for e in (*body.position, *turn))
+    def _body(self, body: BodyFrame) -> BodyLayout:
+        pose = tuple(self._slot(e, f"pose of {body.name}") for e in body.pose)
         outlines = tuple(
             tuple((self._slot(x, note), self._slot(y, note)) for x, y in outline)
             for outline in body.outlines
             for note in (f"outline of {body.name}",)
         )
-        return BodyLayout(body.name, bool(body.fixed), pose, outlines)
+        return BodyLayout(body.name, body.fixed, pose, outlines)
 
     def _slot(self, expression: Any, note: str) -> int:
         translate, value = self.translate, expression
@@ -84,21 +88,20 @@ class _Lowering:
 
     def _field(self, note: str, value: Any) -> tuple[str, Any]:
         match value:
-            case Point():
-                x, y = (self._slot(e, note) for e in value.place)
-                return "at", (self.numbers[value.body], x, y)
-            case Body():
-                return "body", self.numbers[value]
-            case Curve():
-                return "curve", (self.numbers[value.body], self._curve(note, value))
+            case Place():
+                x, y = (self._slot(e, note) for e in value[1:])
+                return "at", (value.body, x, y)
+            case BodyNumber():
+                return "body", value.number
+            case PlaneCurve():
+                return "curve", (value.body, self._curve(note, value))
             case bool() | str() | None:
                 return "word", value
             case tuple() if not isinstance(value, Scoped):
-                return "bodies", tuple(self.numbers[b] for b in value)
+                return "bodies", tuple(body.number for body in value)
         return "number", self._slot(value, note)
 
-    def _curve(self, note: str, curve: Curve) -> int:
-        translate = self.translate.scoped({alpha: self.graph.input("t", 0, "t")})
-        self.curves += [translate(e) for e in curve.at(alpha)]
+    def _curve(self, note: str, curve: PlaneCurve) -> int:
+        self.curves += [self.translate(e) for e in (curve.x, curve.y)]
         self.curve_notes += [note, note]
         return len(self.curves) // 2 - 1
