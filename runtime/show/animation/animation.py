@@ -14,7 +14,8 @@ from runtime.show.animation.instants import animated
 from runtime.show.animation.page_text import framed, page_text
 from runtime.show.animation.payload import Arrays, block
 from runtime.show.animation.quantities import curves
-from runtime.show.animation.scenery import Pictures, scenery
+from runtime.show.animation.scenery import scenery
+from runtime.show.pictures import Pictures, pictures
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
@@ -38,5 +39,5 @@ def run_data(
         "series": series,
         "groups": groups,
         "events": happenings(result),
-        **scenery(pictures, result.reconnections, arrays),
+        **scenery(pictures, arrays),
     }

@@ -1,50 +1,23 @@
 """The picture of a mechanism as the page has it: bodies, poses, symbols, and what moves in them."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any
 
 import numpy as np
 
-from codegen.drawing.picture import FloatArray, Picture
 from codegen.drawing.shapes import Place
 from runtime.show.animation.payload import Arrays
-
-if TYPE_CHECKING:
-    from runtime.results.reconnection import Reconnection
+from runtime.show.pictures import Pictures
 
 
-class Pictures(Protocol):
-    """A picture at k instants."""
-
-    @property
-    def picture(self) -> Picture:
-        """That of the first instant."""
-
-    @property
-    def t(self) -> FloatArray:
-        """Instants in s, (k,)."""
-
-    @property
-    def poses(self) -> FloatArray:
-        """x, y in m and φ in rad of each body, (k, bodies, 3)."""
-
-    @property
-    def moving(self) -> Mapping[tuple[int, str], FloatArray]:
-        """Numbers of symbols that vary: (number of the symbol, ``"fx"`` or ``"i.x"``) → (k,)."""
-
-
-def scenery(
-    pictures: Pictures, changes: "Sequence[Reconnection]", arrays: Arrays
-) -> dict[str, Any]:
+def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
     """Bodies, symbols and size, numbers over time in `arrays`."""
     picture = pictures.picture
-    poses = pictures.poses
+    poses, active = pictures.poses, pictures.active
     moving: list[list[dict[str, Any]]] = [[] for _ in picture.symbols]
     for (number, path), values in pictures.moving.items():
         if np.isfinite(values).any():
             moving[number].append({"path": path.split("."), "values": arrays.add(values)})
-    intervals = connected(changes)
     return {
         "size": float(picture.size),
         "bodies": [
@@ -64,25 +37,11 @@ def scenery(
                 "role": symbol.role,
                 "shape": _shape(symbol.shape),
                 "moving": moving[number],
-                **({"acts": intervals[symbol.element]} if symbol.element in intervals else {}),
+                **({"acts": active[number]} if number in active else {}),
             }
             for number, symbol in enumerate(picture.symbols)
         ],
     }
-
-
-def connected(changes: "Sequence[Reconnection]") -> dict[str, list[list[float | None]]]:
-    """Joint → the intervals in which it acts, s; None where there is no bound."""
-    intervals: dict[str, list[list[float | None]]] = {}
-    for change in changes:
-        of_joint = intervals.setdefault(change.joint, [])
-        if change.action == "engage":
-            of_joint.append([change.time, None])
-        elif of_joint:
-            of_joint[-1][1] = change.time
-        else:
-            of_joint.append([None, change.time])
-    return intervals
 
 
 def _shape(shape: Any) -> dict[str, Any]:

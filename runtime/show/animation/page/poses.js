@@ -55,5 +55,5 @@ export function refresh(symbol, at) {
 /** Whether a joint that comes and goes acts at an instant. */
 export function acts(symbol, t) {
   if (!symbol.acts) return true;
-  return symbol.acts.some(([from, to]) => (from === null || from <= t) && (to === null || t < to));
+  return symbol.acts.some(([from, to]) => from <= t && t < to);
 }
