@@ -1,10 +1,11 @@
-"""The picture of a declared mechanism before anything is built: at its start, or at its guesses."""
+"""The picture of a declared mechanism before anything is built, at its start or its guesses."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from codegen import argument_readers as readers
 from codegen.derive.equations import derive
 from codegen.drawing.layout import SAMPLES
 from codegen.drawing.picture import Picture
@@ -14,6 +15,26 @@ from codegen.lower.kernels.picture_kernels import CURVES, NAME, lower_picture
 from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.poses_near_start import FloatArray, Poses
 from codegen.model import Model
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DRAWING = dict.fromkeys(("dimensions", "forces", "frames", "names"), readers.flag)
+"""Arguments that choose what a figure has, and their reader."""
+
+
+@readers.reads(
+    scene=readers.optional(readers.scene),
+    parameters=readers.optional(readers.values('{"L": 1.2}')), assembled=readers.flag, **DRAWING,
+)  # fmt: skip
+def draw(
+    model: Model, scene: Any = None, *, parameters: Mapping[str, float] | None = None,
+    assembled: bool = True, **drawing: bool,
+) -> "Figure":  # fmt: skip
+    """The figure of a declared mechanism; see `Model.draw`."""
+    from codegen.drawing.figure import figure
+
+    return figure(picture_at_start(model, scene, parameters, assembled), **drawing)
 
 
 def picture_at_start(
