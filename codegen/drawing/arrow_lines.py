@@ -36,9 +36,7 @@ def round_arrow(
     return arc(center, radius, start, sweep - bend), head(tip, heading, length)
 
 
-def hatching(
-    start: FloatArray, end: FloatArray, side: float, spacing: float
-) -> list[FloatArray]:
+def hatching(start: FloatArray, end: FloatArray, side: float, spacing: float) -> list[FloatArray]:
     """Strokes (2, 2) of the ground along a line, on its left (`side` 1) or right (-1)."""
     along = unit(end - start)
     reach = float(np.hypot(*(end - start)))

@@ -5,9 +5,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from codegen.drawing.colors import LIGHT, Palette
+from codegen.drawing.moving_strokes import moving_strokes
 from codegen.drawing.names import draw_dimensions, draw_names, draw_scale
 from codegen.drawing.picture import Picture
 from codegen.drawing.polygons import FloatArray, placed
+from codegen.drawing.rigid_strokes import rigid_strokes
 from codegen.drawing.signs import (
     Reactions,
     dimension_lines,
@@ -17,7 +19,7 @@ from codegen.drawing.signs import (
     frame_strokes,
 )
 from codegen.drawing.stroke_styles import Painted, extent, painted
-from codegen.drawing.strokes import Stroke, moving_strokes, rigid_strokes
+from codegen.drawing.strokes import Stroke
 from codegen.figures_and_html import new_figure
 
 if TYPE_CHECKING:
@@ -86,22 +88,24 @@ def figure(
     artist.signs += tuple(stroke for line in measured for stroke in line.strokes)
     low, high = artist.bounds(picture)
     if axes is None:
-        fig = new_figure("picture", *_inches(high - low), facecolor=colors.background)
-        axes = fig.add_subplot()
+        axes = new_figure(
+            "picture", *_inches(high - low), facecolor=colors.background
+        ).add_subplot()
     prepare_axes(axes, low, high, colors)
     axes.set_title(picture.title, color=colors.ink, fontsize=10.5)
     artist.add_to(axes, picture)
-    fig = axes.get_figure(root=True)
-    if fig is None:
-        raise ValueError("These axes belong to no figure.")
-    fig.draw_without_rendering()
+    root: Any = axes.figure
+    while not hasattr(root, "draw_without_rendering"):  # of axes in a part of a figure
+        root = root.figure
+    root.draw_without_rendering()
     lines = artist.global_lines(picture)
     boxes = draw_dimensions(axes, measured, colors)
     if scale is not None:
         boxes += draw_scale(axes, scale, picture.size, colors)
     if names:
         draw_names(axes, picture, lines, boxes, colors, reactions if forces else None, forces)
-    return fig
+    drawn: Figure = root
+    return drawn
 
 
 def _inches(span: FloatArray) -> tuple[float, float]:

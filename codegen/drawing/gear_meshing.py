@@ -43,7 +43,7 @@ class Meshing:
             pitch = 2 * np.pi / teeth_of(abs(float(wheel.radius)), self.module)
             ahead = (contact - phase) / pitch  # of the contact, in pitches, from a gear's tooth
             # the rim at the contact runs along the rack as the gear turns, by the rack's side
-            return s + (0.5 - side * ahead) * np.pi * self.module
+            return float(s + (0.5 - side * ahead) * np.pi * self.module)
         return 0.0
 
 

@@ -105,7 +105,7 @@ def _overlaps(
     centers: FloatArray, size: tuple[float, float], at: FloatArray, other: tuple[float, float]
 ) -> FloatArray:
     half = (np.array(size) + np.array(other)) / 2 + 1.0
-    return np.all(np.abs(centers - at) < half, axis=1).astype(float)
+    return np.asarray(np.all(np.abs(centers - at) < half, axis=1), dtype=float)
 
 
 def _outside(
@@ -114,7 +114,7 @@ def _outside(
     half = np.array(label.size) / 2
     low, high = np.array(bounds[:2]), np.array(bounds[2:])
     out = np.any((centers - half < low) | (centers + half > high), axis=1)
-    return OUTSIDE_COST * out.astype(float)
+    return np.asarray(OUTSIDE_COST * out, dtype=float)
 
 
 def samples(polylines: Sequence[FloatArray], spacing: float) -> FloatArray:

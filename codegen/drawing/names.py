@@ -6,12 +6,16 @@ import numpy as np
 
 from codegen.drawing import shapes
 from codegen.drawing.colors import Palette
+from codegen.drawing.gear_meshing import meshing
+from codegen.drawing.guides_and_racks import guide_ends, guide_of, rail_offset
 from codegen.drawing.label_placement import Label, place_labels, samples
-from codegen.drawing.outlines import BLOCK, PIN, guide_ends, guide_of
+from codegen.drawing.moving_strokes import gap_of
 from codegen.drawing.picture import Picture, Symbol
 from codegen.drawing.polygons import FloatArray, area, circle, placed, unit
+from codegen.drawing.rigid_strokes import rail
 from codegen.drawing.signs import ARROW, ROUND, Dimension, Reactions, force_strokes, force_values
-from codegen.drawing.strokes import Stroke, gap_of, rail
+from codegen.drawing.sizes_and_held_places import PIN
+from codegen.drawing.strokes import Stroke
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -56,10 +60,12 @@ def draw_names(
         labels.append(Label(to_points(anchors), size, distance + 2.0))
         texts.append(artist)
     inside = axes.get_window_extent()
-    bounds = tuple(points * edge for edge in (inside.x0, inside.y0, inside.x1, inside.y1))
+    bounds = (
+        points * inside.x0, points * inside.y0, points * inside.x1, points * inside.y1
+    )  # fmt: skip
     obstacles = [samples([to_points(line) for line in lines], SAMPLE)]
     obstacles += [_filled(box) for box in boxes]
-    placed_at = place_labels(labels, np.concatenate(obstacles), bounds)  # type: ignore[arg-type]
+    placed_at = place_labels(labels, np.concatenate(obstacles), bounds)
     back = axes.transData.inverted()
     for artist, spot in zip(texts, placed_at, strict=True):
         artist.set_position(tuple(back.transform(spot.center / points)))
@@ -116,7 +122,7 @@ def _anchor(picture: Picture, symbol: Symbol) -> FloatArray | None:
             guide = guide_of(picture, symbol.shape)
             if picture.bodies[guide.body].fixed:
                 ends = placed(guide_ends(picture, guide, None), picture.poses[guide.body])
-                ends = rail(ends, -BLOCK[1] * picture.size)
+                ends = rail(ends, -rail_offset(picture, guide, meshing(picture).module))
                 return np.concatenate([ends[np.argsort(-ends[:, 0])], ends.mean(axis=0)[None]])
             return np.array([picture.position(guide.block)])
         case shapes.Rod():
@@ -126,15 +132,14 @@ def _anchor(picture: Picture, symbol: Symbol) -> FloatArray | None:
             i, j = (np.array(picture.position(p)) for p in (symbol.shape.i, symbol.shape.j))
             return np.array([(i + j) / 2])
         case shapes.Wheel() if symbol.shape.toothed:
-            return _pitch_point(picture, symbol)
+            return _pitch_point(picture, symbol.element, symbol.shape)
     return None
 
 
-def _pitch_point(picture: Picture, symbol: Symbol) -> FloatArray | None:
+def _pitch_point(picture: Picture, element: str, wheel: shapes.Wheel) -> FloatArray | None:
     """Where the pitch circle of a gear touches the other gear, or the rack, of its element."""
-    wheel = symbol.shape
     for other in picture.symbols:
-        if other.element == symbol.element and other.shape is not wheel:
+        if other.element == element and other.shape is not wheel:
             center = np.array(picture.position(wheel.center))
             if isinstance(other.shape, shapes.Wheel):
                 larger, smaller = wheel, other.shape
@@ -246,15 +251,14 @@ def engineering(value: float, unit: str) -> str:
     return f"{value:.3g} {unit}"
 
 
-def draw_dimensions(
-    axes: "Axes", measured: list[Dimension], colors: Palette
-) -> list[Box]:
+def draw_dimensions(axes: "Axes", measured: list[Dimension], colors: Palette) -> list[Box]:
     """Write the distances along dimension lines, readable from below and from the right."""
     boxes = []
     for _, middle, angle, distance in measured:
         degrees = (np.degrees(angle) + 90.0) % 180.0 - 90.0
         text = axes.text(
-            *middle, f"{distance:.4g}", ha="center", va="center", rotation=degrees, zorder=8,
+            float(middle[0]), float(middle[1]), f"{distance:.4g}",
+            ha="center", va="center", rotation=degrees, zorder=8,
             fontsize=NUMBER_SIZE, color=colors.ink,
             bbox={"facecolor": colors.background, "edgecolor": "none", "pad": 0.6},
         )  # fmt: skip

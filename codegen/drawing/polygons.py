@@ -11,13 +11,13 @@ ROUND = 32  # layout: corners of a full circle; a rounded corner has its part of
 def placed(points: FloatArray, pose: FloatArray) -> FloatArray:
     """Points (k, 2) of a frame in the frame of its pose (x, y, φ), m."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
-    return points @ np.array([[c, s], [-s, c]]) + pose[:2]
+    return np.asarray(points @ np.array([[c, s], [-s, c]]) + pose[:2])
 
 
 def in_frame(points: FloatArray, pose: FloatArray) -> FloatArray:
     """The inverse of `placed`: points (k, 2) in the frame that has this pose."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
-    return (points - pose[:2]) @ np.array([[c, -s], [s, c]])
+    return np.asarray((points - pose[:2]) @ np.array([[c, -s], [s, c]]))
 
 
 def normal(direction: FloatArray) -> FloatArray:
@@ -44,9 +44,7 @@ def arc(center: FloatArray, radius: float, start: float, sweep: float) -> FloatA
     return center + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-def box(
-    center: FloatArray, along: FloatArray, half_length: float, half_width: float
-) -> FloatArray:
+def box(center: FloatArray, along: FloatArray, half_length: float, half_width: float) -> FloatArray:
     """A rectangle (4, 2) about a centre, its length in the direction `along`."""
     u, n = along * half_length, normal(along) * half_width
     return np.array([center - u - n, center + u - n, center + u + n, center - u + n])

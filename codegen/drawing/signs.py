@@ -8,9 +8,9 @@ import numpy as np
 
 from codegen.drawing import shapes
 from codegen.drawing.arrow_lines import head, round_arrow, straight_arrow
-from codegen.drawing.outlines import BLOCK, PIN, SAME, held_places
 from codegen.drawing.picture import Picture, Symbol
 from codegen.drawing.polygons import FloatArray, circle, convex_hull, distinct, normal, placed, unit
+from codegen.drawing.sizes_and_held_places import BLOCK, PIN, SAME, held_places
 from codegen.drawing.strokes import Stroke
 
 HEAD = 0.032  # layout: length of an arrow's head, in typical lengths
@@ -120,9 +120,7 @@ def force_values(picture: Picture, reactions: Reactions | None = None) -> dict[s
     }
 
 
-def _pressing(
-    picture: Picture, at: FloatArray, arrow: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _pressing(picture: Picture, at: FloatArray, arrow: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Start and end of an arrow that begins or ends at its point, on the side with more room."""
     points = [placed(held_places(picture, b), pose) for b, pose in enumerate(picture.poses) if b]
     others = np.concatenate([*points, picture.poses[1:, :2], at[None]])

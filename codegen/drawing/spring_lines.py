@@ -94,9 +94,7 @@ def _cylinder(parallel: bool) -> Lines:
     ]
 
 
-def spiral(
-    center: FloatArray, inner: float, outer: float, start: float, end: float
-) -> FloatArray:
+def spiral(center: FloatArray, inner: float, outer: float, start: float, end: float) -> FloatArray:
     """The polyline (k, 2) of a torsion spring about a centre.
 
     It runs from the radius `inner`, which turns with body i, at the angle `start`, to `outer` at
@@ -107,4 +105,4 @@ def spiral(
     count = max(24, int(abs(sweep) / (2 * np.pi) * 32))
     x = np.linspace(0, 1, count)
     angles, radii = start + sweep * x, inner + (outer - inner) * x
-    return center + radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return np.asarray(center + radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1))

@@ -86,8 +86,10 @@ def rack_profile(
     `reach` is the part of the line through `origin` that it covers, m, and a tooth is at `phase`.
     """
     pitch = np.pi * module
-    first, last = np.ceil((reach[0] - phase) / pitch), np.floor((reach[1] - phase) / pitch)
-    s = phase + pitch * (np.arange(first, last + 1)[:, None] + [-ROOT, -CREST, CREST, ROOT])
+    first, last = (reach[0] - phase) / pitch + ROOT, (reach[1] - phase) / pitch - ROOT
+    s = phase + pitch * (
+        np.arange(np.ceil(first), np.floor(last) + 1)[:, None] + [-ROOT, -CREST, CREST, ROOT]
+    )
     h = np.broadcast_to(module * np.array([-DEDENDUM, ADDENDUM, ADDENDUM, -DEDENDUM]), s.shape)
     across = side * normal(along)
     points = origin + s.reshape(-1, 1) * along + h.reshape(-1, 1) * across

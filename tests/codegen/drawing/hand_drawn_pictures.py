@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from codegen.drawing.outlines import derived_outlines, typical_length
+from codegen.drawing.outlines import derived_outlines
 from codegen.drawing.picture import BodyPicture, Picture, Symbol
 from codegen.drawing.shapes import Drive, Force, Gravity, Pin, Place, Shape, Slide
+from codegen.drawing.sizes_and_held_places import typical_length
 
 
 def picture(
