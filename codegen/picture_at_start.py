@@ -8,6 +8,7 @@ import numpy as np
 from codegen import argument_readers as readers
 from codegen.derive.equations import derive
 from codegen.drawing.layout import SAMPLES
+from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture
 from codegen.driver import valid_scenes, with_settings
 from codegen.lower.interpreter import evaluate
@@ -29,7 +30,7 @@ DRAWING = dict.fromkeys(("dimensions", "forces", "frames", "names"), readers.fla
 )  # fmt: skip
 def draw(
     model: Model, scene: Any = None, *, parameters: Mapping[str, float] | None = None,
-    assembled: bool = True, **drawing: bool,
+    assembled: bool = True, **drawing: Any,
 ) -> "Figure":  # fmt: skip
     """The figure of a declared mechanism; see `Model.draw`."""
     from codegen.drawing.figure import figure
@@ -79,4 +80,4 @@ def picture_at_start(
         points = evaluate(picture.program, CURVES, {"t": float(alpha), **still})["out"]
         row = np.array([complex(points[slot]).real for slot in range(len(points))])
         curves[:, k, :] = row.reshape(-1, 2)
-    return picture.layout.picture(flat, list[FloatArray](curves))
+    return complete_picture(picture.layout.picture(flat, list[FloatArray](curves)))
