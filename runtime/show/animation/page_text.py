@@ -10,9 +10,9 @@ from runtime.show.animation.curve_panels import PANELS, library, panels
 
 _FOLDER = Path(__file__).parent / "page"
 SCRIPTS = (
-    "data", "poses", "signs", "springs", "symbols", "bodies", "scene", "arrows", "traces",
-    "flashes", "names", "camera", "stage", "clock", "timeline", "curves", "state_text", "controls", "keys",
-    "main",
+    "data", "poses", "signs", "springs", "symbols", "strokes", "scene", "arrows", "traces",
+    "flashes", "names", "camera", "stage", "clock", "timeline", "curves", "state_text", "controls",
+    "keys", "main",
 )  # fmt: skip
 """The modules of the script, each after those that it imports."""
 _IMPORT = re.compile(r'^import (\{[^}]*\}) from "\./(\w+)\.js";$', re.MULTILINE)

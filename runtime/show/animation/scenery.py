@@ -5,9 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from codegen.drawing.rigid_strokes import rigid_strokes
 from codegen.drawing.shapes import Place
 from runtime.show.animation.payload import Arrays
 from runtime.show.pictures import Pictures
+
+
+_POSES = 300  # layout: of a motion, from which guides and racks get their lengths
 
 
 def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
@@ -40,6 +44,16 @@ def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
                 **({"acts": active[number]} if number in active else {}),
             }
             for number, symbol in enumerate(picture.symbols)
+        ],
+        "strokes": [
+            {
+                "style": stroke.style,
+                "body": stroke.body,
+                "element": stroke.element,
+                "closed": stroke.closed,
+                "points": arrays.add(stroke.points),
+            }
+            for stroke in rigid_strokes(picture, poses[:: 1 + len(poses) // _POSES])
         ],
     }
 

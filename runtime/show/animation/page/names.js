@@ -1,6 +1,6 @@
 // Names of joints beside their symbols, in px above the machine.
 
-import { placesOf } from "./bodies.js";
+import { placesOf } from "./strokes.js";
 import { acts, inWorld } from "./poses.js";
 import { svg } from "./signs.js";
 

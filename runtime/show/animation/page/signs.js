@@ -23,30 +23,6 @@ export function place(node, { x, y }, angle = 0) {
   node.setAttribute("transform", `translate(${x.toFixed(6)} ${y.toFixed(6)})${turn}`);
 }
 
-/** A straight line of ground along x from `from` to `to`, hatched on its lower side. */
-export function hatchedLine(from, to, u) {
-  const lines = [`M${from} 0H${to}`];
-  const count = Math.max(3, Math.round((to - from) / (0.9 * u)));
-  const step = (to - from) / count;
-  for (let k = 0; k < count; k += 1) {
-    const x = from + (k + 1) * step;
-    lines.push(`M${x} 0l${-0.9 * u} ${-0.9 * u}`);
-  }
-  return svg("path", { class: "hatching", d: lines.join("") });
-}
-
-/** The support of a pin on the ground: a triangle on hatched ground. */
-export function support(u) {
-  const triangle = svg("path", { class: "support", d: `M0 0L${1.7 * u} ${-2.6 * u}H${-1.7 * u}Z` });
-  const ground = svg("g", { transform: `translate(0 ${-2.6 * u})` }, hatchedLine(-2.6 * u, 2.6 * u, u));
-  return svg("g", {}, triangle, ground);
-}
-
-/** A pin: a ring. */
-export function ring(u) {
-  return svg("circle", { class: "pin", r: u });
-}
-
 /** A curved arrow about the origin, counter-clockwise where `turn` is positive. */
 export function roundArrow(radius, turn) {
   const sign = turn < 0 ? -1 : 1;

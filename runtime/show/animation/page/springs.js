@@ -1,7 +1,7 @@
 // Elements between two places: springs, dampers, actuators, spiral springs, rods, belts.
 
 import { inWorld } from "./poses.js";
-import { ring, svg, through } from "./signs.js";
+import { svg, through } from "./signs.js";
 
 const COILS = 7;
 
@@ -12,17 +12,15 @@ export function springSymbol(shape, scene) {
   if (shape.damper) parts.push("damper");
   if (shape.actuator) parts.push("actuator");
   const paths = parts.map((part) => svg("path", { class: part }));
-  const ends = [ring(0.6 * scene.u), ring(0.6 * scene.u)];
-  const node = svg("g", {}, ...paths, ...ends);
+  const node = svg("g", {}, ...paths);
   const update = () => {
     const [from, to] = [inWorld(scene.poses, shape.i), inWorld(scene.poses, shape.j)];
     const length = Math.hypot(to.x - from.x, to.y - from.y);
     const angle = Math.atan2(to.y - from.y, to.x - from.x);
     const turn = `rotate(${(angle * 180) / Math.PI})`;
     node.setAttribute("transform", `translate(${from.x} ${from.y})${turn}`);
-    ends[1].setAttribute("transform", `translate(${length} 0)`);
     paths.forEach((path, k) => {
-      const offset = (k - (parts.length - 1) / 2) * 3.4 * scene.u;
+      const offset = (k - (parts.length - 1) / 2) * 4.4 * scene.u;
       path.setAttribute("d", LINES[parts[k]](length, scene.u, offset));
     });
   };
@@ -33,7 +31,7 @@ const LINES = { spring: coil, damper: dashpot, actuator: cylinder };
 
 function coil(length, u, offset) {
   const lead = Math.min(0.15 * length, 2 * u);
-  const height = 1.3 * u;
+  const height = 1.8 * u;
   const pitch = (length - 2 * lead) / COILS;
   let line = `M0 0L${0.5 * lead} ${offset}H${lead}`;
   for (let k = 0; k < COILS; k += 1) {
@@ -44,7 +42,7 @@ function coil(length, u, offset) {
 }
 
 function dashpot(length, u, offset) {
-  const [from, to, height] = [0.3 * length, 0.62 * length, 1.1 * u];
+  const [from, to, height] = [0.3 * length, 0.62 * length, 1.5 * u];
   const piston = Math.min(Math.max(0.5 * length, from + 0.4 * u), to);
   return (
     `M0 0L${0.08 * length} ${offset}H${from}M${to} ${offset - height}H${from}V${offset + height}H${to}` +
@@ -54,7 +52,7 @@ function dashpot(length, u, offset) {
 }
 
 function cylinder(length, u, offset) {
-  const [from, to, height] = [0.15 * length, 0.6 * length, 1.1 * u];
+  const [from, to, height] = [0.15 * length, 0.6 * length, 1.5 * u];
   return (
     `M0 0L${0.08 * length} ${offset}H${from}V${offset + height}H${to}V${offset - height}H${from}V${offset}` +
     `M${0.45 * length} ${offset - height}V${offset + height}M${0.45 * length} ${offset}` +
@@ -74,7 +72,7 @@ export function spiralSymbol(shape, scene) {
     const turns = 2.5 * 2 * Math.PI + Math.max(Math.min(wound, 12), -12);
     const points = Array.from({ length: 60 }, (_, k) => {
       const share = k / 59;
-      const radius = (1.4 + 2.4 * share) * scene.u;
+      const radius = (1.8 + 2.6 * share) * scene.u;
       const angle = from + wound - turns * share;
       return { x: at.x + radius * Math.cos(angle), y: at.y + radius * Math.sin(angle) };
     });
@@ -83,16 +81,13 @@ export function spiralSymbol(shape, scene) {
   return { node, update };
 }
 
-/** A massless rod with a pin at each end. */
+/** A massless rod; its pins are fixed in the bodies that they hold. */
 export function rodSymbol(shape, scene) {
-  const edge = svg("path", { class: "rod-edge", style: `stroke-width: ${1.6 * scene.u}` });
-  const path = svg("path", { class: "rod", style: `stroke-width: ${1.2 * scene.u}` });
-  const pins = [ring(0.8 * scene.u), ring(0.8 * scene.u)];
-  const node = svg("g", {}, edge, path, ...pins);
+  const path = svg("path", { class: "rod" });
+  const node = svg("g", {}, path);
   const update = () => {
     const ends = [inWorld(scene.poses, shape.i), inWorld(scene.poses, shape.j)];
-    for (const line of [edge, path]) line.setAttribute("d", through(ends));
-    pins.forEach((pin, k) => pin.setAttribute("transform", `translate(${ends[k].x} ${ends[k].y})`));
+    path.setAttribute("d", through(ends));
   };
   return { node, update };
 }

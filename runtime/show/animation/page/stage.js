@@ -1,12 +1,12 @@
 // The picture of one run: layers of SVG, brought up to an instant.
 
 import { drawArrows } from "./arrows.js";
-import { drawBodies } from "./bodies.js";
 import { steer } from "./camera.js";
 import { drawFlashes } from "./flashes.js";
 import { drawNames } from "./names.js";
 import { acts } from "./poses.js";
 import { place, svg } from "./signs.js";
+import { drawBodies } from "./strokes.js";
 import { drawSymbol } from "./symbols.js";
 import { drawTraces } from "./traces.js";
 
@@ -19,18 +19,19 @@ export class Stage {
     this.svg = figure.querySelector("svg");
     this.svg.setAttribute("aria-label", `Picture of ${scene.run.title}, ${scene.run.label}`);
     const world = svg("g", { class: "world" });
-    const layers = ["traces", "below", "bodies", "above", "extras"].map((name) => svg("g", { class: name }));
-    const [traces, below, bodies, above, extras] = layers;
-    world.append(...layers);
+    const names = ["traces", "ground", "bodies", "between", "joints", "extras"];
+    const layers = Object.fromEntries(names.map((name) => [name, svg("g", { class: name })]));
+    world.append(...Object.values(layers));
     this.world = world;
     this.moving = [];
-    this.add(traces, drawTraces(scene));
-    this.add(bodies, drawBodies(scene));
-    for (const symbol of scene.symbols) {
-      const drawn = drawSymbol(symbol, scene);
-      if (drawn) this.add(drawn.below ? below : above, [{ ...drawn, symbol: symbol.acts && symbol }]);
-    }
-    this.add(extras, this.frames());
+    this.add(layers.traces, drawTraces(scene));
+    for (const part of drawBodies(scene)) this.add(layers[part.layer], [part]);
+    this.add(layers.between, scene.symbols.map((symbol) => drawSymbol(symbol, scene)).filter(Boolean));
+    this.add(layers.extras, this.frames());
+    this.passing = scene.symbols.filter((symbol) => symbol.acts).map((symbol) => ({
+      symbol,
+      nodes: [...world.querySelectorAll(`[data-element="${CSS.escape(symbol.element)}"]`)],
+    }));
     this.flashes = drawFlashes(scene);
     this.arrows = drawArrows(scene);
     this.names = drawNames(scene);
@@ -95,9 +96,9 @@ export class Stage {
   /** Brings everything to an instant; `speed` is that of the clock. */
   draw(t, speed) {
     this.scene.show(Math.min(Math.max(t, this.scene.start), this.scene.end));
-    for (const { node, update, symbol } of this.moving) {
-      if (symbol) node.toggleAttribute("hidden", !acts(symbol, this.scene.t));
-      update();
+    for (const { update } of this.moving) update();
+    for (const { symbol, nodes } of this.passing) {
+      for (const node of nodes) node.toggleAttribute("hidden", !acts(symbol, this.scene.t));
     }
     this.flashes.update(speed);
     const now = performance.now();
