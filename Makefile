@@ -4,6 +4,7 @@ PYTHON ?= $(shell python3.11 -c '' 2>/dev/null && echo python3.11 || echo python
 VENV := .venv
 PY := $(VENV)/bin/python
 READY := $(VENV)/.ready
+DOCS := $(VENV)/.ready-docs
 INSTALL = -m pip install --disable-pip-version-check --no-compile --quiet
 FREEZE = -m pip freeze --disable-pip-version-check --exclude-editable
 
@@ -24,7 +25,7 @@ BENCH = $(PY) -m benchmarks
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help install demo compiled test test-oldest lint format types imports check build gallery \
-	figures hard notebooks bench lock clean
+	figures hard notebooks docs docs-links bench lock clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -82,8 +83,8 @@ check: $(READY) ## is what is written from the source what the source says today
 	done; \
 	$(PY) -m codegen elements --out docs/elements --check || failed="$$failed docs/elements"; \
 	$(PY) -m codegen methods --check || failed="$$failed methods"; \
-	$(PY) docs/make_constants.py --check || failed="$$failed docs/constants.md"; \
-	$(PY) docs/make_modules.py --check || failed="$$failed docs/modules.md"; \
+	$(PY) docs/make_constants.py --check || failed="$$failed docs/reference/constants.md"; \
+	$(PY) docs/make_modules.py --check || failed="$$failed docs/development/modules.md"; \
 	if [ -n "$$failed" ]; then echo "stale or failing:$$failed; run make build and look at the difference" >&2; exit 1; fi
 
 build: $(READY) ## bring all that is written from the source up to date
@@ -94,12 +95,12 @@ build: $(READY) ## bring all that is written from the source up to date
 	$(PY) docs/make_modules.py
 
 gallery: $(READY) ## run every machine of the chapter: one table, all figures into figures/
-	$(PY) -m models.studies --gallery docs/gallery.md
+	$(PY) -m models.studies --gallery docs/gallery/book.md
 
 figures: $(READY) ## draw the book's figures into figures/
 	$(FIGURES)
 
-hard: $(READY) ## run every hard case by every method and write docs/hard-cases.md
+hard: $(READY) ## run every hard case by every method and write docs/development/hard-cases.md
 	$(PY) -m models.hard $(CASES)
 
 notebooks: $(READY) ## run every notebook from top to bottom
@@ -107,12 +108,22 @@ notebooks: $(READY) ## run every notebook from top to bottom
 		echo $$notebook; $(VENV)/bin/jupyter-execute --inplace $$notebook; \
 	done
 
+$(DOCS): $(READY)
+	@$(PY) $(INSTALL) --constraint constraints.txt --editable '.[docs]'
+	@touch $@
+
+docs: $(DOCS) ## build the site into docs/_build/html; every warning is an error
+	$(PY) -m sphinx --fail-on-warning --keep-going -b html docs docs/_build/html
+
+docs-links: $(DOCS) ## try the links of the site to other places, which needs a network
+	$(PY) -m sphinx -b linkcheck docs docs/_build/links
+
 bench: $(READY) ## measure
 	$(BENCH)
 
 lock: ## resolve every requirement anew and write constraints.txt
 	$(PYTHON) -m venv --clear .venv-lock
-	.venv-lock/bin/python $(INSTALL) --editable '.[all]'
+	.venv-lock/bin/python $(INSTALL) --editable '.[all,docs]'
 	{ echo '# Written by `make lock`: the versions that `make` installs.'; \
 	  .venv-lock/bin/python $(FREEZE); } > constraints.txt.new
 	mv constraints.txt.new constraints.txt
@@ -120,5 +131,5 @@ lock: ## resolve every requirement anew and write constraints.txt
 
 clean: ## remove the environments, the caches and what the targets wrote
 	rm -rf .venv .venv-* .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis \
-		build dist figures results
+		build dist docs/_build docs/gallery/pages docs/notebooks figures results
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

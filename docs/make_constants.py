@@ -1,4 +1,4 @@
-"""Write docs/constants.md, the table of every constant that tunes the numerics.
+"""Write docs/reference/constants.md, the table of every constant that tunes the numerics.
 
 Usage: ``python docs/make_constants.py [--check]``. With ``--check`` nothing is written; the exit
 status is 1 where the page is stale or a constant has no kind.
@@ -32,7 +32,7 @@ from itertools import groupby
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "constants.md"
+PAGE = ROOT / "docs" / "reference" / "constants.md"
 
 DEMANDED = (
     "codegen",
@@ -214,7 +214,7 @@ def without_kind(constants: list[Constant]) -> list[str]:
 
 
 def page(constants: list[Constant]) -> str:
-    """The text of docs/constants.md."""
+    """The text of docs/reference/constants.md."""
     parts = [HEAD]
     kinds = {kind: sum(c.kind == kind for c in constants) for kind in KINDS}
     parts.append(", ".join(f"{count} {kind}" for kind, count in kinds.items()) + ".\n")
@@ -231,14 +231,16 @@ def page(constants: list[Constant]) -> str:
 
 def main(arguments: list[str]) -> int:
     """Write the page, or compare it; say on stderr which constants have no kind."""
-    parser = argparse.ArgumentParser(description="Write docs/constants.md from the source.")
+    parser = argparse.ArgumentParser(
+        description="Write docs/reference/constants.md from the source."
+    )
     parser.add_argument("--check", action="store_true", help="write nothing; compare")
     check: bool = parser.parse_args(arguments).check
     constants = all_constants()
     problems = without_kind(constants)
     text = page(constants)
     if check and (not PAGE.exists() or PAGE.read_text(encoding="utf-8") != text):
-        problems.append("docs/constants.md is stale; run `python docs/make_constants.py`")
+        problems.append("docs/reference/constants.md is stale; run `python docs/make_constants.py`")
     if not check:
         PAGE.write_text(text, encoding="utf-8")
     for problem in problems:

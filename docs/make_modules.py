@@ -1,4 +1,4 @@
-"""Write docs/modules.md, every module of the compiler and the runtime with its first sentence.
+"""Write docs/development/modules.md, every module with the first sentence of its docstring.
 
 Usage: ``python docs/make_modules.py [--check]``. With ``--check`` nothing is written; the exit
 status is 1 where the page is stale.
@@ -10,7 +10,7 @@ from itertools import groupby
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "modules.md"
+PAGE = ROOT / "docs" / "development" / "modules.md"
 
 ROOMS = ("linkwright", "codegen", "runtime")
 
@@ -18,7 +18,8 @@ HEAD = """# Modules
 
 Every module of the compiler and the runtime, with the first sentence of its docstring.
 `docs/make_modules.py` makes the page from the source, and `make check` compares them.
-[architecture.md](architecture.md) has the rooms and the order in which they depend on each other.
+[architecture.md](../architecture.md) has the rooms and the order in which they depend on each
+other.
 """
 
 
@@ -30,7 +31,7 @@ def summary(path: Path) -> str:
 
 
 def page() -> str:
-    """The text of docs/modules.md."""
+    """The text of docs/development/modules.md."""
     parts = [HEAD]
     files = [path for room in ROOMS for path in (ROOT / room).rglob("*.py")]
     files.sort(key=lambda path: (path.parent.parts, path.name))
@@ -52,7 +53,9 @@ def main(arguments: list[str]) -> int:
         return 0
     if PAGE.exists() and PAGE.read_text(encoding="utf-8") == text:
         return 0
-    print("docs/modules.md is stale; run `python docs/make_modules.py`", file=sys.stderr)
+    print(
+        "docs/development/modules.md is stale; run `python docs/make_modules.py`", file=sys.stderr
+    )
     return 1
 
 

@@ -163,6 +163,7 @@ def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     )  # fmt: skip
     result.works, result.accuracy = saved["works"], saved["accuracy"]
     result.contradiction, result._motion = saved["contradiction"], motion
+    result._mechanism = mechanism
     result.ended_by, result.work_at_end = saved["ended_by"], saved["work_at_end"]
     result._until = tuple(saved["until"])
     return result

@@ -1,7 +1,7 @@
 """``python -m models.hard``: every hard case by every method at every tolerance.
 
-Writes the page `docs/hard-cases.md` and the cells as JSON lines. Fails where a cell is silently
-wrong or hangs.
+Writes the page `docs/development/hard-cases.md` and the cells as JSON lines. Fails where a cell is
+silently wrong or hangs.
 """
 
 import json
@@ -35,7 +35,8 @@ def main(
         bool, typer.Option(help="The middle tolerance alone, and no page unless --out.")
     ] = False,
     out: Annotated[
-        Path | None, typer.Option(help="The page; docs/hard-cases.md for a run of everything.")
+        Path | None,
+        typer.Option(help="The page; docs/development/hard-cases.md for a run of everything."),
     ] = None,
     results: Annotated[Path, typer.Option(help="The cells, a JSON object a line.")] = Path(
         "results/hard-cases.jsonl"
@@ -64,7 +65,7 @@ def main(
             lines.write(json.dumps(cell.record(), ensure_ascii=False) + "\n")
             lines.flush()
     whole = not (only or method or quick)
-    page = out or (Path("docs/hard-cases.md") if whole else None)
+    page = out or (Path("docs/development/hard-cases.md") if whole else None)
     if page is not None:
         page.write_text(markdown(GROUPS, cells), encoding="utf-8")
     summary(cells)

@@ -59,14 +59,14 @@ def markdown(shown: Iterable[Shown]) -> str:
     return "\n".join((HEAD, *(section(part) for part in shown), ENDING))
 
 
-ENDING = "*Written by `python -m models.studies --gallery docs/gallery.md`.*\n"
+ENDING = "*Written by `python -m models.studies --gallery docs/gallery/book.md`.*\n"
 
 
 def section(part: Shown) -> str:
     """One machine: its table, the reasons, the figures."""
     study = part.study
     file, scenes = study.path.name, ", ".join(f"`{scene}`" for scene in study.scenes)
-    declared = f"Declared in [{file}](../models/{file}); scenes {scenes}."
+    declared = f"Declared in [{file}](../../models/{file}); scenes {scenes}."
     lines = [f"## {study.title[0].upper()}{study.title[1:]}", "", declared, "", TABLE]
     reasons: list[str] = []
     for row in part.rows:

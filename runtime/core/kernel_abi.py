@@ -95,7 +95,7 @@ class Kernels:
     Each writes into its last arrays and can be called from Python and from compiled code.
     `Machine.parameter_values` makes p and `Machine.initial_modes` modes; n coordinates, m
     constraints, s switches, r rigid contacts and all names are those of the machine's tables, in
-    their order. docs/kernels.md has an example.
+    their order. docs/reference/kernels.md has an example.
 
     t: instant, s. q, v, a: coordinates, velocities, accelerations, (n,), of `Machine.coordinates`.
     p: parameters, then constants that follow from them, (np,). modes: (s,) int64, 0 or 1, or 2

@@ -1,7 +1,7 @@
 """An integration method as the loop sees it, and the register of all methods.
 
 A new method is a module that sets `METHOD`, and one line here; the module of an explicit
-Runge-Kutta method is generated from its tableau. See docs/rooms/integration.md.
+Runge-Kutta method is generated from its tableau. See docs/development/rooms/integration.md.
 """
 
 from collections.abc import Callable

@@ -69,7 +69,7 @@ def test_every_kind_with_problems_has_bad_input(root: Path) -> None:
 
 
 def test_page_about_new_elements_shows_the_source(root: Path) -> None:
-    page = (root / "docs" / "new-element.md").read_text(encoding="utf-8")
+    page = (root / "docs" / "development" / "new-element.md").read_text(encoding="utf-8")
     shown = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     sources = ("elements/joints/weld.py", "model/joints.py")
     for snippet, source in zip(shown, sources, strict=True):

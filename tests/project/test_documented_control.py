@@ -1,4 +1,4 @@
-"""The examples of docs/control-and-connections.md, run as they stand there."""
+"""The examples of docs/how-to/control-and-connections.md, run as they stand there."""
 
 import re
 from pathlib import Path
@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 @pytest.fixture(scope="module")
 def shown(root: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """Everything that the page's code defines."""
-    text = (root / "docs" / "control-and-connections.md").read_text(encoding="utf-8")
+    text = (root / "docs" / "how-to" / "control-and-connections.md").read_text(encoding="utf-8")
     names: dict[str, Any] = {"__name__": "documented_control"}
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("control"))

@@ -1,4 +1,4 @@
-"""The examples of docs/effects.md and the law in pieces of README.md, run as they stand there."""
+"""The examples of docs/explanation/effects.md and the law in pieces of README.md, as written."""
 
 import re
 from pathlib import Path
@@ -14,7 +14,7 @@ from runtime import load
 @pytest.fixture(scope="module")
 def documented(root: Path) -> dict[str, Any]:
     """Everything that the page's code defines."""
-    text = (root / "docs" / "effects.md").read_text(encoding="utf-8")
+    text = (root / "docs" / "explanation" / "effects.md").read_text(encoding="utf-8")
     names: dict[str, Any] = {"__name__": "documented_effects"}
     for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL):
         exec(block, names)

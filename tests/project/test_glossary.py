@@ -9,7 +9,7 @@ HEADER = ["term", "symbol", "meaning", "source", "module"]
 
 def rows() -> list[list[str]]:
     """The cells of every row of the glossary's tables, headers included."""
-    lines = (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8").splitlines()
+    lines = (ROOT / "docs" / "reference" / "glossary.md").read_text(encoding="utf-8").splitlines()
     table = [line.replace(r"\|", "∣") for line in lines if line.startswith("|")]
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
     return [row for row in cells if set("".join(row)) != {"-"}]

@@ -6,7 +6,12 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+WRITTEN = ("_build", "notebooks", "pages")  # folders of docs that a build of the site writes
+PAGES = [
+    page
+    for page in sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+    if not set(WRITTEN) & set(page.relative_to(ROOT).parts)
+]
 LINK = re.compile(r"\]\((?!https?:)([^)#]+)(#[^)]*)?\)")
 
 
@@ -38,3 +43,20 @@ def test_anchors_are_headings(page: Path) -> None:
             anchors = {re.sub(r"[^\w\- ]", "", h.lower()).replace(" ", "-") for h in headings}
             lost += [] if m[2] in anchors else [m[0]]
     assert not lost
+
+
+def test_every_page_of_the_site_is_in_a_table_of_pages() -> None:
+    """Sphinx says so as well; here it is said before the site is built."""
+    docs = ROOT / "docs"
+    listed = {docs / "index.md"}
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for tree in re.findall(r"```\{toctree\}\n(.*?)```", text, re.DOTALL):
+            entries = [
+                line.strip() for line in tree.splitlines() if line.strip()[:1] not in {"", ":"}
+            ]
+            named = [re.sub(r".*<(.*)>", r"\1", entry) for entry in entries]
+            listed |= {path for name in named for path in page.parent.glob(f"{name}.md")}
+            listed |= {(page.parent / f"{name}.md").resolve() for name in named if "*" not in name}
+    pages = {page for page in PAGES if page.is_relative_to(docs) and page.parent.name != "elements"}
+    assert not pages - listed

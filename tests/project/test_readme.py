@@ -13,7 +13,10 @@ from linkwright.commands import app
 from runtime.results.export import columns
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+PAGES = [
+    ROOT / "README.md",
+    *(page for page in sorted((ROOT / "docs").rglob("*.md")) if "_build" not in page.parts),
+]
 LINE = re.compile(r"^linkwright .*$|`linkwright ([^`]*)`", re.MULTILINE)
 
 
@@ -64,7 +67,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         exec(used, names)
-        page = (ROOT / "docs" / "kernels.md").read_text(encoding="utf-8")
+        page = (ROOT / "docs" / "reference" / "kernels.md").read_text(encoding="utf-8")
         (example,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
         exec(example, names)
         names["rest"] = names["m"].equilibrium(guess={"bob.phi": -1.0})
@@ -72,7 +75,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 
 
 def test_the_page_of_results_names_the_columns(run: dict[str, Any]) -> None:
-    page = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "reference" / "results.md").read_text(encoding="utf-8")
     named = {
         name for line in page.splitlines() for name in re.findall(r"`([^`]*? \[[^`]*\])`", line)
     }
@@ -85,7 +88,7 @@ def test_the_page_of_results_names_the_columns(run: dict[str, Any]) -> None:
 
 def test_the_page_of_results_names_calls_that_there_are(run: dict[str, Any]) -> None:
     """`r.path("tip")` was one of them."""
-    page = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "reference" / "results.md").read_text(encoding="utf-8")
     called = set(re.findall(r"`r\.(\w+)\b", page))
     assert {"q", "point", "force", "length", "power", "events"} <= called
     assert all(hasattr(run["r"], word) for word in called)

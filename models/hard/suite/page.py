@@ -85,7 +85,7 @@ def _lines(groups: Mapping[str, Sequence[Case]], cells: Sequence[Cell]) -> Itera
 
 def section(case: Case, cells: Sequence[Cell]) -> Iterator[str]:
     """A case: what it is, what to see, and its rows."""
-    where = f"[{case.model}](../models/{case.model}.py), scene `{case.scene}`"
+    where = f"[{case.model}](../../models/{case.model}.py), scene `{case.scene}`"
     yield f"### {case.name}\n"
     yield f"{case.hard}\n"
     yield f"*What to see:* {case.see}\n"

@@ -1,0 +1,1 @@
+"""Pictures of mechanisms: shapes of elements, outlines of bodies, figures."""

@@ -1,0 +1,233 @@
+"""The shapes of which the picture of a mechanism consists, one class each.
+
+An element answers shapes whose places are its points and whose numbers are expressions; in a
+`Picture` the same classes have a `Place` for every point and a float for every number. Lengths are
+in m, in the frame of the body of the place; directions are those of unit vectors there.
+"""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+Spot = Any  # a Point of a declaration; in a picture, a Place
+Number = Any  # a number or expression; in a picture, a float
+
+
+class Place(NamedTuple):
+    """A point of a body of a picture: the body's number, 0 for the ground, and x', y' in m."""
+
+    body: int
+    x: float
+    y: float
+
+
+@dataclass(frozen=True)
+class Shape:
+    """The part that all shapes have in common: a word for their kind."""
+
+    kind: ClassVar[str] = ""
+
+
+@dataclass(frozen=True)
+class Pin(Shape):
+    """A pin joint: two bodies turn about one point."""
+
+    kind = "pin"
+    i: Spot
+    j: Spot
+
+
+@dataclass(frozen=True)
+class Slide(Shape):
+    """A block at place j on a straight guide of body i through place i, along (ux, uy)."""
+
+    kind = "slide"
+    i: Spot
+    j: Spot
+    ux: Number
+    uy: Number
+
+
+@dataclass(frozen=True)
+class Slot(Shape):
+    """A pin at place j in a straight slot of body i through place i, along (ux, uy)."""
+
+    kind = "slot"
+    i: Spot
+    j: Spot
+    ux: Number
+    uy: Number
+
+
+@dataclass(frozen=True)
+class Rod(Shape):
+    """A massless rod between two pins."""
+
+    kind = "rod"
+    i: Spot
+    j: Spot
+
+
+@dataclass(frozen=True)
+class Fixing(Shape):
+    """Two bodies that are rigidly connected where places i and j meet."""
+
+    kind = "fixing"
+    i: Spot
+    j: Spot
+
+
+@dataclass(frozen=True)
+class Spring(Shape):
+    """A spring, damper or actuator, or several of them in parallel, between two places."""
+
+    kind = "spring"
+    i: Spot
+    j: Spot
+    elastic: bool = True
+    damper: bool = False
+    actuator: bool = False
+
+
+@dataclass(frozen=True)
+class SpiralSpring(Shape):
+    """A torsion spring, damper or motor between two bodies, about a pin of the second."""
+
+    kind = "spiral spring"
+    i: Spot
+    j: Spot
+    elastic: bool = True
+    damper: bool = False
+    actuator: bool = False
+
+
+@dataclass(frozen=True)
+class Wheel(Shape):
+    """A circle about a place of a body, which turns with the body; an internal gear's is a ring."""
+
+    kind = "wheel"
+    center: Spot
+    radius: Number
+    toothed: bool = False
+    internal: bool = False
+
+
+@dataclass(frozen=True)
+class Rack(Shape):
+    """A straight line of a body through a place, along (ux, uy), toothed or a track."""
+
+    kind = "rack"
+    i: Spot
+    ux: Number
+    uy: Number
+    toothed: bool = False
+
+
+@dataclass(frozen=True)
+class Belt(Shape):
+    """A belt round two wheels."""
+
+    kind = "belt"
+    i: Spot
+    j: Spot
+    radius_i: Number
+    radius_j: Number
+    crossed: bool = False
+
+
+@dataclass(frozen=True)
+class Profile(Shape):
+    """A curve that is fixed in a body; in a picture, a tuple of places along it."""
+
+    kind = "profile"
+    curve: Any
+
+
+@dataclass(frozen=True)
+class Bearing(Shape):
+    """A journal with clearance: pin j moves in a hole about place i, with `clearance` to spare."""
+
+    kind = "bearing"
+    i: Spot
+    j: Spot
+    clearance: Number
+
+
+@dataclass(frozen=True)
+class Mark(Shape):
+    """A place that an element without a shape of its own takes hold of."""
+
+    kind = "mark"
+    at: Spot
+
+
+@dataclass(frozen=True)
+class Contact(Shape):
+    """Bodies that may touch; `at` is where, if the element knows it."""
+
+    kind = "contact"
+    bodies: tuple[Any, ...]
+    at: Spot | None = None
+
+
+@dataclass(frozen=True)
+class Drive(Shape):
+    """A driver's sign: it turns body j against body i, or pushes it along (ux, uy) of body i."""
+
+    kind = "drive"
+    i: Spot
+    j: Spot
+    turns: bool = True
+    ux: Number = 0.0
+    uy: Number = 0.0
+
+
+@dataclass(frozen=True)
+class Force(Shape):
+    """A force (fx, fy) in global axes, N, on a body at a place."""
+
+    kind = "force"
+    at: Spot
+    fx: Number
+    fy: Number
+
+
+@dataclass(frozen=True)
+class Torque(Shape):
+    """A torque on a body, N m, drawn about its origin."""
+
+    kind = "torque"
+    at: Spot
+    torque: Number
+
+
+@dataclass(frozen=True)
+class Reaction(Shape):
+    """Axes in which a joint reports the force that the first body exerts on the second.
+
+    (ux, uy) is the x axis in the global frame, and (x, y) the point of action there.
+    """
+
+    kind = "reaction"
+    by: Any
+    on: Any
+    x: Number
+    y: Number
+    ux: Number
+    uy: Number
+
+
+@dataclass(frozen=True)
+class Gravity(Shape):
+    """The direction and size of gravity, m/s²."""
+
+    kind = "gravity"
+    gx: Number
+    gy: Number
+
+
+@dataclass(frozen=True)
+class Trace(Shape):
+    """A point whose path is an output."""
+
+    kind = "trace"
+    at: Spot

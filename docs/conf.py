@@ -1,0 +1,135 @@
+"""Sphinx builds the site from this folder: `make docs`, into docs/_build/html."""
+
+import hashlib
+import shutil
+import sys
+from importlib.metadata import version as version_of
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
+
+DOCS = Path(__file__).resolve().parent
+ROOT = DOCS.parent
+BUILD = DOCS / "_build"
+sys.path.insert(0, str(DOCS / "_extensions"))
+
+project = "Linkwright"
+author = "The Linkwright authors"
+copyright = "2026, The Linkwright authors"  # noqa: A001 (Sphinx reads this name)
+version = release = version_of("linkwright")
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.mathjax",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "sphinx_gallery.gen_gallery",
+    "repository_links",
+]
+root_doc = "index"
+exclude_patterns = [
+    "_build",
+    "gallery/machines",
+    *(f"gallery/pages/**.{ending}" for ending in ("ipynb", "json", "py", "zip")),
+]
+nitpicky = True
+default_role = "code"
+
+
+def digest_of_the_source() -> str:
+    """A hash of all that the numbers of the site depend on but the pages themselves."""
+    digest = hashlib.sha256()
+    for folder in ("codegen", "generated", "linkwright", "models", "runtime"):
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            if ".numba" not in path.name:
+                digest.update(str(path.relative_to(ROOT)).encode())
+                digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+# Cells and machines of the gallery run anew where the page or the program has changed.
+source_digest = digest_of_the_source()
+
+# Pages: Markdown with cells that run.
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath", "attrs_inline"]
+myst_heading_anchors = 3
+nb_execution_mode = "cache"
+nb_execution_cache_path = str(BUILD / "cells" / source_digest)
+nb_execution_raise_on_error = True
+nb_execution_in_temp = True
+nb_execution_timeout = 120
+nb_merge_streams = True
+
+# Docstrings are numpydoc; types that other libraries document are no links without a network.
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+autodoc_class_signature = "mixed"
+napoleon_google_docstring = False
+napoleon_use_ivar = True
+napoleon_use_rtype = False
+nitpick_ignore_regex = [("py:.*", ".*")]
+
+# Machines: one script each, run in the process of the build.
+sphinx_gallery_conf = {
+    "examples_dirs": ["gallery/machines"],
+    "gallery_dirs": ["gallery/pages"],
+    "filename_pattern": r"/plot_",
+    "abort_on_example_error": False,
+    "download_all_examples": False,
+    "show_signature": False,
+    "min_reported_time": 1e9,
+    "write_computation_times": False,
+    "remove_config_comments": True,
+    "reset_modules": (),
+    "within_subsection_order": "FileNameSortKey",
+}
+
+html_theme = "pydata_sphinx_theme"
+html_title = "Linkwright"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_copy_source = False
+html_show_sourcelink = False
+html_theme_options = {
+    "show_toc_level": 2,
+    "navigation_with_keys": False,
+    "header_links_before_dropdown": 7,
+    "footer_start": ["copyright"],
+    "footer_end": [],
+    "secondary_sidebar_items": ["page-toc"],
+}
+# Equations are set by the MathJax of the environment, so that the site needs no network.
+mathjax_path = "mathjax/tex-mml-chtml.js"
+
+
+def forget_the_gallery_of_another_source(app: "Sphinx") -> None:
+    """Remove the pages of machines that were run with another state of the program."""
+    stamp = DOCS / "gallery" / "pages" / ".source"
+    if stamp.exists() and stamp.read_text(encoding="utf-8") != source_digest:
+        shutil.rmtree(stamp.parent)
+    stamp.parent.mkdir(parents=True, exist_ok=True)
+    stamp.write_text(source_digest, encoding="utf-8")
+
+
+def copy_mathjax(app: "Sphinx", error: Exception | None) -> None:
+    """Put MathJax and its fonts beside the other static files."""
+    if error is None and app.builder.format == "html":
+        target = Path(app.outdir) / "_static" / "mathjax"
+        source = Path(str(files("mathjax"))) / "static" / "mathjax" / "es5"
+        for part in ("tex-mml-chtml.js", "output/chtml/fonts/woff-v2"):
+            if not (target / part).exists():
+                (target / part).parent.mkdir(parents=True, exist_ok=True)
+                copy = shutil.copytree if (source / part).is_dir() else shutil.copy
+                copy(source / part, target / part)
+
+
+def setup(app: "Sphinx") -> None:
+    """Tie the pages to the source."""
+    app.add_config_value("source_digest", "", "env", types=[str])
+    app.connect("builder-inited", forget_the_gallery_of_another_source, priority=1)
+    app.connect("build-finished", copy_mathjax)
