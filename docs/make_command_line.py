@@ -1,4 +1,4 @@
-"""Write docs/command-line.md, every command of `linkwright` with its options, from the parser.
+"""Write docs/reference/command-line.md, every command with its options, from the parser.
 
 Usage: ``python docs/make_command_line.py [--check]``. With ``--check`` nothing is written; the exit
 status is 1 where the page is stale.
@@ -13,7 +13,7 @@ from typer.main import get_command
 from linkwright.command_panels_and_examples import EXAMPLES, PANELS
 from linkwright.commands import app
 
-PAGE = Path(__file__).resolve().parent / "command-line.md"
+PAGE = Path(__file__).resolve().parent / "reference" / "command-line.md"
 
 HEAD = """# The command line
 
@@ -29,8 +29,8 @@ Results go to stdout, messages and progress to stderr. With `--json`, stdout hol
 | 2 | the input is wrong; every problem is on a line of stderr that begins with `error:` |
 | 128 + n | stopped by signal n: 129 SIGHUP, 130 SIGINT, 143 SIGTERM |
 
-MODEL is the path of a model file, or a name: `models/NAME.py` in the working folder or in the
-library. Where it is left out, the only model file of the working folder is taken.
+MODEL is the path of a model file, or the name of one in a folder `models`, of the working folder or
+of the library. Where it is left out, the only model file of the working folder is taken.
 
 `linkwright --install-completion` installs the completion of words for the shell at hand, bash, zsh,
 fish or PowerShell: commands, options, models, scenes, parameters, coordinates, methods and kinds of

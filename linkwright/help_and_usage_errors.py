@@ -34,13 +34,18 @@ class Commands(TyperGroup):
         super().format_help(ctx, formatter)
         show_examples(EXAMPLES[""])
 
-    def main(self, args: Sequence[str] | None = None, **words: Any) -> Any:
-        """Run a command and end the process with its status."""
+    def main(
+        self, args: Sequence[str] | None = None, prog_name: str | None = None,
+        complete_var: str | None = None, standalone_mode: bool = True,
+        windows_expand_args: bool = True, **extra: Any,
+    ) -> Any:  # fmt: skip
+        """Run a command and end the process with its status, unless `standalone_mode` is false."""
         given = list(sys.argv[1:] if args is None else args)
-        if not words.pop("standalone_mode", True):
-            return super().main(args, standalone_mode=False, **words)
+        words = args, prog_name, complete_var, False, windows_expand_args
+        if not standalone_mode:
+            return super().main(*words, **extra)
         try:
-            status = super().main(args, standalone_mode=False, **words)
+            status = super().main(*words, **extra)
         except _UsageError as error:
             if type(error).__name__ == "NoArgsIsHelpError":  # the help has been printed
                 sys.exit(error.exit_code)

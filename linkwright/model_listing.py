@@ -49,7 +49,6 @@ def show(found: list[tuple[str, list[ModelText]]]) -> None:
     """Print the listing: under each model its scenes."""
     from rich.console import Console
     from rich.markup import escape
-    from rich.padding import Padding
     from rich.table import Table
 
     console = Console(highlight=False)

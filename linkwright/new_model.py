@@ -14,7 +14,9 @@ def text_of(kind: str, name: str) -> str:
     """The text of a model of a kind, under a name; InputError where there is no such kind."""
     kind = kind.replace("_", "-")
     if kind not in KINDS:
-        raise InputError(f"there is no model to start from of kind {kind!r}; {nearest(kind, KINDS)}")
+        raise InputError(
+            f"there is no model to start from of kind {kind!r}; {nearest(kind, KINDS)}"
+        )
     template = _TEMPLATES / f"{kind.replace('-', '_')}.py"
     return template.read_text(encoding="utf-8").replace(_PLACEHOLDER, name)
 

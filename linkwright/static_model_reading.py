@@ -61,9 +61,9 @@ def read_model_text(path: Path) -> ModelText | None:
     calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call) and node.args]
     for call in sorted(calls, key=lambda node: node.lineno):
         first = call.args[0]
-        if isinstance(call.func, ast.Attribute) and isinstance(first, ast.Constant):
-            if isinstance(first.value, str) and first.value.isidentifier():
-                named.setdefault(call.func.attr, []).append(first.value)
+        name = first.value if isinstance(first, ast.Constant) else None
+        if isinstance(call.func, ast.Attribute) and isinstance(name, str) and name.isidentifier():
+            named.setdefault(call.func.attr, []).append(name)
     described = _scene_lines(text)
     literal = named.get("scene", [])
     elements = (name for method, names in named.items() if method not in _OTHERS for name in names)

@@ -98,7 +98,8 @@ def case(generator: str, seed: int, number: int, limit: float) -> str | None:
             found: str | None = judge(Random(f"{generator} {seed} {number}"))
             return found
     except OverTimeError:
-        return f"hangs: more than {limit:g} s of the processor, or it waits\n{traceback.format_exc(limit=-6)}"
+        where = traceback.format_exc(limit=-6)
+        return f"hangs: more than {limit:g} s of the processor, or it waits\n{where}"
 
 
 def shard(generator: str, seed: int, numbers: Sequence[int], limit: float) -> Campaign:

@@ -4,7 +4,6 @@ import json
 from typing import Any
 
 import pytest
-
 from typer.main import get_command
 from typer.testing import CliRunner, Result
 
@@ -111,9 +110,7 @@ class TestOnlyModel:
 
     def test_it_is_taken(self, tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.chdir(tmp_path)
-        (tmp_path / "stone.py").write_text(
-            'from linkwright import Model\nmodel = Model("stone")\n'
-        )
+        (tmp_path / "stone.py").write_text('from linkwright import Model\nmodel = Model("stone")\n')
         (tmp_path / "plot.py").write_text("print()\n")
         done = run("build")
         assert done.exit_code == 2
