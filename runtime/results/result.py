@@ -154,7 +154,7 @@ class Result(TimeSeries):
         Parameters
         ----------
         path
-            Ending in .nc (netCDF 4), .csv, .parquet or .html; a file of that name is replaced.
+            Ending in .nc (netCDF 4), .zarr, .csv, .parquet, .mat or .html; replaces an older one.
 
         Raises
         ------
