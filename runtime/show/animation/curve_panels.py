@@ -55,18 +55,22 @@ def panels() -> str:
 
 
 def _panel(number: int, span: Any, values: Any) -> Any:
-    from bokeh.models import BasicTickFormatter, ColumnDataSource
+    from bokeh.models import BasicTicker, BasicTickFormatter, ColumnDataSource
     from bokeh.plotting import figure
 
     panel = figure(
         name=f"panel-{number}", height=_HEIGHT, sizing_mode="stretch_width", x_range=span,
         y_range=values, tools="xpan,xwheel_zoom,xbox_zoom,reset,save", active_drag=None,
-        active_scroll=None, output_backend="canvas", min_border_left=76, min_border_right=14, min_border_bottom=22,
+        active_scroll=None, output_backend="canvas", min_border_left=76,
+        min_border_right=14, min_border_bottom=22, background_fill_color=None,
+        border_fill_color=None, outline_line_color=None,
     )  # fmt: skip
     panel.yaxis.formatter = BasicTickFormatter(power_limit_high=7, power_limit_low=-4)
-    panel.yaxis.ticker.desired_num_ticks = 4
+    panel.yaxis.ticker = BasicTicker(desired_num_ticks=4)
     panel.toolbar.logo = None
     panel.toolbar.autohide = True
     for _ in range(LINES):
-        panel.line("t", "y", source=ColumnDataSource({"t": [0.0, 1.0], "y": [0.0, 1.0]}), line_width=1.6)
+        panel.line(
+            "t", "y", source=ColumnDataSource({"t": [0.0, 1.0], "y": [0.0, 1.0]}), line_width=1.6
+        )
     return panel

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 MOST_LINES = 6  # layout: curves in a panel
 
+_ROUNDING = 1e-9  # accuracy: of a group's largest value; a curve that changes by less is constant
+
 
 class Quantity(NamedTuple):
     """A series: what it belongs to, its name, its unit and its values."""
@@ -51,8 +53,8 @@ def _all(result: "Result") -> Iterator[Quantity]:
             ("acceleration", f"a({row.name})", row.acceleration_unit, result.a(row.name)),
         )
         for kind, name, unit, values in parts:
-            kind = _ANGULAR.get((kind, unit.partition("/")[0]), kind)
-            yield Quantity("Bodies", owner, kind, name, unit, values)
+            word = _ANGULAR.get((kind, unit.partition("/")[0]), kind)
+            yield Quantity("Bodies", owner, word, name, unit, values)
     for state in description.states:
         yield Quantity("States", "", "state", state.name, state.unit or "", result.y(state.name))
     for number, reaction in enumerate(description.reactions):
@@ -87,28 +89,30 @@ def curves(result: "Result", arrays: Arrays) -> tuple[list[dict[str, Any]], list
     A group is a panel's worth of curves: those of a body, joint or effect that share a unit, and
     those of one kind of all bodies.
     """
-    series, groups = [], {}
+    series: list[dict[str, Any]] = []
+    groups: dict[tuple[str, str], dict[str, Any]] = {}
     for quantity in quantities(result):
         number = len(series)
-        values = arrays.add(quantity.values, rounded=True)
-        series.append({"name": quantity.name, "unit": quantity.unit, "values": values})
-        moves = bool(np.nanmax(quantity.values) > np.nanmin(quantity.values))
+        column = arrays.add(quantity.values, rounded=True)
+        series.append({"name": quantity.name, "unit": quantity.unit, "values": column})
+        values = quantity.values[np.isfinite(quantity.values)]
         shared = quantity._replace(section="All bodies", owner="", kind=quantity.kind)
         for one in (shared, quantity) if quantity.section == "Bodies" else (quantity,):
             key = (one.section, one.group)
             group = groups.setdefault(
                 key, {"section": one.section, "title": one.group, "owner": one.owner,
-                      "unit": one.unit, "series": [], "moving": []},
+                      "unit": one.unit, "series": [], "sizes": []},
             )  # fmt: skip
             group["series"].append(number)
-            group["moving"].append(moves)
+            group["sizes"].append((float(np.nanmax(np.abs(values))), float(np.ptp(values))))
     return series, [part for group in groups.values() for part in _parts(group)]
 
 
 def _parts(group: dict[str, Any]) -> Iterator[dict[str, Any]]:
     """A group without the curves that stay constant, unless all do, in panels."""
-    moving = group.pop("moving")
-    chosen = [k for k, moves in zip(group["series"], moving, strict=True) if moves]
+    sizes = group.pop("sizes")
+    least = _ROUNDING * max(size for size, _ in sizes)
+    chosen = [k for k, (_, change) in zip(group["series"], sizes, strict=True) if change > least]
     constant = not chosen
     chosen = chosen or group["series"]
     pieces = range(0, len(chosen), MOST_LINES)

@@ -10,7 +10,6 @@ from codegen.drawing.shapes import Place
 from runtime.show.animation.payload import Arrays
 from runtime.show.pictures import Pictures
 
-
 _POSES = 300  # layout: of a motion, from which guides and racks get their lengths
 
 

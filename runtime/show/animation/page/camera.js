@@ -1,8 +1,9 @@
 // Zoom and pan: from metres to px. All runs share one camera.
 
-/** A camera on a box [x least, y least, x largest, y largest], m. */
+/** A camera on a box [x least, y least, x largest, y largest], m, and on a larger one with all. */
 export class Camera {
-  constructor(box) {
+  constructor(box, whole) {
+    this.boxes = [box, whole];
     this.box = box;
     this.width = 1;
     this.height = 1;
@@ -37,7 +38,12 @@ export class Camera {
     return Math.min(w / Math.max(right - left, 1e-12), h / Math.max(top - bottom, 1e-12));
   }
 
-  /** Shows everything. */
+  /** Shows the machine; once more, also what flies away from it. */
+  toggleFit() {
+    if (!this.moved) this.box = this.boxes[this.box === this.boxes[0] ? 1 : 0];
+    this.fit();
+  }
+
   fit() {
     const [left, bottom, right, top] = this.box;
     this.scale = this.fitting();
@@ -117,5 +123,5 @@ export function steer(element, camera, onClick) {
     event.preventDefault();
     camera.zoom(Math.exp(-0.0015 * event.deltaY), place(event));
   }, { passive: false });
-  element.addEventListener("dblclick", () => camera.fit());
+  element.addEventListener("dblclick", () => camera.toggleFit());
 }

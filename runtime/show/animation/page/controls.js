@@ -21,7 +21,7 @@ export function makeActions(player) {
     loop: () => player.loop(),
     zoomIn: () => camera.zoom(1.25),
     zoomOut: () => camera.zoom(0.8),
-    fit: () => camera.fit(),
+    fit: () => camera.toggleFit(),
     panUp: () => camera.pan(0, PAN),
     panDown: () => camera.pan(0, -PAN),
     panLeft: () => camera.pan(PAN, 0),

@@ -171,10 +171,7 @@ class Panel {
 
   /** The colours of the page's theme. */
   paint() {
-    const [ink, muted, grid, background] = ["ink", "muted", "grid", "background"].map(color);
-    Object.assign(this.plot, {
-      background_fill_color: background, border_fill_color: background, outline_line_color: null,
-    });
+    const [ink, muted, grid] = ["ink", "muted", "grid"].map(color);
     for (const axis of [...this.plot.below, ...this.plot.left]) {
       Object.assign(axis, {
         axis_line_color: muted, major_tick_line_color: muted, minor_tick_line_color: null,

@@ -23,7 +23,7 @@ class Player {
     const joints = this.scenes[0].symbols.filter(({ shape }) => shape.kind === "reaction").length;
     const few = joints <= FEW;
     this.shown = { force: true, torque: true, reaction: few, names: few, frames: false, traces: true };
-    this.camera = new Camera(box(this.scenes.map((scene) => scene.extent())));
+    this.camera = new Camera(...[true, false].map((near) => around(this.scenes.map((scene) => scene.extent(near)))));
     this.timeline = new Timeline(root.querySelector(".timeline"), this.clock, data.runs);
     this.curves = null;
     this.build(data.runs);
@@ -100,7 +100,7 @@ class Player {
 }
 
 /** The box round several. */
-function box(boxes) {
+function around(boxes) {
   const side = (k, choose) => choose(...boxes.map((one) => one[k]));
   return [side(0, Math.min), side(1, Math.min), side(2, Math.max), side(3, Math.max)];
 }

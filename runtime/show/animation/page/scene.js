@@ -58,16 +58,27 @@ export class Scene {
     this.show(t ?? this.start);
   }
 
-  /** All points that are to be seen over the run: [x least, y least, x largest, y largest], m. */
-  extent() {
+  /** Where the machine is at first, and its size round that. */
+  get first() {
+    const [left, bottom, right, top] = this.extent(null);
+    return [left - this.size, bottom - this.size, right + this.size, top + this.size];
+  }
+
+  /**
+   * All points that are to be seen over the run: [x least, y least, x largest, y largest], m; with
+   * `near` true, without what flies away from where the machine is at first by more than its size; null: now.
+   */
+  extent(near) {
     const box = [Infinity, Infinity, -Infinity, -Infinity];
+    const limit = near ? this.first : null;
     const add = ({ x, y }, margin = 0) => {
+      if (limit && (x < limit[0] || y < limit[1] || x > limit[2] || y > limit[3])) return;
       box[0] = Math.min(box[0], x - margin);
       box[1] = Math.min(box[1], y - margin);
       box[2] = Math.max(box[2], x + margin);
       box[3] = Math.max(box[3], y + margin);
     };
-    this.survey(() => {
+    const look = () => {
       this.bodies.forEach(({ outlines }, body) => {
         for (const [x, y] of outlines.flat()) add(inWorld(this.poses, { body, x, y }));
       });
@@ -78,7 +89,9 @@ export class Scene {
         if (["force", "torque", "reaction", "gravity"].includes(shape.kind)) continue;
         for (const spot of placesOf(shape)) add(inWorld(this.poses, spot), 3 * this.u);
       }
-    });
+    };
+    if (near === null) look();
+    else this.survey(look);
     return box.every(Number.isFinite) ? box : [-1, -1, 1, 1];
   }
 }

@@ -11,7 +11,7 @@ const GRASP = 0.028; // of the machine's size: how near to a pin a click is one 
 /** The nodes of all bodies by layer, each {layer, node, update}; the largest bodies at the back. */
 export function drawBodies(scene) {
   const sizes = scene.bodies.map((_, body) => area(scene, body));
-  const order = scene.bodies.map((_, body) => body).sort((a, b) => sizes[b] - sizes[a]);
+  const order = scene.bodies.map((_, body) => body).toSorted((a, b) => sizes[b] - sizes[a]);
   return order.flatMap((body) => {
     const parts = { ground: [], bodies: outlined(scene.bodies[body]), joints: [] };
     const strokes = scene.strokes.filter((stroke) => stroke.body === body);

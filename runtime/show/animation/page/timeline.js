@@ -9,11 +9,11 @@ export class Timeline {
   constructor(root, clock, runs) {
     Object.assign(this, { clock });
     this.slider = root.querySelector("input");
-    this.output = root.querySelector("output");
+    this.output = root.querySelector(".now");
     this.happened = document.querySelector(".happened");
     this.events = runs
       .flatMap((run, k) => run.events.map((event) => ({ ...event, run: k, label: runs.length > 1 ? run.label : "" })))
-      .sort((a, b) => a.t - b.t);
+      .toSorted((a, b) => a.t - b.t);
     this.slider.min = clock.start;
     this.slider.max = clock.end;
     this.slider.step = (clock.end - clock.start) / 10000 || 1;
@@ -85,7 +85,7 @@ export class Timeline {
     const event = this.latest;
     const words = event ? this.words(event) : "";
     if (this.happened.textContent !== words) this.happened.textContent = words;
-    this.happened.classList.toggle("now", Boolean(event) && t - event.t < 0.4 * this.clock.speed);
+    this.happened.classList.toggle("fresh", Boolean(event) && t - event.t < 0.4 * this.clock.speed);
   }
 
   get digits() {
