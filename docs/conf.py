@@ -29,6 +29,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
+    "docstrings",
     "repository_links",
 ]
 root_doc = "index"
@@ -72,7 +73,7 @@ autodoc_class_signature = "mixed"
 napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
-nitpick_ignore_regex = [("py:.*", ".*")]
+nitpick_ignore_regex = [("py:class", r"(codegen|numpy|runtime|sympy|xarray)\..*")]
 
 # Machines: one script each, run in the process of the build.
 sphinx_gallery_conf = {
