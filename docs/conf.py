@@ -64,7 +64,10 @@ nb_execution_cache_path = str(BUILD / "cells" / source_digest)
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True
 nb_execution_timeout = 120
+nb_execution_show_tb = True
 nb_merge_streams = True
+nb_render_markdown_format = "gfm"
+nb_output_stderr = "remove"  # the note that a kernel is compiled
 
 # Docstrings are numpydoc; types that other libraries document are no links without a network.
 autodoc_member_order = "bysource"
