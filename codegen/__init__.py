@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         Measure,
         Statement,
     )
+    from codegen.declare.outline import disc, rectangle
     from codegen.declare.scene import Scene
     from codegen.declare.symbols import SPEED, Coordinate, alpha, coordinate, given, t
     from codegen.driver import build
@@ -54,6 +55,7 @@ _ROOMS = {
         *("ConjugateReaction", "Constraint", "Effect", "I", "J", "JointReaction", "Measure"),
         "Statement",
     ),
+    "codegen.declare.outline": ("disc", "rectangle"),
     "codegen.declare.scene": ("Scene",),
     "codegen.declare.symbols": ("SPEED", "Coordinate", "alpha", "coordinate", "given", "t"),
     "codegen.generated_files.build_report": ("BuildReport",),
@@ -67,7 +69,8 @@ __all__ += ["Constraint", "Coordinate", "Curve", "Effect", "GeneratedFileError",
 __all__ += ["J", "JointReaction", "LinkwrightError", "Model", "ModelError", "ModelFileError"]
 __all__ += ["NoAttributeError", "ParameterError", "Point", "RedundancyError", "Scene", "SceneError"]
 __all__ += ["SPEED", "Measure", "Statement", "SupersededError", "TableWarning", "UnknownNameError"]
-__all__ += ["__version__", "alpha", "build", "coordinate", "element", "given", "t"]
+__all__ += ["__version__", "alpha", "build", "coordinate", "disc", "element", "given"]
+__all__ += ["rectangle", "t"]
 
 
 def __getattr__(name: str) -> object:

@@ -46,12 +46,12 @@ GENERATOR = f"linkwright {codegen.__version__}"
     model=readers.model, scene=readers.optional(readers.scenes),
     out=readers.optional(readers.path), settings=readers.optional(readers.values('{"J1": 900.0}')),
     progress=readers.reporter,
-    **dict.fromkeys(("tangents", "reduced", "check", "compile"), readers.flag),
+    **dict.fromkeys(("tangents", "reduced", "picture", "check", "compile"), readers.flag),
 )  # fmt: skip
 def build(
     model: str | Path | Model, scene: str | Scene | Sequence[str | Scene] | None = None,
     out: str | Path | None = None, *, settings: Mapping[str, float] | None = None,
-    tangents: bool = False, reduced: bool = False, check: bool = False,
+    tangents: bool = False, reduced: bool = False, picture: bool = False, check: bool = False,
     compile: bool = True,  # noqa: A002 (what it does)
     progress: Progress = lambda message: None,
 ) -> BuildReport:  # fmt: skip
@@ -73,6 +73,8 @@ def build(
     reduced
         Also generate the equations in reduced coordinates, of every scene for dynamics. Existing
         companion modules are updated in any case.
+    picture
+        Also generate what draws the mechanism: the geometry of its bodies and elements.
     check
         Write nothing; report the files that are missing or out of date.
     compile
@@ -97,7 +99,7 @@ def build(
             scene,
             out,
             settings or {},
-            {"tangents": tangents, "reduced": reduced},
+            {"tangents": tangents, "reduced": reduced, "picture": picture},
             check,
             compile,
             announce,

@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all; where that fails, one message says what to do."""
+"""Files and folders that are written whole or not at all; where that fails, a message says why."""
 
 import errno
 import os
@@ -62,6 +62,54 @@ def whole_file(path: Path, kind: type[InputError] = InputError) -> Iterator[Path
         )
 
 
+@contextmanager
+def whole_folder(path: Path, mark: str, kind: type[InputError] = InputError) -> Iterator[Path]:
+    """The path at which to write a folder, which replaces an older one at the end.
+
+    Only a folder that has a file `mark` is replaced: another one may be anything of the user's.
+    Between two renamings there is none at `path`; where a process dies there, the next one that
+    writes into the same folder finishes.
+
+    Raises an error of `kind` that names `path`, as `whole_file` does.
+    """
+    path = path.resolve()
+    require_replaceable(path, mark, kind)
+    try:
+        with (
+            SignalDeferral(at_once=False),
+            tempfile.TemporaryDirectory(
+                prefix=_PREFIX, dir=path.parent, ignore_cleanup_errors=True
+            ) as folder,
+            FileLock(Path(folder, ".lock")),
+        ):
+            _remove_leftovers(path.parent)
+            temporary, older = Path(folder, "new", path.name), Path(folder, "old")
+            temporary.parent.mkdir()
+            yield temporary
+            for file in sorted(temporary.rglob("*")):
+                if file.is_file():
+                    with file.open("rb") as written:
+                        os.fsync(written.fileno())
+            if path.exists():
+                path.replace(older)
+            try:
+                temporary.replace(path)
+            except OSError:
+                if older.exists():
+                    older.replace(path)
+                raise
+    except OSError as error:
+        raise kind(f"cannot write {path}: {error.strerror or error}. {_advice(path, error)}") from (
+            error
+        )
+
+
+def require_replaceable(path: Path, mark: str, kind: type[InputError] = InputError) -> None:
+    """Refuse a path at which something stands that `whole_folder` does not replace."""
+    if path.exists() and not (path / mark).is_file():
+        raise kind(f"{path} is there, and has no {mark}: it is left alone. Choose another name.")
+
+
 def _advice(path: Path, error: OSError) -> str:
     folder = path.resolve().parent
     if error.errno not in _FULL or not folder.is_dir():
@@ -79,4 +127,13 @@ def _remove_leftovers(folder: Path) -> None:
         with suppress(OSError):
             if time.time() - left.stat().st_mtime > _NEW:
                 with FileLock(left / ".lock", timeout=0):
+                    _finish_replacement(left)
                     shutil.rmtree(left, ignore_errors=True)
+
+
+def _finish_replacement(left: Path) -> None:
+    """Put a written folder in its place, where the older one was taken away and nothing is."""
+    if (left / "old").exists():
+        for written in (left / "new").iterdir():
+            if not (place := left.parent / written.name).exists():
+                written.replace(place)

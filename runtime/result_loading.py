@@ -1,14 +1,19 @@
-"""Results from files: the `Result` that was saved, with its machine."""
+"""Results from files: the `Result` that was saved, with its machine.
+
+A file from elsewhere executes nothing: the model file that it names is loaded, and its checkpoints
+are handed to compiled code, only where this user saved it; see `runtime.results.result_signature`.
+"""
 
 import os
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from codegen import argument_readers as readers
-from codegen.errors import FAILURES, InputError
+from codegen.errors import FAILURES, InputError, LinkwrightError
 from codegen.generated_module_signature_and_import import content_hash
 from codegen.plain_values import KindError
 from runtime.results.saved_result import GROUP, KINDS, events_of, partitions_of
@@ -33,7 +38,7 @@ def _machine(value: Any) -> Any:
 
 @readers.reads(path=readers.path, machine=readers.optional(_machine))
 def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) -> "Result":
-    """The result that `Result.save` wrote into a .nc file, with all that it had.
+    """The result that `Result.save` wrote into a .nc file or a .zarr store, with all that it had.
 
     Its quantities are computed again from its states by the machine, with the same bits, so that
     `Result.at` and `Result.resume` go on as well: functions of your own that control a run, which
@@ -42,21 +47,29 @@ def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) 
     Parameters
     ----------
     path
-        A file ending in .nc, in any folder.
+        A file ending in .nc or a store ending in .zarr, in any folder.
     machine
         The machine of the result, loaded from anywhere; unless given, that of the model file from
-        which it was loaded, whose place the file tells.
+        which it was loaded, whose place the file tells. A model file is Python and is executed, so
+        that a file which was not saved by you, on this machine, needs this argument.
 
     Raises
     ------
     InputError
-        If the file cannot be read or was not written by `Result.save`, or if the model is another
-        one than it was.
+        If the file cannot be read or was not written by `Result.save`, if the model is another
+        one than it was, or if somebody else saved it and `machine` is not given.
     """
     from runtime.mechanism.sibling_scenes import sibling_named
 
     place = Path(path)
-    saved = _content(place)
+    saved, own = _content(place)
+    if machine is None and not own:
+        raise InputError(
+            f"{place} was not saved by you on this machine, and the model file that it names is "
+            f"Python, which would be executed. Load the machine of {saved['title']} from a model "
+            "file that you trust: load_result(path, machine=load(...)); or read the numbers alone "
+            "with xarray."
+        )
     machine = machine or _machine_of(place, saved)
     mechanism, title = machine.mechanism, saved["title"]
     mechanism = sibling_named(mechanism, title.partition("/")[2]) or mechanism
@@ -70,49 +83,78 @@ def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) 
         raise InputError(
             f"{place}: the model of {title}, or the generator, has changed since the result was "
             f"saved, so that {origin.path} computes something else. Load the machine as it was, "
-            "and give it as machine=; or read the numbers alone with xarray.open_dataset."
+            "and give it as machine=; or read the numbers alone with xarray."
         )
     try:
-        return _result(mechanism, saved)
+        return _result(mechanism, saved, own)
+    except LinkwrightError:
+        raise
     except KeyError as error:
+        raise _unreadable(place, error) from error
+    except FAILURES as error:
+        if own:
+            raise
         raise _unreadable(place, error) from error
 
 
-def _content(path: Path) -> dict[str, Any]:
-    """What `Result.save` wrote beside the series."""
+def _content(path: Path) -> tuple[dict[str, Any], bool]:
+    """What `Result.save` wrote beside the series, and whether this user did."""
     from runtime.dynamics.changes_of_coordinates import RunsSnapshot
     from runtime.dynamics.prepared_simulation import Handover
     from runtime.integrate.checkpoints import Checkpoint, Snapshot
     from runtime.integrate.problem import Discrete
     from runtime.integrate.trajectory import Crossing
     from runtime.results.packed_values import unpack
+    from runtime.results.result_signature import is_own
 
-    if path.suffix != ".nc":
-        raise InputError(f"{path}: results come back from .nc files alone, as Result.save writes.")
-    if not path.is_file():
+    libraries = {".nc": "netCDF4", ".zarr": "zarr"}
+    if path.suffix not in libraries:
+        raise InputError(
+            f"{path}: results come back from .nc files and .zarr stores alone, as Result.save "
+            "writes them."
+        )
+    if not path.exists():
         raise InputError(f"{path}: there is no such file.")
+    library = libraries[path.suffix]
     try:
-        import netCDF4
+        import_module(library)
     except ImportError as error:
         raise InputError(
-            f"{path}: reading .nc needs the library netCDF4, which cannot be imported ({error}). "
-            "Run pip install 'linkwright[files]', in the checkout pip install '.[files]'."
+            f"{path}: reading {path.suffix} needs the library {library}, which cannot be imported "
+            f"({error}). Run pip install 'linkwright[files]', in the checkout pip install "
+            "'.[files]'."
         ) from error
     kinds = [*KINDS, Checkpoint, Crossing, Discrete, Handover, RunsSnapshot, Snapshot]
     try:
-        with netCDF4.Dataset(path) as file:
-            content = np.asarray(file.groups[GROUP].variables[GROUP][:], np.uint8).tobytes()
+        content, signed = _read_zarr(path) if library == "zarr" else _read_netcdf(path)
         saved: dict[str, Any] = unpack(content, kinds)
         _ = saved["title"], _source(saved)
+    except InputError:
+        raise
     except (*FAILURES, KeyError, OSError) as error:
         raise _unreadable(path, error) from error
-    return saved
+    return saved, is_own(content, signed)
+
+
+def _read_netcdf(path: Path) -> tuple[bytes, str]:
+    import netCDF4
+
+    with netCDF4.Dataset(path) as file:
+        group = file.groups[GROUP]
+        content = np.asarray(group.variables[GROUP][:], np.uint8).tobytes()
+        return content, str(getattr(group, "signature", ""))
+
+
+def _read_zarr(path: Path) -> tuple[bytes, str]:
+    from runtime.results.zarr_store import read_content
+
+    return read_content(path)
 
 
 def _unreadable(path: Path, error: BaseException) -> InputError:
     return InputError(
         f"{path} was not written by this version of Result.save, or is damaged "
-        f"({type(error).__name__}). Read the numbers alone with xarray.open_dataset."
+        f"({type(error).__name__}). Read the numbers alone with xarray."
     )
 
 
@@ -136,17 +178,19 @@ def _machine_of(path: Path, saved: dict[str, Any]) -> "Machine":
     return load(source["model"], source["scene"], generated=folder)
 
 
-def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
+def _result(mechanism: "Mechanism", saved: dict[str, Any], own: bool) -> "Result":
     """The result of a machine that was saved."""
     from runtime.assembly.assemble import assemble
     from runtime.core.outcomes import Outcome
     from runtime.results.assembled_state import State
     from runtime.results.result import Result
+    from runtime.results.saved_arrays import plain_arrays
     from runtime.validation.parameters import parameter_values
 
+    if saved["motion"] is not None and "parts" in saved["motion"]:
+        return _joined(mechanism, saved, own)
+    saved = saved if own else plain_arrays(saved, mechanism.description)
     kept, parameters = saved["motion"], saved["parameters"]
-    if kept is not None and "parts" in kept:
-        return _joined(mechanism, saved)
     p, motion, variant = parameter_values(mechanism, parameters), None, mechanism
     if kept is not None:
         state = State(kept["t"], kept["q"], kept["v"])
@@ -163,12 +207,13 @@ def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     )  # fmt: skip
     result.works, result.accuracy = saved["works"], saved["accuracy"]
     result.contradiction, result._motion = saved["contradiction"], motion
+    result._mechanism = mechanism
     result.ended_by, result.work_at_end = saved["ended_by"], saved["work_at_end"]
     result._until = tuple(saved["until"])
     return result
 
 
-def _joined(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
+def _joined(mechanism: "Mechanism", saved: dict[str, Any], own: bool) -> "Result":
     """The result of several runs, with other joints each."""
     from runtime.core.outcomes import Outcome
     from runtime.dynamics.joined_results import joined
@@ -184,7 +229,7 @@ def _joined(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
                 if (row.target, row.action) == (change.joint, change.action)
             )
             mechanism = sibling(mechanism, watched)
-        results.append(_result(mechanism, part))
+        results.append(_result(mechanism, part, own))
     found, times = joined(results, changes, saved["motion"]["since"]), saved["t"]
     found.outcome, found.message = Outcome[saved["outcome"]], saved["message"]
     if len(times) < len(found.t):

@@ -6,7 +6,7 @@ inertia force, and equations between its coordinates. One whose orientation is n
 `Model.add` declares it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import sympy
@@ -47,6 +47,8 @@ class Body(Pose):
         In kg and kg m² (about the centre of mass); None where a kinematic scene needs none.
     model
         Token of the model that the body belongs to.
+    outlines
+        Closed polygons of points (x', y'), m, by which it is drawn; empty: its joints say.
     fixed, turns
         Whether the body is the ground, and whether it has an orientation.
     """
@@ -55,6 +57,7 @@ class Body(Pose):
     mass: sympy.Expr | None
     inertia: sympy.Expr | None
     model: object
+    outlines: tuple[tuple[tuple[Any, Any], ...], ...] = field(default=(), kw_only=True)
     fixed: ClassVar[bool] = False
     turns: ClassVar[bool] = True
 

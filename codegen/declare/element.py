@@ -219,7 +219,8 @@ class Element(Protocol):
     numbers, also as parameters, has, besides, ``conditions() -> (Condition, ...)``; a joint with
     closed curves ``profiles() -> ((curve, whether it must be convex), ...)``; one that estimates
     its own coordinates ``near(numbers) -> {coordinate: value}``, from values of the bodies'
-    coordinates and of the parameters; one that stands for a body has it as ``instead_of``.
+    coordinates and of the parameters; one that stands for a body has it as ``instead_of``; one
+    that is drawn otherwise than by a mark at each of its points has ``shapes() -> (Shape, ...)``.
     """
 
     kind: ClassVar[str]

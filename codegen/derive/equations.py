@@ -28,6 +28,7 @@ from codegen.derive.scene_conditions import (
     expressions_in,
     profiles_of,
 )
+from codegen.derive.scene_picture import ScenePicture, scene_picture
 from codegen.derive.table_ranges import TableRange, table_ranges
 from codegen.derive.time_functions import TimeFunction, time_functions
 from codegen.model import Model
@@ -97,6 +98,7 @@ class Equations:
     states: tuple[State, ...] = ()
     watched: tuple[WatchedCondition, ...] = ()
     labels: tuple[tuple[sympy.Basic, str], ...] = ()  # of conditions, what events are called
+    picture: ScenePicture | None = None
 
     @property
     def sampled(self) -> tuple[SampledValue, ...]:
@@ -277,6 +279,7 @@ def derive(model: Model, scene: Scene) -> Equations:
         states=states,
         watched=watched,
         labels=tuple(model.labels.items()),
+        picture=_picture(model, scene, frozenset(p.name for p in parameters)),
     )
     if parameters and not scene.frozen:
         acting = acting_elements(model, scene)
@@ -289,6 +292,21 @@ def derive(model: Model, scene: Scene) -> Equations:
         once = tuple(dict.fromkeys(conditions))
         equations = replace(equations, conditions=once, profiles=tuple(profiles))
     return equations.with_effects(effects)
+
+
+def _picture(model: Model, scene: Scene, known: frozenset[str]) -> ScenePicture:
+    """What the scene looks like."""
+    moving = scene.analysis != "kinematics"
+    acting = model.acting(scene).values()
+    forces = [e for e in acting if moving or e.kind == TRACKED]
+    elements: dict[str, list[Element]] = {
+        "joint": [*active_joints(model, scene).values()],
+        "driver": [model.drivers[name] for name in scene.drivers],
+        "force": [*forces],
+    }
+    bodies = tuple(model.bodies[name] for name in scene.bodies)
+    values = {p.name: p.value for p in model.parameters.values()} | dict(scene.parameters)
+    return scene_picture(model.ground, bodies, elements, values, known)
 
 
 def _symbols(

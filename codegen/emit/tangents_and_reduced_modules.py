@@ -1,4 +1,4 @@
-"""The texts of the modules that go with a scene's own: its derivatives, its reduced equations.
+"""The texts of the modules that go with a scene's own: derivatives, reduced equations, picture.
 
 Each carries the SHA-256 of the text of the scene's own module: with another one it is stale.
 """
@@ -9,6 +9,7 @@ from typing import Any
 from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.module import Origin, assemble_module, operation_table
 from codegen.emit.readable_formula import formula
+from codegen.lower.kernels.picture_kernels import LoweredPicture
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Program
 from codegen.reduce.reduced_kernels import Reduced
@@ -48,6 +49,24 @@ def reduced_text(lowered: Lowered, reduced: Reduced, origin: Origin, module: str
     }
     arguments = Arguments.of(description, reduced.kept, len(reduced.branches))
     return _companion_text(lowered, program, origin, module, about, tables, arguments)
+
+
+def picture_text(lowered: Lowered, picture: LoweredPicture, origin: Origin, module: str) -> str:
+    """The module of a scene's picture, whose kernels take the scene's own ``p``."""
+    about = (
+        "its picture.",
+        "picture writes the poses of BODIES and the numbers of SHAPES, in the slots that stand",
+        "there, curves the points of curves. SI units.",
+    )
+    layout = picture.layout
+    tables = {"BODIES": plain(layout.bodies), "SHAPES": plain(layout.shapes)}
+    arguments = Arguments.of(lowered.description)
+    return _companion_text(lowered, picture.program, origin, module, about, tables, arguments)
+
+
+def plain(rows: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Nested tuples without the names of their fields."""
+    return tuple(plain(row) if isinstance(row, tuple) else row for row in rows)
 
 
 def _companion_text(

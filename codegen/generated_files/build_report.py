@@ -45,8 +45,8 @@ class SceneReport(FileReport):
 
     Attributes
     ----------
-    tangents, reduced
-        Its companion modules, if it has them: exact derivatives, reduced coordinates.
+    tangents, reduced, picture
+        Its companion modules, if it has them: exact derivatives, reduced coordinates, geometry.
     notes
         Remarks for the modeller: constraints that are redundant near the start values.
     """
@@ -63,12 +63,13 @@ class SceneReport(FileReport):
     strategy: str | None
     tangents: CompanionReport | None = None
     reduced: CompanionReport | None = None
+    picture: CompanionReport | None = None
     notes: tuple[str, ...] = ()
 
     @property
     def companions(self) -> tuple[CompanionReport, ...]:
         """Its companion modules."""
-        return tuple(report for report in (self.tangents, self.reduced) if report)
+        return tuple(filter(None, (self.tangents, self.reduced, self.picture)))
 
 
 @readable_class

@@ -9,11 +9,12 @@ from pathlib import Path
 
 from codegen.derive.equations import Equations
 from codegen.emit.module import Origin, operation_table
-from codegen.emit.tangents_and_reduced_modules import reduced_text, tangents_text
+from codegen.emit.tangents_and_reduced_modules import picture_text, reduced_text, tangents_text
 from codegen.errors import SceneError
 from codegen.generated_files.generated_file import Clock, File
 from codegen.generated_module_signature_and_import import companion_path
 from codegen.lower.differentiation.program_tangents import tangent_program
+from codegen.lower.kernels.picture_kernels import lower_picture
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Program
 from codegen.reduce.reduced_kernels import reduce
@@ -95,7 +96,13 @@ def _reduced(lowered: Lowered, provenance: Origin, module: str) -> tuple[Program
     return reduced.program, reduced_text(lowered, reduced, provenance, module)
 
 
+def _picture(lowered: Lowered, provenance: Origin, module: str) -> tuple[Program, str]:
+    picture = lower_picture(lowered)
+    return picture.program, picture_text(lowered, picture, provenance, module)
+
+
 COMPANIONS = (
     Companion("tangents", "differentiate", "derivatives", _tangents_missing, _tangents),
     Companion("reduced", "reduce", "reduced", _reduced_missing, _reduced),
+    Companion("picture", "picture", "picture", lambda equations: "", _picture),
 )

@@ -15,7 +15,8 @@ from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Kernel, Program, store
 
-Array = npt.NDArray[np.float64]
+FloatArray = npt.NDArray[np.float64]
+Array = FloatArray
 _STEPS = 25  # safety: of Gauss-Newton, each as long as the machine at most
 _LAST = 1e-12  # accuracy: a shorter step is the last one
 _CLOSED = 1e-9  # accuracy: of the machine's size; a larger residual leaves joints open

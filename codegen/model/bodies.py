@@ -7,23 +7,33 @@ a massless link, or as a link with its mass at the pins.
 from collections.abc import Mapping
 from typing import Any, Literal
 
+import numpy as np
 import sympy
 
 from codegen.declare.body import Body, Point
+from codegen.declare.outline import Outline
 from codegen.declare.particle_and_ground import Particle
 from codegen.declare.return_values.elements import bodies_of
+from codegen.declare.symbols import Parameter
 from codegen.declare.value_reader import Reader
+from codegen.errors import FAILURES
 from codegen.model.base import Place
 from codegen.model.joints import Joints
+from codegen.plain_values import members, shown
 
 Form = Literal["body", "link", "lumped"]
 FORMS = ("body", "link", "lumped")
+_PAIR, _LEAST = 2, 3  # formula: coordinates of a corner; corners of a polygon
+
+
+def _is_list(value: Any) -> bool:
+    return isinstance(value, list | tuple | np.ndarray)
 
 
 class Bodies(Joints):
     """The bodies, particles and couplers of a declaration."""
 
-    def body(self, name: str, mass: Any = None, inertia: Any = None) -> Body:
+    def body(self, name: str, mass: Any = None, inertia: Any = None, *, draw: Any = None) -> Body:
         """A rigid body with its centre of mass at its origin.
 
         Parameters
@@ -31,10 +41,15 @@ class Bodies(Joints):
         mass, inertia
             Numbers in kg and kg m², pint quantities, parameters or expressions of them; may be
             left out where only kinematic scenes use the body.
+        draw
+            The outline by which the body is drawn: corners ``[(x', y'), ...]`` of a closed polygon
+            in its frame, m, or several outlines; `disc` and `rectangle` make some. Its joints and
+            forces give it one otherwise.
         """
         m = self._positive(mass, "kg", f"mass of body '{name}'")
         j = self._positive(inertia, "kg m^2", f"inertia of body '{name}'")
-        return self._declare(Body(name, m, j, self.token))
+        outlines = self._outlines(draw, f"body '{name}': draw")
+        return self._declare(Body(name, m, j, self.token, outlines=outlines))
 
     def particle(self, name: str, mass: Any = None) -> Particle:
         """A point mass, with two coordinates and no orientation; its `mass` is as in `body`."""
@@ -99,6 +114,36 @@ class Bodies(Joints):
             if form != "lumped" or any(end in without for end in ends):
                 absent += [half.name for half in halves]
         return tuple(absent)
+
+    def _outlines(self, given: Any, where: str) -> tuple[Outline, ...]:
+        """Closed polygons whose corners are numbers and parameters, m."""
+        if given is None:
+            return ()
+        try:
+            rows = [members(row) for row in members(given)]
+            is_one = all(len(row) == _PAIR and not _is_list(row[0]) for row in rows)
+            outlines = [rows] if is_one else [[members(xy, _PAIR) for xy in row] for row in rows]
+        except FAILURES:
+            outlines = [[]]
+        if not outlines or min(map(len, outlines)) < _LEAST:
+            self._read.note(
+                f"{where} is {shown(given)}; give the corners of a polygon, three or more, as "
+                "[(0, 0), (1, 0), (0, 1)], or several such lists."
+            )
+            return ()
+        read = tuple(
+            tuple((self._value(x, "m", where), self._value(y, "m", where)) for x, y in outline)
+            for outline in outlines
+        )
+        corners = (e for outline in read for xy in outline for e in xy)
+        symbols = {s for e in corners for s in e.free_symbols if not isinstance(s, Parameter)}
+        if symbols:
+            names = ", ".join(sorted(map(str, symbols)))
+            self._read.note(
+                f"{where} contains {names}; give numbers and expressions of parameters."
+            )
+            return ()
+        return read
 
     def _positive(self, value: Any, unit: str, where: str) -> sympy.Expr | None:
         """A mass or inertia, if given; a parameter that is one must be positive from now on."""

@@ -10,6 +10,7 @@ from codegen.declare.element import EXERTED, QUANTITIES, Effect, Reported, label
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.value_reader import Reader
+from codegen.drawing import shapes
 from codegen.errors import FAILURES
 from codegen.model.base import TRACKED, Declarations, Place
 from codegen.plain_values import InvalidName, bounded, plain_name, shown
@@ -38,6 +39,10 @@ class TrackedPoint(Effect):
         """Its global coordinates, m, and their rates, m/s."""
         at = self.point
         return ("x", "m", at.x), ("y", "m", at.y), ("vx", "m/s", at.vx), ("vy", "m/s", at.vy)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The point, with its path."""
+        return (shapes.Trace(self.point),)
 
     def problems(self) -> list[str]:
         """A point of the ground does not move."""

@@ -48,7 +48,9 @@ app = typer.Typer(
 app.command()(studies.matters)
 app.command()(studies.accuracy)
 
-Out = Annotated[Path | None, option("File for the result: .nc, .csv, .parquet or .html.")]
+Out = Annotated[
+    Path | None, option("File for the result: .nc, .zarr, .csv, .parquet, .mat or .html.")
+]
 _SHOWN = 12  # events, before it says how many more there are
 Points = Annotated[int, option("Number of output instants, ends included.", min=2)]
 

@@ -57,7 +57,7 @@ def joined(
         singular=[one for result in results for one in result.singular],
     )  # fmt: skip
     result.contradiction = " ".join(filter(None, (r.contradiction for r in results)))
-    result.reconnections = tuple(passed)
+    result.reconnections, result._mechanism = tuple(passed), results[0]._mechanism
     result.ended_by = last.ended_by
     motions = [one._motion for one in results]
     if all(motion is not None for motion in motions):

@@ -73,6 +73,7 @@ def kinematics(
         events=sorted([*crossed, *kinks], key=lambda event: event.time),
         not_unique=begin.not_unique, singular=motion.singular,
     )  # fmt: skip
+    result._mechanism = mechanism
     result._motion = DrivenMotionAtInstants(mechanism, p, begin, preferred, times)
     equations = Equations(mechanism, p)
     name_left_tables(result, equations, every=True)

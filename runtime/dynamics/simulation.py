@@ -91,6 +91,7 @@ def finish_simulation(
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
     run = end_at_jam(mechanism, run, ready.p, ready.t_end - begin.t)
     result = _result(mechanism, run, ready, began)
+    result._mechanism = mechanism
     if run.checkpoints is not None:
         end = run.final_t, run.samples_taken, run.discrete
         result._motion = SimulatedMotion(ready, coordinates, options, run.checkpoints, *end)

@@ -22,12 +22,17 @@ from codegen.generated_module_signature_and_import import (
 if TYPE_CHECKING:
     from codegen import Model, Scene
 
-Kind = Literal["tangents", "reduced"]
+Kind = Literal["tangents", "reduced", "picture"]
 
 _BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
-_CONTENTS = {"tangents": "derivatives", "reduced": "reduced equations"}
+_CONTENTS = {
+    "tangents": "derivatives", "reduced": "reduced equations", "picture": "picture",
+}  # fmt: skip
 # What each has to define: without it, an older generator wrote the file.
-_DEFINES = {"tangents": "def accelerations_tangent(", "reduced": "def reduced_mass("}
+_DEFINES = {
+    "tangents": "def accelerations_tangent(", "reduced": "def reduced_mass(",
+    "picture": "def picture(",
+}  # fmt: skip
 
 
 class Origin(NamedTuple):
@@ -60,7 +65,7 @@ def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) ->
 
     folder, wanted = origin.path.parent, {kind: True}
     (report,) = build(origin.model, origin.scene, folder, compile=False, **wanted).scenes  # type: ignore[arg-type]
-    companion = report.tangents if kind == "tangents" else report.reduced
+    companion = getattr(report, kind)
     if report.digest != origin.digest or companion is None:
         name = origin.scene if isinstance(origin.scene, str) else origin.scene.name
         raise SupersededError(

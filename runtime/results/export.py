@@ -1,4 +1,4 @@
-"""Results in files: .nc (netCDF 4), .csv, .parquet and .html, written whole or not at all.
+"""Results in files: .nc (netCDF 4), .zarr, .csv, .parquet, .mat and .html, whole or not at all.
 
 The table of a .csv or .parquet file has one column a series, its unit in brackets.
 """
@@ -14,23 +14,28 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.whole_files import whole_file
+from codegen.whole_files import require_replaceable, whole_file, whole_folder
 from runtime.results.dataset import dataset
 from runtime.results.result import Result
+from runtime.results.result_signature import signature
 from runtime.results.saved_result import GROUP, saved_result
 
 FloatArray = npt.NDArray[np.float64]
 
+_STORE = "zarr.json"  # the file that every store has
+
 
 def check_place(path: Path) -> None:
     """Refuse a file that cannot be written, before any time is spent on its contents."""
-    if path.is_dir():
+    if path.is_dir() and path.suffix != ".zarr":
         raise InputError(f"{path} is a folder; name a file in it, such as {path / 'run.nc'}.")
     if path.suffix not in _FORMATS:
         raise InputError(
             f"{path}: a result is saved as {', '.join(_FORMATS)}, not as "
             f"{path.suffix or 'a file without ending'!r}. Change the ending."
         )
+    if path.suffix == ".zarr":
+        require_replaceable(path, _STORE)
     folder = path.resolve().parent
     if not folder.is_dir():
         raise InputError(f"{path}: the folder {folder} does not exist. Create it.")
@@ -56,7 +61,8 @@ def check_place(path: Path) -> None:
 def save(result: Result, path: Path) -> Path:
     """Write `result` by the ending of `path`; a file of that name is replaced at the end."""
     check_place(path)
-    with whole_file(path) as temporary:
+    store = path.suffix == ".zarr"
+    with whole_folder(path, _STORE) if store else whole_file(path) as temporary:
         _FORMATS[path.suffix].write(result, temporary)
     return path
 
@@ -115,11 +121,24 @@ def _write_netcdf(result: Result, path: Path) -> None:
 
     file = netCDF4.Dataset(path.name, mode="w", format="NETCDF4", memory=1 << 16)
     dataset(result).dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
-    content = np.frombuffer(saved_result(result), np.uint8)
+    content = saved_result(result)
     group = file.createGroup(GROUP)
+    group.signature = signature(content)
     group.createDimension("byte", len(content))
-    group.createVariable(GROUP, "u1", ("byte",))[:] = content
+    group.createVariable(GROUP, "u1", ("byte",))[:] = np.frombuffer(content, np.uint8)
     path.write_bytes(file.close())
+
+
+def _write_matlab(result: Result, path: Path) -> None:
+    from runtime.results.matlab_file import write
+
+    write(result, columns(result), path)
+
+
+def _write_zarr(result: Result, path: Path) -> None:
+    from runtime.results.zarr_store import write
+
+    write(result, path)
 
 
 def _write_page(result: Result, path: Path) -> None:
@@ -138,7 +157,9 @@ class _Format(NamedTuple):
 
 _FORMATS = {
     ".nc": _Format(_write_netcdf, ("xarray", "netCDF4")),
+    ".zarr": _Format(_write_zarr, ("xarray", "zarr")),
     ".csv": _Format(_write_csv),
     ".parquet": _Format(_write_parquet, ("pyarrow", "pyarrow.parquet")),
+    ".mat": _Format(_write_matlab, ("scipy.io",)),
     ".html": _Format(_write_page, ("matplotlib.figure",)),
 }

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -97,6 +99,7 @@ class Result(TimeSeries):
     _until: tuple[tuple[str, str, float, float], ...]  # conditions on outputs that may end a run
     _chosen: bool  # whether the samples are at instants that `at` was asked for
     _motion: Motion | None  # behind the samples; None: of an analysis without one
+    _mechanism: "Mechanism | None"  # that moves; None: it is not known
 
     def __init__(
         self, description: Description, samples: Samples, p: FloatArray, *, analysis: str,
@@ -120,7 +123,7 @@ class Result(TimeSeries):
         self.events, self.partitions = tuple(events), tuple(partitions)
         self.not_unique, self.singular = tuple(not_unique), tuple(singular)
         self.works, self.accuracy, self.contradiction = {}, None, ""
-        self._motion, self._chosen = None, False
+        self._motion, self._mechanism, self._chosen = None, None, False
         self.ended_by, self.reconnections, self.reconnection = "", (), None
         self.work_at_end, self._until = {}, ()
         self.parameters = {
@@ -151,7 +154,7 @@ class Result(TimeSeries):
         Parameters
         ----------
         path
-            Ending in .nc (netCDF 4), .csv, .parquet or .html; a file of that name is replaced.
+            Ending in .nc (netCDF 4), .zarr, .csv, .parquet, .mat or .html; replaces an older one.
 
         Raises
         ------

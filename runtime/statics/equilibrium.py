@@ -169,6 +169,7 @@ def equilibrium(
         message=message + redundancy_note(start),
         stats=stats, not_unique=start.not_unique,
     )  # fmt: skip
+    result._mechanism = equations.mechanism
     name_left_tables(result, equations)
     return result
 

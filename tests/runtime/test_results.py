@@ -117,7 +117,7 @@ def test_parquet_round_trip(result: Result, tmp_path: Path) -> None:
 
 def test_other_endings_and_folders_are_refused(result: Result, tmp_path: Path) -> None:
     with pytest.raises(
-        InputError, match=r"saved as \.nc, \.csv, \.parquet, \.html, not as '\.txt'"
+        InputError, match=r"saved as \.nc, \.zarr, \.csv, \.parquet, \.mat, \.html, not as '\.txt'"
     ):
         result.save(tmp_path / "run.txt")
     with pytest.raises(InputError, match="not as 'a file without ending'"):

@@ -5,6 +5,7 @@ import sympy
 from codegen.declare.body import Point
 from codegen.declare.element import ConjugateReaction, J, Statement, label
 from codegen.declare.symbols import Letter
+from codegen.drawing import shapes
 from codegen.elements.drivers.driver_base_class import Driver
 from codegen.elements.joints.absolute import LEFT_SIDE
 from codegen.elements.registry import element
@@ -38,3 +39,8 @@ class PointDriver(Driver):
                 f"{label(self)} moves a point of the ground; give one of a moving body."
             )
         return problems
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """An arrow at the point, straight or round."""
+        ux, uy = int(self.letter == "x"), int(self.letter == "y")
+        return (shapes.Drive(None, self.point, self.letter == "phi", ux, uy),)

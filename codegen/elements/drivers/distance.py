@@ -6,6 +6,7 @@ from codegen.declare.body import Point
 from codegen.declare.element import ConjugateReaction, I, J, Statement
 from codegen.declare.element_conditions import Condition, number_problems
 from codegen.declare.symbols import t
+from codegen.drawing import shapes
 from codegen.elements.drivers.driver_base_class import Driver
 from codegen.elements.registry import element
 
@@ -54,3 +55,7 @@ class DistanceDriver(Driver):
             "each other drive with model.translation_driver or model.relative_driver."
         )
         return (Condition(text, (self.law.subs(t, 0),), open=True),)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """An actuator."""
+        return (shapes.Spring(self.i, self.j, elastic=False, actuator=True),)

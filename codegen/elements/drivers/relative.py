@@ -5,6 +5,7 @@ import sympy
 from codegen.declare.body import Point
 from codegen.declare.element import ConjugateReaction, I, J, Statement
 from codegen.declare.symbols import Letter
+from codegen.drawing import shapes
 from codegen.elements.drivers.driver_base_class import Driver
 from codegen.elements.joints.relative import DIFFERENCE
 from codegen.elements.registry import element
@@ -31,3 +32,8 @@ class RelativeDriver(Driver):
         reaction = ConjugateReaction.along(self.letter)
         phi = (DIFFERENCE[self.letter] - self.law,)
         return Statement(phi, (self.letter,), reaction, I.bind(self.i) | J.bind(self.j))
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """An arrow at the point of body j, straight or round."""
+        ux, uy = int(self.letter == "x"), int(self.letter == "y")
+        return (shapes.Drive(None, self.j, self.letter == "phi", ux, uy),)

@@ -5,6 +5,7 @@ import sympy
 from codegen.declare.body import Point
 from codegen.declare.element import ConjugateReaction, I, J, Statement
 from codegen.declare.element_conditions import Condition, number_problems
+from codegen.drawing import shapes
 from codegen.elements.drivers.driver_base_class import Driver
 from codegen.elements.joints.body_line import ALONG, Axis, axis_conditions, bind_axis
 from codegen.elements.registry import element
@@ -39,3 +40,7 @@ class TranslationDriver(Driver):
     def conditions(self) -> tuple[Condition, ...]:
         """An axis with a direction."""
         return axis_conditions(self.axis)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """An arrow along the axis."""
+        return (shapes.Drive(self.i, self.j, False, *self.axis),)

@@ -5,6 +5,7 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import ConjugateReaction, Statement, label
 from codegen.declare.symbols import Coordinate
+from codegen.drawing import shapes
 from codegen.elements.drivers.driver_base_class import Driver
 from codegen.elements.registry import element
 
@@ -26,6 +27,14 @@ class Motion(Driver):
             row = self.driven.letter
             reaction = ConjugateReaction.along(row)
         return Statement((self.driven - self.law,), (row,), reaction)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """An arrow on the body whose coordinate is driven, straight or round."""
+        body = next((b for b in self.on if self.driven in (b.x, b.y, b.phi)), None)
+        if body is None:
+            return ()
+        ux, uy = int(self.driven == body.x), int(self.driven == body.y)
+        return (shapes.Drive(None, body, self.driven == body.phi, ux, uy),)
 
     def problems(self) -> list[str]:
         """The law must be one of time alone, twice differentiable, and something must be driven."""

@@ -7,6 +7,7 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Measure, label
 from codegen.declare.symbols import Coordinate
+from codegen.drawing import shapes
 from codegen.elements.forces.scalar_measures import same_body
 from codegen.elements.registry import element
 
@@ -63,6 +64,14 @@ class AppliedForce(Effect):
             )
         return problems
 
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """An arrow."""
+        fx, fy = self.fx, self.fy
+        if self.frame == "body":
+            c, s = self.point.body.rotation
+            fx, fy = c * fx - s * fy, s * fx + c * fy
+        return (shapes.Force(self.point, fx, fy),)
+
 
 @element
 class AppliedTorque(Effect):
@@ -97,6 +106,10 @@ class AppliedTorque(Effect):
             for body in given
             if not body.fixed and not body.turns
         ]
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A round arrow."""
+        return (shapes.Torque(self.body, self.value),)
 
 
 def exertion_problems(effect: Effect, on: Body, from_: Body | None) -> list[str]:

@@ -6,6 +6,7 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Measure, Pulls, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED
+from codegen.drawing import shapes
 from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.registry import element
 
@@ -87,3 +88,7 @@ class Bushing(Effect):
     @property
     def _conservative(self) -> bool:
         return measures.is_constant(*self.stiffness, self.free_angle)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A pin of rubber: a spring from point to point."""
+        return (shapes.Spring(self.i, self.j),)

@@ -6,6 +6,7 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Measure, Pulls, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED, Coordinate, rate
+from codegen.drawing import shapes
 from codegen.elements.forces.scalar_measures import distance, same_body, span
 from codegen.elements.registry import element
 
@@ -142,3 +143,7 @@ class ClearanceJoint(Effect):
 
     def _touching(self, value: sympy.Expr) -> sympy.Expr:
         return sympy.Piecewise((value, 2 * self.excess > 0), (0, True))
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A journal in a hole."""
+        return (shapes.Bearing(self.i, self.j, self.clearance),)

@@ -7,6 +7,7 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint
 from codegen.declare.element_conditions import Condition, sign_conditions
+from codegen.drawing import shapes
 from codegen.elements.forces.scalar_measures import rim_travel
 from codegen.elements.forces.spring_damper_contact import GapSprings
 from codegen.elements.joints.carrier import WheelPair, radius_conditions
@@ -65,3 +66,12 @@ class ElasticBelt(WheelPair, GapSprings):
             ("damping", self.damping, "N s/m"), ("pretension", self.pretension, "N")
         )
         return radius_conditions(self.radius_i, self.radius_j) + stiffness + more
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """Two pulleys and the belt."""
+        i, j = self.i, self.j
+        return (
+            shapes.Wheel(i, self.radius_i),
+            shapes.Wheel(j, self.radius_j),
+            shapes.Belt(i, j, self.radius_i, self.radius_j, self.crossed),
+        )

@@ -7,6 +7,7 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, label
 from codegen.declare.element_conditions import Condition, sign_conditions
+from codegen.drawing import shapes
 from codegen.elements.forces.scalar_measures import rim_travel
 from codegen.elements.forces.spring_damper_contact import GapSprings
 from codegen.elements.joints.carrier import WheelPair
@@ -67,3 +68,8 @@ class GearWithBacklash(WheelPair, GapSprings):
         )  # fmt: skip
         more = sign_conditions(("backlash", self.backlash, "m"), ("damping", self.damping, "N s/m"))
         return (radii, *stiffness, *more)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """Two toothed wheels."""
+        wheels = (self.i, self.radius_i), (self.j, self.radius_j)
+        return tuple(shapes.Wheel(at, radius, toothed=True) for at, radius in wheels)

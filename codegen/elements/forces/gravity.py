@@ -4,6 +4,7 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Effect
+from codegen.drawing import shapes
 from codegen.elements.registry import element
 
 
@@ -26,3 +27,7 @@ class Gravity(Effect):
         return tuple(
             (b.name, b.mass, g) for b in bodies if b.mass is not None for g in (self.gx, self.gy)
         )
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """Its direction."""
+        return (shapes.Gravity(self.gx, self.gy),)

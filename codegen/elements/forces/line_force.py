@@ -4,6 +4,7 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Pulls, label
+from codegen.drawing import shapes
 from codegen.elements.forces.scalar_measures import SpanMeasures, line_problems
 from codegen.elements.registry import element
 
@@ -32,3 +33,7 @@ class LineForce(SpanMeasures, Effect):
         if self.value == 0:
             problems.append(f"{label(self)} is 0 throughout; give a force in N.")
         return problems
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """An actuator."""
+        return (shapes.Spring(self.i, self.j, elastic=False, actuator=True),)

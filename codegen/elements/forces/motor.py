@@ -6,6 +6,7 @@ from codegen.declare.body import Body
 from codegen.declare.element import Effect, Measure, Pulls, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED
+from codegen.drawing import shapes
 from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.registry import element
 
@@ -51,3 +52,7 @@ class Motor(measures.TurnMeasures, Effect):
             ("no-load speed", self.no_load_speed, "rad/s"),
             positive=True,
         )
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A round arrow between two bodies."""
+        return (shapes.SpiralSpring(self.i, self.j, elastic=False, actuator=True),)

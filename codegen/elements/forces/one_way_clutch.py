@@ -6,6 +6,7 @@ from codegen.declare.body import Body
 from codegen.declare.element import Effect, Measure, OneWay, Pulls, Reported, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED, rate, side
+from codegen.drawing import shapes
 from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.registry import element
 
@@ -72,3 +73,7 @@ class OneWayClutch(measures.TurnMeasures, Effect):
     def _scale(self) -> sympy.Expr:
         inertias = [body.inertia for body in self.bodies if body.inertia is not None]
         return sympy.Float(TYPICAL) * (sympy.Add(*inertias) if inertias else sympy.S.One)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A round sign between two bodies."""
+        return (shapes.SpiralSpring(self.i, self.j, elastic=False, damper=True),)

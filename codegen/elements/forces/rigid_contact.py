@@ -6,6 +6,7 @@ from codegen.declare.body import Body
 from codegen.declare.element import Effect, Measure, Pulls, Reported, Rigid
 from codegen.declare.element_conditions import hold_conditions
 from codegen.declare.symbols import side
+from codegen.drawing import shapes
 from codegen.elements.forces.scalar_measures import WORDS, along_scalar
 from codegen.elements.forces.spring_damper_contact import gap_problems
 from codegen.elements.registry import element
@@ -71,3 +72,7 @@ class RigidContact(Effect):
             return self.typical_force
         masses = [body.mass for body in bodies if body.mass is not None]
         return sympy.Float(GRAVITY) * (sympy.Add(*masses) if masses else sympy.S.One)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The bodies that touch."""
+        return (shapes.Contact(self.on),)

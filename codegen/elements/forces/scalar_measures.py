@@ -173,6 +173,12 @@ class SpringDamper(Effect):
         """s and s0."""
         raise NotImplementedError
 
+    @property
+    def present(self) -> tuple[bool, bool, bool]:
+        """Whether it has an elastic part, a damper and an actuator."""
+        elastic = self.stiffness != 0 or self.preload != 0
+        return elastic, self.damping != 0, self.actuator != 0
+
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
         """V = k (s - s0)² / 2 + F0 (s - s0) of the elastic part."""
         s, free = self.scalar

@@ -4,6 +4,7 @@ import sympy
 
 from codegen.declare.body import Point
 from codegen.declare.element_conditions import Condition
+from codegen.drawing import shapes
 from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.registry import element
 
@@ -51,3 +52,7 @@ class Spring(measures.SpanMeasures, measures.SpringDamper):
             ("free length", self.free_length, "m"),
             ("damping", self.damping, "N s/m"),
         )
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A spring, damper and actuator, those that there are."""
+        return (shapes.Spring(self.i, self.j, *self.present),)

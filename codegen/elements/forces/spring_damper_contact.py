@@ -6,6 +6,7 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Measure, Pulls, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
+from codegen.drawing import shapes
 from codegen.elements.forces.scalar_measures import (
     along_scalar,
     distance,
@@ -156,3 +157,7 @@ class Contact(GapSprings):
         return sign_conditions(
             ("stiffness", self.stiffness, "N/m"), ("damping", self.damping, "N s/m")
         )
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The bodies that touch."""
+        return (shapes.Contact(self.on),)

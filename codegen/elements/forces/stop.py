@@ -6,6 +6,7 @@ from codegen.declare.body import Body
 from codegen.declare.element import label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import Coordinate, Velocity, kinds
+from codegen.drawing import shapes
 from codegen.elements.forces.spring_damper_contact import GapSprings
 from codegen.elements.registry import element
 
@@ -56,6 +57,10 @@ class Stop(GapSprings):
         )  # fmt: skip
         damping = sign_conditions(("damping", self.damping, f"{force} s{per}"))
         return (*limit_conditions(self.lower, self.upper), *stiffness, *damping)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The bodies that touch."""
+        return (shapes.Contact(self.on),)
 
 
 def stop_problems(

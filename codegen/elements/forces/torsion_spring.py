@@ -5,6 +5,7 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import label
 from codegen.declare.element_conditions import Condition
+from codegen.drawing import shapes
 from codegen.elements.forces import scalar_measures as measures
 from codegen.elements.registry import element
 
@@ -47,3 +48,7 @@ class TorsionSpring(measures.TurnMeasures, measures.SpringDamper):
             ("stiffness", self.stiffness, "N m/rad"),
             ("damping", self.damping, "N m s/rad"),
         )
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A torsion spring, damper and actuator, those that there are."""
+        return (shapes.SpiralSpring(self.i, self.j, *self.present),)

@@ -5,6 +5,7 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import Letter, given
+from codegen.drawing import shapes
 from codegen.elements.joints.revolute import X_AXIS
 from codegen.elements.registry import element
 
@@ -28,3 +29,7 @@ class Absolute(Constraint):
         bindings = I.bind(self.ground.at(0, 0)) | J.bind(self.point) | {VALUE: self.value}
         phi = (LEFT_SIDE[self.letter] - VALUE,)
         return Statement(phi, (self.letter,), JointReaction(X_AXIS), bindings)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A mark at the point."""
+        return (shapes.Mark(self.point),)

@@ -8,6 +8,7 @@ from codegen.declare.body import Body
 from codegen.declare.element import ConjugateReaction, Constraint, Frame, I, J, Statement
 from codegen.declare.element_conditions import Condition
 from codegen.declare.symbols import given
+from codegen.drawing import shapes
 from codegen.elements.joints.carrier import WheelPair, radius_conditions
 from codegen.elements.registry import element
 
@@ -52,3 +53,12 @@ class Belt(WheelPair, Constraint):
     def conditions(self) -> tuple[Condition, ...]:
         """Radii of two pulleys."""
         return radius_conditions(self.radius_i, self.radius_j)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """Two pulleys and the belt."""
+        i, j = self.i, self.j
+        return (
+            shapes.Wheel(i, self.radius_i),
+            shapes.Wheel(j, self.radius_j),
+            shapes.Belt(i, j, self.radius_i, self.radius_j, self.crossed),
+        )

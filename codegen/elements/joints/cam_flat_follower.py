@@ -12,6 +12,7 @@ from codegen.declare.cam_profile_checks import compared, places
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.element_conditions import Condition, number_problems
 from codegen.declare.symbols import Coordinate, alpha, coordinate, given, own_coordinate
+from codegen.drawing import shapes
 from codegen.elements.joints.body_line import Axis, axis_conditions, bind_axis
 from codegen.elements.registry import element
 
@@ -73,3 +74,8 @@ class CamFlatFollower(Constraint):
     def conditions(self) -> tuple[Condition, ...]:
         """An axis with a direction."""
         return axis_conditions(self.axis)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The profile, and the line of the face."""
+        ux, uy = self.axis
+        return shapes.Profile(self.cam), shapes.Rack(self.face, ux, uy)

@@ -10,6 +10,7 @@ from codegen.declare.body import Curve
 from codegen.declare.cam_profile_checks import compared, in_ground, outward
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, coordinate, own_coordinate
+from codegen.drawing import shapes
 from codegen.elements.registry import element
 
 AT_I, AT_J = coordinate("contact", "alpha"), coordinate("contact", "beta")
@@ -74,3 +75,7 @@ class CamFollower(Constraint):
         score = np.where(out_one @ out_other.T < FACING, gap - AWAY * sideways, -np.inf)
         on_cam, on_follower = divmod(int(np.argmax(compared(score))), len(other))
         return {self.alpha: ALPHAS[4 * on_cam], self.beta: ALPHAS[4 * on_follower]}
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """Both profiles."""
+        return shapes.Profile(self.cam), shapes.Profile(self.follower)

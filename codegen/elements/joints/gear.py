@@ -8,6 +8,7 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.element_conditions import Condition, number_problems
 from codegen.declare.symbols import given
+from codegen.drawing import shapes
 from codegen.elements.joints.revolute import Revolute
 from codegen.elements.registry import element
 
@@ -101,6 +102,11 @@ class Gear(Constraint):
             return self.line
         span = find_carrier(self.i, self.j, self.joints)
         return sympy.S.Zero if span is None else sympy.atan2(span[2], span[1])
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """Two toothed wheels."""
+        wheels = (self.i, self.radius_i), (self.j, self.radius_j)
+        return tuple(shapes.Wheel(at, radius, toothed=True) for at, radius in wheels)
 
 
 def find_carrier(

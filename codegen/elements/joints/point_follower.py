@@ -10,6 +10,7 @@ from codegen.declare.body import Curve, Point
 from codegen.declare.cam_profile_checks import compared, in_ground
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, coordinate, own_coordinate
+from codegen.drawing import shapes
 from codegen.elements.registry import element
 
 AT = coordinate("contact", "alpha")
@@ -55,3 +56,7 @@ class PointFollower(Constraint):
         with np.errstate(over="ignore"):  # of lengths from 1e154 m on
             apart = np.linalg.norm(curve - point, axis=1)
         return {self.alpha: ALPHAS[int(np.nanargmin(compared(apart)))]}
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The curve, and a pin that follows it."""
+        return shapes.Profile(self.curve), shapes.Mark(self.point)

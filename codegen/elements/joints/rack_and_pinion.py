@@ -6,6 +6,7 @@ from codegen.declare.body import Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import given
+from codegen.drawing import shapes
 from codegen.elements.joints import body_line as line
 from codegen.elements.registry import element
 
@@ -51,3 +52,9 @@ class RackAndPinion(Constraint):
         advice = "; for a pinion on the other side of the rack reverse the rack's axis"
         radius = sign_conditions(("radius", self.radius, "m"), positive=True, advice=advice)
         return line.axis_conditions(self.axis) + radius
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The pinion and the rack."""
+        ux, uy = self.axis
+        pinion = shapes.Wheel(self.pinion, self.radius, toothed=True)
+        return pinion, shapes.Rack(self.rack, ux, uy, toothed=True)

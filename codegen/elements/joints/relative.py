@@ -5,6 +5,7 @@ import sympy
 from codegen.declare.body import Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import Letter, given
+from codegen.drawing import shapes
 from codegen.elements.registry import element
 
 VALUE = given("value")
@@ -35,3 +36,7 @@ class Relative(Constraint):
         bindings = I.bind(self.i) | J.bind(self.j) | {VALUE: self.value}
         reaction = JointReaction(GLOBAL_X)
         return Statement((DIFFERENCE[self.letter] - VALUE,), (self.letter,), reaction, bindings)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """Marks at both points."""
+        return shapes.Mark(self.i), shapes.Mark(self.j)

@@ -4,6 +4,7 @@ import sympy
 
 from codegen.declare.body import Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
+from codegen.drawing import shapes
 from codegen.elements.registry import element
 
 PHI = tuple(I.point - J.point)
@@ -23,3 +24,7 @@ class Revolute(Constraint):
         """Two equations, the x and y distance of the two points."""
         bindings = I.bind(self.i) | J.bind(self.j)
         return Statement(PHI, ("x", "y"), JointReaction(X_AXIS), bindings)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A pin."""
+        return (shapes.Pin(self.i, self.j),)

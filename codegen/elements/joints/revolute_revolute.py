@@ -6,6 +6,7 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import given
+from codegen.drawing import shapes
 from codegen.elements.registry import element
 
 LENGTH = given("length")
@@ -46,3 +47,7 @@ class RevoluteRevolute(Constraint):
         """A link with a length."""
         value = ("length", self.length, "m")
         return sign_conditions(value, positive=True, advice=", or use a revolute joint")
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A rod with a pin at either end."""
+        return (shapes.Rod(self.i, self.j),)

@@ -6,6 +6,7 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.element_conditions import Condition, number_problems
 from codegen.declare.symbols import given
+from codegen.drawing import shapes
 from codegen.elements.joints.body_line import ACROSS, DIRECTION, Axis, axis_conditions, bind_axis
 from codegen.elements.registry import element
 
@@ -49,3 +50,7 @@ class RevoluteTranslational(Constraint):
     def conditions(self) -> tuple[Condition, ...]:
         """An axis with a direction."""
         return axis_conditions(self.axis)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A pin in a slot."""
+        return (shapes.Slot(self.i, self.j, *self.axis),)

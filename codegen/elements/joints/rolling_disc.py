@@ -5,6 +5,7 @@ import sympy
 from codegen.declare.body import Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.drawing import shapes
 from codegen.elements.joints import body_line as line
 from codegen.elements.joints.body_line import Axis
 from codegen.elements.joints.rack_and_pinion import OFFSET, PHI, RADIUS
@@ -50,3 +51,8 @@ class RollingDisc(Constraint):
         advice = "; for a disc on the other side of the line reverse its axis"
         radius = sign_conditions(("radius", self.radius, "m"), positive=True, advice=advice)
         return line.axis_conditions(self.axis) + radius
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The disc and the line."""
+        disc, line = shapes.Wheel(self.disc, self.radius), shapes.Rack(self.line, *self.axis)
+        return disc, line

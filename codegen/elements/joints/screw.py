@@ -6,6 +6,7 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import ConjugateReaction, Constraint, Frame, I, J, Statement, label
 from codegen.declare.element_conditions import Condition, number_problems
 from codegen.declare.symbols import given
+from codegen.drawing import shapes
 from codegen.elements.joints import body_line as line
 from codegen.elements.registry import element
 
@@ -64,3 +65,7 @@ class Screw(Constraint):
         text = "the lead is {1:g} m, and the nut never moves; give the travel of one turn."
         lead = Condition(text, (self.lead**2, self.lead), open=True)
         return (*line.axis_conditions(self.axis), lead)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The nut on its axis."""
+        return (shapes.Slide(self.frame, self.nut, *self.axis),)

@@ -6,6 +6,7 @@ from codegen.declare.body import Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.element_conditions import Condition, number_problems
 from codegen.declare.symbols import given
+from codegen.drawing import shapes
 from codegen.elements.joints.body_line import ACROSS, DIRECTION, Axis, axis_conditions, bind_axis
 from codegen.elements.registry import element
 
@@ -41,3 +42,7 @@ class Translational(Constraint):
     def conditions(self) -> tuple[Condition, ...]:
         """An axis with a direction."""
         return axis_conditions(self.axis)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A block on a guide."""
+        return (shapes.Slide(self.i, self.j, *self.axis),)

@@ -5,6 +5,7 @@ import sympy
 from codegen.declare.body import Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import given
+from codegen.drawing import shapes
 from codegen.elements.joints.revolute import PHI as COINCIDENT
 from codegen.elements.joints.revolute import X_AXIS
 from codegen.elements.registry import element
@@ -31,3 +32,7 @@ class Weld(Constraint):
         """Three equations: the x and y distance of the two points, m, and the angle, rad."""
         bindings = I.bind(self.i) | J.bind(self.j) | {ANGLE: self.angle}
         return Statement(PHI, ("x", "y", "angle"), JointReaction(X_AXIS), bindings)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A rigid connection."""
+        return (shapes.Fixing(self.i, self.j),)

@@ -1,0 +1,184 @@
+"""The picture of a scene in symbols: poses of its bodies, and the shapes of what acts in it."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
+
+import sympy
+
+from codegen.declare.body import Body, Curve, Point
+from codegen.declare.element import Element, JointReaction, Statement
+from codegen.declare.return_values.calls import call_optional_method, name_errors, refusal
+from codegen.declare.return_values.elements import bodies_of
+from codegen.declare.symbols import Parameter, t
+from codegen.drawing import shapes
+from codegen.drawing.shapes import Place, Shape
+
+Hubs = dict[frozenset[Body], tuple[Point, ...]]
+"""Two bodies → the points at which a pin connects them."""
+
+
+class Scoped(NamedTuple):
+    """An expression in the placeholders of an element, and what these stand for."""
+
+    expression: sympy.Expr
+    bindings: Mapping[sympy.Symbol, sympy.Expr]
+
+
+class BodyNumber(NamedTuple):
+    """A body of a picture, 0 for the ground."""
+
+    number: int
+
+
+class PlaneCurve(NamedTuple):
+    """A curve of a body, x'(t) and y'(t) in m: t stands for its parameter, which goes to 2π."""
+
+    body: int
+    x: sympy.Expr
+    y: sympy.Expr
+
+
+class BodyFrame(NamedTuple):
+    """A body: x, y and φ, or x, y, cos φ and sin φ; corners of its outlines in its frame."""
+
+    name: str
+    fixed: bool
+    pose: tuple[sympy.Expr, ...]
+    outlines: tuple[tuple[tuple[sympy.Expr, sympy.Expr], ...], ...]
+
+
+class ElementShape(NamedTuple):
+    """A shape in symbols, and the element that it belongs to.
+
+    Its places are `Place` of expressions, its bodies `BodyNumber`, its curves `PlaneCurve`.
+    """
+
+    element: str
+    kind: str
+    role: str  # "joint", "driver" or "force"
+    shape: Shape
+
+
+@dataclass(frozen=True)
+class ScenePicture:
+    """What a scene looks like, in the coordinates and parameters of its equations."""
+
+    bodies: tuple[BodyFrame, ...]  # the ground first
+    shapes: tuple[ElementShape, ...]
+    # parameters that nothing but the picture contains, and their values
+    constants: tuple[tuple[sympy.Symbol, float], ...] = ()
+
+
+def scene_picture(
+    ground: Body, bodies: tuple[Body, ...], elements: Mapping[str, list[Element]],
+    parameters: Mapping[str, float], known: frozenset[str],
+) -> ScenePicture:  # fmt: skip
+    """The picture of a scene.
+
+    Parameters
+    ----------
+    ground, bodies
+        The bodies that take part.
+    elements
+        Role ("joint", "driver", "force") → the elements that act.
+    parameters, known
+        Values of all parameters by name; those that the equations contain.
+    """
+    hubs = _hubs([e for e in elements["joint"] if e.kind == "revolute"])
+    numbers = {body: k for k, body in enumerate((ground, *bodies))}
+    found = [
+        ElementShape(element.name, element.kind, role, _numbered(shape, numbers))
+        for role, members in elements.items()
+        for element in members
+        for shape in _shapes(element, role, hubs)
+    ]
+    constants = tuple(
+        (Parameter(name, real=True), value)
+        for name, value in parameters.items()
+        if name not in known
+    )
+    return ScenePicture(tuple(map(_frame, numbers)), tuple(found), constants)
+
+
+def _frame(body: Body) -> BodyFrame:
+    turn = body.rotation if body.angle is None else (body.angle,)
+    return BodyFrame(body.name, bool(body.fixed), (*body.position, *turn), body.outlines)
+
+
+def _numbered(shape: Shape, numbers: Mapping[Body, int]) -> Shape:
+    """The shape with numbers for its bodies."""
+
+    def numbered(value: Any) -> Any:
+        match value:
+            case Point():
+                return Place(numbers[value.body], *value.place)
+            case Curve():
+                return PlaneCurve(numbers[value.body], *value.at(t))
+            case Body():
+                return BodyNumber(numbers[value])
+            case tuple() if not isinstance(value, Scoped):
+                return tuple(map(numbered, value))
+        return value
+
+    return replace(shape, **{f.name: numbered(getattr(shape, f.name)) for f in fields(shape)})
+
+
+def _shapes(element: Element, role: str, hubs: Hubs) -> Iterator[Shape]:
+    """The shapes that an element answers, or a mark at each of its points."""
+    with name_errors(element):
+        value = call_optional_method(element, "shapes", None)
+        if value is None:
+            at = (v for v in vars(element).values() if isinstance(v, Point))
+            value = tuple(shapes.Mark(point) for point in at)
+        if not isinstance(value, tuple | list) or not all(isinstance(v, Shape) for v in value):
+            raise refusal(element, "shapes()", value, "a tuple of shapes")
+        for shape in value:
+            yield _with_points(shape, hubs)
+        if role != "force":
+            yield from _reaction(element)
+
+
+def _with_points(shape: Shape, hubs: Hubs) -> Shape:
+    """The shape with points for its bodies: the pin of a pair of bodies, else the origin."""
+    places = {f.name: getattr(shape, f.name) for f in fields(shape)}
+    bodies = [v.body if isinstance(v, Point) else v for v in places.values()]
+    pair = frozenset(b for b in bodies if isinstance(b, Body))
+    changed: dict[str, Any] = {}
+    for name, value in places.items():
+        if isinstance(value, Body) and name not in ("by", "on"):
+            hub = hubs.get(pair, ()) if len(pair) == 2 else ()
+            ends = {end.body: end for end in hub}
+            changed[name] = ends.get(value) or _bearing(value, hubs)
+    return replace(shape, **changed) if changed else shape
+
+
+def _bearing(body: Body, hubs: Hubs) -> Point:
+    """The point about which a body turns on the ground, if it does; else its origin."""
+    for ends in hubs.values():
+        others = [end for end in ends if end.body is not body]
+        if len(others) == 1 and others[0].body.fixed:
+            return next(end for end in ends if end.body is body)
+    return body.at(0, 0)
+
+
+def _hubs(joints: list[Element]) -> Hubs:
+    """Two bodies → the points at which a pin connects them."""
+    hubs: Hubs = {}
+    for joint in joints:
+        ends = [v for v in vars(joint).values() if isinstance(v, Point)]
+        if len(ends) == 2:
+            hubs.setdefault(frozenset(end.body for end in ends), tuple(ends))
+    return hubs
+
+
+def _reaction(element: Any) -> Iterator[Shape]:
+    """The axes of a joint's reaction, and where it acts, on the second body."""
+    statement: Statement = element.statement()
+    reaction, bodies = statement.reaction, bodies_of(element)
+    if not isinstance(reaction, JointReaction) or len(bodies) < 2:
+        return
+    frame = reaction.on
+    at = frame.point if reaction.arm is None else frame.r + reaction.arm
+    x, y, ux, uy = (Scoped(e, statement.bindings) for e in (*at, *reaction.direction))
+    yield shapes.Reaction(bodies[0], bodies[1], x, y, ux, uy)

@@ -1,0 +1,61 @@
+"""The picture of a declared mechanism before anything is built: at its start, or at its guesses."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from codegen.derive.equations import derive
+from codegen.drawing.layout import SAMPLES
+from codegen.drawing.picture import Picture
+from codegen.driver import valid_scenes, with_settings
+from codegen.lower.interpreter import evaluate
+from codegen.lower.kernels.picture_kernels import CURVES, NAME, lower_picture
+from codegen.lower.kernels.scene_kernels import lower
+from codegen.lower.poses_near_start import FloatArray, Poses
+from codegen.model import Model
+
+
+def picture_at_start(
+    model: Model, scene: Any = None, parameters: Mapping[str, float] | None = None,
+    assembled: bool = True,
+) -> Picture:  # fmt: skip
+    """What a declared mechanism looks like.
+
+    Parameters
+    ----------
+    model, scene
+        The declaration, and one of its scenes, by name or as a `Scene`; by default the first.
+    parameters
+        Values by name, in the declared units, in place of the defaults.
+    assembled
+        Whether the joints are closed, from the start values and guesses on, where they can be;
+        False: the start values and guesses themselves, and whatever is open by them is open.
+
+    Returns
+    -------
+    Picture
+        At t = 0 and rest.
+
+    Raises
+    ------
+    ModelError, SceneError
+        With all problems of the declaration.
+    """
+    declared = with_settings(model, parameters or {})
+    chosen, *_ = valid_scenes(declared, None if scene is None else (scene,))
+    lowered = lower(derive(declared, chosen))
+    poses = Poses(lowered)
+    found = poses.along_motion()[:1] if assembled else []
+    q = found[0] if found else poses.guess
+    picture = lower_picture(lowered)
+    values = [value for _, value, *_ in lowered.description.parameters]
+    still: dict[str, Any] = {"q": q.tolist(), "v": [0.0] * len(q), "p": values}
+    numbers = evaluate(picture.program, NAME, {"t": 0.0, **still})["out"]
+    flat = np.array([complex(numbers[k]).real for k in range(len(numbers))])
+    curves = np.zeros((picture.layout.curves, SAMPLES, 2))
+    for k, alpha in enumerate(np.linspace(0.0, 2.0 * np.pi, SAMPLES) if len(curves) else ()):
+        points = evaluate(picture.program, CURVES, {"t": float(alpha), **still})["out"]
+        row = np.array([complex(points[slot]).real for slot in range(len(points))])
+        curves[:, k, :] = row.reshape(-1, 2)
+    return picture.layout.picture(flat, list[FloatArray](curves))

@@ -1,0 +1,122 @@
+"""The pictures of a result: bodies, poses and shapes at all of its instants."""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.drawing.picture import Picture, Symbol
+from codegen.errors import InputError
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.picture import Geometry, geometry
+from runtime.mechanism.sibling_scenes import sibling_named
+
+if TYPE_CHECKING:
+    from runtime.results.result import Result
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """A mechanism in motion.
+
+    Attributes
+    ----------
+    t
+        Instants in s, (k,).
+    picture
+        The first instant, with the shapes of all joints and forces that act at any time.
+    poses
+        x, y in m and φ in rad of each body, (k, bodies, 3).
+    moving
+        (index of a symbol, name of a number of its shape) → its values, (k,), of the numbers that
+        vary; those of places are called ``"i.x"``.
+    active
+        Index of a symbol → spans of time, s, in which it acts, of those that come or go.
+    """
+
+    t: FloatArray
+    picture: Picture
+    poses: FloatArray
+    moving: dict[tuple[int, str], FloatArray]
+    active: dict[int, tuple[tuple[float, float], ...]]
+
+
+def pictures(result: "Result") -> Pictures:
+    """The pictures of a result at its instants.
+
+    Raises
+    ------
+    InputError
+        If the result has no instants, or comes from no machine that is known.
+    """
+    mechanism, title = result._mechanism, result.description.title
+    if mechanism is None:
+        raise InputError(f"{title}: the machine of this result is not known; load it and run it.")
+    if not len(result.t):
+        raise InputError(f"{title}: the result has no instants to draw ({result.message})")
+    spans = _spans(result, mechanism)
+    found = [_of_span(result, known, rows) for known, rows in spans]
+    first = found[0].layout.picture(found[0].numbers[0], found[0].curves)
+    poses = np.concatenate([one.layout.poses(one.numbers) for one in found])
+    known, numbers, active = _joined(found, spans, result.t)
+    moving = {
+        key: values for key, values in numbers.items() if np.ptp(values[~np.isnan(values)]) > 0.0
+    }
+    return Pictures(result.t, replace(first, symbols=known), poses, moving, active)
+
+
+def _spans(result: "Result", mechanism: Mechanism) -> list[tuple[Mechanism, slice]]:
+    """The scenes of the result one after the other, and the rows of their instants."""
+    motion, t = result._motion, result.t
+    if motion is None or not mechanism.description.watched:
+        return [(mechanism, slice(0, len(t)))]
+    scenes = [motion.scene(float(instant)) for instant in t]
+    bounds = [0, *(k for k in range(1, len(t)) if scenes[k] != scenes[k - 1]), len(t)]
+    return [
+        (sibling_named(mechanism, scenes[first]) or mechanism, slice(first, last))
+        for first, last in pairwise(bounds)
+    ]
+
+
+def _of_span(result: "Result", mechanism: Mechanism, rows: slice) -> Geometry:
+    """The geometry while one set of joints acts."""
+    samples, here, there = result.samples, mechanism.description, result.description
+    places = {name: k for k, name in enumerate(there.coordinates.names)}
+    columns = [places[name] for name in here.coordinates.names]
+    p = np.array([result.parameters.get(row.name, row.default) for row in here.parameters])
+    q, v = samples.q[rows][:, columns], samples.v[rows][:, columns]
+    return geometry(mechanism, p, samples.t[rows], q, v)
+
+
+def _joined(
+    found: list[Geometry], spans: list[tuple[Mechanism, slice]], t: FloatArray
+) -> tuple[
+    tuple[Symbol, ...],
+    dict[tuple[int, str], FloatArray],
+    dict[int, tuple[tuple[float, float], ...]],
+]:
+    """The symbols of all spans, their numbers over time, and when those act that come or go."""
+    names: dict[tuple[str, str, int], int] = {}
+    symbols: list[Symbol] = []
+    numbers: dict[tuple[int, str], FloatArray] = {}
+    acts: dict[int, list[tuple[float, float]]] = {}
+    for one, (_, rows) in zip(found, spans, strict=True):
+        drawn = one.layout.picture(one.numbers[0], one.curves)
+        seen: dict[tuple[str, str], int] = {}
+        for k, symbol in enumerate(drawn.symbols):
+            pair = symbol.element, symbol.shape.kind
+            seen[pair] = seen.get(pair, -1) + 1
+            index = names.setdefault((*pair, seen[pair]), len(symbols))
+            if index == len(symbols):
+                symbols.append(symbol)
+            last = min(rows.stop, len(t) - 1)
+            acts.setdefault(index, []).append((float(t[rows.start]), float(t[last])))
+            for field, slot in one.layout.slots(k).items():
+                values = numbers.setdefault((index, field), np.full(len(t), np.nan))
+                values[rows] = one.numbers[:, slot]
+    active = {k: tuple(spells) for k, spells in acts.items() if len(spells) < len(spans)}
+    return tuple(symbols), numbers, active
