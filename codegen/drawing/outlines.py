@@ -32,7 +32,14 @@ from codegen.drawing.sizes_and_held_places import (
     SAME,
     circles_of,
     held_places,
+    typical_length,
 )  # fmt: skip
+
+
+def with_outlines(picture: Picture, motion: FloatArray | None = None) -> Picture:
+    """The picture with its typical length, and with outlines of bodies that have none."""
+    sized = replace(picture, size=typical_length(picture))
+    return replace(sized, bodies=derived_outlines(sized, motion))
 
 
 def derived_outlines(picture: Picture, motion: FloatArray | None = None) -> tuple[BodyPicture, ...]:
