@@ -7,7 +7,7 @@ import numpy as np
 from codegen.drawing.colors import LIGHT, Palette
 from codegen.drawing.moving_strokes import moving_strokes
 from codegen.drawing.names import draw_dimensions, draw_names, draw_scale
-from codegen.drawing.outlines import with_outlines
+from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture
 from codegen.drawing.polygons import FloatArray, placed
 from codegen.drawing.rigid_strokes import rigid_strokes
@@ -78,7 +78,7 @@ def figure(
     InputError
         If Matplotlib is not installed.
     """
-    picture = with_outlines(picture, motion)
+    picture = complete_picture(picture, motion)
     scale = force_scale(picture, reactions) if forces else None
     artist = PictureArtist(picture, motion, colors)
     artist.signs = (

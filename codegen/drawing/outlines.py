@@ -36,8 +36,8 @@ from codegen.drawing.sizes_and_held_places import (
 )  # fmt: skip
 
 
-def with_outlines(picture: Picture, motion: FloatArray | None = None) -> Picture:
-    """The picture with its typical length, and with outlines of bodies that have none."""
+def complete_picture(picture: Picture, motion: FloatArray | None = None) -> Picture:
+    """The picture with its size, and with outlines of all bodies; `motion` as for these."""
     sized = replace(picture, size=typical_length(picture))
     return replace(sized, bodies=derived_outlines(sized, motion))
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from codegen.drawing.outlines import with_outlines
+from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import BodyPicture, Picture, Symbol
 from codegen.drawing.shapes import Drive, Force, Gravity, Pin, Place, Shape, Slide
 
@@ -18,7 +18,7 @@ def picture(
     pictures = (BodyPicture("ground", fixed=True), *(BodyPicture(name) for name in bodies))
     drawn = tuple(Symbol(name, shape.kind, role, shape) for name, role, shape in symbols)
     first = Picture("test", pictures, np.array([(0.0, 0.0, 0.0), *poses]), drawn, 1.0)
-    return with_outlines(first)
+    return complete_picture(first)
 
 
 def slider_crank(angle: float = 0.8, closed: bool = True) -> Picture:
