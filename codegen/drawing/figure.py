@@ -7,6 +7,7 @@ import numpy as np
 from codegen.drawing.colors import LIGHT, Palette
 from codegen.drawing.moving_strokes import moving_strokes
 from codegen.drawing.names import draw_dimensions, draw_names, draw_scale
+from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture
 from codegen.drawing.polygons import FloatArray, placed
 from codegen.drawing.rigid_strokes import rigid_strokes
@@ -48,7 +49,7 @@ def figure(
     Parameters
     ----------
     picture
-        Its bodies have outlines, given or derived.
+        Bodies without outlines get those that follow from their joints.
     dimensions
         Distances between the places of each body, in m, to four digits.
     forces
@@ -77,6 +78,7 @@ def figure(
     InputError
         If Matplotlib is not installed.
     """
+    picture = complete_picture(picture, motion)
     scale = force_scale(picture, reactions) if forces else None
     artist = PictureArtist(picture, motion, colors)
     artist.signs = (

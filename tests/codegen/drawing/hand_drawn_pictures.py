@@ -1,14 +1,12 @@
 """Pictures written by hand: a slider-crank, and others with one shape each."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from codegen.drawing.outlines import derived_outlines
+from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import BodyPicture, Picture, Symbol
 from codegen.drawing.shapes import Drive, Force, Gravity, Pin, Place, Shape, Slide
-from codegen.drawing.sizes_and_held_places import typical_length
 
 
 def picture(
@@ -20,8 +18,7 @@ def picture(
     pictures = (BodyPicture("ground", fixed=True), *(BodyPicture(name) for name in bodies))
     drawn = tuple(Symbol(name, shape.kind, role, shape) for name, role, shape in symbols)
     first = Picture("test", pictures, np.array([(0.0, 0.0, 0.0), *poses]), drawn, 1.0)
-    second = replace(first, size=typical_length(first))
-    return replace(second, bodies=derived_outlines(second))
+    return complete_picture(first)
 
 
 def slider_crank(angle: float = 0.8, closed: bool = True) -> Picture:
