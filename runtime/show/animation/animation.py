@@ -99,24 +99,14 @@ class Animation:
         return framed(self.html, f"Animation of {self.title}", _HEIGHT)
 
 
-def _runs(results: Any) -> tuple[Any, ...]:
-    """The runs that were given, one or several."""
-    if _is_result(results):
-        return (results,)
-    try:
-        return tuple(results)
-    except KeyboardInterrupt:
-        raise
-    except BaseException:
-        return (results,)
+_RESULT = readers.instance("runtime.results", "Result", "a result of a machine")
 
 
-def _is_result(value: Any) -> bool:
-    from runtime.results.result import Result
-
-    return isinstance(value, Result)
-
-
+@readers.reads(
+    results=readers.several(_RESULT, "a list of results, such as [first, second]"),
+    file=readers.optional(readers.path),
+    labels=readers.texts('["light", "heavy"]'),
+)
 def animate(
     results: "Sequence[Result]",
     *,
@@ -145,9 +135,8 @@ def animate(
         If there is no run or more than six, one has no instants, the number of labels is another
         one, or bokeh is not installed.
     """
-    runs = _runs(results)
-    wrong = [k for k, run in enumerate(runs) if not _is_result(run)]
-    problems = [f"animate: run {k + 1} is no result of a machine." for k in wrong]
+    runs = tuple(results)
+    problems = []
     if not 0 < len(runs) <= MOST_RUNS:
         problems.append(f"animate: {len(runs)} runs; it shows 1 to {MOST_RUNS}.")
     if labels and len(labels) != len(runs):
@@ -155,11 +144,11 @@ def animate(
     problems += [
         f"animate: run {k + 1}, {run.description.title}, has no instants ({run.message})"
         for k, run in enumerate(runs)
-        if k not in wrong and not len(run.t)
+        if not len(run.t)
     ]
     if problems:
         raise InputError(problems)
-    shown = Animation(runs, [str(label) for label in labels])
+    shown = Animation(runs, labels)
     if file is not None:
         shown.save(file)
     return shown

@@ -76,9 +76,8 @@ def test_an_equilibrium_has_no_curves() -> None:
 
 
 def test_the_same_run_gives_the_same_page() -> None:
-    machine = load("slider_crank", "kinematics")
-    pages = {page(machine.kinematics(np.linspace(0.0, 1.0, 11))) for _ in range(2)}
-    assert len(pages) == 1
+    run = load("slider_crank", "kinematics").kinematics(np.linspace(0.0, 1.0, 11))
+    assert page(run) == page(run)
 
 
 def test_the_command_line_picks_the_analysis(tmp_path: Path) -> None:
