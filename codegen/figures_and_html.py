@@ -35,13 +35,13 @@ def terminal_width() -> int:
 def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Figure":
     """An empty figure for a "plot", "picture" or "report", sizes in inches."""
     try:
-        from matplotlib.figure import Figure
+        from codegen.notebook_figure import NotebookFigure
     except ImportError as error:
         raise InputError(
             f"A {purpose} needs matplotlib, which is not installed. Run pip install "
             "'linkwright[plot]', in the checkout pip install '.[plot]'."
         ) from error
-    return Figure(figsize=(width, height), layout="constrained", **options)
+    return NotebookFigure(figsize=(width, height), layout="constrained", **options)
 
 
 def finish_axes(axes: "Axes", **grid: Any) -> None:

@@ -37,3 +37,14 @@ def nearest(name: str, known: Iterable[str]) -> str:
     if close:
         return f"did you mean {' or '.join(repr(c) for c in close)}?"
     return f"there are: {', '.join(names)}." if names else "there are none."
+
+
+def nearest_quantity(name: str, known: Iterable[str]) -> str:
+    """A hint about an unknown ``owner.letter``: the nearest letters of the owner, else all."""
+    names = list(known)
+    owner, _, letter = name[:WIDEST].rpartition(".")
+    own = {k.rpartition(".")[2]: k for k in names if k.rpartition(".")[0] == owner}
+    if not own:
+        return nearest(name, names)
+    close = difflib.get_close_matches(letter, own, n=3, cutoff=0.5) or own
+    return f"did you mean {' or '.join(own[c] for c in close)}?"

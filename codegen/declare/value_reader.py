@@ -16,7 +16,7 @@ from sympy.core.relational import Relational
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.expression_rules import expression_problem
-from codegen.declare.name_rules_and_hints import nearest
+from codegen.declare.name_rules_and_hints import nearest, nearest_quantity
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.scene import name_of
 from codegen.declare.symbols import (
@@ -44,7 +44,8 @@ from codegen.public_callables import failure, unreadable
 from codegen.values_of_long_numbers import with_short_numbers
 
 Names = Iterable["str | Body | Constraint | Effect"]
-Values = Mapping["str | sympy.Symbol", Any]
+# From names or symbols; a mapping whose keys were said would take no other mapping's variable.
+Values = Mapping[Any, Any]
 NamedValues = tuple[tuple[str, float], ...]
 
 STEPS = (sympy.floor, sympy.ceiling, sympy.Mod)
@@ -278,9 +279,7 @@ class Reader:
             if name in units:
                 numbers[name] = self.finite(value, units[name], f"{where}, {name}")
             else:
-                owner = name.rpartition(".")[0]
-                own = [known for known in units if known.rpartition(".")[0] == owner]
-                hint = f"did you mean {' or '.join(own)}?" if own else nearest(name, units)
+                hint = nearest_quantity(name, units)
                 self.note(f"{where}: '{name}' is no coordinate or velocity; {hint}")
         return tuple(numbers.items())
 

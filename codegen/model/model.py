@@ -57,8 +57,8 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Limits, Transmi
         if gravity is not None:
             self.gravity("gravity", gravity)
 
-    def _repr_html_(self) -> str:
-        """What is declared, by name, with a table of the parameters, for notebooks."""
+    def __str__(self) -> str:
+        """The name, then what is declared, a line a kind."""
         rows: dict[str, Iterable[str]] = {
             "bodies": self.bodies, "states": self.states, "joints": self.joints,
             "drivers": self.drivers, "effects": [e for e in self.effects if e not in self.points],
@@ -66,9 +66,16 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Limits, Transmi
         }  # fmt: skip
         texts = {word: ", ".join(names) for word, names in rows.items()}
         lines = [f"{word} {text}" for word, text in texts.items() if text]
+        return "\n".join((f"Model {shown(self.name)}", *lines))
+
+    def _repr_html_(self) -> str:
+        """What is declared, with a table of the parameters, for notebooks."""
         values = ((p.name, p.value, p.unit) for p in self.parameters.values())
-        table = html_table(("parameter", "default", "unit"), values)
-        return html_of("\n".join((f"Model {shown(self.name)}", *lines)), table)
+        return html_of(str(self), html_table(("parameter", "default", "unit"), values))
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        """What is declared, for the prompt of IPython."""
+        printer.text(repr(self) if cycle else str(self))
 
     def add(self, element: Declared) -> Declared:
         """Declare a user-defined element: a `Constraint`, an `Effect` or a kind of `Body`.

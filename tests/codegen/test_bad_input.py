@@ -241,6 +241,10 @@ from tests.codegen.complaints import check, complaints
         ),
         ("model.scene('s', drivers=['gravity'])", ["no driver 'gravity'; it is an effect; name"]),
         ("model.scene('s', start={'a.theta': 1})", ["'a.theta' is no .*; did you mean .*a.phi"]),
+        (
+            "model.scene('s', start={'a.omgea': 1})",
+            [r"'a.omgea' is no coordinate or velocity; did you mean a.omega\?"],
+        ),
         ("model.scene('s', drivers=['motor'])", ["scene 's': no driver 'motor'; there are none"]),
         ("model.scene('s', without=['aa'])", ["scene 's': no body or joint 'aa'; .*'a'"]),
         ("model.scene('s', without=['a', 'b'])", ["scene 's': no body takes part"]),

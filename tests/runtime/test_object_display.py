@@ -136,6 +136,14 @@ def test_model(pointed: Model) -> None:
     assert "<b>Model &#x27;pointed&#x27;</b><br>bodies stone<br>effects gravity, wind<br>" in html
     assert "<br>points tip<br>scenes windy, calm</p>" in html
     assert "<td>m</td><td style='text-align:right'>2</td><td>kg</td>" in html
+    lines = str(pointed).splitlines()
+    assert lines[:3] == ["Model 'pointed'", "bodies stone", "effects gravity, wind"]
+
+
+def test_figure(pendulum: Machine) -> None:
+    """A figure is a picture in a notebook, also where nothing has loaded pyplot."""
+    picture = pendulum.simulate(0.1, 3).plot("bar.phi")._repr_png_()  # type: ignore[attr-defined]
+    assert picture.startswith(b"\x89PNG")
 
 
 def test_ranking(pointed: Model, tmp_path: Path) -> None:
