@@ -150,18 +150,27 @@ class Case:
             temporary.write_text(text, encoding="utf-8", newline="\n")
         return file
 
+    @property
+    def path(self) -> Path | None:
+        """The file from which the case was read; None of one that was made in Python."""
+        return self._file
+
+    @property
+    def model_path(self) -> str:
+        """The model as `load` takes it: a name, or the path of its file."""
+        return str(self._folder / self.model) if _is_path(self.model) else self.model
+
     def source(self) -> "tuple[str | Model, str | Scene | None]":
         """The model and the scene, as `load` takes them.
 
         A scene as data is declared in the model, whose file is executed for that.
         """
-        model = str(self._folder / self.model) if _is_path(self.model) else self.model
         if not isinstance(self.scene, dict):
-            return model, self.scene
+            return self.model_path, self.scene
         from codegen.scene_data import scene_of_data
 
         with self._located():
-            return scene_of_data(model, entry_of(self.scene).plain())
+            return scene_of_data(self.model_path, entry_of(self.scene).plain())
 
     def machine(self, *, generated: str | os.PathLike[str] | None = None) -> "Machine":
         """The machine of the case; its model file is Python and is executed where need be.

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from codegen.condition_texts import FORM, read_condition
 from codegen.plain_values import shown
-from codegen.quantities import QUANTITY, QuantityError, number_in
+from codegen.quantities import QUANTITY, QuantityError, number_in, pint_form
 from runtime.cases.document import Entry
 from runtime.mechanism.table_rows import unknown
 
@@ -179,7 +179,13 @@ def _quantity_problem(value: object) -> str | None:
     if not isinstance(value, str):
         return _number_problem(value)
     parts = QUANTITY.fullmatch(value)
-    return "" if parts is None or not math.isfinite(float(parts[1])) else None
+    if parts is None or not math.isfinite(float(parts[1])):
+        return ""
+    try:
+        pint_form(parts[2] or "1")
+    except ValueError:
+        return f"{shown(parts[2])} is no unit; write products of powers, such as kg m^2 or N m/rad."
+    return None
 
 
 def _seconds_problem(value: object) -> str | None:
