@@ -9,7 +9,11 @@ from codegen.drawing.picture import Picture
 from codegen.drawing.polygons import FloatArray, area
 from codegen.drawing.strokes import FILLED, Stroke
 
-DASHED, DASH_DOTTED, SOLID = (0.0, (4.0, 2.5)), (0.0, (7.0, 2.0, 1.5, 2.0)), (0.0, None)
+DASHED, DASH_DOTTED, SOLID = (
+    (0.0, (4.0, 2.5)),
+    (0.0, (7.0, 2.0, 1.5, 2.0)),
+    (0.0, None),
+)  # layout: of lines
 Dashes = tuple[float, tuple[float, ...] | None]
 
 
