@@ -59,6 +59,29 @@ def guide_of(picture: Picture, shape: Slide | Slot) -> Guide:
     return guide
 
 
+def slot_ends(picture: Picture, guide: Guide, motion: FloatArray | None) -> FloatArray:
+    """Where a slot begins and ends, in the frame of its body, shape (2, 2), m.
+
+    It covers the travel of its pin; without a motion, and some way to either side.
+    """
+    first, last = guide.travel(picture, motion)
+    room = (0.02 if motion is not None else 0.09) * picture.size
+    return np.asarray(guide.origin + np.outer([first - room, last + room], guide.along))
+
+
+def block_half_length(picture: Picture, guide: Guide) -> float:
+    """Half the length of a block, m: less where other blocks are near."""
+    at = np.array(picture.position(guide.block))
+    others = [
+        np.array(picture.position(guide_of(picture, symbol.shape).block))
+        for symbol in picture.symbols
+        if isinstance(symbol.shape, Slide)
+    ]
+    distances = [float(np.hypot(*(other - at))) for other in others]
+    nearest = min((d for d in distances if d > SAME * picture.size), default=np.inf)
+    return float(min(BLOCK[0] * picture.size, 0.28 * nearest))
+
+
 def guide_ends(picture: Picture, guide: Guide, motion: FloatArray | None) -> FloatArray:
     """Where a guide begins and ends, in the frame of its body, shape (2, 2), m.
 
@@ -130,6 +153,9 @@ def rack_ends(picture: Picture, shape: Rack, motion: FloatArray | None) -> Float
     origin, along = np.array(shape.i[1:], dtype=float), unit(np.array([shape.ux, shape.uy], float))
     poses = picture.poses[None] if motion is None else motion
     s, room = [0.0], 0.25 * picture.size
+    for curve in _profiles_of(picture, shape):
+        points = np.array([place[1:] for place in curve])
+        room = 0.8 * float(np.max(np.hypot(*(points - points.mean(axis=0)).T)))
     for wheel in wheels_of(picture, shape):
         hub = np.array([[wheel.center.x, wheel.center.y]])
         s = [
@@ -159,6 +185,16 @@ def rack_side(picture: Picture, shape: Rack) -> float:
             d = at - np.array(picture.position(shape.i))
             return 1.0 if float(d @ normal(heading)) >= 0 else -1.0
     return 1.0 if heading[0] >= 0 else -1.0
+
+
+def _profiles_of(picture: Picture, shape: Shape) -> list[tuple[Place, ...]]:
+    """The curves of the element that has this shape."""
+    elements = {symbol.element for symbol in picture.symbols if symbol.shape is shape}
+    return [
+        symbol.shape.curve
+        for symbol in picture.symbols
+        if symbol.element in elements and isinstance(symbol.shape, Profile)
+    ]
 
 
 def wheels_of(picture: Picture, shape: Shape) -> list[Wheel]:

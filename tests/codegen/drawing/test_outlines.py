@@ -115,7 +115,7 @@ def test_a_slot_has_a_bar_that_is_as_long_as_the_motion_needs() -> None:
     motion[:, 1, 2] = np.arctan2(1 + 0.5 * np.sin(motion[:, 2, 2]), 0.5 * np.cos(motion[:, 2, 2]))
     bare = Picture("", tuple(BodyPicture(b.name, b.fixed) for b in drawn.bodies), drawn.poses,
                    drawn.symbols, drawn.size)  # fmt: skip
-    bar = np.array(derived_outlines(bare, motion)[1].outlines[0])
+    bar = np.concatenate(derived_outlines(bare, motion)[1].outlines)
     assert bar[:, 0].min() < 0.0
     assert 1.5 < bar[:, 0].max() < 1.5 + 0.1 * drawn.size
 
