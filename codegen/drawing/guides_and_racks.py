@@ -4,7 +4,7 @@ import numpy as np
 
 from codegen.drawing.picture import Picture
 from codegen.drawing.polygons import FloatArray, in_frame, normal, placed, unit
-from codegen.drawing.shapes import Place, Profile, Rack, Shape, Slide, Slot, Wheel
+from codegen.drawing.shapes import Pin, Place, Profile, Rack, Shape, Slide, Slot, Wheel
 from codegen.drawing.sizes_and_held_places import BAR, BLOCK, SAME, held_places
 from codegen.drawing.wheel_lines import BACK
 
@@ -65,8 +65,43 @@ def slot_ends(picture: Picture, guide: Guide, motion: FloatArray | None) -> Floa
     It covers the travel of its pin; without a motion, and some way to either side.
     """
     first, last = guide.travel(picture, motion)
-    room = (0.02 if motion is not None else 0.09) * picture.size
+    room = 0.02 * picture.size
+    if motion is None:
+        least, most = _crank_circle(picture, guide) or (np.inf, -np.inf)
+        room = (0.02 if most > least else 0.09) * picture.size
+        first, last = min(first, least), max(last, most)
     return np.asarray(guide.origin + np.outer([first - room, last + room], guide.along))
+
+
+def _crank_circle(picture: Picture, guide: Guide) -> tuple[float, float] | None:
+    """The travel of a pin in a slot, where its body turns about a pin on the ground, m.
+
+    A slot that turns about the ground itself sees distances from its own pin; another one sees the
+    circle from the side.
+    """
+    center, own = (_ground_pin(picture, body) for body in (guide.block.body, guide.body))
+    if center is None:
+        return None
+    radius = float(np.hypot(*(np.array(picture.position(guide.block)) - center)))
+    pose = picture.poses[guide.body]
+    if own is not None:
+        start = float((in_frame(own[None], pose)[0] - guide.origin) @ guide.along)
+        reach = float(np.hypot(*(center - own)))
+        way = 1.0 if guide.travel(picture, None)[0] >= start else -1.0
+        ends = start + way * abs(reach - radius), start + way * (reach + radius)
+        return min(ends), max(ends)
+    middle = float((in_frame(center[None], pose)[0] - guide.origin) @ guide.along)
+    return middle - radius, middle + radius
+
+
+def _ground_pin(picture: Picture, body: int) -> FloatArray | None:
+    """Where a body turns about the ground, in the global frame."""
+    for symbol in picture.symbols:
+        pin = symbol.shape
+        if isinstance(pin, Pin) and body in (pin.i.body, pin.j.body):
+            if any(picture.bodies[place.body].fixed for place in (pin.i, pin.j)):
+                return np.array(picture.position(pin.i))
+    return None
 
 
 def block_half_length(picture: Picture, guide: Guide) -> float:

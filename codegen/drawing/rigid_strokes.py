@@ -18,6 +18,7 @@ from codegen.drawing.guides_and_racks import (
 from codegen.drawing.outlines import is_closed
 from codegen.drawing.picture import Picture, Symbol, places
 from codegen.drawing.polygons import (
+    ROUND,
     FloatArray,
     box,
     circle,
@@ -61,7 +62,7 @@ def _spokes_of_discs(picture: Picture) -> Iterator[Stroke]:
         held = distinct(held_places(picture, number), SAME * picture.size)
         if body.is_derived and len(body.outlines) == 1 and len(held) == 1 and number not in wheels:
             radii = np.hypot(*(np.array(body.outlines[0]) - held[0]).T)
-            if np.ptp(radii) < 1e-6 * radii.max():
+            if len(radii) > ROUND // 2 and np.ptp(radii) < 1e-6 * radii.max():
                 line = spoke(held[0], float(radii.max()))
                 yield Stroke("spoke", number, line, False, body.name)
 
