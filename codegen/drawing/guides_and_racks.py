@@ -98,9 +98,9 @@ def _ground_pin(picture: Picture, body: int) -> FloatArray | None:
     """Where a body turns about the ground, in the global frame."""
     for symbol in picture.symbols:
         pin = symbol.shape
-        if isinstance(pin, Pin) and body in (pin.i.body, pin.j.body):
-            if any(picture.bodies[place.body].fixed for place in (pin.i, pin.j)):
-                return np.array(picture.position(pin.i))
+        ends = (pin.i.body, pin.j.body) if isinstance(pin, Pin) else ()
+        if isinstance(pin, Pin) and body in ends and any(picture.bodies[e].fixed for e in ends):
+            return np.array(picture.position(pin.i))
     return None
 
 
