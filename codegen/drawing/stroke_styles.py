@@ -11,17 +11,9 @@ from codegen.drawing.shapes import Slide, Spring
 from codegen.drawing.sizes_and_held_places import BLOCK
 from codegen.drawing.strokes import FILLED, Stroke
 
-<<<<<<< HEAD
 DASHED = (0.0, (4.0, 2.5))  # layout: of lines, in their widths
 DASH_DOTTED = (0.0, (7.0, 2.0, 1.5, 2.0))  # layout: the same, of pitch circles
 SOLID = (0.0, None)
-=======
-DASHED, DASH_DOTTED, SOLID = (
-    (0.0, (4.0, 2.5)),
-    (0.0, (7.0, 2.0, 1.5, 2.0)),
-    (0.0, None),
-)  # layout: of lines
->>>>>>> main
 Dashes = tuple[float, tuple[float, ...] | None]
 
 
