@@ -18,6 +18,7 @@ except (OSError, TypeError, AttributeError):
 
 TYPE_CHECKING = False  # type checkers take it as true; importing typing would load modules
 if TYPE_CHECKING:
+    from runtime.cases.case import Case, load_case
     from runtime.core.outcomes import Outcome
     from runtime.machine_facade import Machine
     from runtime.machine_loading import load
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "Assembly": "runtime.results.assembled_state",
+    "Case": "runtime.cases.case",
     "Equilibrium": "runtime.statics.equilibrium",
     "Event": "runtime.results.event_records",
     "Machine": "runtime.machine_facade",
@@ -38,12 +40,13 @@ _HOMES = {
     "Result": "runtime.results.result",
     "accuracy": "runtime.studies.work_precision",
     "load": "runtime.machine_loading",
+    "load_case": "runtime.cases.case",
     "load_result": "runtime.result_loading",
     "matters": "runtime.studies.effect_ranking",
 }
 
-__all__ = ["Assembly", "Equilibrium", "Event", "Machine", "Outcome", "Result"]
-__all__ += ["accuracy", "load", "load_result", "matters"]
+__all__ = ["Assembly", "Case", "Equilibrium", "Event", "Machine", "Outcome", "Result"]
+__all__ += ["accuracy", "load", "load_case", "load_result", "matters"]
 
 
 def __getattr__(name: str) -> object:
