@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from runtime.statics.equilibrium import Equilibrium
     from runtime.studies.effect_ranking import matters
     from runtime.studies.work_precision import accuracy
+    from runtime.sweeps import Study, load_study, sweep
 
 _HOMES = {
     "Assembly": "runtime.results.assembled_state",
@@ -36,14 +37,17 @@ _HOMES = {
     "Machine": "runtime.machine_facade",
     "Outcome": "runtime.core.outcomes",
     "Result": "runtime.results.result",
+    "Study": "runtime.sweeps",
     "accuracy": "runtime.studies.work_precision",
     "load": "runtime.machine_loading",
     "load_result": "runtime.result_loading",
+    "load_study": "runtime.sweeps",
     "matters": "runtime.studies.effect_ranking",
+    "sweep": "runtime.sweeps",
 }
 
-__all__ = ["Assembly", "Equilibrium", "Event", "Machine", "Outcome", "Result"]
-__all__ += ["accuracy", "load", "load_result", "matters"]
+__all__ = ["Assembly", "Equilibrium", "Event", "Machine", "Outcome", "Result", "Study"]
+__all__ += ["accuracy", "load", "load_result", "load_study", "matters", "sweep"]
 
 
 def __getattr__(name: str) -> object:
