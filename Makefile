@@ -85,6 +85,7 @@ check: $(READY) ## is what is written from the source what the source says today
 	$(PY) -m codegen methods --check || failed="$$failed methods"; \
 	$(PY) docs/make_constants.py --check || failed="$$failed docs/reference/constants.md"; \
 	$(PY) docs/make_modules.py --check || failed="$$failed docs/development/modules.md"; \
+	$(PY) docs/make_command_line.py --check || failed="$$failed docs/reference/command-line.md"; \
 	if [ -n "$$failed" ]; then echo "stale or failing:$$failed; run make build and look at the difference" >&2; exit 1; fi
 
 build: $(READY) ## bring all that is written from the source up to date
@@ -93,6 +94,7 @@ build: $(READY) ## bring all that is written from the source up to date
 	$(PY) -m codegen methods
 	$(PY) docs/make_constants.py
 	$(PY) docs/make_modules.py
+	$(PY) docs/make_command_line.py
 
 gallery: $(READY) ## run every machine of the chapter: one table, all figures into figures/
 	$(PY) -m models.studies --gallery docs/gallery/book.md

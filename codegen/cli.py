@@ -48,6 +48,9 @@ def answers_errors(command: Callable[..., None]) -> Callable[..., None]:
         except InputError as error:
             for problem in error.problems:
                 errors.print(f"[bold red]error:[/] {escaped(problem)}")
+            if options.get("as_json"):
+                answer = {"ok": False, "status": 2, "problems": error.problems}
+                typer.echo(json.dumps(answer))
             raise typer.Exit(2) from None
 
     return guarded

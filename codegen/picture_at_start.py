@@ -1,12 +1,14 @@
-"""The picture of a declared mechanism before anything is built: at its start, or at its guesses."""
+"""The picture of a declared mechanism before anything is built, at its start or its guesses."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from codegen import argument_readers as readers
 from codegen.derive.equations import derive
 from codegen.drawing.layout import SAMPLES
+from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture
 from codegen.driver import valid_scenes, with_settings
 from codegen.lower.interpreter import evaluate
@@ -14,6 +16,26 @@ from codegen.lower.kernels.picture_kernels import CURVES, NAME, lower_picture
 from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.poses_near_start import FloatArray, Poses
 from codegen.model import Model
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DRAWING = dict.fromkeys(("dimensions", "forces", "frames", "names"), readers.flag)
+"""Arguments that choose what a figure has, and their reader."""
+
+
+@readers.reads(
+    scene=readers.optional(readers.scene),
+    parameters=readers.optional(readers.values('{"L": 1.2}')), assembled=readers.flag, **DRAWING,
+)  # fmt: skip
+def draw(
+    model: Model, scene: Any = None, *, parameters: Mapping[str, float] | None = None,
+    assembled: bool = True, **drawing: Any,
+) -> "Figure":  # fmt: skip
+    """The figure of a declared mechanism; see `Model.draw`."""
+    from codegen.drawing.figure import figure
+
+    return figure(picture_at_start(model, scene, parameters, assembled), **drawing)
 
 
 def picture_at_start(
@@ -58,4 +80,4 @@ def picture_at_start(
         points = evaluate(picture.program, CURVES, {"t": float(alpha), **still})["out"]
         row = np.array([complex(points[slot]).real for slot in range(len(points))])
         curves[:, k, :] = row.reshape(-1, 2)
-    return picture.layout.picture(flat, list[FloatArray](curves))
+    return complete_picture(picture.layout.picture(flat, list[FloatArray](curves)))

@@ -1,34 +1,78 @@
-"""One command line of the compiler's commands and the runtime's."""
+"""One command line of the compiler's commands, the runtime's, and those of `linkwright` alone."""
 
 from copy import copy
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 
 from codegen import __version__
 from codegen.cli import app as compiler
+from linkwright.command_panels_and_examples import KINDS, PANELS, panel_and_line
+from linkwright.help_and_usage_errors import Command, Commands
+from linkwright.parameter_presentation import presented
+from linkwright.shell_completion import template_kinds
 from runtime.cli.app import app as analyses
-from runtime.cli.common import exit_on_error
+from runtime.cli.common import Json, exit_on_error, print_json
 
+ABOUT = "A compiler for planar mechanisms: declare a machine, compile it, analyse it."
+own = typer.Typer()
 app = typer.Typer(
     name="linkwright",
-    help="A compiler for planar mechanisms: build a declared machine, and analyse it.",
+    cls=Commands,
+    help=ABOUT,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
 
-def _add(commands: typer.Typer, panel: str) -> None:
-    for command in map(copy, commands.registered_commands):
-        command.rich_help_panel = panel
-        app.registered_commands.append(command)
+@own.command()
+def new(
+    name: Annotated[
+        str, typer.Argument(help="Name of the model and its file NAME.py.", metavar="NAME")
+    ],
+    kind: Annotated[
+        str,
+        typer.Option(
+            help=f"Machine to start from: {', '.join(KINDS)}.",
+            metavar="KIND",
+            autocompletion=template_kinds,
+        ),
+    ] = "four-bar",
+) -> None:
+    """Write a commented model to start from into the working folder; it overwrites nothing."""
+    from linkwright.new_model import first_commands, write_model
+
+    with exit_on_error(as_json=False):
+        path = write_model(name, kind)
+    typer.echo(f"{path}: a {kind.replace('_', '-')} to start from. Next:")
+    for line in first_commands(path, kind):
+        typer.echo(f"  {line}")
 
 
-_add(compiler, "Compile")
+@own.command("list")
+def list_models(
+    folder: Annotated[
+        Path | None,
+        typer.Argument(
+            help="A folder of model files; without it this folder, its models/ and the library.",
+            metavar="FOLDER",
+        ),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """List models and their scenes, a line each from their docstrings."""
+    from linkwright.model_listing import facts, found_models, show
+
+    with exit_on_error(as_json):
+        found = found_models(folder)
+    if as_json:
+        print_json(facts(found))
+    else:
+        show(found)
 
 
-@app.command(rich_help_panel="Compile")
+@own.command()
 def precompile(
     methods: Annotated[
         list[str] | None, typer.Argument(help="Integration methods; all unless given.")
@@ -41,7 +85,22 @@ def precompile(
         compile_ahead(*(methods or ()), told=typer.echo)
 
 
-_add(analyses, "Analyse")
+def _name(command: Any) -> str:
+    return str(command.name or command.callback.__name__.replace("_", "-"))
+
+
+def _gather() -> None:
+    """Register all commands, in the order of the panels."""
+    order = [name for names in PANELS.values() for name in names]
+    every = [c for part in (own, compiler, analyses) for c in part.registered_commands]
+    every.sort(key=lambda c: order.index(_name(c)) if _name(c) in order else len(order))
+    for given in every:
+        command = copy(given)
+        assert command.callback is not None
+        command.cls = Command
+        command.rich_help_panel, command.short_help = panel_and_line(_name(given))
+        command.callback = presented(command.callback)
+        app.registered_commands.append(command)
 
 
 def _print_version(wanted: bool) -> None:
@@ -59,4 +118,7 @@ def about(
         ),
     ] = False,
 ) -> None:
-    """A compiler for planar mechanisms: build a declared machine, and analyse it."""
+    """A compiler for planar mechanisms: declare a machine, compile it, analyse it."""
+
+
+_gather()

@@ -14,7 +14,10 @@ from runtime.validation.arguments import check
 from runtime.validation.parameters import parameter_values
 
 if TYPE_CHECKING:
-    from runtime.results.assembled_state import Assembly
+    from matplotlib.figure import Figure
+
+    from runtime.results.assembled_state import Assembly, State
+    from runtime.results.result import Result
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -109,6 +112,46 @@ class MachineStates(MechanismTables):
             start = self.assemble(parameters=parameters, t=t)
             q, v = start.q, start.v
         return initial_modes(self.mechanism.system, t, q, v, p)
+
+    @shows_compilation
+    def draw(
+        self, at: "float | State | Assembly | Result" = 0.0, *, parameters: Values | None = None,
+        guess: Values | None = None, dimensions: bool = False, forces: bool = False,
+        frames: bool = False, names: bool = True,
+    ) -> "Figure":  # fmt: skip
+        """Draw the machine at its start, or at a state.
+
+        Parameters
+        ----------
+        at
+            An instant in s, at which the start is assembled (drivers stand where they are then);
+            or a state: what `assemble` returns, `Result.state(t)`, a result at its end.
+        parameters, guess
+            As for `assemble`: values by name, in the declared units; positions in m and rad.
+        dimensions, forces, frames, names
+            As for `Model.draw`; forces are the applied ones. `Result.draw` has reactions too.
+
+        Returns
+        -------
+        Figure
+            Of Matplotlib; ``figure.savefig("machine.svg")`` saves it.
+
+        Raises
+        ------
+        AssemblyError, InputError
+            As `assemble`; if an argument is of the wrong kind, or Matplotlib is not installed.
+        """
+        from runtime.show.still import draw_state
+
+        options = {"dimensions": dimensions, "forces": forces, "frames": frames, "names": names}
+        given = {"start": at} if not isinstance(at, int | float) else {"t": at}
+        read = check(self.mechanism, parameters=parameters, guess=guess, **given, **options)
+        values, state = read.pop("parameters"), read.pop("start", None)
+        begin = read.pop("guess")
+        if state is None or isinstance(state, dict):
+            state = self.assemble(begin, values, read.pop("t", 0.0), start=state)
+        options = {name: read[name] for name in options}
+        return draw_state(self.mechanism, state, self.parameter_values(values), **options)
 
     @shows_compilation
     def assemble(

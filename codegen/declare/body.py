@@ -6,7 +6,7 @@ inertia force, and equations between its coordinates. One whose orientation is n
 `Model.add` declares it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import sympy
@@ -57,7 +57,7 @@ class Body(Pose):
     mass: sympy.Expr | None
     inertia: sympy.Expr | None
     model: object
-    outlines: tuple[tuple[tuple[Any, Any], ...], ...] = ()
+    outlines: tuple[tuple[tuple[Any, Any], ...], ...] = field(default=(), kw_only=True)
     fixed: ClassVar[bool] = False
     turns: ClassVar[bool] = True
 

@@ -44,7 +44,8 @@ from codegen.public_callables import failure, unreadable
 from codegen.values_of_long_numbers import with_short_numbers
 
 Names = Iterable["str | Body | Constraint | Effect"]
-Values = Mapping["str | sympy.Symbol", Any]
+# From names or symbols; a mapping whose keys were said would take no other mapping's variable.
+Values = Mapping[Any, Any]
 NamedValues = tuple[tuple[str, float], ...]
 
 STEPS = (sympy.floor, sympy.ceiling, sympy.Mod)

@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 import sympy
 
 from codegen.declare.body import Body, Curve, Point
-from codegen.declare.element import Element, JointReaction, Statement
+from codegen.declare.element import Element, JointReaction
 from codegen.declare.return_values.calls import call_optional_method, name_errors, refusal
+from codegen.declare.return_values.constraints import statement_of
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.symbols import Parameter, t
 from codegen.drawing import shapes
@@ -174,8 +175,8 @@ def _hubs(joints: list[Element]) -> Hubs:
 
 def _reaction(element: Any) -> Iterator[Shape]:
     """The axes of a joint's reaction, and where it acts, on the second body."""
-    statement: Statement = element.statement()
-    reaction, bodies = statement.reaction, bodies_of(element)
+    statement, bodies = statement_of(element), bodies_of(element)
+    reaction = statement.reaction
     if not isinstance(reaction, JointReaction) or len(bodies) < 2:
         return
     frame = reaction.on

@@ -76,7 +76,7 @@ class Layout:
         return poses
 
     def picture(self, numbers: FloatArray, curves: Sequence[FloatArray]) -> Picture:
-        """The picture of one instant.
+        """The picture of one instant, without outlines that follow from joints, of size 1.
 
         Parameters
         ----------

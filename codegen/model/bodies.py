@@ -49,7 +49,7 @@ class Bodies(Joints):
         m = self._positive(mass, "kg", f"mass of body '{name}'")
         j = self._positive(inertia, "kg m^2", f"inertia of body '{name}'")
         outlines = self._outlines(draw, f"body '{name}': draw")
-        return self._declare(Body(name, m, j, self.token, outlines))
+        return self._declare(Body(name, m, j, self.token, outlines=outlines))
 
     def particle(self, name: str, mass: Any = None) -> Particle:
         """A point mass, with two coordinates and no orientation; its `mass` is as in `body`."""

@@ -4,8 +4,8 @@ A declaration never raises for a wrong element: every problem is noted, and `bui
 of them at once (`codegen.check.declaration`).
 """
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect, label
@@ -31,6 +31,9 @@ from codegen.public_callables import (
     immutable,
     named_attributes,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Limits, Transmissions, States):
@@ -76,6 +79,47 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Limits, Transmi
     def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
         """What is declared, for the prompt of IPython."""
         printer.text(repr(self) if cycle else str(self))
+
+    def draw(
+        self, scene: "str | Scene | None" = None, *,
+        parameters: "Mapping[str, float] | None" = None, assembled: bool = True,
+        dimensions: bool = False, forces: bool = False, frames: bool = False, names: bool = True,
+    ) -> "Figure":  # fmt: skip
+        """Draw the machine as it is declared, before anything is built.
+
+        Parameters
+        ----------
+        scene
+            Name of a scene, or a `Scene`; by default the first. Its joints, drivers and effects
+            are drawn.
+        parameters
+            Values by name, in the declared units, in place of the defaults.
+        assembled
+            Whether the joints are closed first, from the start values and guesses on. Where they
+            cannot be, and with False, the machine stands at its guesses, and a dashed line says
+            how far each joint is open.
+        dimensions, forces, frames, names
+            Whether to draw the distances between the points of a body, m; the applied forces, to
+            scale; the frames x'-y' and centres of mass; the names of bodies and joints.
+
+        Returns
+        -------
+        Figure
+            Of Matplotlib; ``figure.savefig("machine.svg")`` saves it.
+
+        Raises
+        ------
+        ModelError
+            With all problems of the declaration at once.
+        InputError
+            If an argument is of the wrong kind, or Matplotlib is not installed.
+        """
+        from codegen.picture_at_start import draw
+
+        return draw(
+            self, scene, parameters=parameters, assembled=assembled, dimensions=dimensions,
+            forces=forces, frames=frames, names=names,
+        )  # fmt: skip
 
     def add(self, element: Declared) -> Declared:
         """Declare a user-defined element: a `Constraint`, an `Effect` or a kind of `Body`.

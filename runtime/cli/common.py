@@ -1,6 +1,7 @@
 """Options, refusals and output streams that the commands of the runtime share."""
 
 import json
+import os
 import sys
 import traceback
 import warnings
@@ -95,10 +96,16 @@ def exit_on_error(as_json: bool) -> Iterator[None]:
         refuse((f"{damaged} ({error}). {advice if names else ''}".strip(),), 1, as_json)
 
 
+def error_head() -> str:
+    """The word that begins an error, red in a terminal unless NO_COLOR is set."""
+    plain = bool(os.environ.get("NO_COLOR")) or not sys.stderr.isatty()
+    return "error:" if plain else "\x1b[1;31merror:\x1b[0m"
+
+
 def refuse(problems: tuple[str, ...], status: int, as_json: bool) -> NoReturn:
     """Write the problems and end the process."""
     for problem in problems:
-        write_line(f"error: {problem}")
+        write_line(f"{error_head()} {problem}")
     if as_json:
         print_json({"ok": False, "status": status, "problems": list(problems)})
     raise typer.Exit(status)

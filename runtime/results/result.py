@@ -263,6 +263,39 @@ class Result(TimeSeries):
 
         return plot(self, names)
 
+    @readers.reads(
+        t=readers.optional(readers.number("a finite number, an instant in s")),
+        **dict.fromkeys(("dimensions", "forces", "frames", "names"), readers.flag),
+    )
+    def draw(
+        self, t: float | None = None, *, dimensions: bool = False, forces: bool = False,
+        frames: bool = False, names: bool = True,
+    ) -> "Figure":  # fmt: skip
+        """Draw the machine at an instant of the motion.
+
+        Parameters
+        ----------
+        t
+            Instant in s, as `at` takes it; unless given, the first sample.
+        dimensions, forces, frames, names
+            As for `Model.draw`; forces are the applied ones and the reactions of the joints.
+
+        Returns
+        -------
+        Figure
+            Of Matplotlib; ``figure.savefig("machine.svg")`` saves it.
+
+        Raises
+        ------
+        InputError
+            If `t` is no instant of the result, or Matplotlib is not installed.
+        """
+        from runtime.show.still import draw_result
+
+        return draw_result(
+            self, t, dimensions=dimensions, forces=forces, frames=frames, names=names
+        )
+
     def facts(self) -> dict[str, Any]:
         """The run as JSON: model, scene, outcome, parameters, statistics, accuracy, joints."""
         changes = [plain(change._asdict()) for change in self.reconnections]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture, Symbol
 from codegen.errors import InputError
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
@@ -66,7 +67,8 @@ def pictures(result: "Result") -> Pictures:
     moving = {
         key: values for key, values in numbers.items() if np.ptp(values[~np.isnan(values)]) > 0.0
     }
-    return Pictures(result.t, replace(first, symbols=known), poses, moving, active)
+    picture = complete_picture(replace(first, symbols=known), poses)
+    return Pictures(result.t, picture, poses, moving, active)
 
 
 def _spans(result: "Result", mechanism: Mechanism) -> list[tuple[Mechanism, slice]]:

@@ -2,7 +2,7 @@
 
     python -m tests.fuzz command_lines --count 10000 --seed 1
 
-A command of either program gets arguments and options at random, most of them nonsense. It must
+A command of a program gets arguments and options at random, most of them nonsense. It must
 end with the status 0, 1 or 2, in sentences, soon; what Python itself would say is never one.
 """
 
@@ -16,13 +16,16 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 from codegen.cli import app as compiler
+from linkwright.commands import app as both
 from runtime.cli.app import app as analyses
 from tests.fuzz import model_files
 
-PROGRAMS = {"codegen": compiler, "runtime": analyses}
+PROGRAMS = {"codegen": compiler, "runtime": analyses, "linkwright": both}
 COMMANDS: dict[str, dict[str, Any]] = {
     program: vars(get_command(app))["commands"] for program, app in PROGRAMS.items()
 }
+for _name in (*COMMANDS["codegen"], *COMMANDS["runtime"], "precompile"):
+    del COMMANDS["linkwright"][_name]  # those that it shares, and what compiles for minutes
 GOOD = {
     "model": "sound.py", "scene": "swing", "t_end": "0.1", "points": "5", "rtol": "1e-6",
     "settings": "length=2", "quantity": "range:bob.phi", "out": "out.csv",

@@ -32,9 +32,9 @@ COMMANDS = [(page.name, words) for page in PAGES for words in typed(page) if "..
 
 @pytest.mark.parametrize(("page", "words"), COMMANDS, ids=str)
 def test_commands_are_there_with_these_options(page: str, words: list[str]) -> None:
-    if words == ["--version"]:
-        return
     group: Any = get_command(app)
+    if words[0] in ("COMMAND", *(name for p in group.params for name in p.opts), "--help"):
+        return
     command = group.commands[words[0]]
     if len(words) > 1:
         command.make_context(words[0], words[1:], resilient_parsing="MODEL" in words)

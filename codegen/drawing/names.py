@@ -1,0 +1,288 @@
+"""Names, dimensions and scales in a figure, placed so that they do not overlap."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from codegen.drawing import shapes
+from codegen.drawing.colors import Palette
+from codegen.drawing.gear_meshing import meshing
+from codegen.drawing.guides_and_racks import guide_ends, guide_of, rail_offset
+from codegen.drawing.label_placement import Label, place_labels, samples
+from codegen.drawing.moving_strokes import gap_of
+from codegen.drawing.picture import Picture, Symbol
+from codegen.drawing.polygons import FloatArray, area, circle, placed, unit
+from codegen.drawing.rigid_strokes import rail
+from codegen.drawing.signs import ARROW, ROUND, Dimension, Reactions, force_strokes, force_values
+from codegen.drawing.sizes_and_held_places import PIN
+from codegen.drawing.strokes import Stroke
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+JOINT_SIZE, BODY_SIZE, OTHER_SIZE, NUMBER_SIZE = 9.5, 8.5, 8.0, 7.5  # layout: letters, in points
+SAMPLE = 3.0  # layout: distance of the samples of lines that names avoid, in points
+MOST_AT_ONE_PLACE = 3  # layout: names of joints at one place
+Box = tuple[FloatArray, tuple[float, float]]  # centre and size of a text, in points
+
+
+def draw_names(
+    axes: "Axes", picture: Picture, lines: list[FloatArray], boxes: list[Box], colors: Palette,
+    reactions: Reactions | None = None, values: bool = False,
+) -> None:  # fmt: skip
+    """Write the names of bodies, joints, drivers and forces beside them.
+
+    Parameters
+    ----------
+    lines
+        All lines of the picture in the global frame, m, which names avoid.
+    boxes
+        Texts that stand already.
+    values
+        Whether forces have their sizes behind their names.
+    """
+    wanted = [*_joints(picture, colors), *_bodies(picture, colors),
+              *_others(picture, colors, reactions, values), *_gaps(picture, colors)]  # fmt: skip
+    if not wanted:
+        return
+    points = 72.0 / axes.figure.dpi
+
+    def to_points(at: FloatArray) -> FloatArray:
+        return np.asarray(axes.transData.transform(np.atleast_2d(at))) * points
+
+    labels, texts = [], []
+    for text, anchors, room, style in wanted:
+        artist = axes.text(0, 0, text, ha="center", va="center", zorder=8, **style)
+        extent = artist.get_window_extent()
+        size = extent.width * points, extent.height * points
+        distance = room * float(np.hypot(*(to_points(np.array([1.0, 0.0])) - to_points(
+            np.array([0.0, 0.0])))[0]))  # fmt: skip
+        labels.append(Label(to_points(anchors), size, distance + 2.0))
+        texts.append(artist)
+    inside = axes.get_window_extent()
+    bounds = (
+        points * inside.x0, points * inside.y0, points * inside.x1, points * inside.y1
+    )  # fmt: skip
+    obstacles = [samples([to_points(line) for line in lines], SAMPLE)]
+    obstacles += [_filled(box) for box in boxes]
+    placed_at = place_labels(labels, np.concatenate(obstacles), bounds)
+    back = axes.transData.inverted()
+    for artist, spot in zip(texts, placed_at, strict=True):
+        artist.set_position(tuple(back.transform(spot.center / points)))
+        if spot.is_far:
+            ends = np.array([spot.center, spot.anchor])
+            axes.plot(*back.transform(ends / points).T, color=artist.get_color(), linewidth=0.5,
+                      alpha=0.6, zorder=7)  # fmt: skip
+        artist.set_bbox({"facecolor": colors.background, "alpha": 0.72, "edgecolor": "none",
+                         "boxstyle": "round,pad=0.08"})  # fmt: skip
+
+
+def _filled(box: Box) -> FloatArray:
+    """Samples all over a text, so that no name covers it."""
+    center, size = box
+    x, y = (np.arange(-s / 2, s / 2 + 1, 2.0) for s in size)
+    return np.asarray(center + np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2))
+
+
+Wanted = tuple[str, FloatArray, float, dict[str, Any]]
+
+
+def _joints(picture: Picture, colors: Palette) -> list[Wanted]:
+    """Names of joints, those at one place together."""
+    style = {"fontsize": JOINT_SIZE, "color": colors.ink, "fontstyle": "italic"}
+    places: list[tuple[FloatArray, list[str]]] = []
+    for symbol in picture.symbols:
+        if symbol.role != "joint":
+            continue
+        at = _anchor(picture, symbol)
+        if at is None:
+            continue
+        near = [names for p, names in places if np.hypot(*(p[0] - at[0])) < PIN * picture.size]
+        if not near:
+            places.append((at, [symbol.element]))
+        elif symbol.element not in near[0]:
+            near[0].append(symbol.element)
+    known: set[str] = set()
+    found = []
+    for at, names in places:
+        new = [name for name in names if name not in known]
+        known |= set(new)
+        text = ", ".join(new[:MOST_AT_ONE_PLACE]) + (" …" if len(new) > MOST_AT_ONE_PLACE else "")
+        if new:
+            found.append((text, at, PIN * picture.size, style))
+    return found
+
+
+def _anchor(picture: Picture, symbol: Symbol) -> FloatArray | None:
+    """Places (k, 2) beside which the name of a joint may stand, m."""
+    match symbol.shape:
+        case shapes.Pin() | shapes.Fixing() | shapes.Bearing():
+            return np.array([picture.position(symbol.shape.i)])
+        case shapes.Slide() | shapes.Slot():
+            guide = guide_of(picture, symbol.shape)
+            if picture.bodies[guide.body].fixed:
+                ends = placed(guide_ends(picture, guide, None), picture.poses[guide.body])
+                ends = rail(ends, -rail_offset(picture, guide, meshing(picture).module))
+                return np.concatenate([ends[np.argsort(-ends[:, 0])], ends.mean(axis=0)[None]])
+            return np.array([picture.position(guide.block)])
+        case shapes.Rod():
+            i, j = (np.array(picture.position(p)) for p in (symbol.shape.i, symbol.shape.j))
+            return np.array([(i + j) / 2, 0.65 * i + 0.35 * j, 0.35 * i + 0.65 * j])
+        case shapes.Belt():
+            i, j = (np.array(picture.position(p)) for p in (symbol.shape.i, symbol.shape.j))
+            return np.array([(i + j) / 2])
+        case shapes.Wheel() if symbol.shape.toothed:
+            return _pitch_point(picture, symbol.element, symbol.shape)
+    return None
+
+
+def _pitch_point(picture: Picture, element: str, wheel: shapes.Wheel) -> FloatArray | None:
+    """Where the pitch circle of a gear touches the other gear, or the rack, of its element."""
+    for other in picture.symbols:
+        if other.element == element and other.shape is not wheel:
+            center = np.array(picture.position(wheel.center))
+            if isinstance(other.shape, shapes.Wheel):
+                larger, smaller = wheel, other.shape
+                if abs(float(smaller.radius)) > abs(float(larger.radius)):
+                    larger, smaller = smaller, larger
+                start = np.array(picture.position(larger.center))
+                way = unit(np.array(picture.position(smaller.center)) - start)
+                return np.array([start + abs(float(larger.radius)) * way])
+            if isinstance(other.shape, shapes.Rack):
+                at = np.array(picture.position(other.shape.i))
+                turn = picture.poses[other.shape.i.body]
+                along = unit(np.array([other.shape.ux, other.shape.uy], dtype=float))
+                along = placed(along[None], np.array([0.0, 0.0, turn[2]]))[0]
+                return np.array([at + float((center - at) @ along) * along])
+    return None
+
+
+def _bodies(picture: Picture, colors: Palette) -> list[Wanted]:
+    """Names of bodies, in their colours."""
+    found = []
+    for number, body in enumerate(picture.bodies):
+        if number == 0 or body.fixed:
+            continue
+        style = {"fontsize": BODY_SIZE, "color": colors.line(number - 1)}
+        pose = picture.poses[number]
+        rings = [
+            placed(circle(np.array(shape.center[1:]), abs(float(shape.radius)), 8), pose)
+            for shape in (symbol.shape for symbol in picture.symbols)
+            if isinstance(shape, shapes.Wheel) and shape.center.body == number
+            and (shape.internal or float(shape.radius) < 0)
+        ]  # fmt: skip
+        if rings:
+            anchors = rings[0]
+        elif body.outlines:
+            largest = max((np.array(o) for o in body.outlines), key=lambda o: abs(area(o)))
+            anchors = _along(placed(largest, pose))
+        else:
+            anchors = picture.poses[number : number + 1, :2]
+        found.append((body.name, anchors, 0.0, style))
+    return found
+
+
+def _along(polygon: FloatArray) -> FloatArray:
+    """The middle of a polygon, and places along its longer axis."""
+    middle = (polygon.min(axis=0) + polygon.max(axis=0)) / 2
+    centred = polygon - polygon.mean(axis=0)
+    _, _, axes = np.linalg.svd(centred, full_matrices=False)
+    reach = float(np.max(np.abs(centred @ axes[0])))
+    return np.asarray(middle + np.outer([0.0, 0.35, -0.35, 0.55, -0.55], reach * axes[0]))
+
+
+def _others(
+    picture: Picture, colors: Palette, reactions: Reactions | None, values: bool
+) -> list[Wanted]:
+    """Names of drivers, springs and forces, those of forces with their sizes where wanted."""
+    size = picture.size
+    sizes = force_values(picture, reactions) if values else {}
+    arrows = {s.element: s for s in force_strokes(picture) if s.style in ("force", "torque")}
+    found = []
+    for symbol in picture.symbols:
+        text, color, at, room = symbol.element, "", None, 0.0
+        match symbol.shape:
+            case shapes.Drive():
+                color, at = colors.driver, np.array([picture.position(symbol.shape.j)])
+                room = ROUND * size if symbol.shape.turns else ARROW * size
+            case shapes.Spring():
+                i, j = (np.array(picture.position(p)) for p in (symbol.shape.i, symbol.shape.j))
+                color, at, room = colors.spring, np.array([(i + j) / 2]), 0.02 * size
+            case shapes.SpiralSpring():
+                color, at = colors.spring, np.array([picture.position(symbol.shape.j)])
+                room = 0.05 * size
+            case shapes.Force() if symbol.element in arrows:
+                color, at = colors.force, _far_end(arrows[symbol.element])
+            case shapes.Torque() if symbol.element in arrows:
+                color, at = colors.torque, np.array([picture.position(symbol.shape.at)])
+                room = 1.35 * ROUND * size
+            case shapes.Reaction() if symbol.element in sizes:
+                color = colors.reaction
+                at = np.array([[symbol.shape.x, symbol.shape.y]], dtype=float)
+        if at is not None:
+            if symbol.element in sizes:
+                text = f"{text} {engineering(sizes[symbol.element], 'N')}"
+            found.append((text, at, room, {"fontsize": OTHER_SIZE, "color": color}))
+    return found
+
+
+def _gaps(picture: Picture, colors: Palette) -> list[Wanted]:
+    """How far the places of joints are apart that are not closed."""
+    style = {"fontsize": NUMBER_SIZE, "color": colors.bad}
+    found = []
+    for symbol in picture.symbols:
+        gap = gap_of(picture, symbol)
+        if gap is not None:
+            text = f"{symbol.element}: {np.hypot(*(gap[1] - gap[0])):.4g} m apart"
+            anchors = np.array([gap.mean(axis=0), gap[1], gap[0]])
+            found.append((text, anchors, 0.01 * picture.size, style))
+    return found
+
+
+def _far_end(stroke: Stroke) -> FloatArray:
+    return stroke.points[[-1, 0]]
+
+
+def engineering(value: float, unit: str) -> str:
+    """A number with three digits and a prefix: 12.3 kN."""
+    for factor, prefix in ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ")):
+        if abs(value) >= factor:
+            return f"{value / factor:.3g} {prefix}{unit}"
+    return f"{value:.3g} {unit}"
+
+
+def draw_dimensions(axes: "Axes", measured: list[Dimension], colors: Palette) -> list[Box]:
+    """Write the distances along dimension lines, readable from below and from the right."""
+    boxes = []
+    for _, middle, angle, distance in measured:
+        degrees = (np.degrees(angle) + 90.0) % 180.0 - 90.0
+        text = axes.text(
+            float(middle[0]), float(middle[1]), f"{distance:.4g}",
+            ha="center", va="center", rotation=degrees, zorder=8,
+            fontsize=NUMBER_SIZE, color=colors.ink,
+            bbox={"facecolor": colors.background, "edgecolor": "none", "pad": 0.6},
+        )  # fmt: skip
+        boxes.append(_box(axes, text))
+    return boxes
+
+
+def draw_scale(axes: "Axes", scale: float, size: float, colors: Palette) -> list[Box]:
+    """The scale of the forces, m/N: a bar in the lower right corner for a round force."""
+    exact = 0.2 * size / scale
+    power = 10.0 ** np.floor(np.log10(exact))
+    value = power * max(m for m in (1, 2, 5) if m * power <= exact * (1 + 1e-9))
+    right, bottom = axes.get_xlim()[1], axes.get_ylim()[0]
+    x = np.array([right - 0.03 * size - value * scale, right - 0.03 * size])
+    y = bottom + 0.03 * size
+    axes.plot(x, [y, y], "|-", color=colors.force, linewidth=1.4, markersize=6, zorder=8,
+              solid_capstyle="butt")  # fmt: skip
+    text = axes.text(x.mean(), y + 0.015 * size, engineering(value, "N"), ha="center", va="bottom",
+                     fontsize=NUMBER_SIZE, color=colors.force, zorder=8)  # fmt: skip
+    return [_box(axes, text)]
+
+
+def _box(axes: "Axes", text: Any) -> Box:
+    points = 72.0 / axes.figure.dpi
+    extent = text.get_window_extent()
+    center = np.array([(extent.x0 + extent.x1) / 2, (extent.y0 + extent.y1) / 2]) * points
+    return center, (extent.width * points, extent.height * points)

@@ -1,0 +1,210 @@
+"""Signs of a picture that belong to no body: arrows of drivers and forces, frames, dimensions."""
+
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from codegen.drawing import shapes
+from codegen.drawing.arrow_lines import head, round_arrow, straight_arrow
+from codegen.drawing.picture import Picture, Symbol
+from codegen.drawing.polygons import FloatArray, circle, convex_hull, distinct, normal, placed, unit
+from codegen.drawing.sizes_and_held_places import BLOCK, PIN, SAME, held_places
+from codegen.drawing.strokes import Stroke
+
+HEAD = 0.032  # layout: length of an arrow's head, in typical lengths
+ARROW = 0.15  # layout: length of an arrow that is not to scale
+ROUND = 0.062  # layout: radius of a round arrow
+LARGEST = 0.32  # layout: length of the largest arrow to scale
+FRAME = 0.075  # layout: length of the axes of a body's frame
+MOST_EDGES = 4  # layout: edges of a body that are measured
+BESIDE = 0.07  # layout: distance of a dimension line from what it measures
+Reactions = Mapping[str, tuple[float, float, float]]
+"""Joint → fx, fy in N in the joint's axes, and the torque in N m, of its second body."""
+
+
+def driver_strokes(picture: Picture) -> tuple[Stroke, ...]:
+    """Arrows of the drivers, straight or round."""
+    found: list[Stroke] = []
+    size = picture.size
+    for symbol in picture.symbols:
+        shape = symbol.shape
+        if isinstance(shape, shapes.Drive):
+            at = np.array(picture.position(shape.j))
+            if shape.turns:
+                lines = round_arrow(at, ROUND * size, np.radians(-50), np.radians(230), HEAD * size)
+            else:
+                turn = picture.poses[shape.i.body, 2] if shape.i is not None else 0.0
+                way = _turned(np.array([shape.ux, shape.uy], dtype=float), turn)
+                start = at + (BLOCK[0] + 0.02) * size * way
+                lines = straight_arrow(start, start + ARROW * size * way, HEAD * size)
+            found += _arrow("driver", lines, symbol.element)
+    return tuple(found)
+
+
+def _arrow(style: str, lines: tuple[FloatArray, FloatArray], element: str) -> list[Stroke]:
+    return [
+        Stroke(style, 0, lines[0], False, element),
+        Stroke(f"{style} head", 0, lines[1], True, element),
+    ]
+
+
+def _turned(direction: FloatArray, angle: float) -> FloatArray:
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = unit(direction)
+    return np.array([c * x - s * y, s * x + c * y])
+
+
+def force_strokes(
+    picture: Picture, scale: float | None = None, reactions: Reactions | None = None
+) -> tuple[Stroke, ...]:
+    """Arrows of the forces and torques that act, and of reactions.
+
+    Parameters
+    ----------
+    scale
+        Length of an arrow per force, m/N; None: arrows of one length.
+    reactions
+        Forces of joints on their second bodies, in the joints' own axes.
+    """
+    size, found = picture.size, []
+    for symbol, style, at, force in _forces(picture, reactions or {}):
+        strength = float(np.hypot(*force))
+        if strength > 0:
+            reach = ARROW * size if scale is None else scale * strength
+            ends = _pressing(picture, at, reach * unit(force))
+            found += _arrow(style, straight_arrow(*ends, HEAD * size), symbol.element)
+    for symbol in picture.symbols:
+        shape = symbol.shape
+        if isinstance(shape, shapes.Torque) and float(shape.torque) != 0:
+            at = np.array(picture.position(shape.at))
+            sweep = np.copysign(np.radians(200), float(shape.torque))
+            start = np.radians(120) if sweep > 0 else np.radians(60)
+            lines = round_arrow(at, 1.35 * ROUND * size, start, float(sweep), HEAD * size)
+            found += _arrow("torque", lines, symbol.element)
+    return tuple(found)
+
+
+def _forces(
+    picture: Picture, reactions: Reactions
+) -> Iterator[tuple[Symbol, str, FloatArray, FloatArray]]:
+    """Symbol, style, point of action and force (2,), N, of forces and reactions that are finite."""
+    for symbol in picture.symbols:
+        shape = symbol.shape
+        if isinstance(shape, shapes.Force):
+            force = np.array([shape.fx, shape.fy], dtype=float)
+            at = np.array(picture.position(shape.at))
+            if np.all(np.isfinite(force)):
+                yield symbol, "force", at, force
+        elif isinstance(shape, shapes.Reaction) and symbol.element in reactions:
+            fx, fy, _ = reactions[symbol.element]
+            along = unit(np.array([shape.ux, shape.uy], dtype=float))
+            force = fx * along + fy * normal(along)
+            if np.all(np.isfinite(force)):
+                yield symbol, "reaction", np.array([shape.x, shape.y], dtype=float), force
+
+
+def force_scale(picture: Picture, reactions: Reactions | None = None) -> float | None:
+    """Length per force, m/N, at which the largest arrow fits the picture; None without a force."""
+    strengths = [np.hypot(*force) for _, _, _, force in _forces(picture, reactions or {})]
+    largest = max(strengths, default=0.0)
+    return LARGEST * picture.size / float(largest) if largest > 0 else None
+
+
+def force_values(picture: Picture, reactions: Reactions | None = None) -> dict[str, float]:
+    """Element → size of its force, N, of all that an arrow stands for."""
+    return {
+        symbol.element: float(np.hypot(*force))
+        for symbol, _, _, force in _forces(picture, reactions or {})
+    }
+
+
+def _pressing(picture: Picture, at: FloatArray, arrow: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Start and end of an arrow that begins or ends at its point, on the side with more room."""
+    points = [placed(held_places(picture, b), pose) for b, pose in enumerate(picture.poses) if b]
+    others = np.concatenate([*points, picture.poses[1:, :2], at[None]])
+    middle = others.mean(axis=0)
+    if np.hypot(*(at - arrow - middle)) > np.hypot(*(at + arrow - middle)):
+        return at - arrow, at
+    return at, at + arrow
+
+
+def frame_strokes(picture: Picture) -> tuple[Stroke, ...]:
+    """The axes x' and y' of all bodies that move, and the sign of their centres of mass."""
+    size, found = picture.size, []
+    for number in range(1, len(picture.bodies)):
+        for way in (np.array([1.0, 0.0]), np.array([0.0, 1.0])):
+            shaft, tip = straight_arrow(np.zeros(2), FRAME * size * way, 0.5 * HEAD * size)
+            found += [Stroke("axis", number, shaft), Stroke("axis head", number, tip, True)]
+        ring = circle(np.zeros(2), PIN * size)
+        found.append(Stroke("center", number, ring, True))
+        quarter = len(ring) // 4
+        for start in (0, 2 * quarter):
+            wedge = np.concatenate([np.zeros((1, 2)), ring[start : start + quarter + 1]])
+            found.append(Stroke("quadrant", number, wedge, True))
+    return tuple(found)
+
+
+def dimensions(picture: Picture) -> list[tuple[int, FloatArray, float]]:
+    """What a drawing with dimensions measures: body, the two places (2, 2) in m, and the distance.
+
+    Of each body the distances between neighbouring places: along a line where they lie on one, else
+    round their convex hull, of which no more than `MOST_EDGES` edges are measured.
+    """
+    found = []
+    for number in range(len(picture.bodies)):
+        points = distinct(_measured(picture, number), SAME * picture.size)
+        if len(points) < 2:
+            continue
+        hull = convex_hull(points)
+        if len(hull) == 2:
+            along = unit(hull[1] - hull[0])
+            line = points[np.argsort(points @ along)]
+            pairs = list(pairwise(line))
+        else:
+            pairs = list(zip(hull, np.roll(hull, -1, axis=0), strict=True))[:MOST_EDGES]
+        for a, b in pairs:
+            found.append((number, np.array([a, b]), float(np.hypot(*(b - a)))))
+    return found
+
+
+def _measured(picture: Picture, body: int) -> FloatArray:
+    """The places of joints and springs on a body, those of other forces left out."""
+    chosen = [s for s in picture.symbols if s.role == "joint" or isinstance(s.shape, shapes.Spring)]
+    return held_places(Picture("", picture.bodies, picture.poses, tuple(chosen), 1.0), body)
+
+
+class Dimension(NamedTuple):
+    """A dimension line: its strokes, its middle (2,), its angle in rad, and the distance in m."""
+
+    strokes: tuple[Stroke, ...]
+    middle: FloatArray
+    angle: float
+    distance: float
+
+
+def dimension_lines(picture: Picture) -> list[Dimension]:
+    """Dimension lines of all bodies, on the side that is farther from the middle of the picture."""
+    size = picture.size
+    points = np.concatenate([
+        placed(np.array(outline), picture.poses[k])
+        for k, body in enumerate(picture.bodies) for outline in body.outlines
+    ] or [picture.poses[:, :2]])  # fmt: skip
+    middle, found = points.mean(axis=0), []
+    for body, local, distance in dimensions(picture):
+        a, b = placed(local, picture.poses[body])
+        across = normal(unit(b - a))
+        outward = 1.0 if float(((a + b) / 2 - middle) @ across) >= 0 else -1.0
+        shift = outward * BESIDE * size * across
+        line = np.array([a + shift, b + shift])
+        inset = min(0.6 * HEAD * size, 0.3 * distance)
+        strokes = [Stroke("dimension", 0, line)]
+        for end, way in ((line[0], a - b), (line[1], b - a)):
+            strokes.append(Stroke("dimension head", 0, head(end, way, inset), True))
+        for end in (a, b):
+            foot, top = end + 0.35 * shift, end + 1.15 * shift
+            strokes.append(Stroke("dimension", 0, np.array([foot, top])))
+        angle = float(np.arctan2(*(b - a)[::-1]))
+        found.append(Dimension(tuple(strokes), line.mean(axis=0), angle, distance))
+    return found

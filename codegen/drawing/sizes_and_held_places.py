@@ -1,0 +1,80 @@
+"""Sizes of a picture's signs, its typical length, and the places where elements hold its bodies.
+
+Sizes are parts of the typical length of the picture, so that machines of all sizes look alike.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from codegen.drawing.picture import Picture, places
+from codegen.drawing.polygons import FloatArray, distinct, placed
+from codegen.drawing.shapes import (
+    Bearing,
+    Belt,
+    Fixing,
+    Force,
+    Mark,
+    Pin,
+    Place,
+    Rod,
+    Shape,
+    Spring,
+    Trace,
+    Wheel,
+)  # fmt: skip
+
+BAR = 0.021  # layout: half width of a bar, in typical lengths
+PIN = 0.0115  # layout: radius of a pin
+SLOT = 0.016  # layout: half width of a slot
+CHEEK = 0.034  # layout: half width of a bar with a slot
+BLOCK = (0.062, 0.038)  # layout: half length and half width of a block on a guide
+BOB = 0.042  # layout: radius of the disc at a centre of mass
+PARTICLE = 0.026  # layout: radius of a body that nothing holds
+SAME = 2e-3  # layout: places nearer than this are one
+_HOLDING = (Pin, Rod, Fixing, Bearing, Spring, Mark, Force, Trace)
+
+
+def typical_length(picture: Picture) -> float:
+    """The diagonal of the box about all places of the shapes and the bodies' origins, m.
+
+    Wheels count with their circles. The length is 1 m where everything is at one place. Origins
+    count only where no element holds the body, or one: a centre of mass may be far away.
+    """
+    points = [picture.position(at) for symbol in picture.symbols for at in places(symbol.shape)]
+    for symbol in picture.symbols:
+        for place, radius in circles_of(symbol.shape):
+            x, y = picture.position(place)
+            points += [(x - radius, y - radius), (x + radius, y + radius)]
+    for number in range(1, len(picture.bodies)):
+        if len(distinct(held_places(picture, number), 0.0)) < 2:
+            points.append((float(picture.poses[number, 0]), float(picture.poses[number, 1])))
+    for number, body in enumerate(picture.bodies):
+        if not body.is_derived:
+            for outline in body.outlines:
+                ends = placed(np.array(outline), picture.poses[number])
+                points += [(float(x), float(y)) for x, y in (ends.min(axis=0), ends.max(axis=0))]
+    finite = np.array([p for p in points if np.all(np.isfinite(p))]).reshape(-1, 2)
+    length = float(np.hypot(*np.ptp(finite, axis=0))) if len(finite) else 0.0
+    return length if length > 0 else 1.0
+
+
+def circles_of(shape: Shape) -> Iterator[tuple[Place, float]]:
+    """Centres and radii of the wheels of a shape, m."""
+    if isinstance(shape, Wheel):
+        yield shape.center, abs(float(shape.radius))
+    if isinstance(shape, Belt):
+        yield shape.i, abs(float(shape.radius_i))
+        yield shape.j, abs(float(shape.radius_j))
+
+
+def held_places(picture: Picture, body: int) -> FloatArray:
+    """Places (k, 2) of a body, in its frame, that joints, forces and traces take hold of, m."""
+    found = [
+        (place.x, place.y)
+        for symbol in picture.symbols
+        if isinstance(symbol.shape, _HOLDING)
+        for place in places(symbol.shape)
+        if place.body == body
+    ]
+    return np.array(found, dtype=float).reshape(-1, 2)

@@ -1,0 +1,108 @@
+"""Polylines of springs, dampers, actuators and torsion springs between two places.
+
+A player draws them anew at every instant; it follows the same construction. Along the line from
+place i to place j, s runs from 0 to 1 and n is the normal to its left:
+
+- a spring is straight to s = 0.2, has `COILS` teeth of the height `half_width` to s = 0.8, and is
+  straight again;
+- a damper's rod ends in a piston at s = 0.55, and its pot is open at s = 0.65 and closed at 0.35;
+- an actuator is a cylinder from s = 0.15 to 0.6 and a rod from there;
+- several of them lie side by side, 2.4 half widths apart, between two crossbars at s = 0.1 and 0.9.
+"""
+
+import numpy as np
+
+from codegen.drawing.polygons import FloatArray, normal, unit
+
+COILS = 6  # layout: teeth of a zigzag
+BESIDE = 2.4  # layout: distance of parallel parts, in half widths
+SPIRAL_TURNS = 2.25  # layout: turns of a torsion spring that is not wound up
+
+
+def spring_lines(
+    i: FloatArray,
+    j: FloatArray,
+    half_width: float,
+    elastic: bool = True,
+    damper: bool = False,
+    actuator: bool = False,
+) -> list[tuple[str, FloatArray]]:
+    """Style and polyline (k, 2) of the parts of a spring, damper and actuator from i to j, m."""
+    parts = [
+        (style, lines)
+        for wanted, style, lines in (
+            (elastic, "spring", _zigzag),
+            (damper, "damper", _dashpot),
+            (actuator, "actuator", _cylinder),
+        )
+        if wanted
+    ]
+    offsets = BESIDE * (np.arange(len(parts)) - (len(parts) - 1) / 2)
+    result = [
+        (style, _between(i, j, half_width, points, offset))
+        for (style, lines), offset in zip(parts, offsets, strict=True)
+        for points in lines(len(parts) > 1)
+    ]
+    if len(parts) > 1:
+        reach = float(offsets[-1])
+        bars = [[(s, -reach), (s, reach)] for s in (0.1, 0.9)]
+        bars += [[(0.0, 0.0), (0.1, 0.0)], [(0.9, 0.0), (1.0, 0.0)]]
+        result += [(parts[0][0], _between(i, j, half_width, bar)) for bar in bars]
+    return result
+
+
+def _between(
+    i: FloatArray,
+    j: FloatArray,
+    half_width: float,
+    points: list[tuple[float, float]],
+    offset: float = 0.0,
+) -> FloatArray:
+    """Points (s, n), n in half widths, in the plane of i and j."""
+    s, n = np.array(points, dtype=float).T
+    across = normal(unit(j - i)) * half_width
+    return np.asarray(i + s[:, None] * (j - i) + (n + offset)[:, None] * across)
+
+
+Lines = list[list[tuple[float, float]]]
+
+
+def _zigzag(parallel: bool) -> Lines:
+    first = 0.1 if parallel else 0.0
+    s = np.linspace(0.2, 0.8, 2 * COILS + 1)
+    teeth = [(float(a), (1.0, -1.0)[k % 2]) for k, a in enumerate((s[1:] + s[:-1]) / 2)]
+    return [[(first, 0), (0.2, 0), *teeth, (0.8, 0), (1 - first, 0)]]
+
+
+def _dashpot(parallel: bool) -> Lines:
+    first = 0.1 if parallel else 0.0
+    return [
+        [(first, 0), (0.35, 0)],
+        [(0.65, 1), (0.35, 1), (0.35, -1), (0.65, -1)],
+        [(0.55, 0.8), (0.55, -0.8)],
+        [(0.55, 0), (1 - first, 0)],
+    ]
+
+
+def _cylinder(parallel: bool) -> Lines:
+    first = 0.1 if parallel else 0.0
+    return [
+        [(first, 0), (0.15, 0)],
+        [(0.15, -1), (0.6, -1), (0.6, 1), (0.15, 1), (0.15, -1)],
+        [(0.45, 0.8), (0.45, -0.8)],
+        [(0.45, 0), (1 - first, 0)],
+    ]
+
+
+def spiral(center: FloatArray, inner: float, outer: float, start: float, end: float) -> FloatArray:
+    """The polyline (k, 2) of a torsion spring about a centre.
+
+    It runs from the radius `inner`, which turns with body i, at the angle `start`, to `outer` at
+    `end` of body j, both in rad and not reduced to one turn, so that the spring winds up and
+    unwinds as the bodies turn.
+    """
+    sweep = 2 * np.pi * SPIRAL_TURNS + (end - start)
+    count = max(24, int(abs(sweep) / (2 * np.pi) * 32))
+    x = np.linspace(0, 1, count)
+    angles, radii = start + sweep * x, inner + (outer - inner) * x
+    return np.asarray(center + radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1))

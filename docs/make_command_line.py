@@ -1,0 +1,95 @@
+"""Write docs/reference/command-line.md, every command with its options, from the parser.
+
+Usage: ``python docs/make_command_line.py [--check]``. With ``--check`` nothing is written; the exit
+status is 1 where the page is stale.
+"""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+from typer.main import get_command
+
+from linkwright.command_panels_and_examples import EXAMPLES, PANELS
+from linkwright.commands import app
+
+PAGE = Path(__file__).resolve().parent / "reference" / "command-line.md"
+
+HEAD = """# The command line
+
+`linkwright` is the one command of the project. `docs/make_command_line.py` makes this page from its
+parser, and `make check` compares them. `linkwright COMMAND --help` shows the same in a terminal.
+
+Results go to stdout, messages and progress to stderr. With `--json`, stdout holds one object.
+
+| exit status | meaning |
+|---|---|
+| 0 | done |
+| 1 | the run or a comparison failed; the message says at which t, and what was saved |
+| 2 | the input is wrong; every problem is on a line of stderr that begins with `error:` |
+| 128 + n | stopped by signal n: 129 SIGHUP, 130 SIGINT, 143 SIGTERM |
+
+MODEL is the path of a model file, or the name of one in a folder `models`, of the working folder or
+of the library. Where it is left out, the only model file of the working folder is taken.
+
+`linkwright --install-completion` installs the completion of words for the shell at hand, bash, zsh,
+fish or PowerShell: commands, options, models, scenes, parameters, coordinates, methods and kinds of
+elements. Names of a model come from the text of its file, which is not executed for it.
+
+The examples run in a folder with the file that `linkwright new four_bar` writes.
+"""
+
+
+def text_of(parameter: Any) -> str:
+    """Help of a parameter, with its default where that is a number or a word."""
+    about = " ".join((parameter.help or "").split()).replace("|", r"\|")
+    if parameter.required:
+        return f"{about} Required."
+    default = parameter.default
+    if isinstance(default, int | float | str) and not isinstance(default, bool):
+        return f"{about} Default: {default}."
+    return about
+
+
+def written(parameter: Any) -> str:
+    """How a parameter is typed."""
+    if parameter.param_type_name == "argument":
+        return f"`{parameter.metavar or parameter.name.upper()}`"
+    names = ", ".join(f"`{name}`" for name in (*parameter.opts, *parameter.secondary_opts))
+    return names if parameter.is_flag else f"{names} `{parameter.metavar}`"
+
+
+def section(command: Any) -> str:
+    """The section of a command."""
+    parameters = [p for p in command.params if p.name != "help"]
+    rows = "".join(f"| {written(p)} | {text_of(p)} |\n" for p in parameters)
+    about = " ".join((command.help or "").split())
+    table = f"\n| argument or option | meaning |\n|---|---|\n{rows}" if rows else ""
+    examples = "\n".join(EXAMPLES[command.name])
+    return f"\n### `linkwright {command.name}`\n\n{about}\n{table}\n```\n{examples}\n```\n"
+
+
+def page() -> str:
+    """The text of docs/command-line.md."""
+    commands = get_command(app).commands
+    parts = [HEAD]
+    for panel, names in PANELS.items():
+        parts.append(f"\n## {panel}\n")
+        parts += [section(commands[name]) for name in names if name in commands]
+    return "".join(parts)
+
+
+def main() -> int:
+    """Write the page, or compare it."""
+    made = page()
+    if "--check" in sys.argv[1:]:
+        stale = not PAGE.is_file() or PAGE.read_text(encoding="utf-8") != made
+        if stale:
+            print(f"{PAGE} is stale; run: python docs/make_command_line.py", file=sys.stderr)
+        return int(stale)
+    PAGE.write_text(made, encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,108 @@
+"""Figures of pictures: what they contain, where names stand, and what is asked for."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.collections import PathCollection
+from matplotlib.figure import Figure
+
+from codegen.drawing.colors import DARK
+from codegen.drawing.figure import figure
+from codegen.drawing.label_placement import Label, place_labels, samples
+from codegen.drawing.names import engineering
+from codegen.drawing.picture import Picture, Symbol
+from codegen.drawing.shapes import Reaction
+from tests.codegen.drawing.hand_drawn_pictures import slider_crank
+
+
+def texts(drawn: Figure) -> dict[str, Any]:
+    return {text.get_text(): text for text in drawn.axes[0].texts}
+
+
+@pytest.fixture(scope="module")
+def plain() -> Figure:
+    return figure(slider_crank())
+
+
+def test_all_strokes_are_one_collection_on_equal_axes(plain: Figure) -> None:
+    (axes,) = plain.axes
+    (collection,) = axes.collections
+    assert isinstance(collection, PathCollection)
+    assert len(collection.get_paths()) > 40
+    assert axes.get_aspect() == 1.0
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x, m", "y, m")
+    assert axes.get_title() == "test"
+
+
+def test_bodies_joints_drivers_and_forces_have_their_names(plain: Figure) -> None:
+    assert set(texts(plain)) == {"A", "B", "C", "guide", "crank", "rod", "slider", "drive", "gas"}
+
+
+def test_names_do_not_overlap(plain: Figure) -> None:
+    boxes = [text.get_window_extent() for text in plain.axes[0].texts]
+    for k, box in enumerate(boxes):
+        assert not any(box.overlaps(other) for other in boxes[:k])
+
+
+def test_a_figure_without_names_has_none() -> None:
+    assert texts(figure(slider_crank(), names=False)) == {}
+
+
+def test_dimensions_are_those_of_the_bodies() -> None:
+    numbers = set(texts(figure(slider_crank(), dimensions=True, names=False)))
+    assert numbers == {"2", "3.5"}
+
+
+def test_a_gap_says_how_far_the_places_are_apart() -> None:
+    found = set(texts(figure(slider_crank(closed=False))))
+    assert {"B: 0.5657 m apart", "C: 0.5657 m apart"} <= found
+
+
+def test_forces_have_their_sizes_and_a_scale() -> None:
+    drawn = slider_crank()
+    reaction = Symbol("B", "revolute", "joint", Reaction(1, 2, 1.4, 1.4, 1.0, 0.0))
+    drawn = Picture("", drawn.bodies, drawn.poses, (*drawn.symbols, reaction), drawn.size)
+    found = texts(figure(drawn, forces=True, reactions={"B": (3e4, -4e4, 0.0)}))
+    assert {"gas 50 kN", "B 50 kN", "20 kN"} <= set(found)
+    assert "gas 50 kN" not in texts(figure(drawn))
+
+
+def test_frames_add_axes_and_centres_of_mass(plain: Figure) -> None:
+    (with_frames,) = figure(slider_crank(), frames=True).axes[0].collections
+    (without,) = plain.axes[0].collections
+    # of three bodies: two axes with heads, a circle, two quadrants
+    assert len(with_frames.get_paths()) - len(without.get_paths()) == 3 * (2 * 2 + 1 + 2)
+
+
+def test_it_draws_on_axes_that_are_given() -> None:
+    mine = Figure()
+    left, right = mine.subplots(1, 2)
+    assert figure(slider_crank(), axes=right) is mine
+    assert len(left.collections) == 0
+    assert len(right.collections) == 1
+
+
+def test_the_dark_theme_has_a_dark_ground() -> None:
+    drawn = figure(slider_crank(), colors=DARK)
+    assert drawn.get_facecolor()[0] < 0.2
+    assert texts(drawn)["A"].get_color() == DARK.ink
+
+
+def test_labels_keep_off_lines_and_each_other() -> None:
+    line = samples([np.array([[0.0, 50.0], [200.0, 50.0]])], 3.0)
+    labels = [Label(np.array([[x, 50.0]]), (40.0, 10.0)) for x in (80.0, 90.0, 100.0, 110.0)]
+    spots = place_labels(labels, line, (0.0, 0.0, 200.0, 100.0))
+    centers = np.array([spot.center for spot in spots])
+    assert np.all(np.abs(centers[:, 1] - 50.0) > 5.0)
+    for k, center in enumerate(centers):
+        for other in centers[:k]:
+            assert np.any(np.abs(center - other) >= [40.0, 10.0])
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.0, "0 N"), (12345.0, "12.3 kN"), (-2.5, "-2.5 N"), (0.004, "4 mN"), (3e6, "3 MN")],
+)
+def test_engineering_prefixes(value: float, text: str) -> None:
+    assert engineering(value, "N") == text

@@ -1,0 +1,151 @@
+"""Outlines that follow from the places where elements hold bodies, and the typical length."""
+
+import numpy as np
+import pytest
+
+from codegen.drawing.outlines import derived_outlines
+from codegen.drawing.picture import BodyPicture, Picture
+from codegen.drawing.polygons import area, contains
+from codegen.drawing.shapes import (
+    Fixing,
+    Mark,
+    Pin,
+    Place,
+    Profile,
+    Rack,
+    Slide,
+    Slot,
+    Spring,
+    Wheel,
+)
+from codegen.drawing.sizes_and_held_places import BAR, BLOCK, BOB, PARTICLE
+from tests.codegen.drawing.hand_drawn_pictures import picture, slider_crank
+
+O = Place(0, 0.0, 0.0)  # noqa: E741 (the origin)
+
+
+def polygons_of(drawn: Picture, body: int) -> list[np.ndarray]:
+    return [np.array(outline) for outline in drawn.bodies[body].outlines]
+
+
+def test_two_places_are_a_bar_with_round_ends() -> None:
+    drawn = slider_crank()
+    (bar,) = polygons_of(drawn, 1)
+    w = BAR * drawn.size
+    assert bar.min(axis=0) == pytest.approx([-w, -w], rel=0.01)
+    assert bar.max(axis=0) == pytest.approx([2 + w, w], rel=0.01)
+
+
+def test_a_slider_is_a_block_along_its_guide() -> None:
+    drawn = slider_crank()
+    (block,) = polygons_of(drawn, 3)
+    assert np.ptp(block, axis=0) == pytest.approx(2 * drawn.size * np.array(BLOCK))
+
+
+def test_a_guide_that_is_declared_on_the_slider_gives_the_same_block() -> None:
+    turned = picture(["slider"], [(1.0, 1.0, np.pi / 2)], [
+        ("guide", "joint", Slide(Place(1, 0.0, 0.0), Place(0, 0.0, 1.0), 0.0, -1.0)),
+        ("far", "joint", Mark(Place(0, 4.0, 3.0))),
+    ])  # fmt: skip
+    (block,) = polygons_of(turned, 1)
+    assert np.ptp(block, axis=0) == pytest.approx(2 * turned.size * np.array(BLOCK)[::-1])
+
+
+def test_three_places_are_a_plate_that_holds_them_and_the_centre_of_mass() -> None:
+    drawn = picture(["plate"], [(0.0, 0.0, 0.0)], [
+        (name, "joint", Pin(Place(0, x, y), Place(1, x, y)))
+        for name, x, y in (("A", -1.0, 0.0), ("B", 1.0, 0.0), ("C", 0.2, 1.5))
+    ])  # fmt: skip
+    (plate,) = polygons_of(drawn, 1)
+    for place in ((-1.0, 0.0), (1.0, 0.0), (0.2, 1.5), (0.0, 0.0)):
+        assert contains(plate, np.array(place))
+
+
+def test_a_centre_of_mass_far_away_does_not_widen_a_plate() -> None:
+    drawn = picture(["plate"], [(0.0, 0.0, 0.0)], [
+        (name, "joint", Pin(Place(0, x, y), Place(1, x, y)))
+        for name, x, y in (("A", 9.0, 0.0), ("B", 11.0, 0.0), ("C", 10.0, 1.5))
+    ])  # fmt: skip
+    (plate,) = polygons_of(drawn, 1)
+    assert plate[:, 0].min() > 8.0
+    assert drawn.size == pytest.approx(np.hypot(2.0, 1.5))
+
+
+def test_a_pendulum_is_a_bar_and_a_disc() -> None:
+    drawn = picture(["bob"], [(0.0, -1.0, -np.pi / 2)], [
+        ("hinge", "joint", Pin(O, Place(1, -1.0, 0.0))),
+    ])  # fmt: skip
+    bar, disc = polygons_of(drawn, 1)
+    assert bar[:, 0].min() < -1.0
+    assert np.hypot(*disc.T) == pytest.approx(BOB * drawn.size)
+
+
+def test_a_body_that_nothing_holds_is_a_small_disc() -> None:
+    drawn = picture(["ball", "other"], [(0.0, 3.0, 0.0), (4.0, 0.0, 0.0)], [])
+    assert drawn.size == 5.0
+    (disc,) = polygons_of(drawn, 1)
+    assert np.hypot(*disc.T) == pytest.approx(PARTICLE * 5.0)
+
+
+def test_everything_in_one_place_has_the_length_of_one_metre() -> None:
+    assert picture(["ball"], [(2.0, 3.0, 0.0)], []).size == 1.0
+
+
+def test_a_wheel_without_teeth_is_a_disc_and_one_with_teeth_is_none() -> None:
+    def wheel(toothed: bool) -> Picture:
+        return picture(["wheel"], [(0.0, 0.0, 0.0)], [
+            ("A", "joint", Pin(O, Place(1, 0.0, 0.0))),
+            ("belt", "joint", Wheel(Place(1, 0.0, 0.0), 0.5, toothed)),
+        ])  # fmt: skip
+
+    plain, toothed = wheel(False), wheel(True)
+    assert area(polygons_of(plain, 1)[0]) == pytest.approx(np.pi / 4, rel=0.01)
+    assert polygons_of(toothed, 1) == []
+    assert plain.size == pytest.approx(np.sqrt(2))
+
+
+def test_a_slot_has_a_bar_that_is_as_long_as_the_motion_needs() -> None:
+    drawn = picture(["rocker", "crank"], [(0.0, 0.0, np.pi / 2), (0.0, 1.0, 0.0)], [
+        ("A", "joint", Pin(O, Place(1, 0.0, 0.0))),
+        ("B", "joint", Pin(Place(0, 0.0, 1.0), Place(2, 0.0, 0.0))),
+        ("slot", "joint", Slot(Place(1, 0.0, 0.0), Place(2, 0.5, 0.0), 1.0, 0.0)),
+    ])  # fmt: skip
+    motion = np.repeat(drawn.poses[None], 8, axis=0)
+    motion[:, 2, 2] = np.linspace(0, 2 * np.pi, 8, endpoint=False)
+    motion[:, 1, 2] = np.arctan2(1 + 0.5 * np.sin(motion[:, 2, 2]), 0.5 * np.cos(motion[:, 2, 2]))
+    bare = Picture("", tuple(BodyPicture(b.name, b.fixed) for b in drawn.bodies), drawn.poses,
+                   drawn.symbols, drawn.size)  # fmt: skip
+    bar = np.array(derived_outlines(bare, motion)[1].outlines[0])
+    assert bar[:, 0].min() < 0.0
+    assert 1.5 < bar[:, 0].max() < 1.5 + 0.1 * drawn.size
+
+
+def test_a_closed_profile_is_the_outline() -> None:
+    angles = np.linspace(0, 2 * np.pi, 60)
+    curve = tuple(Place(1, 0.3 * np.cos(a), 0.2 * np.sin(a)) for a in angles)
+    drawn = picture(["cam", "face"], [(0.0, 0.0, 0.0), (0.0, 0.2, 0.0)], [
+        ("A", "joint", Pin(O, Place(1, 0.0, 0.0))),
+        ("lift", "joint", Profile(curve)),
+        ("lift", "joint", Rack(Place(2, 0.0, 0.0), 1.0, 0.0)),
+        ("guide", "joint", Slide(O, Place(2, 0.0, 0.4), 0.0, 1.0)),
+    ])  # fmt: skip
+    assert any(len(polygon) == 60 for polygon in polygons_of(drawn, 1))
+    face = np.concatenate(polygons_of(drawn, 2))
+    assert face[:, 1].min() == pytest.approx(0.0, abs=1e-12)  # it stands on the cam
+
+
+def test_given_outlines_stay() -> None:
+    given = BodyPicture("hook", outlines=(((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)),), is_derived=False)
+    drawn = slider_crank()
+    changed = Picture("", (drawn.bodies[0], given, *drawn.bodies[2:]), drawn.poses, drawn.symbols,
+                      drawn.size)  # fmt: skip
+    assert derived_outlines(changed)[1] is given
+
+
+def test_springs_and_welds_hold_bodies_as_well() -> None:
+    drawn = picture(["arm"], [(0.0, 0.0, 0.0)], [
+        ("clamp", "joint", Fixing(O, Place(1, 0.0, 0.0))),
+        ("spring", "force", Spring(Place(0, 2.0, 1.0), Place(1, 2.0, 0.0))),
+    ])  # fmt: skip
+    (bar,) = polygons_of(drawn, 1)
+    assert bar[:, 0].max() == pytest.approx(2 + BAR * drawn.size)

@@ -1,0 +1,152 @@
+"""Pictures of declarations: what each kind of element is drawn as, and where."""
+
+from dataclasses import fields
+from math import cos, hypot, pi, sin
+
+import numpy as np
+import pytest
+import sympy
+from numpy.testing import assert_allclose
+
+from codegen import Model, alpha, disc, rectangle
+from codegen.drawing.layout import KINDS, SAMPLES
+from codegen.drawing.picture import Picture, places
+from codegen.drawing.shapes import Place, Profile, Reaction, Shape
+from codegen.elements.registry import kinds_of_elements
+from codegen.errors import ModelError
+from codegen.model_file import read_model
+from codegen.picture_at_start import picture_at_start
+from codegen.reference.examples import example_of
+from tests.codegen.elements.turned_body import TurnedBody
+
+OF_KIND = {
+    "absolute": "mark", "belt": "wheel, wheel, belt",
+    "cam and flat-faced follower": "profile, rack",
+    "cam and follower": "profile, profile", "constraint": "", "distance": "rod",
+    "gear": "wheel, wheel", "point follower": "profile, mark", "rack-and-pinion": "wheel, rack",
+    "relative": "mark, mark", "revolute": "pin", "revolute-revolute": "rod",
+    "revolute-translational": "slot", "rolling disc": "wheel, rack", "screw": "slide",
+    "translational": "slide", "weld": "fixing", "distance driver": "spring", "driver": "drive",
+    "point driver": "drive", "relative driver": "drive", "translation driver": "drive",
+    "bushing": "spring", "clearance joint": "bearing", "contact": "contact",
+    "dry friction": "", "elastic belt": "wheel, wheel, belt", "force": "force",
+    "friction": "", "gear with backlash": "wheel, wheel", "generalized force": "",
+    "gravity": "gravity", "line force": "spring", "motor": "spiral spring",
+    "one-way clutch": "spiral spring", "potential": "", "rigid contact": "contact",
+    "spring": "spring", "stop": "contact", "torque": "torque", "torsion spring": "spiral spring",
+}  # fmt: skip
+
+
+def shapes_of(picture: Picture, element: str) -> list[Shape]:
+    return [s.shape for s in picture.symbols if s.element == element]
+
+
+def test_all_kinds_are_in_the_table() -> None:
+    library = [name for name, kind in kinds_of_elements().items() if not kind.is_user_defined]
+    assert sorted(OF_KIND) == sorted(library)
+
+
+@pytest.mark.parametrize("kind", OF_KIND)
+def test_each_kind_has_its_shapes(kind: str) -> None:
+    model = example_of(kind).model
+    picture = picture_at_start(model, assembled=False)
+    found = [s.shape for s in picture.symbols if s.kind == kind]
+    drawn = [shape.kind for shape in found if not isinstance(shape, Reaction)]
+    assert ", ".join(drawn) == OF_KIND[kind]
+    for shape in found:
+        for field in fields(shape):
+            value = getattr(shape, field.name)
+            assert isinstance(value, float | int | bool | Place | tuple | None), field.name
+        assert all(0 <= place.body < len(picture.bodies) for place in places(shape))
+
+
+def test_every_shape_is_some_elements() -> None:
+    drawn = {word for text in OF_KIND.values() for word in text.split(", ") if word}
+    assert drawn | {"reaction", "trace"} == set(KINDS)
+
+
+def test_joints_close_at_the_start_and_stay_open_at_the_guesses() -> None:
+    model = read_model("slider_crank").model
+    closed = picture_at_start(model, "kinematics", {"rod_length": 3.0})
+    pin = shapes_of(closed, "C")[0]
+    at, on = (closed.position(place) for place in places(pin))
+    assert_allclose(at, on, atol=1e-9)
+    (crank,) = (k for k, body in enumerate(closed.bodies) if body.name == "crank")
+    x = closed.poses[crank, 2]
+    assert_allclose(on[0], 2 * cos(x) + np.sqrt(9 - 4 * sin(x) ** 2), atol=1e-9)
+    still = picture_at_start(model, "kinematics", {"rod_length": 3.0}, assembled=False)
+    assert_allclose(still.poses[2], (3.015, 0.7071, -0.41595))
+    at, on = (still.position(place) for place in places(shapes_of(still, "C")[0]))
+    assert hypot(at[0] - on[0], at[1] - on[1]) > 0.2
+
+
+def test_outlines_follow_parameters_also_those_that_nothing_else_contains() -> None:
+    model = Model("plate")
+    width = model.parameter("width", 0.2, unit="m")
+    body = model.body("plate", 1.0, 1.0, draw=[rectangle(2.0, width, (1, 0)), disc(width)])
+    model.revolute("A", model.ground.at(0, 0), body.at(0, 0))
+    model.scene("first", parameters={width: 0.4})
+    for values, expected in ((None, 0.4), ({"width": 0.6}, 0.6)):
+        plate = picture_at_start(model, None, values).bodies[1]
+        assert not plate.is_derived
+        corners, round_ = map(np.array, plate.outlines)
+        half = expected / 2
+        assert_allclose(corners, [(0, -half), (2, -half), (2, half), (0, half)])
+        assert_allclose(np.hypot(*round_.T), expected)
+
+
+def test_curves_are_sampled_all_round() -> None:
+    model = Model("cam")
+    a = model.parameter("a", 0.3, unit="m")
+    cam, pin = model.body("cam", 1.0, 1.0), model.body("pin", 1.0, 1.0)
+    model.revolute("A", model.ground.at(0, 0), cam.at(0, 0))
+    model.point_follower("track", cam.curve(a * 2, alpha * a), pin.at(0, 0))
+    picture = picture_at_start(model, parameters={"a": 0.5}, assembled=False)
+    (profile,) = (s.shape for s in picture.symbols if isinstance(s.shape, Profile))
+    at = np.linspace(0, 2 * pi, SAMPLES)
+    assert_allclose(np.array(profile.curve)[:, 1:], np.c_[1.0 + 0 * at, 0.5 * at], atol=1e-12)
+
+
+def test_bodies_without_an_angle_are_posed_by_their_rotation() -> None:
+    model = Model("turned")
+    body = model.add(TurnedBody("rod", sympy.S.One, sympy.S.One, model.token, 0.1, 0.2))
+    model.revolute("A", model.ground.at(1, 2), body.at(0, 0))
+    model.scene("swing", guess={body.e0: cos(0.3), body.e1: sin(0.3)})
+    picture = picture_at_start(model)
+    assert_allclose(picture.poses[1], (1, 2, 0.6), atol=1e-9)
+
+
+def test_torsion_springs_and_wheels_without_points_sit_on_pins() -> None:
+    model = Model("hub")
+    arm, wheel = model.body("arm", 1.0, 1.0), model.body("wheel", 1.0, 1.0)
+    model.revolute("A", model.ground.at(0, 0), arm.at(-1, 0))
+    model.revolute("B", arm.at(1, 0), wheel.at(0.2, 0))
+    model.torsion_spring("coil", arm, wheel, stiffness=5.0)
+    picture = picture_at_start(model)
+    (coil,) = shapes_of(picture, "coil")
+    assert list(places(coil)) == [Place(1, 1.0, 0.0), Place(2, 0.2, 0.0)]
+
+
+@pytest.mark.parametrize(
+    ("given", "word"),
+    [
+        (3, "give the corners of a polygon"),
+        ([(0, 0), (1, 1)], "three or more"),
+        ([(0, 0), (1, 0), ("a", 2)], "neither a number"),
+        ([], "give the corners"),
+    ],
+)
+def test_outlines_that_are_none(given: object, word: str) -> None:
+    model = Model("bad")
+    model.body("b", 1.0, 1.0, draw=given)
+    model.scene("s")
+    with pytest.raises(ModelError, match=rf"body 'b': draw.*{word}"):
+        picture_at_start(model)
+
+
+def test_outlines_contain_no_coordinates() -> None:
+    model = Model("bad")
+    a = model.body("a", 1.0, 1.0)
+    model.body("b", 1.0, 1.0, draw=[(0, 0), (a.x, 0), (1, 2)])
+    with pytest.raises(ModelError, match="draw contains a_x; give numbers"):
+        picture_at_start(model)

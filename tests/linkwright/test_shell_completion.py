@@ -1,0 +1,128 @@
+"""Words that a shell completes."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from codegen.elements.registry import kinds_of_elements
+from codegen.model_file import read_model
+from linkwright import shell_completion
+from linkwright.commands import app
+from linkwright.static_model_reading import models_in, read_model_text
+from runtime.integrate.method import METHODS
+
+MODEL = '''"""A stone.
+
+Scenes
+------
+windy, calm
+    With and without
+    wind.
+thrown
+    Upwards.
+
+More text.
+"""
+
+raise SystemExit  # a model is read, and not executed
+model.parameter("mass", 1.0)
+stone = model.body("stone", 1.0)
+model.force("wind", on=stone)
+for name in ("windy", "thrown"):
+    model.scene(name)
+model.scene("calm")
+model.scene("dark")
+'''
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "stone.py").write_text(MODEL.replace("raise", "Model()\nraise"))
+    (tmp_path / "plot.py").write_text("print()")
+    (tmp_path / "parts").mkdir()
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def completed(line: str, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    words = line.split(" ")
+    monkeypatch.setenv("_LINKWRIGHT_COMPLETE", "complete_bash")
+    monkeypatch.setenv("COMP_WORDS", line)
+    monkeypatch.setenv("COMP_CWORD", str(len(words) - 1))
+    done = CliRunner().invoke(app, [], prog_name="linkwright")
+    return done.stdout.split()
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("linkwright sim", ["simulate"]),
+        ("linkwright simulate st", ["stone.py"]),
+        ("linkwright simulate pa", ["parts/"]),
+        ("linkwright simulate stone.py --sc", ["--scene"]),
+        ("linkwright simulate stone.py --scene ", ["calm", "dark", "windy", "thrown"]),
+        ("linkwright simulate --scene w", ["windy"]),
+        ("linkwright simulate stone.py --set ", ["mass="]),
+        ("linkwright simulate --t-end 1 stone.py --start stone.p", ["stone.phi="]),
+        ("linkwright matters stone.py --quantity max:wi",
+         ["max:wind.fx", "max:wind.fy", "max:wind.torque"]),
+        ("linkwright simulate stone.py --method r", ["radau5"]),
+        ("linkwright elements revolute-", ["revolute-revolute", "revolute-translational"]),
+        ("linkwright new x --kind four", ["four-bar"]),
+        ("linkwright simulate stone.py --formulation ", ["cartesian", "reduced"]),
+        ("linkwright simulate nothing.py --scene ", ["calm", "dark", "windy", "thrown"]),
+    ],
+)  # fmt: skip
+def test_completed(
+    line: str, words: list[str], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert completed(line, monkeypatch) == words
+
+
+def test_in_a_process_of_its_own(folder: Path) -> None:
+    """Also that it loads nothing heavy: a shell waits for it."""
+    code = (
+        "import sys\nfrom linkwright.command_line import main\ntry:\n    main()\n"
+        "finally:\n    print(*sorted({'numpy', 'sympy', 'numba'} & set(sys.modules)))"
+    )
+    line = {"COMP_WORDS": "linkwright simulate stone.py --scene d", "COMP_CWORD": "4"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env={**os.environ, **line, "_LINKWRIGHT_COMPLETE":
+        "complete_bash"}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.stdout.split() == ["dark"], done.stderr
+
+
+def test_the_library_is_read_as_it_runs(root: Path) -> None:
+    """Scenes and parameters of every model of the library are in its text or its docstring."""
+    texts = models_in(root / "models")
+    assert len(texts) > 10
+    for text in texts[::3]:
+        model = read_model(text.path).model
+        assert set(text.scenes) <= set(model.scenes)
+        assert set(text.parameters) == set(model.parameters)
+
+
+def test_scenes_have_their_lines(folder: Path) -> None:
+    text = read_model_text(folder / "stone.py")
+    assert text is not None
+    assert text.summary == "A stone."
+    assert text.scenes == {
+        "calm": "With and without wind.",
+        "dark": "",
+        "windy": "With and without wind.",
+        "thrown": "Upwards.",
+    }
+
+
+def test_kinds_are_those_that_are_registered() -> None:
+    there = {kind.replace(" ", "-") for kind in kinds_of_elements()}
+    assert set(shell_completion.kinds("")) == there
+
+
+def test_methods_are_all_of_them() -> None:
+    assert shell_completion.methods("") == sorted(METHODS)

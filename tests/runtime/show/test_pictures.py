@@ -1,0 +1,134 @@
+"""Pictures of results: joints at all instants, reactions where they act, joints that go."""
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from codegen.drawing.picture import Picture
+from codegen.drawing.shapes import Pin, Place, Reaction, Rod
+from codegen.model_file import read_model
+from codegen.picture_at_start import picture_at_start
+from runtime import load
+from runtime.mechanism.dense_equations import Equations
+from runtime.show.pictures import Pictures, pictures
+
+MACHINES = [
+    ("slider_crank", "compressor"), ("quick_return", "shaper"), ("gear_slider", "train_running"),
+    ("rack_and_pinion", "running"), ("scotch_yoke", "rocking"),
+    ("valve_lifter", "inverse_dynamics"),
+]  # fmt: skip
+
+
+def result_of(name: str, scene: str) -> Any:
+    machine = load(name, scene)
+    if machine.is_determined:
+        return machine.inverse_dynamics([0.0, 0.03, 0.11], progress=False)
+    return machine.simulate(0.2, 3, progress=False)
+
+
+def at(drawn: Pictures, place: Place, k: int) -> np.ndarray:
+    x, y, phi = drawn.poses[k, place.body]
+    c, s = np.cos(phi), np.sin(phi)
+    return np.array([x + c * place.x - s * place.y, y + s * place.x + c * place.y])
+
+
+@pytest.mark.parametrize(("name", "scene"), MACHINES)
+def test_forces_of_drawn_reactions_are_those_of_the_multipliers(name: str, scene: str) -> None:
+    """The reaction at its point, as a wrench on the second body, against -Φ_qᵀ λ of the joint."""
+    result = result_of(name, scene)
+    drawn, table = pictures(result), result.description
+    p = np.array([result.parameters[row.name] for row in table.parameters])
+    constants = np.zeros(len(table.constants))
+    full = np.concatenate([p, constants])
+    result._mechanism.kernels.constants(full)
+    equations = Equations(result._mechanism, full)
+    bodies = [body.name for body in drawn.picture.bodies]
+    checked = 0
+    for number, symbol in enumerate(drawn.picture.symbols):
+        shape = symbol.shape
+        if not isinstance(shape, Reaction) or not hasattr(shape, "on") or shape.on == 0:
+            continue
+        rows = [k for k, row in enumerate(table.constraints) if row.element == symbol.element]
+        own = [f"{bodies[shape.on]}.{letter}" for letter in ("x", "y", "phi")]
+        columns = [table.coordinates.names.index(name) for name in own]
+        for k in range(len(result.t)):
+            value = {
+                word: drawn.moving.get((number, word), np.full(9, getattr(shape, word)))[k]
+                for word in ("x", "y", "ux", "uy")
+            }
+            fx, fy, torque = (
+                result.reaction(symbol.element, word)[k] for word in ("fx", "fy", "torque")
+            )
+            force = fx * np.array([value["ux"], value["uy"]])
+            force += fy * np.array([-value["uy"], value["ux"]])
+            arm = np.array([value["x"], value["y"]]) - drawn.poses[k, shape.on, :2]
+            moment = arm[0] * force[1] - arm[1] * force[0] + torque
+            slopes = equations.jacobian(result.t[k], result.samples.q[k])[np.ix_(rows, columns)]
+            expected = -slopes.T @ result.samples.lam[k, rows]
+            scale = 1.0 + np.abs(expected).max()
+            assert_allclose([*force, moment], expected, atol=1e-9 * scale)
+            checked += 1
+    assert checked >= 6
+
+
+@pytest.mark.parametrize(("name", "scene"), MACHINES)
+def test_pins_hold_together_at_all_instants(name: str, scene: str) -> None:
+    drawn = pictures(result_of(name, scene))
+    pins = [s.shape for s in drawn.picture.symbols if isinstance(s.shape, Pin)]
+    assert pins
+    for k in range(len(drawn.t)):
+        for pin in pins:
+            assert_allclose(at(drawn, pin.i, k), at(drawn, pin.j, k), atol=1e-7)
+
+
+def _same(one: Picture, other: Picture) -> None:
+    assert [b.name for b in one.bodies] == [b.name for b in other.bodies]
+    assert [(s.element, type(s.shape)) for s in one.symbols] == [
+        (s.element, type(s.shape)) for s in other.symbols
+    ]
+
+
+def test_the_picture_before_the_build_is_that_of_the_built_machine() -> None:
+    before = picture_at_start(read_model("slider_crank").model, "kinematics", {"rod_length": 3.2})
+    machine = load("slider_crank", "kinematics")
+    after = pictures(machine.kinematics([0.0], parameters={"rod_length": 3.2}, progress=False))
+    _same(before, after.picture)
+    assert_allclose(after.poses[0], before.poses, atol=1e-8)
+    for one, other in zip(before.symbols, after.picture.symbols, strict=True):
+        if isinstance(one.shape, Pin) and isinstance(other.shape, Pin):
+            assert_allclose([*one.shape.i, *one.shape.j], [*other.shape.i, *other.shape.j])
+
+
+def test_applied_forces_follow_the_motion() -> None:
+    result = load("slider_crank", "compressor").simulate(0.3, 40, progress=False)
+    drawn = pictures(result)
+    (k,) = (k for k, s in enumerate(drawn.picture.symbols) if s.element == "gas")
+    x, vx = result.q("slider.x"), result.v("slider.vx")
+    compression = -282857 / (6 - x) + 62857
+    gas = np.where((vx > 0) & (x >= 1.5) & (x <= 5), compression, 0.0)
+    here = (x < 4.99) | (vx < 0)
+    assert here.sum() > 20
+    assert_allclose(drawn.moving[k, "fx"][here], gas[here], rtol=1e-12)
+
+
+def test_joints_that_are_released_act_until_then() -> None:
+    result = load("trebuchet", "throw").simulate(1.5, 300, progress=False)
+    drawn = pictures(result)
+    (change,) = result.reconnections
+    (rod,) = (k for k, s in enumerate(drawn.picture.symbols) if isinstance(s.shape, Rod))
+    ((first, last),) = drawn.active[rod]
+    assert first == 0.0
+    step = max(b - a for a, b in pairwise(result.t))
+    assert change.time <= last <= change.time + step
+    pins = [k for k, s in enumerate(drawn.picture.symbols) if isinstance(s.shape, Pin)]
+    assert not set(pins) & set(drawn.active)
+
+
+def test_an_equilibrium_is_one_picture() -> None:
+    rest = load("slider_crank", "gravity_equilibrium").equilibrium(progress=False)
+    drawn = pictures(rest)
+    assert drawn.poses.shape == (1, 4, 3)
+    assert not drawn.moving
