@@ -97,7 +97,8 @@ def sweep(
         with the points.
     quantities
         The numbers that are kept of each run: texts as in `matters`, such as ``"max:B.fx"``,
-        ``"bob.phi"`` (at the end; its column is ``end:bob.phi``), ``"event:latch"``; or texts and functions of a result by name.
+        ``"bob.phi"`` (at the end; its column is ``end:bob.phi``), ``"event:latch"``; or texts and
+        functions of a result by name.
     out
         The folder of the Zarr store, ``study.zarr``, which must not exist unless `resume`.
     t_end, t_start, points

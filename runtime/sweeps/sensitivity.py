@@ -1,5 +1,6 @@
 """Sensitivity of a study: SALib's designs and indices, an extra."""
 
+import warnings
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -32,7 +33,11 @@ def _salib(module: str) -> ModuleType:
 
 
 def _problem(names: tuple[str, ...] | list[str]) -> dict[str, Any]:
-    return {"num_vars": len(names), "names": [*names], "bounds": [[0.0, 1.0]] * len(names)}
+    return {
+        "num_vars": len(names),
+        "names": np.array([*names]),
+        "bounds": [[0.0, 1.0]] * len(names),
+    }
 
 
 def saltelli_points(dimensions: int, count: int, seed: int) -> FloatArray:
@@ -50,6 +55,20 @@ def saltelli_points(dimensions: int, count: int, seed: int) -> FloatArray:
     return np.asarray(sampler.sample(problem, count, calc_second_order=False, seed=seed))
 
 
+def _analyzed(method: str, *arguments: Any, **words: Any) -> dict[str, Any]:
+    """The answer of an analysis of SALib, the last argument being the seed, without its notices."""
+    analyze = _salib(f"analyze.{method}").analyze
+    *data, seed = arguments
+    usual = warnings.formatwarning
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            found = analyze(*data, **words, seed=seed + 1, print_to_console=False)  # 0 is no seed
+    finally:
+        warnings.formatwarning = usual  # which SALib changes
+    return dict(found)
+
+
 def indices_of(study: "Study", quantity: str, seed: int) -> "pd.DataFrame":
     """Indices of a quantity, one row a factor; see `Study.sensitivity`."""
     import pandas as pd
@@ -64,9 +83,7 @@ def indices_of(study: "Study", quantity: str, seed: int) -> "pd.DataFrame":
                 "Sobol's indices need them all: leave out of the intervals what makes no machine, "
                 "or take a sample lhs, of which runs may be missing."
             )
-        found = _salib("analyze.sobol").analyze(
-            problem, values, calc_second_order=False, seed=seed, print_to_console=False
-        )
+        found = _analyzed("sobol", problem, values, seed, calc_second_order=False)
         names = ("S1", "S1_conf", "ST", "ST_conf")
     else:
         if design["axes"]:
@@ -80,9 +97,9 @@ def indices_of(study: "Study", quantity: str, seed: int) -> "pd.DataFrame":
                 f"{_LEAST}."
             )
         points = np.stack([study.data[name].values[known] for name in study.factors], axis=1)
-        found = _salib("analyze.delta").analyze(
-            problem, points, values[known], seed=seed, print_to_console=False
-        )
+        found = _analyzed("delta", problem, points, values[known], seed)
+        if "delta" not in found:  # from SALib 1.6 on, by the way of its estimate
+            found |= {"delta": found["delta_raw"], "delta_conf": found["delta_raw_conf"]}
         names = ("delta", "delta_conf", "S1", "S1_conf")
     table = {name: np.asarray(found[name], dtype=float) for name in names}
     return pd.DataFrame(table, index=pd.Index(study.factors, name="factor"))
