@@ -2,7 +2,8 @@
 
 import json
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict
 from functools import wraps
 from pathlib import Path
@@ -66,6 +67,13 @@ def refuse_stale(stale: Sequence[Path], reason: str, command: str) -> None:
         raise typer.Exit(1)
 
 
+@contextmanager
+def progress_shown(first: str = "starting") -> Iterator[Callable[[str], None]]:
+    """A line in the terminal that says what is going on: what is yielded changes it."""
+    with errors.status(first, spinner="dots") as status:
+        yield lambda message: status.update(escaped(message))
+
+
 def parse_settings(settings: list[str]) -> dict[str, float]:
     """``NAME=VALUE`` pairs of ``--set``."""
     values, problems = dict[str, float](), list[str]()
@@ -107,10 +115,10 @@ def build(
     """Derive, lower, emit and compile the kernels of a model's scenes."""
     from codegen.driver import build as run
 
-    with errors.status("starting", spinner="dots") as status:
+    with progress_shown() as progress:
         report = run(
             model, scene, out, settings=parse_settings(settings or []), tangents=tangents,
-            reduced=reduced, check=check, progress=lambda message: status.update(escaped(message)),
+            reduced=reduced, check=check, progress=progress,
         )  # fmt: skip
     if as_json:
         answer = {"scenes": [asdict(s) for s in report.scenes], "stale": report.stale}
@@ -185,13 +193,11 @@ def explain(
             f"--scene {scene} beside --compare {' '.join(compare)}: give the one or the other."
         )
     timed = (scene or compare) is not None if measure is None else measure
-    with errors.status("reading", spinner="dots") as status:
+    with progress_shown("reading") as progress:
         ledgers = tuple(
             ledger
             for name in compare or (scene,)
-            for ledger in ledgers_of(
-                model, name, measure=timed, t_end=run, progress=lambda m: status.update(escaped(m))
-            )
+            for ledger in ledgers_of(model, name, measure=timed, t_end=run, progress=progress)
         )
         comparison = compare_ledgers(*ledgers) if compare else None
     show(ledgers, comparison, kernels=kernels, as_json=as_json)

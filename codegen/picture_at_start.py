@@ -20,22 +20,22 @@ from codegen.model import Model
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-DRAWING = dict.fromkeys(("dimensions", "forces", "frames", "names"), readers.flag)
-"""Arguments that choose what a figure has, and their reader."""
-
 
 @readers.reads(
     scene=readers.optional(readers.scene),
-    parameters=readers.optional(readers.values('{"L": 1.2}')), assembled=readers.flag, **DRAWING,
+    parameters=readers.optional(readers.values('{"L": 1.2}')), assembled=readers.flag,
+    **dict.fromkeys(("dimensions", "forces", "frames", "names"), readers.flag),
 )  # fmt: skip
 def draw(
     model: Model, scene: Any = None, *, parameters: Mapping[str, float] | None = None,
-    assembled: bool = True, **drawing: Any,
+    assembled: bool = True, dimensions: bool = False, forces: bool = False, frames: bool = False,
+    names: bool = True,
 ) -> "Figure":  # fmt: skip
     """The figure of a declared mechanism; see `Model.draw`."""
     from codegen.drawing.figure import figure
 
-    return figure(picture_at_start(model, scene, parameters, assembled), **drawing)
+    picture = picture_at_start(model, scene, parameters, assembled)
+    return figure(picture, dimensions, forces, frames=frames, names=names)
 
 
 def picture_at_start(

@@ -29,6 +29,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
+    "docstrings",
     "repository_links",
 ]
 root_doc = "index"
@@ -63,7 +64,10 @@ nb_execution_cache_path = str(BUILD / "cells" / source_digest)
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True
 nb_execution_timeout = 120
+nb_execution_show_tb = True
 nb_merge_streams = True
+nb_render_markdown_format = "gfm"
+nb_output_stderr = "remove"  # the note that a kernel is compiled
 
 # Docstrings are numpydoc; types that other libraries document are no links without a network.
 autodoc_member_order = "bysource"
@@ -72,7 +76,7 @@ autodoc_class_signature = "mixed"
 napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
-nitpick_ignore_regex = [("py:.*", ".*")]
+nitpick_ignore_regex = [("py:class", r"(codegen|numpy|runtime|sympy|xarray)\..*")]
 
 # Machines: one script each, run in the process of the build.
 sphinx_gallery_conf = {

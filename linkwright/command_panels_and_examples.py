@@ -40,7 +40,7 @@ KINDS = ("four-bar", "slider-crank", "pendulum", "cam-follower")
 EXAMPLES: dict[str, tuple[str, ...]] = {
     "": (
         "linkwright new four_bar",
-        "linkwright explain four_bar.py",
+        "linkwright check four_bar.py",
         "linkwright simulate four_bar.py --t-end 5 --out run.nc",
         "linkwright report four_bar.py --t-end 5 --out run.html",
     ),
@@ -53,6 +53,10 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "linkwright elements",
         "linkwright elements revolute",
         "linkwright elements one-way-clutch",
+    ),
+    "check": (
+        "linkwright check four_bar.py",
+        "linkwright check four_bar.py --scene driven --json",
     ),
     "build": (
         "linkwright build four_bar.py",

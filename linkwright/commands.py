@@ -7,13 +7,22 @@ from typing import Annotated, Any
 import typer
 
 from codegen import __version__
+from codegen.cli import ModelArgument, SceneOption, progress_shown
 from codegen.cli import app as compiler
 from linkwright.command_panels_and_examples import KINDS, PANELS, panel_and_line
 from linkwright.help_and_usage_errors import Command, Commands
 from linkwright.parameter_presentation import presented
 from linkwright.shell_completion import template_kinds
 from runtime.cli.app import app as analyses
-from runtime.cli.common import Json, exit_on_error, print_json
+from runtime.cli.common import (
+    Json,
+    Values,
+    error_head,
+    exit_on_error,
+    print_json,
+    start_values,
+    write_line,
+)
 
 ABOUT = "A compiler for planar mechanisms: declare a machine, compile it, analyse it."
 own = typer.Typer()
@@ -70,6 +79,34 @@ def list_models(
         print_json(facts(found))
     else:
         show(found)
+
+
+@own.command()
+def check(
+    model: ModelArgument,
+    scene: SceneOption = None,
+    settings: Values = None,
+    as_json: Json = False,
+) -> None:
+    """Check a declaration: all problems at once, or freedoms, redundant constraints, assembly.
+
+    Nothing is compiled. Exit status 2 where something is wrong.
+    """
+    from codegen.declaration_report import check_declaration
+    from linkwright.declaration_display import show
+
+    with exit_on_error(as_json):
+        parameters = start_values(settings, None)["parameters"]
+        with progress_shown() as progress:
+            report = check_declaration(model, scene, settings=parameters, progress=progress)
+    for problem in report.problems:
+        write_line(f"{error_head()} {problem}")
+    if as_json:
+        print_json(report.facts())
+    else:
+        show(report, model)
+    if report.problems:
+        raise typer.Exit(2)
 
 
 @own.command()

@@ -61,10 +61,16 @@ def examine(equations: Equations, lowered: Lowered) -> Findings:
 
 
 def _jacobian_near(poses: Poses, probe: int) -> Array:
-    """Φ_q in units of the machine's size, where the constraints hold or a few steps near there."""
+    """Φ_q in units of the machine's size, where the constraints hold.
+
+    Where they do not, the position that comes nearest is singular, as a rod that is stretched after
+    what it cannot reach: Φ_q is that of the place where the search began.
+    """
     random = np.random.default_rng(probe)
     shift = (0.0 if probe == 0 else 0.1) * poses.unit * random.standard_normal(len(poses.guess))
-    _, jacobian = poses.closed_near(poses.guess + shift)
+    q, jacobian = poses.closed_near(poses.guess + shift)
+    if not poses.holds(q):
+        jacobian = poses.jacobian(poses.guess + shift) * poses.unit
     return jacobian if np.all(np.isfinite(jacobian)) else random.standard_normal(jacobian.shape)
 
 

@@ -35,23 +35,27 @@ class Poses:
         fixed = {name for name, _, role in self.description.start if role == "fixed"}
         self.free = np.array([float(name not in fixed) for name in names])
         is_length = np.array([unit == "m" for *_, unit in self.description.coordinates])
-        self.size = _longest_arm(self._jacobian(self.guess), is_length)
+        self.size = _longest_arm(self.jacobian(self.guess), is_length)
         self.unit = np.where(is_length, self.size, 1.0)
 
-    def closed_near(self, q: Array, moved: Array | float = 1.0) -> tuple[Array, Array]:
+    def closed_near(
+        self, q: Array, moved: Array | float = 1.0, kept: Array | float = 1.0
+    ) -> tuple[Array, Array]:
         """A position near q whose constraints hold if there is one, and Φ_q there in these units.
 
-        `moved`, (n,), is 1 for the coordinates that may change and 0 for others.
+        `moved`, (n,), is 1 for the coordinates that may change and 0 for others; `kept`, (m,), the
+        same of the constraints that must hold.
         """
-        jacobian = self._jacobian(q)
+        rows = np.ones(len(self.description.constraints)) * kept
+        jacobian = self.jacobian(q)
         for _ in range(_STEPS):
             if not np.all(np.isfinite(jacobian)):
                 break
-            phi = self._flat("constraints", "phi", q)
-            step = np.linalg.lstsq(jacobian * self.unit * moved, -phi, rcond=1e-10)[0]
+            slopes = rows[:, None] * jacobian * self.unit * moved
+            step = np.linalg.lstsq(slopes, -rows * self.residual(q), rcond=1e-10)[0]
             length = float(np.linalg.norm(step))
             q = q + self.unit * step / max(1.0, length)
-            jacobian = self._jacobian(q)
+            jacobian = self.jacobian(q)
             if length < _LAST:
                 break
         return q, jacobian * self.unit
@@ -59,9 +63,9 @@ class Poses:
     def along_motion(self) -> list[Array]:
         """Positions that hold, (n,) each: the start, and some to which the joints let it move."""
         start, jacobian = self.closed_near(self.guess, self.free)
-        if not self._holds(start):
+        if not self.holds(start):
             start, jacobian = self.closed_near(self.guess)
-        if not self._holds(start):
+        if not self.holds(start):
             return []
         found, direction = [start], np.random.default_rng(0).standard_normal(len(start))
         for way in (1.0, -1.0):
@@ -73,7 +77,7 @@ class Poses:
                     break
                 ahead /= length
                 q, rows = self.closed_near(q + _STRIDE * self.unit * ahead)
-                if not self._holds(q):
+                if not self.holds(q):
                     break
                 found.append(q)
         return found
@@ -83,11 +87,16 @@ class Poses:
         kernel = Kernel("values", "", (), store("out", list(numbers), [""] * len(numbers)))
         return self._flat("values", "out", q, Program(tuple(graph.values), (kernel,), (), 0.0))
 
-    def _holds(self, q: Array) -> bool:
-        residual = np.abs(self._flat("constraints", "phi", q)).max(initial=0.0)
-        return bool(residual <= _CLOSED * self.size)
+    def residual(self, q: Array) -> Array:
+        """Φ at a position, (m,)."""
+        return self._flat("constraints", "phi", q)
 
-    def _jacobian(self, q: Array) -> Array:
+    def holds(self, q: Array, kept: Array | float = 1.0) -> bool:
+        """Whether the constraints hold at a position, or those that are `kept`, as above."""
+        return bool(np.abs(self.residual(q) * kept).max(initial=0.0) <= _CLOSED * self.size)
+
+    def jacobian(self, q: Array) -> Array:
+        """Φ_q at a position, (m, n)."""
         pattern = self.description.jacobian
         dense = np.zeros((len(self.description.constraints), len(q)))
         dense[list(pattern.rows), list(pattern.columns)] = self._flat("jacobian", "values", q)

@@ -1,0 +1,169 @@
+"""What is wrong with a declaration, everything at once; and if nothing is, what it amounts to.
+
+The stages of a build are gone through up to the emission of kernels, and nothing is compiled.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from codegen.check.assembly import Assembly, assemble_at_start
+from codegen.check.declaration import check_model, check_scene
+from codegen.derive.equations import Equations
+from codegen.driver import translate, valid_scenes, with_settings, without_overridden
+from codegen.errors import FAILURES, LinkwrightError, SceneError
+from codegen.generated_files.generated_file import Clock, Progress
+from codegen.model import Model
+from codegen.model_file import read_model
+
+
+@dataclass(frozen=True)
+class SceneFacts:
+    """What a sound scene amounts to.
+
+    Attributes
+    ----------
+    coordinates, constraints, degrees_of_freedom
+        Their numbers; redundant constraints take no freedom away.
+    notes
+        Sentences about redundant constraints.
+    left_out, unused
+        Effects and drivers, and parameters, that have no share in the scene.
+    """
+
+    name: str
+    analysis: str
+    bodies: tuple[str, ...]
+    coordinates: int
+    constraints: int
+    degrees_of_freedom: int
+    drivers: tuple[str, ...]
+    notes: tuple[str, ...]
+    assembly: Assembly
+    left_out: tuple[tuple[str, str], ...]
+    unused: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class DeclarationReport:
+    """Problems of a declaration, facts of its sound scenes, and what no scene uses.
+
+    Attributes
+    ----------
+    unused
+        "bodies", "effects", "drivers" and "parameters" → names that no scene uses; empty where one
+        scene alone was checked or where there is a problem.
+    """
+
+    model: str
+    problems: tuple[str, ...]
+    scenes: tuple[SceneFacts, ...]
+    unused: Mapping[str, tuple[str, ...]]
+
+    def facts(self) -> dict[str, Any]:
+        """The JSON object of the report."""
+        scenes = [
+            {
+                "scene": s.name, "analysis": s.analysis, "bodies": s.bodies,
+                "coordinates": s.coordinates, "constraints": s.constraints,
+                "degrees_of_freedom": s.degrees_of_freedom, "notes": s.notes,
+                "gap": s.assembly.gap, "moved": [one._asdict() for one in s.assembly.moved],
+                "left_out": [name for name, _ in s.left_out], "unused_parameters": s.unused,
+            }
+            for s in self.scenes
+        ]  # fmt: skip
+        ok = not self.problems
+        return {
+            "ok": ok, "status": 0 if ok else 2, "model": self.model, "problems": self.problems,
+            "scenes": scenes, "unused": dict(self.unused),
+        }  # fmt: skip
+
+
+def check_declaration(
+    model: str | Path | Model, scene: str | None = None, *,
+    settings: Mapping[str, float] | None = None, progress: Progress = lambda message: None,
+) -> DeclarationReport:  # fmt: skip
+    """Check a model and its scenes, or one of them.
+
+    Parameters
+    ----------
+    model, scene, settings, progress
+        As for `codegen.build`.
+
+    Raises
+    ------
+    InputError
+        If the model file cannot be read, or the scene or a parameter of `settings` is not there.
+        Problems of the declaration itself are in the report.
+    """
+    progress("reading the model")
+    declared = with_settings(read_model(model).model, settings or {})
+    if scene is not None and scene not in declared.scenes:
+        valid_scenes(declared.altered(), scene)  # SceneError, or the problems of the model
+        raise SceneError(f"model '{declared.name}' has no scene '{scene}'.")
+    problems = check_model(declared)
+    if problems:
+        names = [scene] if scene is not None else [*declared.scenes]
+        more = (_problems_of_scene(declared, name) for name in names)
+        problems += [p for found in more for p in found]
+        return DeclarationReport(declared.name, tuple(dict.fromkeys(problems)), (), {})
+    scenes: list[SceneFacts] = []
+    given: list[str | None] = [*declared.scenes] if scene is None else [scene]
+    for name in given or [None]:
+        try:
+            for valid in valid_scenes(declared, name):
+                chosen = without_overridden(valid, settings or {})
+                clock = Clock({}, progress, f"{declared.name}, scene {chosen.name}")
+                equations, lowered, findings = translate(declared, chosen, clock)
+                progress(f"{declared.name}, scene {chosen.name}: assemble")
+                facts = _facts(equations, findings, assemble_at_start(lowered))
+                scenes.append(facts)
+                problems += filter(None, (facts.assembly.problem,))
+        except LinkwrightError as error:
+            problems += error.problems
+    complete = scene is None and not problems
+    unused = _unused(declared, scenes) if complete else {}
+    return DeclarationReport(declared.name, tuple(dict.fromkeys(problems)), tuple(scenes), unused)
+
+
+def _problems_of_scene(model: Model, name: str) -> list[str]:
+    """Problems of a scene of an unsound model, where they can be found at all."""
+    scene = model.scenes[name]
+    found = [*scene.problems]
+    try:
+        found += check_scene(model, scene)
+    except FAILURES:  # for a reason that is among the model's own problems
+        return found
+    return found
+
+
+def _facts(equations: Equations, findings: Any, assembly: Assembly) -> SceneFacts:
+    positions = len(equations.coordinates) - len(equations.states)
+    return SceneFacts(
+        equations.scene.name, equations.scene.analysis, equations.bodies, positions,
+        sum(len(c.statement.rows) for c in equations.constraints),
+        positions - findings.independent,
+        tuple(c.name for c in equations.constraints if c.driver), findings.notes, assembly,
+        equations.left_out, equations.unused,
+    )  # fmt: skip
+
+
+def _unused(model: Model, scenes: Iterable[SceneFacts]) -> dict[str, tuple[str, ...]]:
+    """What no scene uses, in the order of its declaration."""
+    every = [*scenes]
+
+    def lacking(names: Iterable[str], left_out: Iterable[Iterable[str]]) -> tuple[str, ...]:
+        nowhere = set.intersection(*(set(one) for one in left_out)) if every else set()
+        return tuple(name for name in names if name in nowhere)
+
+    left_out = [[name for name, _ in s.left_out] for s in every]
+    absent = [[name for name in model.bodies if name not in s.bodies] for s in every]
+    found = {
+        "bodies": lacking(model.bodies, absent),
+        "joints": lacking(model.joints, left_out),
+        "effects": lacking(model.effects, left_out),
+        "drivers": lacking(model.drivers, left_out),
+        "parameters": lacking(model.parameters, (s.unused for s in every)),
+    }
+    return {kind: names for kind, names in found.items() if names}

@@ -1,0 +1,44 @@
+"""What the docstrings of this project need before napoleon reads them as numpydoc."""
+
+import re
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
+
+NAMES = re.compile(r"\w+(?:, \w+)*$")
+
+
+def attributes_as_definitions(lines: list[str]) -> list[str]:
+    """Turn the section of attributes into a list of definitions, where one entry may name several.
+
+    Napoleon would take ``mass, inertia`` for an attribute `inertia` of the type `mass`.
+    """
+    done: list[str] = []
+    inside = False
+    for number, line in enumerate(lines):
+        follows = lines[number + 1] if number + 1 < len(lines) else ""
+        if follows.startswith("---"):
+            inside = line == "Attributes"
+            done.append(f".. rubric:: {line}" if inside else line)
+        elif inside and line.startswith("---"):
+            done.append("")
+        elif inside and NAMES.match(line):
+            done.append(", ".join(f"``{name}``" for name in line.split(", ")))
+        else:
+            done.append(line)
+    return done
+
+
+def read(_: "Sphinx", what: str, name: str, item: Any, options: Any, lines: list[str]) -> None:
+    """Prepare one docstring, in place."""
+    if what in {"property", "attribute", "data"}:
+        # An empty comment: else napoleon takes what stands before a colon for a type.
+        lines[:0] = ["..", ""]
+    lines[:] = [line.replace("|c'|", "``|c'|``") for line in attributes_as_definitions(lines)]
+
+
+def setup(app: "Sphinx") -> dict[str, bool]:
+    """Read docstrings before napoleon does."""
+    app.connect("autodoc-process-docstring", read, priority=400)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,83 @@
+"""The command `linkwright check`: what a sound declaration amounts to, a paragraph a scene."""
+
+from typing import TYPE_CHECKING
+
+from codegen.emit.line_wrapping import quantity
+
+if TYPE_CHECKING:
+    from codegen.check.assembly import Assembly
+    from codegen.declaration_report import DeclarationReport, SceneFacts
+
+_MOVED = 3  # layout: coordinates that are listed
+_SINGULAR = {"bodies": "body", "parameters": "parameter"}
+
+
+def show(report: "DeclarationReport", model: str) -> None:
+    """Print the facts of the sound scenes, and what no scene uses."""
+    from rich.console import Console
+    from rich.markup import escape
+
+    console = Console(soft_wrap=True, highlight=False)
+    for scene in report.scenes:
+        if scene.assembly.problem:
+            continue
+        console.print(
+            f"[bold]{escape(report.model)}[/], scene [bold]{escape(scene.name)}[/]: sound"
+        )
+        for title, text in rows(scene):
+            console.print(f"  {title:<13} {escape(text)}")
+    for kind, names in report.unused.items():
+        word = kind if len(names) > 1 else _SINGULAR.get(kind, kind.removesuffix("s"))
+        console.print(f"No scene uses {word} {escape(', '.join(names))}.")
+    if not report.problems and report.scenes:
+        console.print(f"Next: linkwright {escape(next_command(report.scenes[0], model))}")
+
+
+def rows(scene: "SceneFacts") -> list[tuple[str, str]]:
+    """Titles and texts of a scene."""
+    numbers = {
+        "coordinate": scene.coordinates,
+        "constraint": scene.constraints,
+        "degree of freedom": scene.degrees_of_freedom,
+    }
+    found = [
+        ("bodies", ", ".join(scene.bodies)),
+        ("equations", ", ".join(quantity(count, noun) for noun, count in numbers.items())),
+        ("redundant", "none" if not scene.notes else "see the note"),
+        ("assembly", _assembly(scene.assembly, scene.constraints)),
+    ]
+    if scene.left_out:
+        found.append(("left out", ", ".join(name for name, _ in scene.left_out)))
+    if scene.unused:
+        found.append(("not read", ", ".join(scene.unused)))
+    return [*found, *(("note", note) for note in scene.notes)]
+
+
+def _assembly(assembly: "Assembly", constraints: int) -> str:
+    """`the joints close to 2e-16; 3 coordinates move from their guesses: rod.x 0.15 → 0.145 m`."""
+    if not constraints:
+        return "there are no joints to close"
+    text = f"the joints close at t = 0, within {assembly.gap:.1e}"
+    if not assembly.moved:
+        return f"{text}, where the scene puts the bodies"
+    moved = ", ".join(
+        f"{one.name} {one.guess:.4g} → {one.reached:.4g} {one.unit}"
+        for one in assembly.moved[:_MOVED]
+    )
+    more = len(assembly.moved) - _MOVED
+    return (
+        f"{text}; {quantity(len(assembly.moved), 'coordinate')} not at the guess: {moved}"
+        f"{f', and {more} more' if more > 0 else ''}"
+    )
+
+
+def next_command(scene: "SceneFacts", model: str) -> str:
+    """The command that fits a scene."""
+    if scene.analysis == "equilibrium":
+        return f"equilibrium {model} --scene {scene.name}"
+    command = "simulate"
+    if scene.analysis == "kinematics":
+        command = "kinematics"
+    elif scene.drivers and not scene.degrees_of_freedom:
+        command = "inverse"
+    return f"{command} {model} --scene {scene.name} --t-end 1"

@@ -1,0 +1,162 @@
+"""`check_declaration`: all problems at once, and what sound scenes amount to."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from codegen import Model, ModelFileError, ParameterError, SceneError, t
+from codegen.declaration_report import check_declaration
+
+
+def linkage(crank: float = 1.0) -> Model:
+    """A four-bar linkage with a parameter, an effect and a driver that no scene uses."""
+    model = Model("linkage", gravity=(0, -9.81))
+    model.parameter("spare", 1.0)
+    speed = model.parameter("speed", 2.0)
+    bars = {
+        name: model.body(name, mass=1.0, inertia=0.1) for name in ("crank", "coupler", "rocker")
+    }
+    ends = {"crank": crank, "coupler": 3.0, "rocker": 2.5}
+    left = {name: bars[name].at(-ends[name] / 2, 0) for name in bars}
+    right = {name: bars[name].at(ends[name] / 2, 0) for name in bars}
+    model.revolute("A", model.ground.at(0, 0), left["crank"])
+    model.revolute("B", right["crank"], left["coupler"])
+    model.revolute("C", right["coupler"], right["rocker"])
+    model.revolute("D", model.ground.at(3, 0), left["rocker"])
+    model.torque("push", on=bars["crank"], value=3.0)
+    model.driver("motor", bars["crank"].phi, speed * t)
+    model.driver("other", bars["rocker"].phi, t)
+    model.scene("free", ["gravity"], start={"crank.phi": 0.0}, guess=DRAWN)
+    model.scene("driven", drivers=["motor"], guess=DRAWN)
+    return model
+
+
+DRAWN = {"coupler.x": 1.8, "coupler.y": 1.2, "coupler.phi": 0.9, "rocker.y": 1.2, "rocker.x": 2.8}
+DRAWN |= {"rocker.phi": 1.7}
+
+
+def test_a_sound_model() -> None:
+    report = check_declaration(linkage())
+    assert report.problems == ()
+    free, driven = report.scenes
+    assert (free.name, free.coordinates, free.constraints, free.degrees_of_freedom) == (
+        *("free", 9),
+        *(8, 1),
+    )
+    assert (driven.constraints, driven.degrees_of_freedom, driven.drivers) == (9, 0, ("motor",))
+    assert free.notes == ()
+    assert free.assembly.gap < 1e-12
+    assert report.unused == {
+        "effects": ("push",),
+        "drivers": ("other",),
+        "parameters": ("spare",),
+    }
+
+
+def test_the_position_is_that_of_a_triangle() -> None:
+    """With the crank along the ground, BCD has the sides 3, 2.5 and 2."""
+    (free,) = check_declaration(linkage(), "free").scenes
+    reached = {one.name: one.reached for one in free.assembly.moved}
+    angle = np.arccos((3.0**2 + 2.0**2 - 2.5**2) / (2 * 3.0 * 2.0))
+    assert reached["coupler.phi"] == pytest.approx(angle, rel=1e-10)
+    assert "crank.phi" not in reached
+    guesses = {one.name: one.guess for one in free.assembly.moved}
+    assert guesses["coupler.phi"] == 0.9
+
+
+def test_one_scene_says_nothing_of_what_no_scene_uses() -> None:
+    report = check_declaration(linkage(), "driven")
+    assert [scene.name for scene in report.scenes] == ["driven"]
+    assert report.unused == {}
+    assert "push" in dict(report.scenes[0].left_out)
+
+
+def test_joints_that_cannot_close() -> None:
+    report = check_declaration(linkage(crank=12.0))
+    assert len(report.problems) == 2
+    for problem in report.problems:
+        assert "the joints do not close at the start" in problem
+        assert " misses by " in problem
+    assert report.facts()["ok"] is False
+    assert report.unused == {}
+
+
+def test_a_value_of_a_parameter_can_open_joints() -> None:
+    model = Model("rod")
+    length = model.parameter("length", 1.0, sign="positive")
+    a = model.body("a", mass=1.0, inertia=1.0)
+    model.revolute("A", model.ground.at(0, 0), a.at(-length, 0))
+    model.revolute("B", model.ground.at(2, 0), a.at(length, 0))
+    model.scene("still")
+    assert check_declaration(model).problems == ()
+    (problem,) = check_declaration(model, settings={"length": 1.5}).problems
+    assert "scene 'still'" in problem
+    assert "joint A misses by 0.5" in problem
+
+
+def test_start_values_that_contradict_the_joints() -> None:
+    model = linkage()
+    model.scene("torn", start={"crank.phi": 0.0, "rocker.phi": 0.0})
+    (problem,) = check_declaration(model).problems
+    assert "scene 'torn': the start values contradict the joints" in problem
+    assert "crank.phi = 0, rocker.phi = 0" in problem
+
+
+def test_a_driver_out_of_reach() -> None:
+    model = linkage()
+    model.scene("drawn", drivers=["other"], guess=DRAWN)
+    (problem,) = check_declaration(model, "drawn").problems
+    assert "the joints close, but not with what the drivers (other) demand at t = 0" in problem
+
+
+def test_a_driver_too_many_and_a_joint_too_many() -> None:
+    model = linkage()
+    model.scene("fought", drivers=["motor", "other"], guess=DRAWN)
+    (problem,) = check_declaration(model, "fought").problems
+    assert "Remove or relax 'other': no motion is left" in problem
+    bar = Model("bar")
+    body = bar.body("body", mass=1.0, inertia=1.0)
+    bar.revolute("A", bar.ground.at(0, 0), body.at(0, 0))
+    bar.revolute("B", bar.ground.at(0, 0), body.at(0, 0))
+    report = check_declaration(bar)
+    (scene,) = report.scenes
+    assert report.problems == ()
+    assert (scene.name, scene.degrees_of_freedom) == ("default", 1)
+    assert "redundant: B.x (revolute), B.y (revolute)" in scene.notes[0]
+
+
+def test_problems_of_model_and_scenes_come_together() -> None:
+    model = Model("wrong")
+    a = model.body("a", mass=-1.0, inertia=1.0)
+    model.spring("s", a, model.ground.at(0, 0), stiffness=3.0)
+    model.scene("one", ["gravty"])
+    model.scene("two", start={"c.phi": 1.0})
+    problems = "\n".join(check_declaration(model).problems)
+    for part in ("mass of body 'a' is -1 kg", "spring 's' has a stiffness", "no effect 'gravty'"):
+        assert part in problems
+    assert "'c.phi' is no coordinate" in problems
+
+
+def test_no_joints_at_all() -> None:
+    model = Model("stone")
+    model.body("stone", mass=1.0, inertia=1.0)
+    (scene,) = check_declaration(model).scenes
+    assert (scene.constraints, scene.assembly.gap, scene.assembly.moved) == (0, 0.0, ())
+
+
+def test_wrong_words_are_errors(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match="no scene 'fre'; did you mean 'free'"):
+        check_declaration(linkage(), "fre")
+    with pytest.raises(ParameterError, match="no parameter 'sped'; did you mean 'speed'"):
+        check_declaration(linkage(), settings={"sped": 1.0})
+    with pytest.raises(ModelFileError):
+        check_declaration(tmp_path / "nothing.py")
+
+
+def test_every_library_model_is_sound(root: Path) -> None:
+    """Those that the book does not have: the others are built by other tests."""
+    for name in ("quarter_car", "trebuchet", "scotch_yoke", "engine"):
+        report = check_declaration(root / "models" / f"{name}.py")
+        assert report.problems == ()
+        assert all(scene.assembly.gap < 1e-12 for scene in report.scenes)

@@ -1,0 +1,124 @@
+"""Figures of declarations, states and results: what stands in them, and what is refused."""
+
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from codegen.errors import InputError, ModelError
+from codegen.model_file import read_model
+from runtime import load
+from runtime.machine_facade import Machine
+
+
+@pytest.fixture(scope="module")
+def machine() -> Machine:
+    return load("slider_crank", "compressor")
+
+
+@pytest.fixture(scope="module")
+def result(machine: Machine) -> Any:
+    return machine.simulate(0.5, 51, progress=False)
+
+
+def texts(figure: Figure) -> set[str]:
+    return {t.get_text() for axes in figure.axes for t in axes.texts if t.get_visible()}
+
+
+def corners(figure: Figure) -> np.ndarray:
+    """All corners of lines and polygons, in data coordinates."""
+    lines = [c for axes in figure.axes for c in axes.collections]
+    return np.concatenate([path.vertices for one in lines for path in one.get_paths()])
+
+
+def test_a_declaration_names_its_bodies_and_joints() -> None:
+    figure = read_model("slider_crank").model.draw("kinematics")
+    assert {"crank", "rod", "slider", "A", "B", "C", "guide"} <= texts(figure)
+    assert figure.axes[0].get_aspect() == 1.0
+    bare = read_model("slider_crank").model.draw("kinematics", names=False)
+    assert not {"crank", "B"} & texts(bare)
+
+
+def test_guesses_that_leave_joints_open_say_how_far() -> None:
+    model = read_model("slider_crank").model
+    values = {"rod_length": 3.0}
+    opened = model.draw("kinematics", parameters=values, assembled=False)
+    assert any("B: 0.25 m apart" in text for text in texts(opened))
+    closed = model.draw("kinematics", parameters=values)
+    assert not any("apart" in text for text in texts(closed))
+
+
+def test_joints_that_cannot_close_are_drawn_at_their_guesses() -> None:
+    model = read_model("slider_crank").model
+    figure = model.draw("kinematics", parameters={"rod_length": 0.5})
+    assert any("m apart" in text for text in texts(figure))
+
+
+def test_dimensions_are_distances_of_the_places_of_a_body(machine: Machine) -> None:
+    assert {"2", "3.5"} <= texts(machine.draw(dimensions=True))
+    longer = machine.draw(parameters={"rod_length": 4.2}, dimensions=True)
+    assert {"2", "4.2"} <= texts(longer)
+
+
+def test_a_state_is_drawn_where_it_is(machine: Machine, result: Any) -> None:
+    at = result.state(0.3)
+    for figure in (machine.draw(at), result.draw(0.3)):
+        points = corners(figure)
+        pin = 2 * np.array([np.cos(at["crank.phi"]), np.sin(at["crank.phi"])])
+        assert np.hypot(*(points - pin).T).min() < 0.2
+        assert points[:, 0].max() > at["slider.x"]
+
+
+def test_an_instant_puts_drivers_where_they_are_then() -> None:
+    driven = load("slider_crank", "kinematics")
+    angle = 0.75 * np.pi  # π/4 at the start, a quarter of a turn on
+    pin = 2 * np.array([np.cos(angle), np.sin(angle)])
+    assert np.hypot(*(corners(driven.draw(0.25)) - pin).T).min() < 0.2
+    assert np.hypot(*(corners(driven.draw()) - pin).T).min() > 0.5
+
+
+def test_reactions_are_drawn_with_their_sizes(result: Any) -> None:
+    with_forces = texts(result.draw(0.3, forces=True))
+    size = np.hypot(result.at(0.3).reaction("B", "fx"), result.at(0.3).reaction("B", "fy"))[0]
+    assert f"B {size / 1e3:.3g} kN" in with_forces
+    assert not any(text.startswith("B ") for text in texts(result.draw(0.3)))
+
+
+def test_figures_belong_to_nobody_else(result: Any) -> None:
+    result.draw(0.1)
+    assert not plt.get_fignums()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words", "message"),
+    [
+        (("nowhere",), {}, "has no scene 'nowhere'"),
+        ((), {"parameters": {"J9": 1.0}}, "no parameter 'J9'"),
+        ((), {"parameters": 70}, "parameters is 70; it must be a mapping"),
+        ((), {"dimensions": "yes"}, "dimensions is 'yes'"),
+        ((3,), {}, "scene is 3"),
+    ],
+)
+def test_what_a_declaration_does_not_draw(arguments: Any, words: Any, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        read_model("slider_crank").model.draw(*arguments, **words)
+
+
+def test_what_machines_and_results_do_not_draw(machine: Machine, result: Any) -> None:
+    with pytest.raises(InputError, match="t is nan"):
+        machine.draw(float("nan"))
+    with pytest.raises(InputError, match="start is 'here'"):
+        machine.draw("here")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"t = 7 s lies outside"):
+        result.draw(7.0)
+    with pytest.raises(InputError, match=r"frames is 1\.5"):
+        result.draw(0.1, frames=1.5)
+
+
+def test_a_declaration_that_is_wrong_says_so() -> None:
+    model = read_model("slider_crank").model
+    model.revolute("A", model.ground.at(0, 0), model.ground.at(1, 1))
+    with pytest.raises(ModelError, match="A"):
+        model.draw()
