@@ -98,9 +98,9 @@ def cluster(folder: Path, workers: int) -> Iterator[tuple[str, "subprocess.Popen
         while not file.exists():
             time.sleep(0.05)
         program = [sys.executable, "-m", "distributed.cli.dask_worker"]
-        words = ("--nthreads", "1", "--no-dashboard", "--scheduler-file", str(file))
-        words += ("--death-timeout", "10", "--local-directory", str(folder))
-        processes += [_service([*program, *words], log) for _ in range(workers)]
+        more = ("--nthreads", "1", "--no-dashboard", "--scheduler-file", str(file))
+        command = [*program, *more, "--death-timeout", "10", "--local-directory", str(folder)]
+        processes += [_service(command, log) for _ in range(workers)]
     try:
         yield json.loads(file.read_text())["address"], processes[0]
     finally:

@@ -61,8 +61,7 @@ def _analyzed(method: str, *arguments: Any, **words: Any) -> dict[str, Any]:
     *data, seed = arguments
     usual = warnings.formatwarning
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+        with warnings.catch_warnings(record=True):  # SALib has a filter of its own
             found = analyze(*data, **words, seed=seed + 1, print_to_console=False)  # 0 is no seed
     finally:
         warnings.formatwarning = usual  # which SALib changes
