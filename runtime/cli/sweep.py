@@ -8,6 +8,7 @@ import typer
 
 from codegen.termination_signals import keep_results
 from runtime.cli import common
+from runtime.cli.case_of_command import source
 from runtime.cli.common import (
     Generated,
     Guess,
@@ -81,12 +82,13 @@ def sweep(
         if picture is not None:
             check_place(picture)
         keep_results()
+        values = common.start_values(settings, guess, start)
+        what, where = source(model, scene)
         study = make(
-            model, scene, over=over, quantities=quantity, out=out, t_end=t_end, t_start=t_start,
+            what, where, over=over, quantities=quantity, out=out, t_end=t_end, t_start=t_start,
             sample=sample, count=count, seed=seed, keep=tuple(keep or ()), points=points,
             analysis=analysis, workers=workers, scheduler=scheduler, resume=resume,
-            generated=generated, **words(run),
-            **common.start_values(settings, guess, start),
+            generated=generated, **words(run, values),
         )  # fmt: skip
         for line in repr(study).splitlines():
             common.write_line(line)
