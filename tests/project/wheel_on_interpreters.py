@@ -50,7 +50,8 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         wheel = _wheel(folder)
-        return int(not all([_works(python, wheel, folder) for python in sys.argv[1:]]))
+        worked = [_works(python, wheel, folder) for python in sys.argv[1:]]  # all are tried
+        return int(not all(worked))
 
 
 def _wheel(folder: Path) -> Path:
