@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 LINK = re.compile(r"(?<!!)\[([^\]]+)\]\((?![a-z]+:|#)([^)#\s]+)(#[^)\s]*)?\)")
 FENCE = re.compile(r"(^(`{3,}|:{3,}).*?^\2`*\s*$)", re.MULTILINE | re.DOTALL)
 NOTEBOOKS = "notebooks"
+BOOK = "gallery/book.md"  # on the site, the gallery has its numbers on the pages of the machines
 
 
 def rewritten(text: str, page: Path, docs: Path) -> str:
@@ -24,6 +25,8 @@ def rewritten(text: str, page: Path, docs: Path) -> str:
     def link(match: re.Match[str]) -> str:
         label, path, _ = match.groups()
         target = Path(os.path.normpath(page.parent / path))
+        if target == docs / BOOK:
+            return f"[{label}]({os.path.relpath(target.with_name('index.md'), page.parent)})"
         if target.is_relative_to(docs) and not target.is_dir():
             return match[0]
         if target.suffix == ".ipynb":
