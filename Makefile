@@ -13,6 +13,7 @@ NOT_MODELS := models/__init__.py models/__main__.py
 MODELS = $(filter-out $(NOT_MODELS) $(wildcard models/_*.py),$(sort $(wildcard models/*.py))) $(HARD)
 # The hard cases' folder holds their declarations and what runs them.
 HARD = $(sort $(shell grep -l '^model = ' models/hard/*.py))
+SCRIPTS = runtime/show/animation/page
 NOTEBOOKS = $(sort $(wildcard notebooks/*.ipynb))
 
 WORKERS ?= 2
@@ -59,10 +60,11 @@ test: $(READY) ## run the tests; every warning is an error
 test-oldest: .venv-oldest/.ready ## run the tests with the lowest versions that pyproject.toml allows
 	.venv-oldest/bin/python $(PYTEST)
 
-lint: $(READY) ## formatting and lint rules
+lint: $(READY) ## formatting and lint rules, of Python and of the player's script
 	@status=0; \
 	$(PY) -m ruff format --check . || status=1; \
 	$(PY) -m ruff check . || status=1; \
+	$(VENV)/bin/oxlint --deny-warnings $(SCRIPTS) || status=1; \
 	exit $$status
 
 format: $(READY) ## bring the files into the form that `make lint` asks for
@@ -84,6 +86,7 @@ check: $(READY) ## is what is written from the source what the source says today
 	$(PY) -m codegen elements --out docs/elements --check || failed="$$failed docs/elements"; \
 	$(PY) -m codegen methods --check || failed="$$failed methods"; \
 	$(PY) docs/make_constants.py --check || failed="$$failed docs/reference/constants.md"; \
+	$(PY) docs/make_schemas.py --check || failed="$$failed docs/schema"; \
 	$(PY) docs/make_modules.py --check || failed="$$failed docs/development/modules.md"; \
 	$(PY) docs/make_command_line.py --check || failed="$$failed docs/reference/command-line.md"; \
 	if [ -n "$$failed" ]; then echo "stale or failing:$$failed; run make build and look at the difference" >&2; exit 1; fi
@@ -94,6 +97,7 @@ build: $(READY) ## bring all that is written from the source up to date
 	$(PY) -m codegen methods
 	$(PY) docs/make_constants.py
 	$(PY) docs/make_modules.py
+	$(PY) docs/make_schemas.py
 	$(PY) docs/make_command_line.py
 
 gallery: $(READY) ## run every machine of the chapter: one table, all figures into figures/

@@ -19,7 +19,8 @@ from codegen.library_layout import model_names
 from linkwright import shell_completion
 
 MACHINE, TIME, INTEGRATION, STUDY, OUTPUT = "Machine", "Time", "Integration", "Study", "Output"
-PANELS = (MACHINE, TIME, STUDY, INTEGRATION, OUTPUT)
+PICTURE = "Picture"
+PANELS = (MACHINE, TIME, STUDY, INTEGRATION, PICTURE, OUTPUT)
 """Panels of options in the order of a page of help; the other options stand above them."""
 
 
@@ -57,6 +58,12 @@ LOOKS = {
     "building": Look(STUDY),
     "quick": Look(STUDY),
     "limit": Look(STUDY, "SECONDS"),
+    "over": Look(STUDY, "NAME=VALUES", shell_completion.settings),
+    "sample": Look(STUDY, "SAMPLE"),
+    "count": Look(STUDY, "COUNT"),
+    "seed": Look(STUDY, "SEED"),
+    "workers": Look(STUDY, "COUNT"),
+    "scheduler": Look(STUDY, "ADDRESS"),
     "measure": Look(STUDY),
     "run": Look(STUDY, "SECONDS"),
     "accuracy": Look(INTEGRATION, _NUMBER),
@@ -69,11 +76,19 @@ LOOKS = {
     "first_step": Look(INTEGRATION, "SECONDS"),
     "max_step": Look(INTEGRATION, "SECONDS"),
     "max_steps": Look(INTEGRATION, "COUNT"),
+    "dimensions": Look(PICTURE),
+    "forces": Look(PICTURE),
+    "frames": Look(PICTURE),
+    "names": Look(PICTURE),
+    "guesses": Look(PICTURE),
     "tangents": Look(OUTPUT),
     "reduced": Look(OUTPUT),
     "kernels": Look(OUTPUT),
     "out": Look(OUTPUT, "PATH"),
     "check": Look(OUTPUT),
+    "keep": Look(OUTPUT, "SERIES"),
+    "resume": Look(OUTPUT),
+    "picture": Look(OUTPUT, "FILE"),
     "as_json": Look(OUTPUT),
     "kind": Look(None, "KIND", shell_completion.kinds),
     "methods": Look(None, "METHOD", shell_completion.methods),

@@ -18,6 +18,7 @@ except (OSError, TypeError, AttributeError):
 
 TYPE_CHECKING = False  # type checkers take it as true; importing typing would load modules
 if TYPE_CHECKING:
+    from runtime.cases.case import Case, load_case
     from runtime.core.outcomes import Outcome
     from runtime.machine_facade import Machine
     from runtime.machine_loading import load
@@ -25,25 +26,35 @@ if TYPE_CHECKING:
     from runtime.results.assembled_state import Assembly
     from runtime.results.event_records import Event
     from runtime.results.result import Result
+    from runtime.show.animation.animation import Animation, animate
     from runtime.statics.equilibrium import Equilibrium
     from runtime.studies.effect_ranking import matters
     from runtime.studies.work_precision import accuracy
+    from runtime.sweeps import Study, load_study, sweep
 
 _HOMES = {
+    "Animation": "runtime.show.animation.animation",
     "Assembly": "runtime.results.assembled_state",
+    "Case": "runtime.cases.case",
     "Equilibrium": "runtime.statics.equilibrium",
     "Event": "runtime.results.event_records",
     "Machine": "runtime.machine_facade",
     "Outcome": "runtime.core.outcomes",
     "Result": "runtime.results.result",
+    "Study": "runtime.sweeps",
     "accuracy": "runtime.studies.work_precision",
+    "animate": "runtime.show.animation.animation",
     "load": "runtime.machine_loading",
+    "load_case": "runtime.cases.case",
     "load_result": "runtime.result_loading",
+    "load_study": "runtime.sweeps",
     "matters": "runtime.studies.effect_ranking",
+    "sweep": "runtime.sweeps",
 }
 
-__all__ = ["Assembly", "Equilibrium", "Event", "Machine", "Outcome", "Result"]
-__all__ += ["accuracy", "load", "load_result", "matters"]
+__all__ = ["Animation", "Assembly", "Case", "Equilibrium", "Event", "Machine", "Outcome", "Result"]
+__all__ += ["Study", "accuracy", "animate", "load", "load_case", "load_result", "load_study"]
+__all__ += ["matters", "sweep"]
 
 
 def __getattr__(name: str) -> object:

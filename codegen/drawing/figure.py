@@ -18,6 +18,7 @@ from codegen.drawing.signs import (
     force_scale,
     force_strokes,
     frame_strokes,
+    trace_strokes,
 )
 from codegen.drawing.stroke_styles import Painted, extent, painted
 from codegen.drawing.strokes import Stroke
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
 WIDEST, TALLEST, LEAST = 7.2, 5.6, 2.6  # layout: sizes of a figure, in inches
 MARGINS = (0.75, 0.8)  # layout: room for ticks and titles, in inches
+FLATTEST, HIGHEST = 3.2, 1.8  # layout: width over height, and height over width, of the axes
 BORDER = 0.07  # layout: room round a mechanism, in typical lengths
 
 
@@ -85,14 +87,13 @@ def figure(
         *driver_strokes(picture),
         *force_strokes(picture, scale, reactions if forces else None),
         *(frame_strokes(picture) if frames else ()),
+        *(trace_strokes(picture, motion) if motion is not None else ()),
     )
     measured = dimension_lines(picture) if dimensions else []
     artist.signs += tuple(stroke for line in measured for stroke in line.strokes)
     low, high = artist.bounds(picture)
     if axes is None:
-        axes = new_figure(
-            "picture", *_inches(high - low), facecolor=colors.background
-        ).add_subplot()
+        axes = new_figure("picture", *inches(high - low), facecolor=colors.background).add_subplot()
     prepare_axes(axes, low, high, colors)
     axes.set_title(picture.title, color=colors.ink, fontsize=10.5)
     artist.add_to(axes, picture)
@@ -110,7 +111,7 @@ def figure(
     return drawn
 
 
-def _inches(span: FloatArray) -> tuple[float, float]:
+def inches(span: FloatArray) -> tuple[float, float]:
     """Width and height of a figure whose axes have these proportions."""
     room = np.array([WIDEST - MARGINS[0], TALLEST - MARGINS[1]])
     inner = span * float(np.min(room / span))
@@ -120,6 +121,7 @@ def _inches(span: FloatArray) -> tuple[float, float]:
 
 def prepare_axes(axes: "Axes", low: FloatArray, high: FloatArray, colors: Palette) -> None:
     """Equal axes with units, their edges pale."""
+    spans = high - low
     axes.set_facecolor(colors.background)
     axes.set_aspect("equal", adjustable="box")
     axes.set_xlim(low[0], high[0])
@@ -127,7 +129,8 @@ def prepare_axes(axes: "Axes", low: FloatArray, high: FloatArray, colors: Palett
     axes.set_xlabel("x, m", color=colors.muted, fontsize=8.5)
     axes.set_ylabel("y, m", color=colors.muted, fontsize=8.5)
     axes.tick_params(colors=colors.muted, labelsize=8, length=3, width=0.6)
-    axes.locator_params(nbins=6)
+    axes.locator_params("x", nbins=max(2, round(7 * spans[0] / spans.max())))
+    axes.locator_params("y", nbins=max(2, round(7 * spans[1] / spans.max())))
     axes.spines[["top", "right"]].set_visible(False)
     axes.spines[["left", "bottom"]].set_color(colors.grid)
 
@@ -139,21 +142,26 @@ class PictureArtist:
     ----------
     signs
         Strokes in the global frame, or in those of bodies, that are drawn besides.
-    alpha
-        How opaque everything is.
+    strength
+        How strong the colours are, from 0, that of the background, to 1.
+    gaps
+        Whether gaps of joints that are not closed are drawn.
     """
 
     def __init__(
-        self, picture: Picture, motion: FloatArray | None = None, colors: Palette = LIGHT
-    ) -> None:
+        self, picture: Picture, motion: FloatArray | None = None, colors: Palette = LIGHT,
+        gaps: bool = True,
+    ) -> None:  # fmt: skip
+        self.gaps = gaps
         self.rigid = rigid_strokes(picture, motion)
         self.signs: tuple[Stroke, ...] = ()
         self.colors = colors
-        self.alpha = 1.0
+        self.strength = 1.0
         self.collection: Any = None
 
     def _painted(self, picture: Picture) -> list[Painted]:
-        return painted(picture, (*self.rigid, *moving_strokes(picture), *self.signs), self.colors)
+        moving = [s for s in moving_strokes(picture) if self.gaps or s.style != "gap"]
+        return painted(picture, (*self.rigid, *moving, *self.signs), self.colors)
 
     def global_lines(self, picture: Picture) -> list[FloatArray]:
         """All visible lines in the global frame, (k, 2) each, m."""
@@ -167,7 +175,10 @@ class PictureArtist:
         """Least and greatest x and y of the picture, with a border, m."""
         lines = self.global_lines(picture) or [picture.poses[:, :2]]
         low, high = extent(lines)
-        return low - BORDER * picture.size, high + BORDER * picture.size
+        low, high = low - BORDER * picture.size, high + BORDER * picture.size
+        width, height = high - low
+        more = np.maximum(np.array([height / HIGHEST - width, width / FLATTEST - height]), 0.0) / 2
+        return low - more, high + more
 
     def add_to(self, axes: "Axes", picture: Picture, zorder: float = 2.0) -> Any:
         """Draw on axes, and return the collection."""
@@ -177,17 +188,26 @@ class PictureArtist:
         pens = [one.pen for one in strokes]
         self.collection = PathCollection(
             self._paths(picture, strokes),
-            facecolors=[pen.fill or "none" for pen in pens],
-            edgecolors=[pen.line or "none" for pen in pens],
+            facecolors=[self._shade(pen.fill) for pen in pens],
+            edgecolors=[self._shade(pen.line) for pen in pens],
             linewidths=[pen.width for pen in pens],
             linestyles=[pen.dashes for pen in pens],
             capstyle="round",
             joinstyle="round",
             zorder=zorder,
-            alpha=None if self.alpha == 1.0 else self.alpha,
         )
         axes.add_collection(self.collection, autolim=False)
         return self.collection
+
+    def _shade(self, color: str) -> str:
+        """The colour, or its mixture with the background; "none" for the empty one."""
+        if not color or self.strength == 1.0:
+            return color or "none"
+        pairs = [
+            (int(c[k : k + 2], 16) for c in (color, self.colors.background)) for k in (1, 3, 5)
+        ]
+        mixed = [round(self.strength * own + (1 - self.strength) * back) for own, back in pairs]
+        return "#" + "".join(f"{part:02x}" for part in mixed)
 
     def _paths(self, picture: Picture, strokes: list[Painted]) -> list[Any]:
         from matplotlib.path import Path

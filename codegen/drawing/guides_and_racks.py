@@ -4,7 +4,7 @@ import numpy as np
 
 from codegen.drawing.picture import Picture
 from codegen.drawing.polygons import FloatArray, in_frame, normal, placed, unit
-from codegen.drawing.shapes import Place, Profile, Rack, Shape, Slide, Slot, Wheel
+from codegen.drawing.shapes import Pin, Place, Profile, Rack, Shape, Slide, Slot, Wheel
 from codegen.drawing.sizes_and_held_places import BAR, BLOCK, SAME, held_places
 from codegen.drawing.wheel_lines import BACK
 
@@ -57,6 +57,64 @@ def guide_of(picture: Picture, shape: Slide | Slot) -> Guide:
         guide.origin, guide.along_in_block = np.array(shape.i[1:], dtype=float), guide.along
         guide.along = along
     return guide
+
+
+def slot_ends(picture: Picture, guide: Guide, motion: FloatArray | None) -> FloatArray:
+    """Where a slot begins and ends, in the frame of its body, shape (2, 2), m.
+
+    It covers the travel of its pin; without a motion, and some way to either side.
+    """
+    first, last = guide.travel(picture, motion)
+    room = 0.02 * picture.size
+    if motion is None:
+        least, most = _crank_circle(picture, guide) or (np.inf, -np.inf)
+        room = (0.02 if most > least else 0.09) * picture.size
+        first, last = min(first, least), max(last, most)
+    return np.asarray(guide.origin + np.outer([first - room, last + room], guide.along))
+
+
+def _crank_circle(picture: Picture, guide: Guide) -> tuple[float, float] | None:
+    """The travel of a pin in a slot, where its body turns about a pin on the ground, m.
+
+    A slot that turns about the ground itself sees distances from its own pin; another one sees the
+    circle from the side.
+    """
+    center, own = (_ground_pin(picture, body) for body in (guide.block.body, guide.body))
+    if center is None:
+        return None
+    radius = float(np.hypot(*(np.array(picture.position(guide.block)) - center)))
+    pose = picture.poses[guide.body]
+    if own is not None:
+        start = float((in_frame(own[None], pose)[0] - guide.origin) @ guide.along)
+        reach = float(np.hypot(*(center - own)))
+        way = 1.0 if guide.travel(picture, None)[0] >= start else -1.0
+        ends = start + way * abs(reach - radius), start + way * (reach + radius)
+        return min(ends), max(ends)
+    middle = float((in_frame(center[None], pose)[0] - guide.origin) @ guide.along)
+    return middle - radius, middle + radius
+
+
+def _ground_pin(picture: Picture, body: int) -> FloatArray | None:
+    """Where a body turns about the ground, in the global frame."""
+    for symbol in picture.symbols:
+        pin = symbol.shape
+        ends = (pin.i.body, pin.j.body) if isinstance(pin, Pin) else ()
+        if isinstance(pin, Pin) and body in ends and any(picture.bodies[e].fixed for e in ends):
+            return np.array(picture.position(pin.i))
+    return None
+
+
+def block_half_length(picture: Picture, guide: Guide) -> float:
+    """Half the length of a block, m: less where other blocks are near."""
+    at = np.array(picture.position(guide.block))
+    others = [
+        np.array(picture.position(guide_of(picture, symbol.shape).block))
+        for symbol in picture.symbols
+        if isinstance(symbol.shape, Slide)
+    ]
+    distances = [float(np.hypot(*(other - at))) for other in others]
+    nearest = min((d for d in distances if d > SAME * picture.size), default=np.inf)
+    return float(min(BLOCK[0] * picture.size, 0.28 * nearest))
 
 
 def guide_ends(picture: Picture, guide: Guide, motion: FloatArray | None) -> FloatArray:
@@ -130,6 +188,9 @@ def rack_ends(picture: Picture, shape: Rack, motion: FloatArray | None) -> Float
     origin, along = np.array(shape.i[1:], dtype=float), unit(np.array([shape.ux, shape.uy], float))
     poses = picture.poses[None] if motion is None else motion
     s, room = [0.0], 0.25 * picture.size
+    for curve in _profiles_of(picture, shape):
+        points = np.array([place[1:] for place in curve])
+        room = 0.8 * float(np.max(np.hypot(*(points - points.mean(axis=0)).T)))
     for wheel in wheels_of(picture, shape):
         hub = np.array([[wheel.center.x, wheel.center.y]])
         s = [
@@ -159,6 +220,16 @@ def rack_side(picture: Picture, shape: Rack) -> float:
             d = at - np.array(picture.position(shape.i))
             return 1.0 if float(d @ normal(heading)) >= 0 else -1.0
     return 1.0 if heading[0] >= 0 else -1.0
+
+
+def _profiles_of(picture: Picture, shape: Shape) -> list[tuple[Place, ...]]:
+    """The curves of the element that has this shape."""
+    elements = {symbol.element for symbol in picture.symbols if symbol.shape is shape}
+    return [
+        symbol.shape.curve
+        for symbol in picture.symbols
+        if symbol.element in elements and isinstance(symbol.shape, Profile)
+    ]
 
 
 def wheels_of(picture: Picture, shape: Shape) -> list[Wheel]:

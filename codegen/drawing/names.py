@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 JOINT_SIZE, BODY_SIZE, OTHER_SIZE, NUMBER_SIZE = 9.5, 8.5, 8.0, 7.5  # layout: letters, in points
 SAMPLE = 3.0  # layout: distance of the samples of lines that names avoid, in points
+MOST_NAMES = 40  # layout: more than these cover the picture; bodies alone have theirs then
 MOST_AT_ONE_PLACE = 3  # layout: names of joints at one place
 Box = tuple[FloatArray, tuple[float, float]]  # centre and size of a text, in points
 
@@ -45,6 +46,8 @@ def draw_names(
               *_others(picture, colors, reactions, values), *_gaps(picture, colors)]  # fmt: skip
     if not wanted:
         return
+    if len(wanted) > MOST_NAMES:  # of a long chain of alike parts, say: bodies are enough
+        wanted = [*_bodies(picture, colors), *_gaps(picture, colors)]
     points = 72.0 / axes.figure.dpi
 
     def to_points(at: FloatArray) -> FloatArray:

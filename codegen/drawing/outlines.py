@@ -6,11 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from codegen.drawing.guides_and_racks import (
+    block_half_length,
     guide_ends,
     guide_of,
     parallel_rack,
     rack_ends,
     rack_side,
+    slot_ends,
 )  # fmt: skip
 from codegen.drawing.picture import BodyPicture, Outline, Picture
 from codegen.drawing.polygons import (
@@ -81,11 +83,12 @@ def _outlines(picture: Picture, body: int, motion: FloatArray | None) -> tuple[O
             if guide.block.body == body:
                 center = np.array(guide.block[1:])
                 if parallel_rack(picture, guide) is None:
-                    polygons.append(box(center, guide.along_in_block, *(b * size for b in BLOCK)))
+                    reach = block_half_length(picture, guide)
+                    polygons.append(box(center, guide.along_in_block, reach, BLOCK[1] * size))
                     seats.append(center)
         elif isinstance(shape, Slot) and shape.i.body == body:
             guide = guide_of(picture, shape)
-            bars.append(guide_ends(picture, guide, motion))
+            bars.append(slot_ends(picture, guide, motion))
             polygons.append(rounded_hull(bars[-1], CHEEK * size))
         elif isinstance(shape, Slot) and shape.j.body == body:
             seats.append(np.array(shape.j[1:]))

@@ -13,19 +13,22 @@ from codegen.drawing.guides_and_racks import (
     rack_ends,
     rack_side,
     rail_offset,
+    slot_ends,
 )  # fmt: skip
 from codegen.drawing.outlines import is_closed
 from codegen.drawing.picture import Picture, Symbol, places
 from codegen.drawing.polygons import (
+    ROUND,
     FloatArray,
     box,
     circle,
     convex_hull,
+    distinct,
     normal,
     rounded_hull,
     unit,
 )  # fmt: skip
-from codegen.drawing.sizes_and_held_places import PIN, SAME, SLOT
+from codegen.drawing.sizes_and_held_places import PIN, SAME, SLOT, held_places
 from codegen.drawing.strokes import Stroke
 from codegen.drawing.wheel_lines import gear_profile, rack_profile, spoke
 
@@ -48,7 +51,20 @@ def rigid_strokes(picture: Picture, motion: FloatArray | None = None) -> tuple[S
     for symbol in picture.symbols:
         for style, body, points, closed in _rigid(picture, symbol, mesh, motion):
             found.append(Stroke(style, body, points, closed, symbol.element))
+    found += _spokes_of_discs(picture)
     return tuple(_once(found, picture.size))
+
+
+def _spokes_of_discs(picture: Picture) -> Iterator[Stroke]:
+    """Spokes of bodies that are one disc about their pin, so that they are seen to turn."""
+    wheels = {s.shape.center.body for s in picture.symbols if isinstance(s.shape, shapes.Wheel)}
+    for number, body in enumerate(picture.bodies):
+        held = distinct(held_places(picture, number), SAME * picture.size)
+        if body.is_derived and len(body.outlines) == 1 and len(held) == 1 and number not in wheels:
+            radii = np.hypot(*(np.array(body.outlines[0]) - held[0]).T)
+            if len(radii) > ROUND // 2 and np.ptp(radii) < 1e-6 * radii.max():
+                line = spoke(held[0], float(radii.max()))
+                yield Stroke("spoke", number, line, False, body.name)
 
 
 def _once(strokes: list[Stroke], size: float) -> Iterator[Stroke]:
@@ -86,7 +102,7 @@ def _rigid(
             yield from _slide(picture, shape, mesh, motion)
         case shapes.Slot():
             guide = guide_of(picture, shape)
-            ends = guide_ends(picture, guide, motion)
+            ends = slot_ends(picture, guide, motion)
             slot = rounded_hull(ends, SLOT * size)
             yield "slot", guide.body, slot, True
             if picture.bodies[guide.body].fixed:

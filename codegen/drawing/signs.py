@@ -146,6 +146,18 @@ def frame_strokes(picture: Picture) -> tuple[Stroke, ...]:
     return tuple(found)
 
 
+def trace_strokes(picture: Picture, motion: FloatArray) -> tuple[Stroke, ...]:
+    """The paths of the points that are outputs, over poses (instants, bodies, 3)."""
+    found = []
+    for symbol in picture.symbols:
+        if isinstance(symbol.shape, shapes.Trace):
+            at = symbol.shape.at
+            local = np.array([[at.x, at.y]])
+            path = np.array([placed(local, poses[at.body])[0] for poses in motion])
+            found.append(Stroke("trace", 0, path, False, symbol.element))
+    return tuple(found)
+
+
 def dimensions(picture: Picture) -> list[tuple[int, FloatArray, float]]:
     """What a drawing with dimensions measures: body, the two places (2, 2) in m, and the distance.
 

@@ -7,9 +7,13 @@ import numpy as np
 from codegen.drawing.colors import Palette
 from codegen.drawing.picture import Picture
 from codegen.drawing.polygons import FloatArray, area
+from codegen.drawing.shapes import Slide, Spring
+from codegen.drawing.sizes_and_held_places import BLOCK
 from codegen.drawing.strokes import FILLED, Stroke
 
-DASHED, DASH_DOTTED, SOLID = (0.0, (4.0, 2.5)), (0.0, (7.0, 2.0, 1.5, 2.0)), (0.0, None)
+DASHED = (0.0, (4.0, 2.5))  # layout: of lines, in their widths
+DASH_DOTTED = (0.0, (7.0, 2.0, 1.5, 2.0))  # layout: the same, of pitch circles
+SOLID = (0.0, None)
 Dashes = tuple[float, tuple[float, ...] | None]
 
 
@@ -29,7 +33,7 @@ class Painted(NamedTuple):
     pen: Pen
 
 
-GROUND, BODY, BETWEEN, JOINT, SIGN = range(5)
+GROUND, BEHIND, BODY, BETWEEN, JOINT, SIGN = range(6)
 _LAYER = {
     "hatch": GROUND, "rail": GROUND, "support": GROUND,
     "slot": BODY, "gear": BODY, "ring": BODY, "pitch": BODY, "profile": BODY, "spoke": BODY,
@@ -87,15 +91,16 @@ def pen(style: str, body: int, colors: Palette) -> Pen:
 def painted(picture: Picture, strokes: tuple[Stroke, ...], colors: Palette) -> list[Painted]:
     """All strokes and the bodies' outlines in the order in which they are drawn.
 
-    First the ground, then bodies, the largest at the back, then what lies between bodies, pins, and
-    signs. The lines of a body's polygons are drawn before their insides, so that polygons that
-    overlap look like one.
+    First the ground, then springs that end in blocks, then bodies, the largest at the back, then
+    what lies between bodies, pins, and signs. The lines of a body's polygons are drawn before their
+    insides, so that polygons that overlap look like one.
     """
     layers: list[list[Painted]] = [[] for _ in range(SIGN + 1)]
     own: dict[int, list[Painted]] = {}
+    behind = springs_of_blocks(picture)
     for stroke in strokes:
         one = Painted(stroke, pen(stroke.style, stroke.body, colors))
-        layer = _LAYER.get(stroke.style, SIGN)
+        layer = BEHIND if stroke.element in behind else _LAYER.get(stroke.style, SIGN)
         if layer == BODY:
             own.setdefault(stroke.body, []).append(one)
         else:
@@ -110,6 +115,24 @@ def painted(picture: Picture, strokes: tuple[Stroke, ...], colors: Palette) -> l
         order = {"gear": 0, "ring": 0, "slot": 2}
         layers[BODY] += sorted(own.get(number, []), key=lambda one: order.get(one.stroke.style, 1))
     return [one for layer in layers for one in layer]
+
+
+def springs_of_blocks(picture: Picture) -> set[str]:
+    """Springs that end within a block: behind it they look as if they were fixed to its side."""
+    blocks = {
+        shape.j.body if not picture.bodies[shape.j.body].fixed else shape.i.body
+        for shape in (symbol.shape for symbol in picture.symbols)
+        if isinstance(shape, Slide)
+    }
+    return {
+        symbol.element
+        for symbol in picture.symbols
+        if isinstance(symbol.shape, Spring)
+        and any(
+            place.body in blocks and np.hypot(place.x, place.y) < BLOCK[0] * picture.size
+            for place in (symbol.shape.i, symbol.shape.j)
+        )
+    }
 
 
 def _extent(picture: Picture, number: int, own: list[Painted]) -> float:

@@ -1,4 +1,4 @@
-"""Parts of the pages of machines: the moving picture, our numbers beside the book's, figures."""
+"""Parts of the pages of machines: our numbers beside the book's, and figures."""
 
 from collections.abc import Iterator
 from html import escape
@@ -39,13 +39,6 @@ def figures_of_the_book(name: str) -> list[Figure]:
     """The figures of a study, arranged as in the book."""
     (study,) = (study for study in STUDIES if study.name == name)
     return [figure for _, figure in study.figures()]
-
-
-def motion(result: Any) -> Any:
-    """The player of a result; a picture at its middle where there is no player."""
-    if hasattr(result, "animate"):
-        return result.animate()
-    return result.draw(float(result.t[len(result.t) // 2]))
 
 
 def scrape(block: Any, variables: dict[str, Any], settings: dict[str, Any]) -> str:

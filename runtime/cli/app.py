@@ -1,4 +1,4 @@
-"""The command line: `python -m runtime simulate | kinematics | … | report | matters | accuracy`.
+"""The command line: `python -m runtime simulate | kinematics | … | matters | accuracy | sweep`.
 
 Exit status: 0 done, 1 the run failed (the message says at which t, and what was saved), 2 the
 user's input is wrong, 128 + n stopped by signal n: 129 SIGHUP, 130 SIGINT, 143 SIGTERM. Messages
@@ -17,7 +17,8 @@ import typer
 from codegen.errors import InputError
 from codegen.object_display import counted, without_rounding
 from codegen.termination_signals import finish, keep_results
-from runtime.cli import common, studies
+from runtime.cli import common, studies, sweep
+from runtime.cli.case_of_command import case_in_force, load_machine
 from runtime.cli.common import (
     Generated,
     Guess,
@@ -40,13 +41,14 @@ if TYPE_CHECKING:
 app = typer.Typer(
     name="runtime",
     help="Analyse a mechanism: simulation, kinematics, inverse dynamics, equilibrium; reports, "
-    "effect rankings and work-precision diagrams.",
+    "effect rankings, work-precision diagrams and sweeps.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
 app.command()(studies.matters)
 app.command()(studies.accuracy)
+app.command()(sweep.sweep)
 
 Out = Annotated[
     Path | None, option("File for the result: .nc, .zarr, .csv, .parquet, .mat or .html.")
@@ -66,7 +68,8 @@ def simulate(
     """Dynamics: the motion of the machine under the forces that act on it."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
-        return machine.simulate(t_end, points, t_start=t_start, **words(run), **values)
+        given = {"t_eval": points, **words(run, values)}
+        return machine.simulate(t_end, t_start=t_start, **given)
 
     _run(analyse, model, scene, settings, guess, generated, out, as_json, start)
 
@@ -80,7 +83,7 @@ def kinematics(
     """Kinematics: the motion that the drivers prescribe, one for every degree of freedom."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
-        return machine.kinematics(_instants(t_start, t_end, points), **values)
+        return machine.kinematics(**_driven(t_start, t_end, points, values))
 
     _run(analyse, model, scene, settings, guess, generated, out, as_json, start)
 
@@ -95,7 +98,7 @@ def inverse(
     """Inverse dynamics: the forces that the prescribed motion takes."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
-        return machine.inverse_dynamics(_instants(t_start, t_end, points), **values)
+        return machine.inverse_dynamics(**_driven(t_start, t_end, points, values))
 
     _run(analyse, model, scene, settings, guess, generated, out, as_json, start)
 
@@ -111,13 +114,13 @@ def report(
     """A page about a run: a simulation, or the driven motion where drivers leave no freedom."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
-        instants = _instants(t_start, t_end, points)
         if machine.description.drivers and machine.is_determined:
             refuse_run_options(run, machine.description.title)
             inverse = machine.description.has_masses
             driven = machine.inverse_dynamics if inverse else machine.kinematics
-            return driven(instants, **values)
-        return machine.simulate(t_end, points, t_start=t_start, **words(run), **values)
+            return driven(**_driven(t_start, t_end, points, values))
+        given = {"t_eval": points, **words(run, values)}
+        return machine.simulate(t_end, t_start=t_start, **given)
 
     if out.suffix != ".html":
         common.refuse((f"{out}: a report is an .html page. Change the ending.",), 2, as_json)
@@ -159,11 +162,9 @@ def _run(
             from runtime.results.export import check_place
 
             check_place(out)
-        from runtime.machine_loading import load
-
-        machine = load(model, scene, generated=generated)
+        machine = load_machine(model, scene, generated)
         keep_results()
-        result = analyse(machine, **common.start_values(settings, guess, start))
+        result = analyse(machine, **common.start_values(settings, guess, start, machine))
         saved = None if out is None else _save(result, out)
     failed = result.failed or saved != out
     error = [] if result.accuracy is None else result.accuracy.sentences()[1:]
@@ -237,6 +238,17 @@ def _event_lines(result: "Result") -> list[str]:
         return lines
     half = _SHOWN // 2
     return [*lines[:half], f"  … {len(lines) - 2 * half} more events …", *lines[-half:]]
+
+
+def _driven(t_start: float, t_end: float, points: int, values: dict[str, Any]) -> dict[str, Any]:
+    """The arguments of a prescribed motion; the start values of a case belong to its first instant.
+
+    A condition that ends a simulation is none of them.
+    """
+    of_motion = {name: value for name, value in values.items() if name != "until"}
+    if case_in_force() is None:
+        return {"t_end": _instants(t_start, t_end, points), **of_motion}
+    return {"t_end": t_end, "t_eval": points, "t_start": t_start, **of_motion}
 
 
 def _instants(first: float, last: float, count: int) -> list[float]:

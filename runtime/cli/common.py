@@ -8,11 +8,15 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
 from codegen.errors import InputError, LinkwrightError
+from runtime.cli.case_of_command import read_case, values_of_case
+
+if TYPE_CHECKING:
+    from runtime.machine_facade import Machine
 
 
 def option(text: str, *names: str, **limits: Any) -> Any:
@@ -20,7 +24,15 @@ def option(text: str, *names: str, **limits: Any) -> Any:
     return typer.Option(*names, help=text, **limits)
 
 
-Model = Annotated[str, typer.Argument(help="Path of a model file, or a name: models/NAME.py.")]
+Model = Annotated[
+    str,
+    typer.Argument(
+        help="Path of a model file, or a name: models/NAME.py. Or a case, .yaml or .json, whose "
+        "values hold where no option gives another one.",
+        callback=read_case,
+        is_eager=True,
+    ),
+]
 Scene = Annotated[str | None, option("Scene of the model; the first unless given.")]
 Values = Annotated[
     list[str] | None, option("NAME=VALUE: a parameter, in its declared unit.", "--set")
@@ -48,11 +60,13 @@ MotionStart = Annotated[
 
 
 def start_values(
-    parameters: list[str] | None, guess: list[str] | None, start: list[str] | None = None
-) -> dict[str, Any]:
+    parameters: list[str] | None, guess: list[str] | None, start: list[str] | None = None,
+    machine: "Machine | None" = None,
+) -> dict[str, Any]:  # fmt: skip
     """The arguments `parameters`, `guess` and `start` of an analysis, the last where given.
 
-    They are those of the options --set, --guess and --start.
+    They are those of the options --set, --guess and --start, over those of a case, which may bring
+    conditions and instants besides.
     """
     values: dict[str, dict[str, float]] = {"parameters": {}, "guess": {}}
     values |= {"start": {}} if start else {}
@@ -71,7 +85,8 @@ def start_values(
             problems.append(f"{option} {text}: write NAME=VALUE with a number.")
     if problems:
         raise InputError(problems)
-    return values
+    of_case = values_of_case(machine)
+    return of_case | {name: of_case.get(name, {}) | given for name, given in values.items()}
 
 
 def show_warnings_as_notes() -> None:

@@ -6,6 +6,7 @@ from functools import wraps
 from inspect import Parameter, signature
 from typing import Annotated, Any
 
+from codegen.condition_texts import FORM
 from codegen.errors import InputError
 from runtime.cli.common import option
 from runtime.integrate.method import METHODS, alternatives
@@ -58,9 +59,7 @@ def _options(
     """Words of `Machine.simulate` but instants and guesses; `quantity` is `quantities`."""
 
 
-_CONDITION = re.compile(
-    r"\s*(?P<name>[^:]*[^:\s])\s*:\s*(?P<series>[^<>]*[^<>\s])\s*(?P<sign>[<>])(?P<value>[^<>]*)"
-)
+_CONDITION = re.compile(rf"\s*(?P<name>[^:]*[^:\s])\s*:{FORM}")
 _PARAMETERS = signature(_options).parameters
 
 
@@ -88,10 +87,11 @@ def with_run_options(
     return taking
 
 
-def words(run: dict[str, Any]) -> dict[str, Any]:
-    """The words of `Machine.simulate` for options."""
+def words(run: dict[str, Any], values: dict[str, Any]) -> dict[str, Any]:
+    """The words of `Machine.simulate` for options, with values; conditions of both hold."""
     given = {"quantities" if name == "quantity" else name: value for name, value in run.items()}
-    return {**given, "until": _conditions(given["until"]) if given.get("until") else None}
+    until = _conditions(given["until"]) if given.get("until") else {}
+    return {**given, **values, "until": {**values.get("until", {}), **until} or None}
 
 
 def _conditions(texts: list[str]) -> dict[str, tuple[str, str, float]]:

@@ -7,6 +7,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from runtime.cli import common
+from runtime.cli.case_of_command import source
 from runtime.cli.common import (
     Generated,
     Guess,
@@ -68,11 +69,11 @@ def matters(
 
     def study() -> "Matters":
         return rank_effects(
-            model, scene, asked=quantity, t_end=t_end, t_start=t_start, error=error,
+            *source(model, scene), asked=quantity, t_end=t_end, t_start=t_start, error=error,
             analysis=analysis, fidelities=fidelities, method=method, formulation=formulation,
             rtol=rtol, points=points, rounds=rounds, generated=generated,
-            progress=common.write_line, **words(run),
-            **common.start_values(settings, guess, start),
+            progress=common.write_line,
+            **words(run, common.start_values(settings, guess, start)),
         )  # fmt: skip
 
     ranking = _answer(study, picture, out, as_json)
@@ -132,12 +133,12 @@ def accuracy(
 
     def study() -> "WorkPrecision":
         return work_precision(
-            model, scene, quantities=tuple(quantity or ()), t_end=t_end, t_start=t_start,
+            *source(model, scene), quantities=tuple(quantity or ()), t_end=t_end, t_start=t_start,
             methods=tuple(method or METHODS), formulations=tuple(formulation or FORMULATIONS),
             points=points, reference=reference, modelling=modelling, beside=tuple(beside or ()),
             building=building, quick=quick, limit=limit, generated=generated,
-            progress=common.write_line, **words(run),
-            **common.start_values(settings, guess, start),
+            progress=common.write_line,
+            **words(run, common.start_values(settings, guess, start)),
         )  # fmt: skip
 
     diagram = _answer(study, picture, out, as_json)

@@ -10,8 +10,9 @@ import pytest
 import sympy
 
 from codegen import Model
-from codegen.declare.units import known_unit, pint_form
+from codegen.declare.units import known_unit
 from codegen.plain_values import InvalidName, genuine, one_line, plain_float, shown
+from codegen.quantities import pint_form
 from codegen.real_range import unreal_part
 
 

@@ -37,7 +37,8 @@ def test_commands_are_there_with_these_options(page: str, words: list[str]) -> N
         return
     command = group.commands[words[0]]
     if len(words) > 1:
-        command.make_context(words[0], words[1:], resilient_parsing="MODEL" in words)
+        incomplete = "MODEL" in words or any(word.endswith((".yaml", ".json")) for word in words)
+        command.make_context(words[0], words[1:], resilient_parsing=incomplete)
 
 
 def test_there_are_commands_to_look_at() -> None:

@@ -9,7 +9,7 @@ and a surge runs along the spring.
 # %%
 # Declared in :download:`coil_spring.py <../../../models/coil_spring.py>`; at its start:
 
-from gallery_parts import BesideTheBook, figures_of_the_book, motion
+from gallery_parts import BesideTheBook, figures_of_the_book
 
 import linkwright as lw
 
@@ -20,7 +20,7 @@ machine.draw()
 # Its motion:
 
 result = machine.simulate(20.0)
-motion(result)
+result.animate()
 
 # %%
 # Curves:

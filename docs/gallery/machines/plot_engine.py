@@ -9,8 +9,6 @@ the crank.
 # %%
 # Declared in :download:`engine.py <../../../models/engine.py>`; at its start:
 
-from gallery_parts import motion
-
 import linkwright as lw
 
 machine = lw.load("engine", scene="firing")
@@ -20,7 +18,7 @@ machine.draw()
 # Its motion:
 
 result = machine.simulate(0.5)
-motion(result)
+result.animate()
 
 # %%
 # Curves:

@@ -9,7 +9,7 @@ by one picture a turn.
 # %%
 # Declared in :download:`film_follower.py <../../../models/film_follower.py>`; at its start:
 
-from gallery_parts import BesideTheBook, figures_of_the_book, motion
+from gallery_parts import BesideTheBook, figures_of_the_book
 
 import linkwright as lw
 
@@ -20,7 +20,7 @@ machine.draw()
 # Its motion:
 
 result = machine.simulate(1.0)
-motion(result)
+result.animate()
 
 # %%
 # Curves:

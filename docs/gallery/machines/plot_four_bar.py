@@ -9,7 +9,7 @@ coupler runs along a straight line.
 # %%
 # Declared in :download:`four_bar.py <../../../models/four_bar.py>`; at its start:
 
-from gallery_parts import BesideTheBook, figures_of_the_book, motion
+from gallery_parts import BesideTheBook, figures_of_the_book
 
 import linkwright as lw
 
@@ -20,7 +20,7 @@ machine.draw()
 # Its motion:
 
 result = machine.kinematics(1.0)
-motion(result)
+result.animate()
 
 # %%
 # Curves:

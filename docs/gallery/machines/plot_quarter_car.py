@@ -9,8 +9,6 @@ wheel leaves the ground behind the bump.
 # %%
 # Declared in :download:`quarter_car.py <../../../models/quarter_car.py>`; at its start:
 
-from gallery_parts import motion
-
 import linkwright as lw
 
 machine = lw.load("quarter_car", scene="bump")
@@ -20,7 +18,7 @@ machine.draw()
 # Its motion:
 
 result = machine.simulate(1.0, start=machine.equilibrium())
-motion(result)
+result.animate()
 
 # %%
 # Curves:

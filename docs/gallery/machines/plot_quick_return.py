@@ -9,7 +9,7 @@ tip of the rocker moves the tool, slowly on the cut and quickly on the way back.
 # %%
 # Declared in :download:`quick_return.py <../../../models/quick_return.py>`; at its start:
 
-from gallery_parts import BesideTheBook, figures_of_the_book, motion
+from gallery_parts import BesideTheBook, figures_of_the_book
 
 import linkwright as lw
 
@@ -20,7 +20,7 @@ machine.draw()
 # Its motion:
 
 result = machine.simulate(2.0)
-motion(result)
+result.animate()
 
 # %%
 # Curves:

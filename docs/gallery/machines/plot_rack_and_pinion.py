@@ -9,7 +9,7 @@ The rack slides to and fro and rocks about the pinion.
 # %%
 # Declared in :download:`rack_and_pinion.py <../../../models/rack_and_pinion.py>`; at its start:
 
-from gallery_parts import BesideTheBook, figures_of_the_book, motion
+from gallery_parts import BesideTheBook, figures_of_the_book
 
 import linkwright as lw
 
@@ -20,7 +20,7 @@ machine.draw()
 # Its motion:
 
 result = machine.simulate(1.0)
-motion(result)
+result.animate()
 
 # %%
 # Curves:

@@ -9,8 +9,6 @@ saturate.
 # %%
 # Declared in :download:`robot_arm.py <../../../models/robot_arm.py>`; at its start:
 
-from gallery_parts import motion
-
 import linkwright as lw
 
 machine = lw.load("robot_arm", scene="sampled")
@@ -20,7 +18,7 @@ machine.draw()
 # Its motion:
 
 result = machine.simulate(2.0)
-motion(result)
+result.animate()
 
 # %%
 # Curves:

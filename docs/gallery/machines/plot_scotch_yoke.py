@@ -9,8 +9,6 @@ speed starts it from rest.
 # %%
 # Declared in :download:`scotch_yoke.py <../../../models/scotch_yoke.py>`; at its start:
 
-from gallery_parts import motion
-
 import linkwright as lw
 
 machine = lw.load("scotch_yoke", scene="running")
@@ -20,7 +18,7 @@ machine.draw()
 # Its motion:
 
 result = machine.simulate(2.0)
-motion(result)
+result.animate()
 
 # %%
 # Curves:

@@ -9,7 +9,7 @@ along the x axis. With a light flywheel the compression stops the crank.
 # %%
 # Declared in :download:`slider_crank.py <../../../models/slider_crank.py>`; at its start:
 
-from gallery_parts import BesideTheBook, figures_of_the_book, motion
+from gallery_parts import BesideTheBook, figures_of_the_book
 
 import linkwright as lw
 
@@ -20,7 +20,7 @@ machine.draw()
 # Its motion:
 
 result = machine.simulate(1.0)
-motion(result)
+result.animate()
 
 # %%
 # Curves:

@@ -9,8 +9,6 @@ one run: the ball leaves the trough, and the sling lets go.
 # %%
 # Declared in :download:`trebuchet.py <../../../models/trebuchet.py>`; at its start:
 
-from gallery_parts import motion
-
 import linkwright as lw
 
 machine = lw.load("trebuchet", scene="throw")
@@ -20,7 +18,7 @@ machine.draw()
 # Its motion:
 
 result = machine.simulate(20.0)
-motion(result)
+result.animate()
 
 # %%
 # Curves:

@@ -9,7 +9,7 @@ valve against its spring. The force between cam and pushrod must not be negative
 # %%
 # Declared in :download:`valve_lifter.py <../../../models/valve_lifter.py>`; at its start:
 
-from gallery_parts import BesideTheBook, figures_of_the_book, motion
+from gallery_parts import BesideTheBook, figures_of_the_book
 
 import linkwright as lw
 
@@ -20,7 +20,7 @@ machine.draw()
 # Its motion:
 
 result = machine.inverse_dynamics(0.04)
-motion(result)
+result.animate()
 
 # %%
 # Curves:

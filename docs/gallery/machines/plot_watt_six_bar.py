@@ -9,8 +9,6 @@ constant torque drives the crank against gravity and a spring.
 # %%
 # Declared in :download:`watt_six_bar.py <../../../models/watt_six_bar.py>`; at its start:
 
-from gallery_parts import motion
-
 import linkwright as lw
 
 machine = lw.load("watt_six_bar", scene="constant_torque")
@@ -20,7 +18,7 @@ machine.draw()
 # Its motion:
 
 result = machine.simulate(2.0)
-motion(result)
+result.animate()
 
 # %%
 # Curves:

@@ -9,7 +9,7 @@ the rocker. Once a turn the tips pass each other and shear off the web that runs
 # %%
 # Declared in :download:`web_cutter.py <../../../models/web_cutter.py>`; at its start:
 
-from gallery_parts import BesideTheBook, figures_of_the_book, motion
+from gallery_parts import BesideTheBook, figures_of_the_book
 
 import linkwright as lw
 
@@ -20,7 +20,7 @@ machine.draw()
 # Its motion:
 
 result = machine.simulate(1.0)
-motion(result)
+result.animate()
 
 # %%
 # Curves:

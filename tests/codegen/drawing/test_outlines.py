@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from codegen.drawing.guides_and_racks import guide_of, slot_ends
 from codegen.drawing.outlines import derived_outlines
 from codegen.drawing.picture import BodyPicture, Picture
 from codegen.drawing.polygons import area, contains
@@ -115,9 +116,20 @@ def test_a_slot_has_a_bar_that_is_as_long_as_the_motion_needs() -> None:
     motion[:, 1, 2] = np.arctan2(1 + 0.5 * np.sin(motion[:, 2, 2]), 0.5 * np.cos(motion[:, 2, 2]))
     bare = Picture("", tuple(BodyPicture(b.name, b.fixed) for b in drawn.bodies), drawn.poses,
                    drawn.symbols, drawn.size)  # fmt: skip
-    bar = np.array(derived_outlines(bare, motion)[1].outlines[0])
+    bar = np.concatenate(derived_outlines(bare, motion)[1].outlines)
     assert bar[:, 0].min() < 0.0
     assert 1.5 < bar[:, 0].max() < 1.5 + 0.1 * drawn.size
+
+
+def test_a_slot_without_a_motion_is_as_long_as_its_crank_needs() -> None:
+    drawn = picture(["rocker", "crank"], [(0.0, 0.0, 1.0), (0.0, 1.0, 0.6)], [
+        ("A", "joint", Pin(O, Place(1, 0.0, 0.0))),
+        ("B", "joint", Pin(Place(0, 0.0, 1.0), Place(2, 0.0, 0.0))),
+        ("slot", "joint", Slot(Place(1, 0.0, 0.0), Place(2, 0.5, 0.0), 1.0, 0.0)),
+    ])  # fmt: skip
+    slot = guide_of(drawn, drawn.symbols[2].shape)
+    room = 0.02 * drawn.size
+    assert slot_ends(drawn, slot, None)[:, 0] == pytest.approx([0.5 - room, 1.5 + room])
 
 
 def test_a_closed_profile_is_the_outline() -> None:

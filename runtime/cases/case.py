@@ -1,0 +1,305 @@
+"""A case: model, scene, values and settings of a run as data, from a file and into one."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from codegen import argument_readers as readers
+from codegen.errors import InputError
+from codegen.object_display import html_of
+from codegen.plain_values import shown
+from codegen.public_callables import checked_class, immutable, named_attributes
+from codegen.whole_files import whole_file
+from runtime.cases.document import ENDINGS, Entry, entry_of, place, read_document
+from runtime.cases.fields import ANALYSES, FORMAT, RUN, case_record
+from runtime.cases.machine_values import run_words, values_of
+from runtime.cases.writing import text_of
+
+if TYPE_CHECKING:
+    from codegen import Model, Scene
+    from runtime.machine_facade import Machine
+    from runtime.results.result import Result
+
+_VALUES = ("parameters", "start", "guess")
+
+
+@readers.reads(path=readers.path)
+def load_case(path: str | os.PathLike[str]) -> "Case":
+    """Read a case from a file; nothing is executed, and no model is loaded.
+
+    Parameters
+    ----------
+    path
+        A file ending in .yaml, .yml or .json.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is no case: a sentence for each problem, with the line in a
+        YAML file, the key, and the nearest keys that there are.
+
+    Examples
+    --------
+    >>> case = lw.load_case("compressor_heavy.yaml")
+    >>> result = case.analyse()
+    """
+    file = Path(path)
+    case = Case.__new__(Case)
+    _fill(case, read_document(file), file, file.resolve().parent)
+    return case
+
+
+@checked_class
+class Case:
+    """Model, scene, values and settings of a run, as data.
+
+    Values are numbers, or texts of a number and its unit, such as ``"1200 mm"``: parameters in
+    their declared units unless they say another one, start values and guesses in SI units.
+
+    Parameters
+    ----------
+    model
+        Name of a model, or path of its file.
+    scene
+        Name of a scene; or a scene as data, in the words of `Model.scene` with its `name`; or a
+        declared `Scene`, which becomes data. The model's first scene unless given.
+    analysis
+        "simulate", "kinematics", "inverse_dynamics" or "equilibrium".
+    parameters, start, guess
+        Values by name, as the analyses take them.
+    run
+        Words of the analysis: ``{"t_end": 10.0, "rtol": 1e-8}``; conditions as texts:
+        ``{"until": {"home": "body.x > 3"}}``.
+
+    Raises
+    ------
+    InputError
+        A sentence for each word that does not fit.
+
+    Examples
+    --------
+    >>> case = lw.Case("pendulum.py", "swing", parameters={"length": "120 cm"}, run={"t_end": 5.0})
+    >>> case.save("long.yaml")
+    >>> case.analyse().q("bob.phi")
+    """
+
+    model: str
+    scene: str | dict[str, Any] | None
+    analysis: str
+    parameters: dict[str, float | str]
+    start: dict[str, float | str]
+    guess: dict[str, float | str]
+    run: dict[str, Any]
+    _entry: Entry
+    _file: Path | None
+    _folder: Path  # as seen from which the model lies
+
+    def __init__(
+        self, model: str | os.PathLike[str],
+        scene: "str | Scene | Mapping[str, Any] | None" = None, *, analysis: str = "simulate",
+        parameters: Mapping[str, float | str] | None = None,
+        start: Mapping[str, float | str] | None = None,
+        guess: Mapping[str, float | str] | None = None, run: Mapping[str, Any] | None = None,
+    ) -> None:  # fmt: skip
+        if hasattr(scene, "request"):
+            from codegen.scene_data import data_of_scene
+
+            scene = data_of_scene(scene)  # type: ignore[arg-type]
+        given = {
+            "model": model, "scene": scene, "analysis": analysis, "parameters": parameters,
+            "start": start, "guess": guess, "run": run,
+        }  # fmt: skip
+        content = {name: value for name, value in given.items() if value is not None}
+        _fill(self, entry_of(content), None, Path.cwd())
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The case as nested mappings, lists, numbers and texts, as a file has them."""
+        scene = {} if self.scene is None else {"scene": entry_of(self.scene).plain()}
+        analysis = {} if self.analysis == ANALYSES[0] else {"analysis": self.analysis}
+        values = {
+            word: entry_of(of).plain() for word in (*_VALUES, "run") if (of := vars(self)[word])
+        }
+        return {"format": FORMAT, "model": self.model, **scene, **analysis, **values}
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the case into a file, whole or not at all; numbers keep all their bits.
+
+        Parameters
+        ----------
+        path
+            Ending in .yaml, .yml or .json; replaces an older one. The path of a model file is
+            written as it is seen from there.
+
+        Raises
+        ------
+        InputError
+            If the ending is another one, or the file cannot be written.
+        """
+        given = readers.read_arguments("Case.save", {"path": readers.path}, {"path": path})
+        file: Path = given["path"]
+        if file.suffix not in ENDINGS:
+            raise InputError(f"{file}: a case is saved as {', '.join(ENDINGS)}.")
+        content = self.data
+        if _is_path(self.model) and not Path(self.model).is_absolute():
+            there = os.path.relpath(self._folder / self.model, file.resolve().parent)
+            content["model"] = Path(there).as_posix()
+        text = text_of(content, file)
+        with whole_file(file) as temporary:
+            temporary.write_text(text, encoding="utf-8", newline="\n")
+        return file
+
+    @property
+    def path(self) -> Path | None:
+        """The file from which the case was read; None of one that was made in Python."""
+        return self._file
+
+    @property
+    def model_path(self) -> str:
+        """The model as `load` takes it: a name, or the path of its file."""
+        return str(self._folder / self.model) if _is_path(self.model) else self.model
+
+    def source(self) -> "tuple[str | Model, str | Scene | None]":
+        """The model and the scene, as `load` takes them.
+
+        A scene as data is declared in the model, whose file is executed for that.
+        """
+        if not isinstance(self.scene, dict):
+            return self.model_path, self.scene
+        from codegen.scene_data import scene_of_data
+
+        with self._located():
+            return scene_of_data(self.model_path, entry_of(self.scene).plain())
+
+    def machine(self, *, generated: str | os.PathLike[str] | None = None) -> "Machine":
+        """The machine of the case; its model file is Python and is executed where need be.
+
+        Parameters
+        ----------
+        generated
+            The folder of the generated modules, as for `load`. Those of a scene as data lie in
+            `.linkwright_cache`.
+
+        Raises
+        ------
+        InputError
+            As `load`; if the scene does not fit the model.
+        """
+        from runtime.machine_loading import load
+        from runtime.studies.scene_loading import cache_folder
+
+        model, scene = self.source()
+        if isinstance(self.scene, dict):
+            return load(model, scene, folder=cache_folder(None))
+        return load(model, scene, generated=generated)
+
+    def words(self, machine: "Machine") -> dict[str, Any]:
+        """The arguments of the analysis, numbers in the units of the machine.
+
+        Raises
+        ------
+        InputError
+            A sentence for each name that the machine does not have, and each unit that does not
+            fit.
+        """
+        problems = list[str]()
+
+        def note(where: str, why: str) -> None:
+            problems.append(f"{self._place(where)}: {why}")
+
+        given = {word: of for word in _VALUES if (of := vars(self)[word])}
+        if self.analysis == "equilibrium" and given.pop("start", None):
+            note("start", "an equilibrium has no start values; give them as guess.")
+        found: dict[str, Any] = values_of(machine.description, given, note)
+        found |= run_words(machine.description, self.run, note)
+        if problems:
+            raise InputError(problems)
+        return found
+
+    def analyse(self, **words: Any) -> "Result":
+        """Load the machine and make the analysis.
+
+        Parameters
+        ----------
+        words
+            Words of the analysis in place of those of the case, such as ``t_end=20.0``.
+
+        Raises
+        ------
+        InputError
+            As `machine`, `words` and the analysis.
+        """
+        machine = self.machine()
+        given = self.words(machine) | words
+        if self.analysis == "simulate" and "t_end" not in given:
+            raise InputError(f"{self._place('run')}: t_end is missing: the last instant in s.")
+        result: Result = getattr(machine, self.analysis)(**given)
+        return result
+
+    def _place(self, where: str) -> str:
+        """The file, the line of an entry where it is known, and its path in the case."""
+        entry: Entry | None = self._entry
+        line = None
+        for key in where.split(".", 1):
+            inner = {} if entry is None else entry.value
+            entry = inner.get(key) if isinstance(inner, dict) else None
+            line = line if entry is None else entry.line
+        return f"{place(self._file or 'Case', line)}, {where}"
+
+    def _located(self) -> "_Located":
+        return _Located(place(self._file or "Case", self._entry.value["scene"].line))
+
+    def __repr__(self) -> str:
+        """The case as its YAML or JSON has it."""
+        return (
+            f"Case({', '.join(f'{k}={shown(v)}' for k, v in self.data.items() if k != 'format')})"
+        )
+
+    def _repr_html_(self) -> str:
+        """The case for notebooks."""
+        return html_of("\n".join(f"{k}: {shown(v)}" for k, v in self.data.items()))
+
+
+class _Located:
+    """A block whose errors of ours begin with a place."""
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+
+    def __enter__(self) -> None:
+        return None
+
+    def __exit__(self, kind: object, error: BaseException | None, *_: object) -> None:
+        if isinstance(error, InputError):
+            error.locate(self.where)
+
+
+def _fill(case: Case, entry: Entry, file: Path | None, folder: Path) -> None:
+    """Check the entries of a case, and give them to it."""
+    problems = list[str]()
+
+    def note(where: str, part: Entry, why: str) -> None:
+        inner = f", {where}" if where else ""
+        problems.append(f"{place(file or 'Case', part.line)}{inner}: {why}")
+
+    content = entry.value if isinstance(entry.value, dict) else {}
+    given = content["analysis"].value if "analysis" in content else ANALYSES[0]
+    analysis = given if isinstance(given, str) and given in RUN else ANALYSES[0]
+    case_record(analysis).check(entry, "", note)
+    if problems:
+        raise InputError(problems)
+    plain = entry.plain()
+    vars(case).update(
+        model=plain["model"], scene=plain.get("scene"), analysis=analysis,
+        **{word: plain.get(word, {}) for word in (*_VALUES, "run")},
+        _entry=entry, _file=file, _folder=folder,
+    )  # fmt: skip
+
+
+def _is_path(model: str) -> bool:
+    """Whether a model is the path of its file, and no name."""
+    return model.endswith(".py") or Path(model).is_absolute()
+
+
+immutable(named_attributes(Case), why="a case is data; make another one with other words")
