@@ -13,6 +13,7 @@ NOT_MODELS := models/__init__.py models/__main__.py
 MODELS = $(filter-out $(NOT_MODELS) $(wildcard models/_*.py),$(sort $(wildcard models/*.py))) $(HARD)
 # The hard cases' folder holds their declarations and what runs them.
 HARD = $(sort $(shell grep -l '^model = ' models/hard/*.py))
+SCRIPTS = runtime/show/animation/page
 NOTEBOOKS = $(sort $(wildcard notebooks/*.ipynb))
 
 WORKERS ?= 2
@@ -59,10 +60,11 @@ test: $(READY) ## run the tests; every warning is an error
 test-oldest: .venv-oldest/.ready ## run the tests with the lowest versions that pyproject.toml allows
 	.venv-oldest/bin/python $(PYTEST)
 
-lint: $(READY) ## formatting and lint rules
+lint: $(READY) ## formatting and lint rules, of Python and of the player's script
 	@status=0; \
 	$(PY) -m ruff format --check . || status=1; \
 	$(PY) -m ruff check . || status=1; \
+	$(VENV)/bin/oxlint --deny-warnings $(SCRIPTS) || status=1; \
 	exit $$status
 
 format: $(READY) ## bring the files into the form that `make lint` asks for

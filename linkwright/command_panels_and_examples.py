@@ -41,6 +41,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "": (
         "linkwright new four_bar",
         "linkwright check four_bar.py",
+        "linkwright draw four_bar.py --out four_bar.png",
         "linkwright simulate four_bar.py --t-end 5 --out run.nc",
         "linkwright report four_bar.py --t-end 5 --out run.html",
     ),
@@ -57,6 +58,10 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "check": (
         "linkwright check four_bar.py",
         "linkwright check four_bar.py --scene driven --json",
+    ),
+    "draw": (
+        "linkwright draw four_bar.py --out four_bar.png",
+        "linkwright draw four_bar.py --scene driven --t 0.25 --forces --out quarter.svg",
     ),
     "build": (
         "linkwright build four_bar.py",

@@ -15,10 +15,13 @@ from linkwright.parameter_presentation import presented
 from linkwright.shell_completion import template_kinds
 from runtime.cli.app import app as analyses
 from runtime.cli.common import (
+    Generated,
     Json,
+    Scene,
     Values,
     error_head,
     exit_on_error,
+    option,
     print_json,
     start_values,
     write_line,
@@ -107,6 +110,43 @@ def check(
         show(report, model)
     if report.problems:
         raise typer.Exit(2)
+
+
+@own.command()
+def draw(
+    model: ModelArgument,
+    out: Annotated[Path, option("The picture to write: .png, .svg or .pdf.")],
+    scene: Scene = None,
+    t: Annotated[
+        float | None,
+        option("Instant in s at which the machine is assembled; unless given, its start is drawn, "
+               "and nothing is compiled."),
+    ] = None,
+    settings: Values = None,
+    generated: Generated = None,
+    dimensions: Annotated[
+        bool, option("Also distances between the points of a body, m.", "--dimensions")
+    ] = False,
+    forces: Annotated[bool, option("Also the applied forces, to scale.", "--forces")] = False,
+    frames: Annotated[bool, option("Also frames and centres of mass.", "--frames")] = False,
+    names: Annotated[bool, option("Names of bodies and joints, or none.")] = True,
+    guesses: Annotated[
+        bool, option("Bodies at their guesses, and how far each joint is open.", "--guesses")
+    ] = False,
+    as_json: Json = False,
+) -> None:  # fmt: skip
+    """Draw a machine as it is declared, at its start or at an instant, into a file."""
+    from linkwright.mechanism_drawing import save_drawing
+
+    with exit_on_error(as_json), progress_shown() as progress:
+        saved = save_drawing(
+            model, scene, t, start_values(settings, None)["parameters"], out, progress,
+            generated=generated, dimensions=dimensions, forces=forces, frames=frames, names=names,
+            assembled=not guesses,
+        )  # fmt: skip
+    write_line(f"Saved: {saved}")
+    if as_json:
+        print_json({"ok": True, "saved": str(saved)})
 
 
 @own.command()

@@ -19,7 +19,8 @@ from codegen.library_layout import model_names
 from linkwright import shell_completion
 
 MACHINE, TIME, INTEGRATION, STUDY, OUTPUT = "Machine", "Time", "Integration", "Study", "Output"
-PANELS = (MACHINE, TIME, STUDY, INTEGRATION, OUTPUT)
+PICTURE = "Picture"
+PANELS = (MACHINE, TIME, STUDY, INTEGRATION, PICTURE, OUTPUT)
 """Panels of options in the order of a page of help; the other options stand above them."""
 
 
@@ -69,6 +70,11 @@ LOOKS = {
     "first_step": Look(INTEGRATION, "SECONDS"),
     "max_step": Look(INTEGRATION, "SECONDS"),
     "max_steps": Look(INTEGRATION, "COUNT"),
+    "dimensions": Look(PICTURE),
+    "forces": Look(PICTURE),
+    "frames": Look(PICTURE),
+    "names": Look(PICTURE),
+    "guesses": Look(PICTURE),
     "tangents": Look(OUTPUT),
     "reduced": Look(OUTPUT),
     "kernels": Look(OUTPUT),

@@ -26,11 +26,13 @@ if TYPE_CHECKING:
     from runtime.results.assembled_state import Assembly
     from runtime.results.event_records import Event
     from runtime.results.result import Result
+    from runtime.show.animation.animation import Animation, animate
     from runtime.statics.equilibrium import Equilibrium
     from runtime.studies.effect_ranking import matters
     from runtime.studies.work_precision import accuracy
 
 _HOMES = {
+    "Animation": "runtime.show.animation.animation",
     "Assembly": "runtime.results.assembled_state",
     "Case": "runtime.cases.case",
     "Equilibrium": "runtime.statics.equilibrium",
@@ -39,14 +41,15 @@ _HOMES = {
     "Outcome": "runtime.core.outcomes",
     "Result": "runtime.results.result",
     "accuracy": "runtime.studies.work_precision",
+    "animate": "runtime.show.animation.animation",
     "load": "runtime.machine_loading",
     "load_case": "runtime.cases.case",
     "load_result": "runtime.result_loading",
     "matters": "runtime.studies.effect_ranking",
 }
 
-__all__ = ["Assembly", "Case", "Equilibrium", "Event", "Machine", "Outcome", "Result"]
-__all__ += ["accuracy", "load", "load_case", "load_result", "matters"]
+__all__ = ["Animation", "Assembly", "Case", "Equilibrium", "Event", "Machine", "Outcome", "Result"]
+__all__ += ["accuracy", "animate", "load", "load_case", "load_result", "matters"]
 
 
 def __getattr__(name: str) -> object:

@@ -4,9 +4,9 @@ Pages are read in the repository as well as on the site. A link that leaves the 
 becomes a download of the file, and a link to a folder, its name alone. Notebooks are pages.
 """
 
+import json
 import os
 import re
-import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,19 +18,23 @@ FENCE = re.compile(r"(^(`{3,}|:{3,}).*?^\2`*\s*$)", re.MULTILINE | re.DOTALL)
 NOTEBOOKS = "notebooks"
 
 
-def rewritten(text: str, page: Path, docs: Path) -> str:
-    """The text of a page with its links out of `docs` turned into what the site can show."""
+def rewritten(text: str, page: Path, docs: Path, folder: Path | None = None) -> str:
+    """The text of a page with its links out of `docs` turned into what the site can show.
+
+    `folder` is where the site has the page, if not where `page` lies.
+    """
 
     def link(match: re.Match[str]) -> str:
-        label, path, _ = match.groups()
+        label, path, anchor = match.groups()
         target = Path(os.path.normpath(page.parent / path))
+        place = folder or page.parent
         if target.is_relative_to(docs) and not target.is_dir():
-            return match[0]
+            return f"[{label}]({os.path.relpath(target, place)}{anchor or ''})"
         if target.suffix == ".ipynb":
             target = docs / NOTEBOOKS / target.name
-            return f"[{label}]({os.path.relpath(target, page.parent)})"
+            return f"[{label}]({os.path.relpath(target, place)})"
         if target.is_file():
-            return f"{{download}}`{label.strip('`')} <{os.path.relpath(target, page.parent)}>`"
+            return f"{{download}}`{label.strip('`')} <{os.path.relpath(target, place)}>`"
         return label
 
     parts = FENCE.split(text)
@@ -49,6 +53,16 @@ def read_source(app: "Sphinx", docname: str, source: list[str]) -> None:
         source[0] += "\n```{toctree}\n:hidden:\n:glob:\n\n*\n```\n"
 
 
+def notebook_of_the_site(path: Path, docs: Path) -> str:
+    """A notebook of the repository, with the links in its texts as the site has them."""
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    for cell in notebook["cells"]:
+        if cell["cell_type"] == "markdown":
+            text = rewritten("".join(cell["source"]), path, docs, docs / NOTEBOOKS)
+            cell["source"] = text.splitlines(keepends=True)
+    return json.dumps(notebook, indent=1, ensure_ascii=False) + "\n"
+
+
 def copy_notebooks(app: "Sphinx") -> None:
     """Copy the notebooks of the repository, which stand beside `docs`, where they have changed."""
     docs = Path(app.srcdir)
@@ -58,9 +72,9 @@ def copy_notebooks(app: "Sphinx") -> None:
         if path.name not in there:
             path.unlink()
     for name, path in there.items():
-        copy = docs / NOTEBOOKS / name
-        if not copy.exists() or copy.read_bytes() != path.read_bytes():
-            shutil.copy(path, copy)
+        copy, text = docs / NOTEBOOKS / name, notebook_of_the_site(path, docs)
+        if not copy.exists() or copy.read_text(encoding="utf-8") != text:
+            copy.write_text(text, encoding="utf-8")
 
 
 def setup(app: "Sphinx") -> dict[str, bool]:

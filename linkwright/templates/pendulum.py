@@ -7,6 +7,7 @@
           `
 
     linkwright check NAME.py                                   is it sound?
+    linkwright draw NAME.py --out NAME.png                     what does it look like?
     linkwright simulate NAME.py --t-end 10                     how does it move?
     linkwright equilibrium NAME.py                             where does it rest?
 

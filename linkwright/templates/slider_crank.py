@@ -7,6 +7,7 @@
    ///         ///////////////////
 
     linkwright check NAME.py                                   is it sound?
+    linkwright draw NAME.py --out NAME.png                     what does it look like?
     linkwright simulate NAME.py --t-end 2                      how does it move?
     linkwright inverse NAME.py --scene driven --t-end 1        what does it take to drive it?
 
@@ -53,13 +54,13 @@ model.force("slide_friction", on=slider, fx=-friction * slider.vx)
 model.spring("spring", model.ground.at(0.5, 0), slider.at(0, 0), stiffness, free_length=0.3)
 
 # Drivers prescribe a motion.
-model.driver("motor", crank.phi, speed * t)
+model.driver("motor", crank.phi, pi / 3 + speed * t)
 
 # A guess says about where the bodies are at the start; assembly moves them until the joints close.
-drawn = {rod.x: 0.15, slider.x: 0.25}
+drawn = {rod.x: 0.12, rod.y: 0.02, rod.phi: -0.2, slider.x: 0.22}
 
 # A scene names the effects and drivers that act. Its start values hold exactly.
 brakes = ["slide_friction", "spring"]
 model.scene("running", effects=["drive", *brakes], guess=drawn,
-            start={crank.phi: 0.0, crank.omega: 4 * pi})  # fmt: skip
+            start={crank.phi: pi / 3, crank.omega: 4 * pi})  # fmt: skip
 model.scene("driven", effects=brakes, drivers=["motor"], guess=drawn)

@@ -1,7 +1,7 @@
 """Instants between the samples of a result, and the sides of its events."""
 
 from copy import copy
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -21,10 +21,17 @@ Side = Literal["before", "after"]
 
 # accuracy: units of rounding of a run's times; the two sides of a kink are 32 of them apart
 _CLOSE = 40.0
-_PATIENCE = 1.0  # measured: s of integration that a picture takes once more
-_A_STEP = 4  # layout: points of a curve in a step of the run
-_LEAST, _MOST = 1000, 8000  # layout: points of a curve, and events of which both sides are drawn
 _SHOWN = 6  # layout: instants that a message names
+
+
+class Sampling(NamedTuple):
+    """How densely curves are sampled."""
+
+    a_step: int = 4  # layout: points of a curve in a step of the run
+    least: int = 1000  # layout: points of a short curve
+    most: int = 8000  # layout: points of a long curve
+    events: int = 8000  # layout: events of which both sides are drawn
+    patience: float = 1.0  # measured: s of integration that a picture takes once more
 
 
 class Motion(Protocol):
@@ -87,18 +94,24 @@ def at(result: "Result", motion: Motion | None, t: Any, side: Any) -> "Result":
 
 
 def for_curves(result: "Result") -> "Result":
-    """A result with so many instants that its curves look smooth, and both sides of its events.
+    """A result with so many instants that its curves look smooth, and both sides of its events."""
+    return resampled(result, Sampling())
+
+
+def resampled(result: "Result", how: Sampling) -> "Result":
+    """A result with evenly spaced instants, its own ones, and both sides of its events.
 
     Where the run took long it is the result itself, since its motion takes as long again.
     """
     motion, stats, count = result._motion, result.stats, len(result.t)
-    if motion is None or count < 2 or stats.get("integration_seconds", 0.0) > _PATIENCE:
+    if motion is None or count < 2 or stats.get("integration_seconds", 0.0) > how.patience:
         return result
     first, last = float(result.t.min()), float(result.t.max())
-    points = int(np.clip(_A_STEP * stats.get("steps", 0), _LEAST, _MOST)) + 1
+    points = int(np.clip(how.a_step * stats.get("steps", 0), how.least, how.most)) + 1
     events = np.unique([event.time for event in result.events if first < event.time < last])
-    events = events[: 0 if len(events) > _MOST else None]
-    between = np.union1d(np.linspace(first, last, points), result.t)
+    events = events[: 0 if len(events) > how.events else None]
+    own = result.t if count <= how.most else result.t[:0]
+    between = np.union1d(np.linspace(first, last, points), own)
     sides = [_on_side(result, motion, events, side) for side in ("before", "after")]
     moved = np.concatenate([between, *sides])
     order = np.argsort(moved, kind="stable")

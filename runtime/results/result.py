@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+    from runtime.show.animation.animation import Animation
 
 
 FloatArray = npt.NDArray[np.float64]
@@ -295,6 +296,30 @@ class Result(TimeSeries):
         return draw_result(
             self, t, dimensions=dimensions, forces=forces, frames=frames, names=names
         )
+
+    @readers.reads(file=readers.optional(readers.path))
+    def animate(self, file: str | os.PathLike[str] | None = None) -> "Animation":
+        """Show the machine in motion, with its forces and curves, as a page of its own.
+
+        Parameters
+        ----------
+        file
+            An .html file to write as well.
+
+        Returns
+        -------
+        Animation
+            Which a notebook shows, and `Animation.save` writes. `runtime.animate` shows several
+            runs beside each other.
+
+        Raises
+        ------
+        InputError
+            If the result has no instants, the file cannot be written, or bokeh is not installed.
+        """
+        from runtime.show.animation.animation import animate
+
+        return animate([self], file=file)
 
     def facts(self) -> dict[str, Any]:
         """The run as JSON: model, scene, outcome, parameters, statistics, accuracy, joints."""

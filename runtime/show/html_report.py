@@ -1,4 +1,4 @@
-"""A result as one self-contained HTML page: machine, parameters, checks, statistics, pictures."""
+"""A result as one self-contained HTML page: the machine in motion, its curves, and tables."""
 
 from collections.abc import Iterator
 from html import escape
@@ -6,45 +6,43 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from codegen.figures_and_html import finish_axes, html_figure, html_page, new_figure
-from runtime.results.effect_series import quantity_of
-from runtime.results.motion_at_instants import for_curves
+from codegen.figures_and_html import html_page
+from runtime.show.animation.animation import Animation
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from runtime.results.result import Result
 
-MOST_LINES = 10
+_MOST_QUANTITIES = 10  # layout: quantities of an accuracy target in a table
 _MOST_ROWS = 200  # layout: events, or changes of joints, in a table
 
 
 def page(result: "Result") -> str:
-    """The page as text."""
-    description = result.description
-    generator = escape(description.generator.split()[-1])
+    """The page as text: the player on top, then tables; of a run without instants tables alone."""
+    tables = "\n".join(["<article class=report>", *_tables(result), "</article>"])
+    if not len(result.t):
+        return html_page(result.description.title, [tables])
+    return Animation([result], below=tables).html
+
+
+def _tables(result: "Result") -> Iterator[str]:
+    generator = escape(result.description.generator.split()[-1])
     state = "outcome failed" if result.failed else "outcome"
     stats = ((name.replace("_", " "), value) for name, value in result.stats.items())
-    parts = [
-        f"<h1>{escape(description.title)}</h1>",
-        f"<p>{escape(result.analysis)}, linkwright {generator}</p>",
-        f'<p class="{state}"><b>{result.outcome.name}</b>: {escape(result.message)}</p>',
-        _section("Machine", _machine(result)),
-        _section("Parameters", _parameters(result)),
-        _section("Checks", _checks(result)),
-        *_accuracy(result),
-        _section("Statistics", stats),
-        _section("At the end", _last(result)),
-        "<h2>Over time</h2>",
-        *map(html_figure, _figures(result)),
-    ]
+    yield f"<h1>{escape(result.description.title)}</h1>"
+    yield f"<p>{escape(result.analysis)}, linkwright {generator}</p>"
+    yield f'<p class="{state}"><b>{result.outcome.name}</b>: {escape(result.message)}</p>'
+    yield _section("Machine", _machine(result))
+    yield _section("Parameters", _parameters(result))
+    yield _section("Checks", _checks(result))
+    yield from _accuracy(result)
+    yield _section("Statistics", stats)
+    yield _section("At the end", _last(result))
     if result.events:
         rows = ((f"{e.time:.9g} s", e.text) for e in result.events[:_MOST_ROWS])
-        parts.append(_section("Events", rows))
+        yield _section("Events", rows)
     if result.reconnections:
         changes = ((f"{one.time:.9g} s", str(one)) for one in result.reconnections[:_MOST_ROWS])
-        parts.append(_section("Joints that came or went", changes))
-    return html_page(description.title, parts)
+        yield _section("Joints that came or went", changes)
 
 
 def _section(title: str, rows: Iterator[tuple[str, object]]) -> str:
@@ -98,7 +96,7 @@ def _accuracy(result: "Result") -> Iterator[str]:
         return
     yield "<h2>Accuracy</h2>"
     yield f"<p>{escape(' '.join(accuracy.sentences()))}</p>"
-    yield _table((row.name, row.error) for row in accuracy.quantities[:MOST_LINES])
+    yield _table((row.name, row.error) for row in accuracy.quantities[:_MOST_QUANTITIES])
     yield _table(
         (f"{run.method}, {run.formulation}, rtol = {run.rtol:.1e}", f"{run.seconds * 1e3:.3g} ms")
         for run in accuracy.runs
@@ -111,39 +109,3 @@ def _last(result: "Result") -> Iterator[tuple[str, object]]:
             yield f"{row.name}, {row.unit}", float(result.q(row.name)[-1])
         for state in result.description.states:
             yield f"{state.name}, {state.unit or '1'}", float(result.y(state.name)[-1])
-
-
-def _figures(result: "Result") -> Iterator["Figure"]:
-    """Coordinates and velocities by unit, then reactions by unit, a picture each."""
-    result = for_curves(result)
-    description = result.description
-    if len(result.t) < 2:
-        return
-    groups: dict[str, list[str]] = {}
-    for row in description.positions:
-        groups.setdefault(f"position, {row.unit}", []).append(row.name)
-        groups.setdefault(f"velocity, {row.velocity_unit}", []).append(row.velocity)
-    for state in description.states:
-        groups.setdefault(f"state, {state.unit or '1'}", []).append(state.name)
-    for reaction in description.reactions:
-        kind = "driver" if reaction.element in description.drivers else "reaction"
-        if reaction.element in description.effects.names:
-            point = reaction.element in description.tracked
-            kind = "point" if point else quantity_of(reaction) or "effect"
-        groups.setdefault(f"{kind}, {reaction.unit}", []).append(reaction.name)
-    for title, names in groups.items():
-        moving = [name for name in names if np.ptp(result.series(name)[0]) > 0.0]
-        for first in range(0, len(moving), MOST_LINES):
-            yield _figure(result, title, moving[first : first + MOST_LINES])
-
-
-def _figure(result: "Result", title: str, names: list[str]) -> "Figure":
-    figure = new_figure("report", 9, 3)
-    axes = figure.subplots()
-    for name in names:
-        axes.plot(result.t, result.series(name)[0], label=name, linewidth=1.2)
-    axes.set(xlabel="t, s", ylabel=title.partition(", ")[2])
-    axes.set_title(title, loc="left")
-    finish_axes(axes, alpha=0.3)
-    axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
-    return figure

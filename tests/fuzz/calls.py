@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 from codegen import build
 from codegen.errors import FAILURES, LinkwrightError
-from runtime import accuracy, load, load_result, matters
+from runtime import accuracy, animate, load, load_result, matters
 from runtime.machine_facade import Machine
 from tests.fuzz.nonsense import KINDS, NUMBERS, POSITIVE, TEXTS
 
@@ -93,6 +93,9 @@ def calls(free: Machine, driven: Machine) -> list[Call]:
         ),
         Call("Result.plot", result.plot, {"name": name}, {"name": set()}),
         Call("Result.save", result.save, {"path": "a.csv"}, {"path": set()}),
+        Call("Result.animate", result.animate, {}, {"file": NONE}),
+        Call("animate", animate, {"results": [result]},
+             {"results": set(), "file": NONE, "labels": {"empty list"}}),
         Call("Result.reaction", result.reaction, {"joint": joint, "component": "fx"},
              {"joint": set(), "component": set()}),
         Call("Result.at", result.at, {"t": 0.005}, {"t": NUMBERS, "side": NONE}),

@@ -35,7 +35,7 @@ def commands(of: object) -> set[str]:
 
 
 def test_the_command_has_the_commands_of_both_programs() -> None:
-    own = {"check", "new", "list", "precompile"}
+    own = {"check", "draw", "new", "list", "precompile"}
     assert commands(app) == commands(compiler) | commands(analyses) | own
     assert not commands(compiler) & commands(analyses)
     assert {"build", "explain", "elements", "simulate", "kinematics", "report"} < commands(app)

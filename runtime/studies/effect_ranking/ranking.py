@@ -2,13 +2,16 @@
 
 from dataclasses import asdict, dataclass
 from enum import StrEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from codegen.errors import UnknownNameError
 from codegen.object_display import html_of, html_table
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class
 from runtime.results.samples import plain
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 class Verdict(StrEnum):
@@ -118,6 +121,18 @@ class Matters:
     def facts(self) -> dict[str, Any]:
         """All fields, as JSON; a number that is not finite is null."""
         return dict(plain(asdict(self)))
+
+    def plot(self) -> "Figure":
+        """Draw what each effect changes, and its share of the time.
+
+        Raises
+        ------
+        InputError
+            If matplotlib is not installed.
+        """
+        from runtime.studies.effect_ranking.picture import figure
+
+        return figure(self)
 
     def __repr__(self) -> str:
         """The quantity, and a sentence an effect."""

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from codegen.errors import UnknownNameError
 from codegen.object_display import counted, html_of, html_table
@@ -12,6 +12,9 @@ from codegen.public_callables import checked_class
 from runtime.integrate.method import IMPLICIT
 from runtime.results.samples import plain
 from runtime.studies.error_norms import Errors, Scale
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FORMULATIONS = ("cartesian", "reduced")
 _CORRECTIONS = {"step": "", "stage": ", every stage", "projection": ", projection"}
@@ -180,6 +183,18 @@ class WorkPrecision:
         if type(title) is not str or title not in lines:
             raise UnknownNameError(f"no setting {shown(title)}; there are: {'; '.join(lines)}.")
         return lines[title]
+
+    def plot(self) -> "Figure":
+        """Draw the error of every setting over the time that it takes.
+
+        Raises
+        ------
+        InputError
+            If matplotlib is not installed.
+        """
+        from runtime.studies.work_precision.picture import figure
+
+        return figure(self)
 
     def __repr__(self) -> str:
         """The scene, the run, and what the study concludes, a line each."""

@@ -1,0 +1,198 @@
+"""An animation of one run or several: shown in a notebook, saved as a page."""
+
+import os
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from codegen import argument_readers as readers
+from codegen.errors import InputError
+from codegen.public_callables import checked_class
+from codegen.whole_files import whole_file
+from runtime.show.animation.happenings import happenings
+from runtime.show.animation.instants import animated
+from runtime.show.animation.page_text import framed, page_text
+from runtime.show.animation.payload import Arrays, block
+from runtime.show.animation.quantities import curves
+from runtime.show.animation.scenery import scenery
+from runtime.show.pictures import pictures
+
+if TYPE_CHECKING:
+    from runtime.results.result import Result
+
+_HEIGHT = 720  # layout: of the frame in a notebook, px
+MOST_RUNS = 6  # layout: runs beside each other
+
+
+@checked_class
+class Animation:
+    """A machine in motion with its curves, as a page that needs nothing else.
+
+    In a notebook it shows itself, also after the export to HTML.
+
+    Attributes
+    ----------
+    title
+        Model and scene.
+    labels
+        What tells the runs apart, one text a run.
+    html
+        The page as text.
+    """
+
+    title: str
+    labels: tuple[str, ...]
+
+    def __init__(
+        self, results: "Sequence[Result]", labels: Sequence[str] = (), below: str = ""
+    ) -> None:
+        self._results, self._below = tuple(results), below
+        self.title = " and ".join(dict.fromkeys(r.description.title for r in results))
+        self.labels = tuple(labels) or differences(self._results)
+
+    @cached_property
+    def html(self) -> str:
+        """The page as text; it is made once."""
+        arrays = Arrays()
+        runs = [
+            _run_data(result, label, arrays)
+            for result, label in zip(self._results, self.labels, strict=True)
+        ]
+        has_curves = any(len(result.t) > 1 for result in self._results)
+        return page_text(
+            self.title, block({"runs": runs}, arrays), self._below, has_curves=has_curves
+        )
+
+    @readers.reads(path=readers.path)
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the page to a file, whole or not at all.
+
+        Parameters
+        ----------
+        path
+            Ending in .html; a file of that name is replaced.
+
+        Raises
+        ------
+        InputError
+            If the ending is another one, the folder does not exist or cannot be written.
+        """
+        place = Path(path)
+        if place.suffix != ".html":
+            raise InputError(
+                f"{place}: an animation is saved as .html, not as "
+                f"{place.suffix or 'a file without ending'!r}. Change the ending."
+            )
+        html = self.html
+        with whole_file(place) as temporary:
+            temporary.write_text(html, encoding="utf-8")
+        return place
+
+    def __repr__(self) -> str:
+        """Title and runs."""
+        runs = f": {', '.join(self.labels)}" if len(self.labels) > 1 else ""
+        return f"Animation of {self.title}{runs}"
+
+    def _repr_html_(self) -> str:
+        """The page in a frame, for notebooks."""
+        return framed(self.html, f"Animation of {self.title}", _HEIGHT)
+
+
+_RESULT = readers.instance("runtime.results", "Result", "a result of a machine")
+
+
+@readers.reads(
+    results=readers.several(_RESULT, "a list of results, such as [first, second]"),
+    file=readers.optional(readers.path),
+    labels=readers.texts('["light", "heavy"]'),
+)
+def animate(
+    results: "Sequence[Result]",
+    *,
+    file: str | os.PathLike[str] | None = None,
+    labels: Sequence[str] = (),
+) -> Animation:
+    """Show runs in motion beside each other, with one clock and their curves in one picture.
+
+    Parameters
+    ----------
+    results
+        Of simulations, kinematics or inverse dynamics, up to six; of one machine or several.
+    file
+        An .html file to write as well.
+    labels
+        A text for each run; unless given, the parameters in which they differ.
+
+    Returns
+    -------
+    Animation
+        Which a notebook shows, and `Animation.save` writes.
+
+    Raises
+    ------
+    InputError
+        If there is no run or more than six, one has no instants, the number of labels is another
+        one, or bokeh is not installed.
+    """
+    runs = tuple(results)
+    problems = []
+    if not 0 < len(runs) <= MOST_RUNS:
+        problems.append(f"animate: {len(runs)} runs; it shows 1 to {MOST_RUNS}.")
+    if labels and len(labels) != len(runs):
+        problems.append(f"animate: {len(labels)} labels for {len(runs)} runs; give one each.")
+    problems += [
+        f"animate: run {k + 1}, {run.description.title}, has no instants ({run.message})"
+        for k, run in enumerate(runs)
+        if not len(run.t)
+    ]
+    if problems:
+        raise InputError(problems)
+    shown = Animation(runs, labels)
+    if file is not None:
+        shown.save(file)
+    return shown
+
+
+def differences(results: "Sequence[Result]") -> tuple[str, ...]:
+    """What tells runs apart: scenes, analyses and parameters in which they differ, or a number."""
+    if len(results) == 1:
+        return ("",)
+    first = results[0]
+    names = [
+        name
+        for name in first.parameters
+        if any(r.parameters.get(name) != first.parameters[name] for r in results)
+    ]
+    titles = len({r.description.title for r in results}) > 1
+    analyses = len({r.analysis for r in results}) > 1
+    labels = [
+        ", ".join(
+            [r.description.title] * titles
+            + [r.analysis] * analyses
+            + [f"{name} = {r.parameters[name]:.6g}" for name in names if name in r.parameters]
+        )
+        for r in results
+    ]
+    if len(set(labels)) < len(results):
+        labels = [f"run {k + 1}" for k in range(len(results))]
+    return tuple(labels)
+
+
+def _run_data(result: "Result", label: str, arrays: Arrays) -> dict[str, Any]:
+    """A run as the page has it."""
+    shown = animated(result)
+    series, groups = curves(shown, arrays)
+    return {
+        "label": label,
+        "title": result.description.title,
+        "analysis": result.analysis,
+        "outcome": result.outcome.name,
+        "message": result.message,
+        "failed": result.failed,
+        "t": arrays.add_exactly(shown.t),
+        "series": series,
+        "groups": groups,
+        "events": happenings(result),
+        **scenery(pictures(shown), arrays),
+    }

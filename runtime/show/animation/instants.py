@@ -1,0 +1,25 @@
+"""The instants of an animation: frames, and both sides of every event."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from runtime.results.motion_at_instants import Sampling, resampled
+
+if TYPE_CHECKING:
+    from runtime.results.result import Result
+
+RATE = 60  # layout: frames a second of the run's own time
+_SAMPLING = Sampling(
+    a_step=2,  # layout: instants in a step of the run
+    least=600,  # layout: instants of a short run
+    most=6000,  # layout: instants of a long one, so that a page stays below some MB
+    events=1000,  # layout: events of which both sides are shown
+    patience=10.0,  # measured: s of integration that an animation takes once more
+)
+
+
+def animated(result: "Result") -> "Result":
+    """The result at the instants of its frames; of a run that took long, its own samples."""
+    span = float(np.ptp(result.t)) if len(result.t) else 0.0
+    return resampled(result, _SAMPLING._replace(least=int(min(max(600, RATE * span), 6000))))

@@ -1,0 +1,127 @@
+// Zoom and pan: from metres to px. All runs share one camera.
+
+/** A camera on a box [x least, y least, x largest, y largest], m, and on a larger one with all. */
+export class Camera {
+  constructor(box, whole) {
+    this.boxes = [box, whole];
+    this.box = box;
+    this.width = 1;
+    this.height = 1;
+    this.listeners = [];
+    this.fit();
+  }
+
+  onChange(listener) {
+    this.listeners.push(listener);
+  }
+
+  changed() {
+    for (const listener of this.listeners) listener();
+  }
+
+  /** The size of the picture, px; keeps what is at its centre. */
+  resize(width, height) {
+    if (width === this.width && height === this.height) return;
+    const [ratio, zoomed] = [this.scale / this.fitting(), this.moved];
+    const center = this.toWorld({ x: this.width / 2, y: this.height / 2 });
+    [this.width, this.height] = [width, height];
+    if (zoomed) {
+      this.scale = ratio * this.fitting();
+      this.centerOn(center);
+    } else this.fit();
+  }
+
+  fitting() {
+    const [left, bottom, right, top] = this.box;
+    const margin = 26;
+    const [w, h] = [Math.max(this.width - 2 * margin, 40), Math.max(this.height - 2 * margin, 40)];
+    return Math.min(w / Math.max(right - left, 1e-12), h / Math.max(top - bottom, 1e-12));
+  }
+
+  /** Shows the machine; once more, also what flies away from it. */
+  toggleFit() {
+    if (!this.moved) this.box = this.boxes[this.box === this.boxes[0] ? 1 : 0];
+    this.fit();
+  }
+
+  fit() {
+    const [left, bottom, right, top] = this.box;
+    this.scale = this.fitting();
+    this.moved = false;
+    this.centerOn({ x: (left + right) / 2, y: (bottom + top) / 2 });
+  }
+
+  centerOn({ x, y }) {
+    this.x = this.width / 2 - this.scale * x;
+    this.y = this.height / 2 + this.scale * y;
+    this.changed();
+  }
+
+  pan(dx, dy) {
+    this.x += dx;
+    this.y += dy;
+    this.moved = true;
+    this.changed();
+  }
+
+  /** Zooms by a factor about a point of the picture, px; its centre unless given. */
+  zoom(factor, about = { x: this.width / 2, y: this.height / 2 }) {
+    const limited = Math.min(Math.max(factor, (0.1 * this.fitting()) / this.scale), (500 * this.fitting()) / this.scale);
+    this.x = about.x + limited * (this.x - about.x);
+    this.y = about.y + limited * (this.y - about.y);
+    this.scale *= limited;
+    this.moved = true;
+    this.changed();
+  }
+
+  toScreen({ x, y }) {
+    return { x: this.x + this.scale * x, y: this.y - this.scale * y };
+  }
+
+  toWorld({ x, y }) {
+    return { x: (x - this.x) / this.scale, y: (this.y - y) / this.scale };
+  }
+
+  get matrix() {
+    return `matrix(${this.scale} 0 0 ${-this.scale} ${this.x} ${this.y})`;
+  }
+}
+
+/** Lets mouse, wheel and fingers move the camera over an element; a click is told apart. */
+export function steer(element, camera, onClick) {
+  const pointers = new Map();
+  let moved = 0;
+  const place = (event) => {
+    const box = element.getBoundingClientRect();
+    return { x: event.clientX - box.left, y: event.clientY - box.top };
+  };
+  element.addEventListener("pointerdown", (event) => {
+    pointers.set(event.pointerId, place(event));
+    moved = 0;
+  });
+  element.addEventListener("pointermove", (event) => {
+    const before = pointers.get(event.pointerId);
+    if (!before) return;
+    const now = place(event);
+    const others = [...pointers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
+    if (others.length === 1) {
+      const [other] = others;
+      const distance = (at) => Math.max(Math.hypot(at.x - other.x, at.y - other.y), 1);
+      camera.zoom(distance(now) / distance(before), other);
+    } else if (!others.length) camera.pan(now.x - before.x, now.y - before.y);
+    moved += Math.hypot(now.x - before.x, now.y - before.y);
+    if (moved > 4 && !element.hasPointerCapture(event.pointerId)) element.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, now);
+  });
+  for (const kind of ["pointerup", "pointercancel"]) {
+    element.addEventListener(kind, (event) => {
+      if (kind === "pointerup" && pointers.has(event.pointerId) && moved <= 4) onClick(event);
+      pointers.delete(event.pointerId);
+    });
+  }
+  element.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    camera.zoom(Math.exp(-0.0015 * event.deltaY), place(event));
+  }, { passive: false });
+  element.addEventListener("dblclick", () => camera.toggleFit());
+}

@@ -1,0 +1,196 @@
+// Curves over time, drawn by Bokeh in panels; the player fills them and moves their time cursor.
+
+import { inflated } from "./data.js";
+import { mixed } from "./poses.js";
+import { short } from "./signs.js";
+
+const TEXTS = 120; // ms between changes of the numbers in legends
+const WISHES = [
+  ["All bodies", /^angle/], ["All bodies", /^angular velocity/], ["Joints", /, N$/], ["Energy", /^energy/],
+  ["All bodies", /^position/], ["All bodies", /^velocity/], ["Effects", /./], ["Drivers", /./], ["", /./],
+];
+const DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3]];
+
+/** The colour of a name in the style sheet. */
+export function color(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+}
+
+/** Runs the script of Bokeh that the page carries, and draws the empty panels. */
+export async function loadPanels(library, panels) {
+  const script = document.createElement("script");
+  script.textContent = new TextDecoder().decode(await inflated(library));
+  document.head.append(script);
+  const { documents, item } = JSON.parse(panels);
+  const [views] = await globalThis.Bokeh.embed.embed_items(documents, [item]);
+  return views.roots.toSorted((a, b) => (a.model.name < b.model.name ? -1 : 1));
+}
+
+/** All panels of a page. */
+export class Curves {
+  constructor(sections, views, scenes, clock) {
+    Object.assign(this, { scenes, clock });
+    this.groups = scenes[0].run.groups;
+    this.panels = sections.map((section, k) => new Panel(section, views[k], this));
+    const chosen = this.wished();
+    this.panels.forEach((panel, k) => panel.show(chosen[k] ?? null));
+    const range = views[0].model.x_range;
+    range.start = clock.start;
+    range.end = clock.end;
+    range.reset_start = clock.start;
+    range.reset_end = clock.end;
+    this.paint();
+    clock.onTick(() => this.move());
+    for (const name of ["start", "end"]) range.properties[name].change.connect(() => this.move());
+    new ResizeObserver(() => requestAnimationFrame(() => this.move())).observe(sections[0].parentElement);
+    this.move();
+  }
+
+  /** The groups that are shown at first. */
+  wished() {
+    const chosen = [];
+    for (const [section, title] of WISHES) {
+      const fits = (group) => (!section || group.section === section) && title.test(group.title);
+      const found = this.groups.find((group) => fits(group) && !group.constant && !chosen.includes(group));
+      if (found) chosen.push(found);
+    }
+    return chosen;
+  }
+
+  /** Shows what belongs to a joint, an effect or a body. */
+  showElement(element) {
+    const own = this.groups.filter(({ owner, section }) => owner === element && section !== "All bodies");
+    own.sort((a, b) => a.constant - b.constant);
+    const free = [2, 3];
+    own.slice(0, free.length).forEach((group, k) => this.panels[free[k]].show(group));
+    return own.length;
+  }
+
+  paint() {
+    for (const panel of this.panels) panel.paint();
+  }
+
+  move() {
+    const now = performance.now();
+    const withText = !this.clock.playing || now - (this.written ?? 0) > TEXTS;
+    if (withText) this.written = now;
+    for (const panel of this.panels) panel.move(this.clock.t, withText);
+  }
+}
+
+class Panel {
+  constructor(section, view, curves) {
+    Object.assign(this, { section, view, curves, plot: view.model, lines: [] });
+    this.select = section.querySelector("select");
+    this.legend = section.querySelector(".legend");
+    this.cursor = section.querySelector(".cursor");
+    this.frame = section.querySelector(".plot");
+    this.offer();
+    this.select.addEventListener("change", () => this.show(curves.groups[Number(this.select.value)] ?? null));
+    this.listen();
+  }
+
+  offer() {
+    this.select.append(new Option("nothing", ""));
+    const sections = new Map();
+    this.curves.groups.forEach(({ section, title }, k) => {
+      if (!sections.has(section)) {
+        const part = document.createElement("optgroup");
+        part.label = section;
+        sections.set(section, part);
+        this.select.append(part);
+      }
+      sections.get(section).append(new Option(title, k));
+    });
+  }
+
+  /** Clicks and hovering move the machine; dragging does too, where no tool of Bokeh is chosen. */
+  listen() {
+    const { clock } = this.curves;
+    const at = (event) => {
+      const { left, width } = this.view.frame.bbox;
+      const share = (event.clientX - this.frame.getBoundingClientRect().left - left) / width;
+      const { start, end } = this.plot.x_range;
+      return share < 0 || share > 1 ? null : start + share * (end - start);
+    };
+    const go = (event) => {
+      const t = at(event);
+      if (t !== null) clock.seek(t);
+    };
+    const usesTool = () => this.plot.toolbar.gestures.pan.active !== null;
+    this.frame.addEventListener("click", (event) => !usesTool() && go(event));
+    this.frame.addEventListener("pointermove", (event) => {
+      const dragged = event.buttons > 0;
+      if (dragged ? !usesTool() : !clock.playing && event.pointerType === "mouse") go(event);
+    });
+  }
+
+  show(group) {
+    const { scenes, groups } = this.curves;
+    this.select.value = group ? groups.indexOf(group) : "";
+    this.frame.hidden = !group;
+    const several = scenes.length > 1;
+    const names = group ? group.series.map((k) => scenes[0].series[k].name) : [];
+    this.lines = names
+      .flatMap((name, k) => scenes.map((scene, run) => ({ name, scene, run, k, series: scene.byName.get(name) })))
+      .filter(({ series }) => series)
+      .slice(0, this.plot.renderers.length);
+    this.legend.replaceChildren();
+    this.plot.renderers.forEach((renderer, k) => {
+      const line = this.lines[k];
+      renderer.visible = Boolean(line);
+      const data = line ? { t: line.scene.times, y: Float64Array.from(line.series.values) } : { t: [], y: [] };
+      renderer.data_source.data = data;
+      if (!line) return;
+      line.renderer = renderer;
+      line.color = several ? line.run % 7 : line.k % 7;
+      renderer.glyph.line_dash = { value: DASHES[several ? line.k % DASHES.length : 0] };
+      this.legend.append(this.chip(line, several));
+    });
+    this.plot.left[0].axis_label = group?.unit || "";
+    this.section.setAttribute("aria-label", group ? `Curves of ${group.title}` : "No curves");
+    this.paint();
+    this.move(this.curves.clock.t, true);
+  }
+
+  chip(line, several) {
+    const chip = document.createElement("button");
+    chip.type = "button";
+    chip.className = `chip line-${line.color}`;
+    chip.setAttribute("aria-pressed", "true");
+    chip.title = "show or hide this curve";
+    chip.textContent = several ? `${line.name}, ${line.scene.run.label} ` : `${line.name} `;
+    line.value = document.createElement("b");
+    chip.append(line.value);
+    chip.addEventListener("click", () => {
+      line.renderer.visible = !line.renderer.visible;
+      chip.setAttribute("aria-pressed", String(line.renderer.visible));
+    });
+    return chip;
+  }
+
+  /** The colours of the page's theme. */
+  paint() {
+    const [ink, muted, grid] = ["ink", "muted", "grid"].map(color);
+    for (const axis of [...this.plot.below, ...this.plot.left]) {
+      Object.assign(axis, {
+        axis_line_color: muted, major_tick_line_color: muted, minor_tick_line_color: null,
+        major_label_text_color: ink, axis_label_text_color: ink, axis_label_text_font_style: "normal",
+      });
+    }
+    for (const part of this.plot.center) if ("grid_line_color" in part) part.grid_line_color = grid;
+    for (const line of this.lines) line.renderer.glyph.line_color = { value: color(`line-${line.color}`) };
+  }
+
+  /** Moves the time cursor, and writes the values at it. */
+  move(t, withText) {
+    const { left, width, top, height } = this.view.frame.bbox;
+    const { start, end } = this.plot.x_range;
+    const share = (t - start) / (end - start);
+    this.cursor.hidden = !(share >= 0 && share <= 1) || !(width > 0);
+    this.cursor.style.transform = `translate(${left + share * width}px, ${top}px)`;
+    this.cursor.style.height = `${height}px`;
+    if (!withText) return;
+    for (const { value, series, scene } of this.lines) value.textContent = short(mixed(series.values, scene.at));
+  }
+}

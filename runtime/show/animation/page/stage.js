@@ -1,0 +1,109 @@
+// The picture of one run: layers of SVG, brought up to an instant.
+
+import { drawArrows } from "./arrows.js";
+import { steer } from "./camera.js";
+import { drawFlashes } from "./flashes.js";
+import { drawNames } from "./names.js";
+import { acts } from "./poses.js";
+import { place, svg } from "./signs.js";
+import { drawBodies } from "./strokes.js";
+import { drawSymbol } from "./symbols.js";
+import { drawTraces } from "./traces.js";
+
+const TEXTS = 100; // ms between changes of the numbers at arrows
+
+/** A run within its figure; `choose(element)` is called for what is clicked on. */
+export class Stage {
+  constructor(figure, scene, camera, shown, choose) {
+    Object.assign(this, { scene, camera, shown, chosen: "", written: 0 });
+    this.svg = figure.querySelector("svg");
+    this.svg.setAttribute("aria-label", `Picture of ${scene.run.title}, ${scene.run.label}`);
+    const world = svg("g", { class: "world" });
+    const names = ["traces", "ground", "bodies", "between", "joints", "extras"];
+    const layers = Object.fromEntries(names.map((name) => [name, svg("g", { class: name })]));
+    world.append(...Object.values(layers));
+    this.world = world;
+    this.moving = [];
+    this.add(layers.traces, drawTraces(scene));
+    for (const part of drawBodies(scene)) this.add(layers[part.layer], [part]);
+    this.add(layers.between, scene.symbols.map((symbol) => drawSymbol(symbol, scene)).filter(Boolean));
+    this.add(layers.extras, this.frames());
+    this.passing = scene.symbols.filter((symbol) => symbol.acts).map((symbol) => ({
+      symbol,
+      nodes: [...world.querySelectorAll(`[data-element="${CSS.escape(symbol.element)}"]`)],
+    }));
+    this.flashes = drawFlashes(scene);
+    this.arrows = drawArrows(scene);
+    this.names = drawNames(scene);
+    world.append(this.flashes.node);
+    this.svg.append(world, this.names.node, this.arrows.node, ...this.gravity());
+    camera.onChange(() => this.look());
+    steer(this.svg, camera, (event) => {
+      const target = event.target.closest("[data-element], [data-body]");
+      if (target) choose(target.dataset.element ?? target.dataset.body);
+    });
+    this.look();
+  }
+
+  add(layer, parts) {
+    for (const part of parts) {
+      layer.append(part.node);
+      part.update();
+      this.moving.push(part);
+    }
+  }
+
+  /** Axes of each body, and its centre of mass, which is its origin. */
+  frames() {
+    const { u } = this.scene;
+    return this.scene.bodies.flatMap((body, number) => {
+      if (body.fixed) return [];
+      const axes = svg("path", { class: "frame", d: `M0 ${4 * u}V0H${4 * u}` });
+      const quarter = `M0 0H${u}A${u} ${u} 0 0 1 0 ${u}ZM0 0H${-u}A${u} ${u} 0 0 1 0 ${-u}Z`;
+      const mass = svg("g", { class: "mass" }, svg("circle", { r: u }), svg("path", { d: quarter }));
+      const node = svg("g", {}, axes, mass, svg("title", {}, `${body.name}: centre of mass`));
+      return [{ node, update: () => place(node, this.scene.poses[number], this.scene.poses[number].phi) }];
+    });
+  }
+
+  /** The direction of gravity, in the corner. */
+  gravity() {
+    return this.scene.symbols.filter(({ shape }) => shape.kind === "gravity").slice(0, 1).map(({ shape }) => {
+      const angle = (Math.atan2(-shape.gy, shape.gx) * 180) / Math.PI;
+      const line = svg("path", { d: "M-16 0H16M10 -4L16 0L10 4", transform: `rotate(${angle})` });
+      return svg("g", { class: "gravity", transform: "translate(26 26)" }, svg("title", {}, "gravity"), line);
+    });
+  }
+
+  look() {
+    this.world.setAttribute("transform", this.camera.matrix);
+    this.drawArrows(true);
+  }
+
+  drawArrows(withText) {
+    this.names.update(this.camera);
+    this.arrows.update(this.camera, this.shown, this.chosen, withText);
+  }
+
+  choose(element) {
+    this.chosen = element;
+    for (const node of this.svg.querySelectorAll("[data-element], [data-body]")) {
+      node.classList.toggle("chosen", element !== "" && [node.dataset.element, node.dataset.body].includes(element));
+    }
+    this.drawArrows(true);
+  }
+
+  /** Brings everything to an instant; `speed` is that of the clock. */
+  draw(t, speed) {
+    this.scene.show(Math.min(Math.max(t, this.scene.start), this.scene.end));
+    for (const { update } of this.moving) update();
+    for (const { symbol, nodes } of this.passing) {
+      for (const node of nodes) node.toggleAttribute("hidden", !acts(symbol, this.scene.t));
+    }
+    this.flashes.update(speed);
+    const now = performance.now();
+    const withText = now - this.written > TEXTS;
+    if (withText) this.written = now;
+    this.drawArrows(withText);
+  }
+}
