@@ -24,7 +24,7 @@ def run() -> Result:
 
 
 def test_a_gif_has_the_frames_and_the_time_of_the_motion(run: Result, tmp_path: Path) -> None:
-    file = save_movie(run, tmp_path / "run.gif", frames_per_second=10, width=300, speed=0.5,
+    file = run.animate(tmp_path / "run.gif", frames_per_second=10, width=300, speed=0.5,
                       span=(0.2, 0.6), progress=False)  # fmt: skip
     with Image.open(file) as image:
         assert image.n_frames == 9
@@ -92,9 +92,11 @@ def test_a_motion_that_is_very_short_or_long_is_shown_at_another_speed(
     ("file", "words", "message"),
     [
         ("a.avi", {}, "a movie ends in .mp4, .gif, .svg"),
-        ("a.gif", {"frames_per_second": 500}, "frames_per_second=500"),
-        ("a.gif", {"width": 10}, "width=10"),
-        ("a.gif", {"speed": -1.0}, "speed=-1.0"),
+        ("a.gif", {"frames_per_second": 500}, "frames_per_second is 500; it must be a whole"),
+        ("a.gif", {"width": 10}, "width is 10; it must be a whole number"),
+        ("a.gif", {"speed": -1.0}, "speed is -1.0; it must be a positive number"),
+        ("a.gif", {"span": (0.1, 0.2, 0.3)}, "span= has 3 numbers"),
+        ("a.html", {"speed": 2.0}, "are those of a movie"),
         ("a.gif", {"span": (0.5, 0.5)}, "there is no motion between 0.5 s and 0.5 s"),
         ("a.gif", {"speed": 1e-6}, "Give a higher speed="),
         ("nowhere/a.gif", {"span": (0.0, 0.1)}, "cannot write"),
@@ -104,13 +106,13 @@ def test_what_cannot_be_a_movie_is_refused(
     run: Result, tmp_path: Path, file: str, words: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(InputError, match=message):
-        save_movie(run, tmp_path / file, **words)
+        run.animate(tmp_path / file, **words)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_all_that_is_wrong_is_said_at_once(run: Result, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"(?s)ends in.*width=1.*speed=nan"):
-        save_movie(run, tmp_path / "a.mov", width=1, speed=float("nan"))
+    with pytest.raises(InputError, match=r"(?s)ends in.*no motion between 2 s and 1 s"):
+        save_movie(run, tmp_path / "a.mov", span=(2.0, 1.0))
 
 
 def test_without_ffmpeg_the_message_says_what_to_install(
