@@ -86,6 +86,9 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "matters": (
         "linkwright matters four_bar.py --scene swing --t-end 2 --quantity max:rocker.phi",
     ),
+    "sweep": (
+        "linkwright sweep four_bar.py --t-end 2 --over AB=0.06:0.1:9 --quantity C.fx --out s.zarr",
+    ),
     "report": ("linkwright report four_bar.py --t-end 5 --out run.html",),
 }
 """Command → example lines; those of "" stand below the list of all commands."""

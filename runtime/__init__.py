@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from runtime.statics.equilibrium import Equilibrium
     from runtime.studies.effect_ranking import matters
     from runtime.studies.work_precision import accuracy
+    from runtime.sweeps import Study, load_study, sweep
 
 _HOMES = {
     "Animation": "runtime.show.animation.animation",
@@ -40,16 +41,20 @@ _HOMES = {
     "Machine": "runtime.machine_facade",
     "Outcome": "runtime.core.outcomes",
     "Result": "runtime.results.result",
+    "Study": "runtime.sweeps",
     "accuracy": "runtime.studies.work_precision",
     "animate": "runtime.show.animation.animation",
     "load": "runtime.machine_loading",
     "load_case": "runtime.cases.case",
     "load_result": "runtime.result_loading",
+    "load_study": "runtime.sweeps",
     "matters": "runtime.studies.effect_ranking",
+    "sweep": "runtime.sweeps",
 }
 
 __all__ = ["Animation", "Assembly", "Case", "Equilibrium", "Event", "Machine", "Outcome", "Result"]
-__all__ += ["accuracy", "animate", "load", "load_case", "load_result", "matters"]
+__all__ += ["Study", "accuracy", "animate", "load", "load_case", "load_result", "load_study"]
+__all__ += ["matters", "sweep"]
 
 
 def __getattr__(name: str) -> object:

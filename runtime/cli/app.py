@@ -1,4 +1,4 @@
-"""The command line: `python -m runtime simulate | kinematics | … | report | matters | accuracy`.
+"""The command line: `python -m runtime simulate | kinematics | … | matters | accuracy | sweep`.
 
 Exit status: 0 done, 1 the run failed (the message says at which t, and what was saved), 2 the
 user's input is wrong, 128 + n stopped by signal n: 129 SIGHUP, 130 SIGINT, 143 SIGTERM. Messages
@@ -17,7 +17,7 @@ import typer
 from codegen.errors import InputError
 from codegen.object_display import counted, without_rounding
 from codegen.termination_signals import finish, keep_results
-from runtime.cli import common, studies
+from runtime.cli import common, studies, sweep
 from runtime.cli.case_of_command import case_in_force, load_machine
 from runtime.cli.common import (
     Generated,
@@ -41,13 +41,14 @@ if TYPE_CHECKING:
 app = typer.Typer(
     name="runtime",
     help="Analyse a mechanism: simulation, kinematics, inverse dynamics, equilibrium; reports, "
-    "effect rankings and work-precision diagrams.",
+    "effect rankings, work-precision diagrams and sweeps.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
 app.command()(studies.matters)
 app.command()(studies.accuracy)
+app.command()(sweep.sweep)
 
 Out = Annotated[
     Path | None, option("File for the result: .nc, .zarr, .csv, .parquet, .mat or .html.")

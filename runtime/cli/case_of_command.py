@@ -19,6 +19,7 @@ _ANALYSES = ("simulate", "kinematics", "inverse_dynamics", "equilibrium")
 _OTHER_MEANING = {
     "accuracy": {"method", "formulation", "rtol", "accuracy", "points"},
     "matters": {"accuracy", "quantity", "points"},
+    "sweep": {"quantity", "points"},
 }
 """Options of a study that are no word of a run, though they have its name."""
 

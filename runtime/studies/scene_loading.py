@@ -100,3 +100,13 @@ def require_time_span(machine: "Machine", t_start: float, t_end: float | None) -
             f"{title}: the time span from {t_start:g} to {t_end:g} s must be finite and positive."
         )
     return float(t_end)
+
+
+def analysis_of(machine: "Machine") -> str:
+    """The analysis that a scene is meant for."""
+    description = machine.description
+    if description.analysis == "equilibrium":
+        return "equilibrium"
+    if description.drivers and machine.is_determined:
+        return "inverse" if description.has_masses else "kinematics"
+    return "simulate"

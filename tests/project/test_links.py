@@ -22,6 +22,13 @@ def test_links_lead_somewhere(page: Path) -> None:
     assert not broken
 
 
+@pytest.mark.parametrize("notebook", sorted(ROOT.glob("notebooks/*.ipynb")), ids=lambda n: n.name)
+def test_links_of_notebooks_lead_somewhere(notebook: Path) -> None:
+    text = notebook.read_text(encoding="utf-8")
+    broken = [m[1] for m in LINK.finditer(text) if not (notebook.parent / m[1]).exists()]
+    assert not broken
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_files_that_are_named_exist(page: Path) -> None:
     text = page.read_text(encoding="utf-8")

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from codegen.errors import InputError
+from codegen.errors import InputError, UnknownNameError
 from codegen.object_display import counted
 from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
@@ -181,7 +181,7 @@ def _reduce(text: str, reduction: Reduction, name: str, result: Result) -> Quant
         known = series_names(result.description)
         if name in {*ENERGIES, *(one for listed in known.values() for one in listed)}:
             raise  # the scene has it, compiled without its output
-        raise InputError(f"{where} {unknown_series(name, known)}") from error
+        raise UnknownNameError(f"{where} {unknown_series(name, known)}") from error
     if len(x) < 2 and reduction.needs_span:
         raise InputError(f"{where} one instant has no {reduction.meaning}; ask for {name}.")
     if not np.isfinite(x).all():
@@ -206,7 +206,8 @@ def _event(word: str, effect: str, number: int, result: Result) -> QuantityValue
     own = [row.target if row.reconnects else row.name for row in rows]
     effects = list(dict.fromkeys([*(row.name for row in description.switches), *own]))
     if effect not in effects:
-        raise InputError(f"{description.title}: {unknown('effect with events', effect, effects)}")
+        where = f"{description.title}: "
+        raise UnknownNameError(where + unknown("effect with events", effect, effects))
     times = [event.time for event in result.events if event.name.partition(":")[0] == effect]
     if effect in own:  # beside events of the parts of its condition
         times = [change.time for change in result.reconnections if change.joint == effect]

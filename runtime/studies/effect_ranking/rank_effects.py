@@ -22,7 +22,7 @@ from runtime.studies.effect_ranking.quantity import Function, parse_quantity
 from runtime.studies.effect_ranking.ranking import Matters, Proposal, Row, Verdict
 from runtime.studies.effect_ranking.trial_and_comparison import Comparison, Plan, Trial
 from runtime.studies.run_words import read_words, refuse_run_words, takes_run_words
-from runtime.studies.scene_loading import LEFT_OUT
+from runtime.studies.scene_loading import LEFT_OUT, analysis_of
 from runtime.studies.timing import Stopwatch, take_turns
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def matters(
     progress(f"{title}: the full scene")
     machine = source.machine()
     machine.parameter_values(parameters)  # a name that the full scene does not know is a mistake
-    kind, end = analysis or _analysis_of(machine), t_start
+    kind, end = analysis or analysis_of(machine), t_start
     if kind != "equilibrium":
         end = scene_loading.require_time_span(machine, t_start, t_end)
     _require_start(machine, kind, guess, start, parameters, t_start)
@@ -259,16 +259,6 @@ def _named(analysis: str | None) -> str | None:
     if analysis in {"inverse_dynamics", "inverse-dynamics", "inverse dynamics"}:
         return "inverse"
     return analysis
-
-
-def _analysis_of(machine: Machine) -> str:
-    """The analysis that a scene is meant for."""
-    description = machine.description
-    if description.analysis == "equilibrium":
-        return "equilibrium"
-    if description.drivers and machine.is_determined:
-        return "inverse" if description.has_masses else "kinematics"
-    return "simulate"
 
 
 def _check(

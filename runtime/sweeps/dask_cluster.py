@@ -1,0 +1,106 @@
+"""Blocks made by a Dask cluster that runs already.
+
+The workers of the cluster need Linkwright in their environment, and see the folders of the store
+and of the generated modules by the same paths.
+"""
+
+import queue
+from typing import Any
+
+from codegen.errors import InputError, LinkwrightError
+from runtime.sweeps.block import BlockReport, Job, run_block
+from runtime.sweeps.local_workers import pickled
+
+_PATIENCE = 10.0  # safety: s in which a scheduler must answer
+_AGAIN = 100  # safety: times that a block is given to the cluster anew, after lost workers
+
+
+def run_pickled(job: bytes, block: int) -> BlockReport:
+    """A block of a job that travels as it does to local processes."""
+    import pickle
+
+    return run_block(pickle.loads(job), block)
+
+
+class ClusterWorkers:
+    """The workers of a scheduler at an address."""
+
+    replaced = 0
+
+    def __init__(self, job: Job, address: str) -> None:
+        try:
+            import distributed
+        except ImportError as error:
+            raise InputError(
+                "A cluster needs Dask, which is not installed. Run pip install "
+                "'linkwright[sweep]', in the checkout pip install '.[sweep]'."
+            ) from error
+        client: Any = distributed.Client  # which has no types
+        self.address, self.job, self.digest = address, pickled(job), job.digest[:12]
+        try:
+            self.client: Any = client(address, timeout=_PATIENCE, set_as_default=False)
+        except (OSError, ValueError, TypeError) as error:
+            raise InputError(
+                f"No Dask scheduler answers at {address} ({error}). Start one, dask scheduler, and "
+                "give the address that it prints (--scheduler tcp://HOST:8786)."
+            ) from error
+        self.answers: queue.SimpleQueue[tuple[int, Any]] = queue.SimpleQueue()
+        self.times: dict[int, int] = {}
+        self.futures: dict[int, Any] = {}
+
+    def submit(self, block: int) -> None:
+        """Have a block made by a worker of the cluster."""
+        time = self.times[block] = self.times.get(block, 0) + 1
+        future: Any = self.client.submit(
+            run_pickled, self.job, block, pure=False, retries=0,
+            key=f"linkwright-{self.digest}-{block}-{time}-{id(self):x}",
+        )  # fmt: skip
+        self.futures[block] = future
+        future.add_done_callback(lambda future: self.answers.put((block, future)))
+
+    def next(self, timeout: float) -> BlockReport | None:
+        """The next report; None where there is none within so many seconds.
+
+        Raises
+        ------
+        LinkwrightError
+            If a block cannot be made at all, or the scheduler is lost.
+        """
+        try:
+            block, future = self.answers.get(timeout=timeout)
+        except queue.Empty:
+            self._require_scheduler()
+            return None
+        if future.status == "finished":
+            report = future.result()
+            del self.futures[block]
+            assert isinstance(report, BlockReport)
+            return report
+        if future.status == "error":
+            self._failed(block, future.exception())
+            return None
+        self._require_scheduler(lost=True)
+        return None
+
+    def _failed(self, block: int, error: BaseException) -> None:
+        """Give a block whose workers were lost to others; the journal finds the run that did it."""
+        from distributed import KilledWorker
+
+        if isinstance(error, KilledWorker) and self.times[block] < _AGAIN:
+            self.replaced += 1
+            self.submit(block)
+            return
+        text = (
+            str(error) if isinstance(error, LinkwrightError) else f"{type(error).__name__}: {error}"
+        )
+        raise LinkwrightError(f"The cluster cannot make block {block}: {text}")
+
+    def _require_scheduler(self, *, lost: bool = False) -> None:
+        if lost or self.client.status not in {"running", "connecting"}:
+            raise LinkwrightError(f"The Dask scheduler at {self.address} does not answer any more.")
+
+    def close(self) -> None:
+        """Cancel what is not done, and leave the cluster as it is."""
+        if self.client.status == "running" and self.futures:
+            self.client.cancel(list(self.futures.values()))
+        self.client.close(timeout=_PATIENCE)

@@ -1,0 +1,186 @@
+"""Designs: the points of a sweep, from factors by a grid or a sample, or from a given dataset."""
+
+import hashlib
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from codegen.errors import InputError
+from runtime.sweeps.factors import Factor, FloatArray
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+GRID, GIVEN = "grid", "given"
+SAMPLES = ("lhs", "sobol", "halton", "random", "saltelli")
+MOST_RUNS = 50_000_000  # safety: runs of a sweep
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """The points of a sweep, one row a run."""
+
+    kind: str  # GRID, GIVEN or one of SAMPLES
+    names: tuple[str, ...]
+    points: FloatArray  # (runs, factors), in the declared units
+    factors: tuple[Factor, ...] = ()  # none of points that were given
+    axes: tuple[tuple[str, tuple[float, ...]], ...] = ()  # of a grid: its values by name
+    seed: int | None = None  # of a sample
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of names and points."""
+        content = repr(self.names).encode() + np.ascontiguousarray(self.points).tobytes()
+        return hashlib.sha256(content).hexdigest()
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """The design as JSON, without its points."""
+        return {
+            "kind": self.kind,
+            "names": [*self.names],
+            "factors": {factor.name: factor.text for factor in self.factors},
+            "axes": {name: [*values] for name, values in self.axes},
+            "seed": self.seed,
+        }
+
+
+def design_of(
+    factors: Sequence[Factor], sample: str | None, count: int | None, seed: int
+) -> Design:
+    """The grid of all combinations, or a sample of so many points.
+
+    Raises
+    ------
+    InputError
+        If factors and sample do not fit, all misfits at once.
+    """
+    drawn = [factor for factor in factors if factor.distribution]
+    kind = sample or (GRID if not drawn else "")
+    problems = _misfits(factors, drawn, kind, count)
+    if problems:
+        raise InputError(problems)
+    names = tuple(factor.name for factor in factors)
+    if kind == GRID:
+        values = [np.array(factor.values) for factor in factors]
+        mesh = np.meshgrid(*values, indexing="ij")
+        points = np.stack([axis.ravel() for axis in mesh], axis=1)
+        axes = tuple((factor.name, factor.values) for factor in factors)
+        return Design(kind, names, points, tuple(factors), axes)
+    assert count is not None
+    shares = unit_sample(kind, len(factors), count, seed)
+    points = np.stack([f.quantile(shares[:, k]) for k, f in enumerate(factors)], axis=1)
+    return Design(kind, names, points, tuple(factors), seed=seed)
+
+
+def _misfits(
+    factors: Sequence[Factor], drawn: Sequence[Factor], kind: str, count: int | None
+) -> list[str]:
+    """Sentences about factors, sample and count that do not fit together."""
+    if kind not in {"", GRID, *SAMPLES}:
+        return [f"There is no sample {kind!r}; there are {GRID}, {', '.join(SAMPLES)}."]
+    if not kind:
+        names = ", ".join(factor.name for factor in drawn)
+        text = (
+            f"{names}: an interval or a distribution is sampled. Say how (--sample lhs --count "
+            "1000), or give values, NAME=FIRST:LAST:COUNT."
+        )
+        return [text]
+    if kind == GRID:
+        problems = [
+            f"{factor.name} is {factor.text}, which a grid cannot take; give values, "
+            "NAME=FIRST:LAST:COUNT, or --sample lhs."
+            for factor in drawn
+        ]
+        if count is not None:
+            problems.append(f"count is {count}, but a grid has all combinations of its values.")
+        total = math.prod(max(len(factor.values), 1) for factor in factors)
+        if total > MOST_RUNS:
+            problems.append(f"The grid has {total:g} runs; {MOST_RUNS:g} are permitted.")
+        return problems
+    problems = [
+        f"{factor.name} has {factor.text}, but {kind} draws from intervals; give NAME=LOW:HIGH, "
+        "NAME=normal:MEAN:SD, or leave out --sample."
+        for factor in factors
+        if not factor.distribution
+    ]
+    if count is None:
+        problems.append(f"--sample {kind} needs the number of its points (--count).")
+    elif not 1 <= count <= MOST_RUNS:
+        problems.append(f"count is {count}; it must lie from 1 to {MOST_RUNS:g}.")
+    return problems
+
+
+def unit_sample(kind: str, dimensions: int, count: int, seed: int) -> FloatArray:
+    """Points in the unit cube, (count, dimensions); of "saltelli" (count (dimensions + 2), …)."""
+    if kind == "saltelli":
+        from runtime.sweeps.sensitivity import saltelli_points
+
+        return saltelli_points(dimensions, count, seed)
+    draw = np.random.default_rng(seed)
+    if kind == "random":
+        return draw.random((count, dimensions))
+    from inspect import signature
+
+    from scipy.stats import qmc
+
+    engine = {"lhs": qmc.LatinHypercube, "sobol": qmc.Sobol, "halton": qmc.Halton}[kind]
+    word = "rng" if "rng" in signature(engine).parameters else "seed"  # of SciPy before 1.15
+    with warnings.catch_warnings():
+        # SciPy warns where Sobol's points are not a power of two: any number is a sample.
+        warnings.filterwarnings("ignore", message="The balance properties", category=UserWarning)
+        return np.asarray(engine(dimensions, **{word: draw}).random(count))
+
+
+def given_design(points: "xr.Dataset") -> Design:
+    """The points of a dataset: a variable or coordinate a factor.
+
+    Variables along one dimension are a list of points. A dataset without data variables, of
+    coordinates along their own dimensions, is the grid of them.
+
+    Raises
+    ------
+    InputError
+        If there are no numbers, or variables do not share their dimensions.
+    """
+    if not points.data_vars:
+        factors = [
+            Factor(str(name), values=tuple(np.asarray(points[name], dtype=float).tolist()))
+            for name in points.dims
+            if name in points.coords
+        ]
+        if not factors or not all(factor.values for factor in factors):
+            raise InputError("The dataset of points has no variables and no coordinates.")
+        _require_finite({factor.name: np.array(factor.values) for factor in factors})
+        return design_of(factors, GRID, None, 0)
+    names = [str(name) for name in points.data_vars]
+    kinds = {
+        name: points[name].dtype.kind for name in names if points[name].dtype.kind not in "iuf"
+    }
+    if kinds:
+        raise InputError(f"The points of {name} are no numbers." for name in kinds)
+    import xarray as xr
+
+    arrays = xr.broadcast(*(points[name] for name in names))
+    columns = {
+        name: np.asarray(a, dtype=float).ravel() for name, a in zip(names, arrays, strict=True)
+    }
+    _require_finite(columns)
+    table = np.stack([*columns.values()], axis=1)
+    if not len(table):
+        raise InputError("The dataset of points is empty.")
+    return Design(GIVEN, tuple(names), table)
+
+
+def _require_finite(columns: dict[str, FloatArray]) -> None:
+    problems = [
+        f"{name}: point {int(np.flatnonzero(~np.isfinite(column))[0])} is not a finite number."
+        for name, column in columns.items()
+        if not np.isfinite(column).all()
+    ]
+    if problems:
+        raise InputError(problems)

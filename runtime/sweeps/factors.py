@@ -1,0 +1,163 @@
+"""Factors of a design: a name with values, an interval or a distribution; read from text as well.
+
+J1=200:1000:81            81 values at equal distances, ends included
+J1=225,450,900            these values
+J1=200:1000               an interval, from which a sample draws uniformly
+J1=uniform:200:1000       the same
+J1=normal:450:20          mean and standard deviation
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.errors import InputError
+from codegen.plain_values import finite_float, one_line, shown
+
+FloatArray = npt.NDArray[np.float64]
+DISTRIBUTIONS = ("uniform", "normal")
+MOST_VALUES = 10_000_000  # safety: values of one factor
+_FORM = "write NAME=FIRST:LAST:COUNT, NAME=A,B,C, NAME=uniform:LOW:HIGH or NAME=normal:MEAN:SD"
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A quantity that varies over a sweep: a parameter or a start value."""
+
+    name: str
+    values: tuple[float, ...] = ()  # of a grid
+    distribution: str = ""  # of a sample: one of DISTRIBUTIONS
+    bounds: tuple[float, float] = (math.nan, math.nan)  # low and high, or mean and deviation
+
+    @property
+    def text(self) -> str:
+        """The factor in words, as files and messages have it."""
+        if self.distribution:
+            return f"{self.distribution} {self.bounds[0]:g} {self.bounds[1]:g}"
+        first, last = self.values[0], self.values[-1]
+        return f"{len(self.values)} values from {first:g} to {last:g}"
+
+    def quantile(self, share: FloatArray) -> FloatArray:
+        """Values below which a share, (k,) from 0 to 1, of the distribution lies."""
+        first, second = self.bounds
+        if self.distribution == "uniform":
+            return first + share * (second - first)
+        from scipy.special import ndtri
+
+        within = np.clip(share, np.finfo(float).tiny, 1.0 - 2.0**-53)  # 0 and 1 lie at infinity
+        return np.asarray(first + second * ndtri(within))
+
+
+def read_factors(over: Mapping[str, Any] | Sequence[str]) -> tuple[Factor, ...]:
+    """The factors of a mapping from names, or of texts ``NAME=...``.
+
+    Raises
+    ------
+    InputError
+        One sentence for each factor that cannot be read.
+    """
+    found, problems = dict[str, Factor](), list[str]()
+    for name, given in _pairs(over, problems):
+        try:
+            factor = read_factor(name, given)
+        except InputError as error:
+            problems += error.problems
+            continue
+        if name in found:
+            problems.append(f"{name} is varied twice; give it once.")
+        found[name] = factor
+    if not found and not problems:
+        problems.append(f"Nothing varies; {_FORM}.")
+    if problems:
+        raise InputError(problems)
+    return tuple(found.values())
+
+
+def _pairs(over: Mapping[str, Any] | Sequence[str], problems: list[str]) -> list[tuple[str, Any]]:
+    if isinstance(over, Mapping):
+        return list(over.items())
+    pairs = []
+    for text in over:
+        name, sign, given = text.partition("=")
+        if not (sign and name.strip()):
+            problems.append(f"--over {one_line(text)}: {_FORM}.")
+            continue
+        pairs.append((name.strip(), given.strip()))
+    return pairs
+
+
+def read_factor(name: str, given: Any) -> Factor:
+    """One factor: a text, numbers, or a distribution such as ("normal", 1.0, 0.01)."""
+    where = f"{one_line(name)}={given}" if isinstance(given, str) else f"{one_line(name)}"
+    if isinstance(given, str):
+        return _read_text(name, given, where)
+    if isinstance(given, tuple | list) and given and isinstance(given[0], str):
+        return _distribution(name, given[0], [finite_float(x) for x in given[1:]], where)
+    try:
+        array = np.atleast_1d(np.asarray(given))
+    except (TypeError, ValueError):
+        array = np.zeros(0, dtype=object)
+    if array.ndim != 1 or array.dtype.kind not in "iuf" or not len(array):
+        raise InputError(
+            f"{where} is {shown(given)}; it must be numbers, a text such as '200:1000:81', or a "
+            'distribution such as ("normal", 1.0, 0.01).'
+        )
+    return _grid(name, array.astype(np.float64), where)
+
+
+def _read_text(name: str, text: str, where: str) -> Factor:
+    word, *rest = (part.strip() for part in text.split(":"))
+    if word in DISTRIBUTIONS or (rest and word[:1].isalpha() and not _number(word)):
+        return _distribution(name, word, [_number(part) for part in rest], where)
+    if not rest:
+        numbers = [_number(part) for part in text.split(",")]
+        if any(number is None for number in numbers):
+            raise InputError(f"{where}: {_FORM}.")
+        return _grid(name, np.array(numbers, dtype=np.float64), where)
+    ends = [_number(part) for part in (word, *rest)]
+    if any(end is None for end in ends) or len(ends) not in {2, 3}:
+        raise InputError(f"{where}: {_FORM}.")
+    if len(ends) == 2:
+        return _distribution(name, "uniform", ends, where)
+    first, last, count = (float(end) for end in ends if end is not None)
+    if not (count.is_integer() and 1 <= count <= MOST_VALUES):
+        raise InputError(
+            f"{where}: the count is {count:g}; it must be a whole number from 1 to {MOST_VALUES:g}."
+        )
+    return _grid(name, np.linspace(first, last, int(count)), where)
+
+
+def _number(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def _grid(name: str, values: FloatArray, where: str) -> Factor:
+    if not np.isfinite(values).all():
+        raise InputError(f"{where}: all values must be finite numbers.")
+    if len(np.unique(values)) < len(values):
+        raise InputError(f"{where}: a value is repeated; the same run would be made twice.")
+    return Factor(name, values=tuple(values.tolist()))
+
+
+def _distribution(name: str, word: str, numbers: list[float | None], where: str) -> Factor:
+    if word not in DISTRIBUTIONS:
+        raise InputError(
+            f"{where}: there is no distribution {word!r}; there are {' and '.join(DISTRIBUTIONS)}."
+        )
+    needs = "LOW and HIGH" if word == "uniform" else "a MEAN and a standard deviation SD"
+    if len(numbers) != 2 or None in numbers:
+        raise InputError(f"{where}: {word} needs {needs}, two finite numbers.")
+    first, second = (float(number) for number in numbers if number is not None)
+    if word == "uniform" and not first < second:
+        raise InputError(f"{where}: LOW {first:g} must be less than HIGH {second:g}.")
+    if word == "normal" and not second > 0.0:
+        raise InputError(f"{where}: the standard deviation {second:g} must be greater than zero.")
+    return Factor(name, distribution=word, bounds=(first, second))

@@ -1,0 +1,115 @@
+"""One member of a sweep: its run, and the row that is kept of it."""
+
+from contextlib import suppress
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.errors import FAILURES, InputError, LinkwrightError
+from codegen.plain_values import one_line
+from runtime.core.outcomes import Outcome
+from runtime.machine_facade import Machine
+from runtime.results.result import Result
+from runtime.sweeps.request import Request
+
+FloatArray = npt.NDArray[np.float64]
+OK = "OK"  # outcome of a run to its end; other runs have the name of an `Outcome`, or one of these
+REFUSED = "REFUSED"  # the values make no machine: it does not assemble, a length is negative, …
+ERROR = "ERROR"  # a function of the user's own raised an exception
+KILLED = "KILLED"  # the run ended its process again and again
+FAILED_TO_RUN = {
+    REFUSED: "the run was refused: its values make no machine, or no start",
+    ERROR: "an exception ended the run",
+    KILLED: "the run ended its process, several times",
+}
+"""Outcome → its meaning; all others are those of `runtime.core.outcomes.Outcome`."""
+_LONGEST = 2000  # layout: characters of a message that are kept
+_SAME = 1e-9  # accuracy: share of the run within which an instant is the one that was asked for
+
+
+class Row(NamedTuple):
+    """All that is kept of one run."""
+
+    quantities: FloatArray  # (quantities,), not a number where there is none
+    outcome: str
+    message: str
+    t_last: float  # s; the instant that the run reached
+    series: FloatArray  # (series, instants), not a number behind the end
+
+
+def run_member(machine: Machine, request: Request, point: FloatArray) -> Result:
+    """The run of a member, by the same words in every process.
+
+    Raises
+    ------
+    LinkwrightError
+        If its values make no machine.
+    """
+    values: dict[str, Any] = {**request.values(point), "progress": False}
+    first, last, count = request.t_start, request.t_end, request.points
+    if request.analysis == "simulate":
+        options = dict(request.options)
+        return machine.simulate(last, count, t_start=first, **values, **options)
+    if request.analysis == "equilibrium":
+        return machine.equilibrium(**values, t=first)
+    driven = machine.kinematics if request.analysis == "kinematics" else machine.inverse_dynamics
+    return driven(np.linspace(first, last, count), **values)
+
+
+def evaluate_member(machine: Machine, request: Request, point: FloatArray) -> Row:
+    """Run a member and read its quantities; every failure is a row."""
+    nothing = without_run(request, REFUSED, "")
+    try:
+        result = run_member(machine, request, point)
+    except LinkwrightError as error:
+        return nothing._replace(message=shortened(str(error)))
+    except KeyboardInterrupt:
+        raise
+    except FAILURES as error:
+        text = f"{type(error).__name__}: {error}"
+        return nothing._replace(outcome=ERROR, message=shortened(text))
+    quantities, notes = nothing.quantities.copy(), [result.message]
+    if not result.failed:
+        for k, quantity in enumerate(request.readers):
+            try:
+                quantities[k] = quantity.read(result).value
+            except KeyboardInterrupt:
+                raise
+            except InputError as error:
+                notes.append(str(error))
+            except FAILURES as error:
+                notes.append(f"{quantity.text}: {type(error).__name__}: {error}")
+    if result.outcome is Outcome.INTERRUPTED:
+        raise KeyboardInterrupt  # the wish to stop is no outcome of a member
+    t_last = float(result.t[-1]) if len(result.t) else np.nan
+    series = _series(result, request)
+    return Row(quantities, result.outcome.name, shortened("\n".join(notes)), t_last, series)
+
+
+def without_run(request: Request, outcome: str, message: str) -> Row:
+    """The row of a member that has no result."""
+    series = np.full((len(request.keep), request.points), np.nan)
+    return Row(np.full(len(request.quantities), np.nan), outcome, message, np.nan, series)
+
+
+def _series(result: Result, request: Request) -> FloatArray:
+    """The series that are kept, at the instants of the sweep."""
+    values = np.full((len(request.keep), request.points), np.nan)
+    if not (request.keep and len(result.t)):
+        return values
+    instants = np.linspace(request.t_start, request.t_end, request.points)
+    span = max(request.t_end - request.t_start, 1e-300)
+    nearest = np.rint((result.t - request.t_start) / span * (request.points - 1)).astype(int)
+    inside = (nearest >= 0) & (nearest < request.points)
+    near = np.where(inside, nearest, 0)
+    there = inside & (np.abs(instants[near] - result.t) <= _SAME * span)
+    for k, name in enumerate(request.keep):
+        with suppress(InputError):  # of a scene, behind a change of joints, that has no such series
+            values[k, near[there]] = result.series(name)[0][there]
+    return values
+
+
+def shortened(text: str) -> str:
+    """A message as a file keeps it."""
+    return one_line(text, _LONGEST)

@@ -1,0 +1,220 @@
+"""The plan of a sweep: the request is checked, all problems at once, and one run is measured."""
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from codegen.errors import InputError, LinkwrightError, UnknownNameError
+from runtime.integrate.method import IMPLICIT
+from runtime.machine_facade import Machine
+from runtime.mechanism.table_rows import unknown
+from runtime.results.result import Result
+from runtime.studies.effect_ranking.quantity import Function, parse_quantity
+from runtime.studies.run_words import read_words, refuse_run_words
+from runtime.studies.scene_loading import analysis_of, require_time_span
+from runtime.studies.series_by_name import own_name, series_names, unknown_series
+from runtime.sweeps.design import Design
+from runtime.sweeps.member_run import run_member
+from runtime.sweeps.request import Request
+from runtime.sweeps.store import RESERVED, Columns
+
+Answer = TypeVar("Answer")
+ANALYSES = ("simulate", "kinematics", "inverse", "equilibrium")
+_ENOUGH = 0.5  # measured: s of the processor after which a mean time of runs is known
+_TRIED = 5  # measured: members that are run beforehand
+
+
+def plan_of(
+    machine: Machine, design: Design, *, quantities: Mapping[str, str | Function],
+    keep: tuple[str, ...], analysis: str | None, span: tuple[float, float | None], points: int,
+    values: tuple[Mapping[str, float] | None, ...], settings: Mapping[str, Any],
+) -> Request:  # fmt: skip
+    """The request of a sweep.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong with it.
+    """
+    about, mechanism = machine.description, machine.mechanism
+    kind, t_start = (analysis or "").replace("-", "_").replace(" ", "_"), span[0]
+    kind = "inverse" if kind == "inverse_dynamics" else kind or analysis_of(machine)
+    parameters, guess, start = (dict(given or {}) for given in values)
+    problems = list[str]()
+    starts = _starts(machine, design, problems)
+    problems += _twice(design, parameters, start)
+    if kind not in ANALYSES:
+        problems.append(f"There is no analysis {kind!r}; there are: {', '.join(ANALYSES)}.")
+    gather(problems, lambda: machine.parameter_values(parameters))
+    options = gather(problems, lambda: _words(machine, kind, settings)) or {}
+    t_end = t_start
+    if kind != "equilibrium":
+        t_end = gather(problems, lambda: require_time_span(machine, t_start, span[1])) or t_start
+    problems += _columns_problems(machine, design, quantities, keep)
+    if problems:
+        raise InputError(problems)
+    assert mechanism.origin is not None
+    return Request(
+        about.model, about.scene, mechanism.origin.digest, kind, design.names, starts,
+        tuple(quantities.items()), tuple(own_name(about, name) for name in keep),
+        float(t_start), float(t_end), points, parameters, guess, start, options,
+    )  # fmt: skip
+
+
+def gather(problems: list[str], read: Callable[[], Answer]) -> Answer | None:
+    """The answer of a check; None where it fails, with its problems added to the others."""
+    try:
+        return read()
+    except InputError as error:
+        problems += [text for text in error.problems if text not in problems]
+        return None
+
+
+def _words(machine: Machine, kind: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The options of a simulation that are given; refused where nothing is integrated."""
+    words = read_words(machine, settings)
+    if kind in ANALYSES and kind != "simulate":
+        names = {"inverse": "inverse dynamics"}
+        refuse_run_words(words, machine.mechanism.title, names.get(kind, kind))
+    return words
+
+
+def _starts(machine: Machine, design: Design, problems: list[str]) -> tuple[str, ...]:
+    """The factors that are start values; sentences for those that are nothing at all."""
+    parameters, title = machine.parameters.names, machine.mechanism.title
+    states = [name for row in machine.coordinates for name in (row.name, row.velocity)]
+    starts = tuple(n for n in design.names if n not in parameters and n in states)
+    for name in design.names:
+        if name in machine.description.unused:
+            problems.append(
+                f"{title}: nothing that takes part depends on parameter {name}, so that its values "
+                "would make no difference. Leave it out."
+            )
+        elif name not in parameters and name not in states:
+            known = [*parameters, *states]
+            problems.append(f"{title}: {unknown('parameter or coordinate', name, known)}")
+    return starts
+
+
+def _twice(design: Design, *given: Mapping[str, float]) -> list[str]:
+    return [
+        f"{name} varies, and has one value as well (parameters, start): leave out one of them."
+        for name in design.names
+        if any(name in values for values in given)
+    ]
+
+
+def _columns_problems(
+    machine: Machine, design: Design, quantities: Mapping[str, str | Function],
+    keep: tuple[str, ...],
+) -> list[str]:  # fmt: skip
+    """Sentences about quantities that cannot be read, series that do not exist, names twice."""
+    about, problems = machine.description, list[str]()
+    for given in quantities.values():
+        try:
+            parse_quantity(given)
+        except InputError as error:
+            problems += error.problems
+    known = series_names(about)
+    existing = {name for listed in known.values() for name in listed}
+    problems += [
+        f"{about.title}: {unknown_series(name, known)}"
+        for name in keep
+        if own_name(about, name) not in existing and not name.startswith("work(")
+    ]
+    names = [*design.names, *quantities, *(own_name(about, name) for name in keep)]
+    for name in dict.fromkeys(names):
+        if names.count(name) > 1:
+            problems.append(
+                f"{name} would name several columns of the study; rename the quantity, "
+                'quantities={"NAME": ...}, or leave one out.'
+            )
+        if name in RESERVED or "/" in name or name.startswith((".", "__")):
+            problems.append(f"{name!r} cannot name a column of the study; choose another name.")
+    return problems
+
+
+class Measured(NamedTuple):
+    """What a few members have shown before the sweep."""
+
+    seconds: float  # of the processor, a run
+    columns: Columns
+
+
+def measure(machine: Machine, request: Request, design: Design) -> Measured:
+    """Run a few members: all that is built on demand is there then, and a run's time is known.
+
+    Raises
+    ------
+    InputError
+        If a quantity asks for a series or an effect that does not exist.
+    """
+    _build_companions(machine, request)
+    members = np.unique(np.linspace(0, len(design.points) - 1, _TRIED).astype(int))
+    units, times = dict[str, str](), list[float]()
+    kept = dict[str, str]()
+    for k, member in enumerate([members[0], *members]):  # of which the first one loads and compiles
+        started = time.process_time()
+        result = _tried(machine, request, design.points[member])
+        if k:
+            times.append(time.process_time() - started)
+        if result is not None and not result.failed:
+            units |= _units(request, result)
+            kept |= {name: result.series(name)[1] for name in request.keep}
+        if sum(times) > _ENOUGH and len(units) == len(request.quantities):
+            break
+    factors = {name: _unit(machine, name) for name in design.names}
+    quantities = {name: units.get(name, "") for name, _ in request.quantities}
+    series = {name: kept.get(name, "") for name in request.keep}
+    return Measured(float(np.mean(times)), Columns(factors, quantities, series))
+
+
+def _tried(machine: Machine, request: Request, point: Any) -> Result | None:
+    try:
+        return run_member(machine, request, point)
+    except LinkwrightError:
+        return None  # a failure is a row
+
+
+def _units(request: Request, result: Result) -> dict[str, str]:
+    units, problems = dict[str, str](), list[str]()
+    for (name, _), quantity in zip(request.quantities, request.readers, strict=True):
+        try:
+            units[name] = quantity.read(result).unit
+        except UnknownNameError as error:
+            problems += error.problems
+        except Exception:  # a value that this run does not have
+            continue
+    if problems:
+        raise InputError(problems)
+    return units
+
+
+def _unit(machine: Machine, name: str) -> str:
+    if name in machine.parameters.names:
+        return machine.parameters[name].unit
+    for row in machine.coordinates:
+        if name == row.name:
+            return row.unit
+        if name == row.velocity:
+            return row.velocity_unit
+    return ""
+
+
+def _build_companions(machine: Machine, request: Request) -> None:
+    """Build what the options take, so that no worker does, and all choose alike."""
+    options, mechanism = request.options, machine.mechanism
+    if request.analysis != "simulate":
+        return
+    if options.get("formulation") == "reduced":
+        _ = mechanism.reduced
+    elif options.get("method") in {*IMPLICIT, "auto"}:
+        _ = mechanism.tangents
+    if options.get("accuracy") is not None:
+        for kind in ("reduced", "tangents"):
+            try:
+                getattr(mechanism, kind)
+            except LinkwrightError:
+                continue  # of a scene that has none

@@ -1,0 +1,26 @@
+"""A short sweep of the compressor, and what every sweep of these tests has."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from runtime import sweep
+from runtime.sweeps import Study
+
+QUANTITIES = ("max:B.fx", "crank.omega")
+
+
+@pytest.fixture(scope="session")
+def about() -> dict[str, Any]:
+    """A scene and a run of a few steps."""
+    return {"model": "slider_crank", "scene": "compressor", "t_end": 0.05, "points": 21,
+            "quantities": QUANTITIES, "progress": False}  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def study(tmp_path_factory: pytest.TempPathFactory, about: dict[str, Any]) -> Study:
+    """A grid of 12 runs, of which three are refused: a rod of -1 m is none."""
+    folder: Path = tmp_path_factory.mktemp("sweeps")
+    over = {"J1": "200:1000:3", "rod_length": [-1.0, 3.0, 3.5, 4.0]}
+    return sweep(over=over, keep=["crank.phi"], out=folder / "study.zarr", workers=0, **about)
