@@ -55,7 +55,8 @@ def test_anchors_are_headings(page: Path) -> None:
 def test_every_page_of_the_site_is_in_a_table_of_pages() -> None:
     """Sphinx says so as well; here it is said before the site is built."""
     docs = ROOT / "docs"
-    listed = {docs / "index.md"}
+    # The tables of the book stand on the pages of the machines, with numbers of the same build.
+    listed = {docs / "index.md", docs / "gallery" / "book.md"}
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
         for tree in re.findall(r"```\{toctree\}\n(.*?)```", text, re.DOTALL):
