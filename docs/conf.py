@@ -35,6 +35,7 @@ extensions = [
 root_doc = "index"
 exclude_patterns = [
     "_build",
+    "gallery/book.md",  # its numbers and figures stand on the pages of the machines
     "gallery/machines",
     *(f"gallery/pages/**.{ending}" for ending in ("ipynb", "json", "py", "zip")),
 ]
@@ -84,6 +85,9 @@ sphinx_gallery_conf = {
     "gallery_dirs": ["gallery/pages"],
     "filename_pattern": r"/plot_",
     "abort_on_example_error": False,
+    "capture_repr": ("_repr_html_",),
+    "ignore_repr_types": r"Figure|list",
+    "image_scrapers": ("gallery_parts.scrape",),
     "download_all_examples": False,
     "show_signature": False,
     "min_reported_time": 1e9,
@@ -96,10 +100,14 @@ sphinx_gallery_conf = {
 html_theme = "pydata_sphinx_theme"
 html_title = "Linkwright"
 html_static_path = ["_static"]
+html_logo = "_static/logo.svg"
+html_favicon = "_static/logo.svg"
+html_context = {"default_mode": "auto"}
 html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sourcelink = False
 html_theme_options = {
+    "logo": {"text": "Linkwright"},
     "show_toc_level": 2,
     "navigation_with_keys": False,
     "header_links_before_dropdown": 7,

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 LINK = re.compile(r"(?<!!)\[([^\]]+)\]\((?![a-z]+:|#)([^)#\s]+)(#[^)\s]*)?\)")
 FENCE = re.compile(r"(^(`{3,}|:{3,}).*?^\2`*\s*$)", re.MULTILINE | re.DOTALL)
 NOTEBOOKS = "notebooks"
+BOOK = "gallery/book.md"  # on the site, the gallery has its numbers on the pages of the machines
 
 
 def rewritten(text: str, page: Path, docs: Path, folder: Path | None = None) -> str:
@@ -28,6 +29,8 @@ def rewritten(text: str, page: Path, docs: Path, folder: Path | None = None) -> 
         label, path, anchor = match.groups()
         target = Path(os.path.normpath(page.parent / path))
         place = folder or page.parent
+        if target == docs / BOOK:
+            return f"[{label}]({os.path.relpath(target.with_name('index.md'), place)})"
         if target.is_relative_to(docs) and not target.is_dir():
             return f"[{label}]({os.path.relpath(target, place)}{anchor or ''})"
         if target.suffix == ".ipynb":

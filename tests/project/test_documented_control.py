@@ -16,7 +16,7 @@ def shown(root: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any
     names: dict[str, Any] = {"__name__": "documented_control"}
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("control"))
-        for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL):
+        for block in re.findall(r"```\{code-cell\} python\n(.*?)```", text, re.DOTALL):
             exec(block, names)
     return names
 

@@ -16,7 +16,7 @@ def documented(root: Path) -> dict[str, Any]:
     """Everything that the page's code defines."""
     text = (root / "docs" / "explanation" / "effects.md").read_text(encoding="utf-8")
     names: dict[str, Any] = {"__name__": "documented_effects"}
-    for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL):
+    for block in re.findall(r"```\{code-cell\} python\n(.*?)```", text, re.DOTALL):
         exec(block, names)
     return names
 

@@ -69,7 +69,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         patch.chdir(folder)
         exec(used, names)
         page = (ROOT / "docs" / "reference" / "kernels.md").read_text(encoding="utf-8")
-        (example,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+        (example,) = re.findall(r"```\{code-cell\} python\n(.*?)```", page, re.DOTALL)
         exec(example, names)
         names["rest"] = names["m"].equilibrium(guess={"bob.phi": -1.0})
     return names

@@ -72,7 +72,6 @@ def sent(
                 other.setattr(module, "saved_result", content)
             path = result.save(tmp_path / f"run{ending}")
         (folder / "mark").unlink(missing_ok=True)
-        (folder / "bob.py").write_text((folder / "bob.py").read_text() + "# a load executes it\n")
         return path
 
     return save
@@ -83,6 +82,9 @@ def test_the_model_of_a_file_from_elsewhere_is_not_executed(
     sent: Callable[..., Path], folder: Path, machine: Machine, result: Result, ending: str
 ) -> None:
     path = sent(ending)
+    model = folder / "bob.py"
+    text = model.read_text()
+    model.write_text(f"{text}# newer than the module, so that a load executes it\n")
     with pytest.raises(InputError, match=r"not saved by you on this machine.*machine=load"):
         load_result(path)
     assert not (folder / "mark").exists()
@@ -90,6 +92,7 @@ def test_the_model_of_a_file_from_elsewhere_is_not_executed(
     np.testing.assert_array_equal(found.q("bob.phi"), result.q("bob.phi"))
     np.testing.assert_array_equal(found.at(0.61).v("bob.omega"), result.at(0.61).v("bob.omega"))
     assert not (folder / "mark").exists()
+    model.write_text(text)
 
 
 def test_own_files_name_their_model(result: Result, tmp_path: Path, folder: Path) -> None:
@@ -242,3 +245,23 @@ def test_metadata_that_are_none(
     (path / "q" / "zarr.json").write_text(text)
     with pytest.raises(InputError, match=r"q/zarr\.json cannot be read"):
         load_result(path, machine)
+
+
+def test_texts_of_a_file_are_no_markup_on_a_page(
+    sent: Callable[..., Path], machine: Machine, tmp_path: Path
+) -> None:
+    markup = "</script><script>alert(1)</script><img src=x onerror=alert(1)>"
+
+    def poison(fields: dict[str, Any]) -> None:
+        fields["message"] = markup
+        fields["not_unique"] = [markup]
+        fields["events"]["names"] = [markup for _ in fields["events"]["names"]]
+        fields["events"]["words"] = [markup for _ in fields["events"]["words"]]
+
+    found = load_result(sent(".nc", poison), machine)
+    assert found.events
+    page = found.save(tmp_path / "page.html").read_text(encoding="utf-8")
+    moving = found.animate().html
+    for text in (page, moving, found._repr_html_()):
+        assert "<script>alert" not in text
+        assert "<img src=x" not in text

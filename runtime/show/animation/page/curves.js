@@ -129,13 +129,16 @@ class Panel {
     const { scenes, groups } = this.curves;
     this.select.value = group ? groups.indexOf(group) : "";
     this.frame.hidden = !group;
+    this.section.setAttribute("aria-label", group ? `Curves of ${group.title}` : "No curves");
+    this.legend.replaceChildren();
+    this.lines = [];
+    if (!group) return;
     const several = scenes.length > 1;
-    const names = group ? group.series.map((k) => scenes[0].series[k].name) : [];
+    const names = group.series.map((k) => scenes[0].series[k].name);
     this.lines = names
       .flatMap((name, k) => scenes.map((scene, run) => ({ name, scene, run, k, series: scene.byName.get(name) })))
       .filter(({ series }) => series)
       .slice(0, this.plot.renderers.length);
-    this.legend.replaceChildren();
     this.plot.renderers.forEach((renderer, k) => {
       const line = this.lines[k];
       renderer.visible = Boolean(line);
@@ -147,8 +150,7 @@ class Panel {
       renderer.glyph.line_dash = { value: DASHES[several ? line.k % DASHES.length : 0] };
       this.legend.append(this.chip(line, several));
     });
-    this.plot.left[0].axis_label = group?.unit || "";
-    this.section.setAttribute("aria-label", group ? `Curves of ${group.title}` : "No curves");
+    this.plot.left[0].axis_label = group.unit;
     this.paint();
     this.move(this.curves.clock.t, true);
   }

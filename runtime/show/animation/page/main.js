@@ -106,12 +106,15 @@ function around(boxes) {
 }
 
 async function main() {
+  performance.mark("begin");
   const root = document.querySelector(".player");
   const data = await readBlock(document.getElementById("data").textContent);
   globalThis.player = new Player(root, data);
   root.dataset.ready = "machine";
+  performance.mark("interactive");
   await globalThis.player.loadCurves();
   root.dataset.ready = "all";
+  performance.mark("curves");
 }
 
 main();

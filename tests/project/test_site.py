@@ -1,0 +1,59 @@
+"""What the site promises, as far as its sources show it; `make docs` builds and executes it."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import linkwright
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+DOCS = ROOT / "docs"
+API = DOCS / "reference" / "api"
+DIRECTIVE = re.compile(r"^\.\. (?:auto\w+|py:data):: ([\w.]+)(?:\n {9,}(\w+))?", re.MULTILINE)
+
+
+def documented() -> set[str]:
+    """The names that the pages of the Python interface document."""
+    text = "\n".join(page.read_text(encoding="utf-8") for page in sorted(API.glob("*.md")))
+    return {name for names in DIRECTIVE.findall(text) for name in names if name}
+
+
+def test_every_public_name_is_documented() -> None:
+    written = documented() | {"t", "__version__"}  # a sentence each, in declarations.md
+    assert not set(linkwright.__all__) - written
+
+
+def test_every_documented_name_is_there() -> None:
+    for name in documented():
+        value: object = linkwright
+        for part in name.split("."):
+            value = getattr(value, part)
+
+
+def test_every_way_to_declare_something_is_documented() -> None:
+    """What a method of `Model` returns to the compiler alone is listed here, by name."""
+    internal = {
+        *("acting", "altered", "choice", "defaults", "elements", "kind", "labels", "misfits"),
+        *("place_of", "points", "problems", "recompose", "reconnected", "symbols", "varied"),
+        "watched",
+    }
+    methods = {name for name in dir(linkwright.Model) if not name.startswith("_")}
+    listed = {name.removeprefix("Model.") for name in documented() if name.startswith("Model.")}
+    assert methods - listed == internal & methods
+
+
+@pytest.mark.parametrize(
+    "machine", sorted((ROOT / "models").glob("[a-z]*.py")), ids=lambda p: p.stem
+)
+def test_every_machine_has_a_page(machine: Path) -> None:
+    script = DOCS / "gallery" / "machines" / f"plot_{machine.stem}.py"
+    assert f'lw.load("{machine.stem}"' in script.read_text(encoding="utf-8")
+
+
+def test_consoles_are_executed_or_say_when_they_were_recorded() -> None:
+    """A table that a command printed is the output of a cell, or its page says the date."""
+    for page in sorted(DOCS.rglob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        if "_build" not in page.parts and re.search("[┏╇]", text):
+            assert re.search(r"a record of \d+ \w+ \d{4}, made by", text), page.name
