@@ -1,12 +1,7 @@
 """A report is a whole page, and the same for the same run."""
 
-import base64
-import gzip
-import json
-import re
 from html.parser import HTMLParser
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from typer.testing import CliRunner
@@ -14,15 +9,7 @@ from typer.testing import CliRunner
 from runtime import load
 from runtime.cli.app import app
 from runtime.show.html_report import page
-
-
-def header_of(text: str) -> dict[str, Any]:
-    """The header of the data that a page carries."""
-    found = re.search(r'<script type="text/plain" id="data">([^<]*)<', text)
-    assert found is not None
-    data = gzip.decompress(base64.b64decode(found[1]))
-    size = int.from_bytes(data[:4], "little")
-    return dict(json.loads(data[4 : 4 + size]))
+from tests.runtime.show.page_data import header_of
 
 
 class Checked(HTMLParser):
