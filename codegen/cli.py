@@ -5,18 +5,18 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
-from functools import wraps
+from functools import cache, wraps
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
-from rich.markup import escape as escaped
-from rich.table import Table
 
 from codegen.emit.line_wrapping import quantity
 from codegen.errors import InputError, ParameterError, SceneError
 from codegen.termination_signals import finish
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -24,8 +24,21 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Compile a declared mechanism to numba kernels.",
 )
-errors = Console(stderr=True, soft_wrap=True, highlight=False)
-output = Console(soft_wrap=True, highlight=False)
+
+
+@cache
+def console(*, stderr: bool = False) -> "Console":
+    """The stream of results, or of messages; Rich takes a fifth of a start of the program."""
+    from rich.console import Console
+
+    return Console(stderr=stderr, soft_wrap=True, highlight=False)
+
+
+def escaped(text: str) -> str:
+    """Text in which square brackets are no marks of a style."""
+    from rich.markup import escape
+
+    return escape(text)
 
 
 def option(text: str, *names: str, **more: Any) -> Any:
@@ -48,7 +61,7 @@ def answers_errors(command: Callable[..., None]) -> Callable[..., None]:
             command(*arguments, **options)
         except InputError as error:
             for problem in error.problems:
-                errors.print(f"[bold red]error:[/] {escaped(problem)}")
+                console(stderr=True).print(f"[bold red]error:[/] {escaped(problem)}")
             if options.get("as_json"):
                 answer = {"ok": False, "status": 2, "problems": error.problems}
                 typer.echo(json.dumps(answer))
@@ -60,7 +73,7 @@ def answers_errors(command: Callable[..., None]) -> Callable[..., None]:
 def refuse_stale(stale: Sequence[Path], reason: str, command: str) -> None:
     """Name the stale files and the command that brings them up to date; exit status 1 if any."""
     for path in stale:
-        errors.print(
+        console(stderr=True).print(
             f"[bold red]stale:[/] {escaped(str(path))} {reason}; run: linkwright {escaped(command)}"
         )
     if stale:
@@ -70,7 +83,7 @@ def refuse_stale(stale: Sequence[Path], reason: str, command: str) -> None:
 @contextmanager
 def progress_shown(first: str = "starting") -> Iterator[Callable[[str], None]]:
     """A line in the terminal that says what is going on: what is yielded changes it."""
-    with errors.status(first, spinner="dots") as status:
+    with console(stderr=True).status(first, spinner="dots") as status:
         yield lambda message: status.update(escaped(message))
 
 
@@ -137,7 +150,7 @@ def _print_build(report: Any, check: bool) -> None:
         return ", ".join(f"{name} {count}" for name, count in counts.items())
 
     for s in report.scenes:
-        output.print(f"[bold]{s.model}[/], scene [bold]{s.scene}[/]: {state(s)}")
+        console().print(f"[bold]{s.model}[/], scene [bold]{s.scene}[/]: {state(s)}")
         unknowns = (
             f"{quantity(s.coordinates, 'coordinate')}, {quantity(s.constraints, 'constraint')}"
         )
@@ -157,7 +170,7 @@ def _print_build(report: Any, check: bool) -> None:
             seconds |= {f"{k} {companion.title}": x for k, x in companion.seconds.items()}
         rows.append(("seconds", ", ".join(f"{k} {x:.2f}" for k, x in seconds.items())))
         for title, text in (*rows, *(("note", note) for note in s.notes)):
-            output.print(f"  {title:<13} {escaped(text)}")
+            console().print(f"  {title:<13} {escaped(text)}")
 
 
 @app.command()
@@ -202,7 +215,7 @@ def explain(
         comparison = compare_ledgers(*ledgers) if compare else None
     show(ledgers, comparison, kernels=kernels, as_json=as_json)
     if out is not None:
-        errors.print(f"saved {escaped(str(write(ledgers, out)))}")
+        console(stderr=True).print(f"saved {escaped(str(write(ledgers, out)))}")
 
 
 @app.command()
@@ -227,6 +240,9 @@ def elements(
     only = find_kind(" ".join(kind)) if kind else None
     folder = out or (Path("docs/elements") if check else None)
     if folder is None and only is None:
+        from rich.console import Console
+        from rich.table import Table
+
         from codegen.explain.terminal_table import PAPER
 
         table = Table("kind", "role", "summary")
@@ -241,7 +257,7 @@ def elements(
             reason = "is missing, out of date, or of no kind"
             refuse_stale(written.stale, reason, f"elements --out {folder}")
         changed = len(written.stale)
-        output.print(
+        console().print(
             f"{len(written.paths)} pages in {escaped(str(folder))}, {changed} of them written"
         )
 
@@ -258,7 +274,7 @@ def methods(
     written, stale = write_methods(out, check=check)
     if check:
         refuse_stale(stale, "is missing, or not what its tableau gives", "methods")
-    output.print(
+    console().print(
         f"{len(written)} methods in {escaped(str(written[0].parent))}, {len(stale)} of them written"
     )
 

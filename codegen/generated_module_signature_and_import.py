@@ -16,8 +16,6 @@ from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import CodeType, ModuleType
 
-from filelock import FileLock
-
 from codegen.errors import GeneratedFileError, SupersededError
 
 MARK = "# content-sha256: "
@@ -166,6 +164,8 @@ def alone(path: Path) -> Iterator[None]:
 @contextmanager
 def locked(path: Path) -> Iterator[None]:
     """One process at a time; without a lock where the file `path` cannot be made."""
+    from filelock import FileLock  # which takes a tenth of a start of the program
+
     lock = FileLock(path)
     try:
         lock.acquire()

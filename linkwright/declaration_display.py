@@ -40,24 +40,26 @@ def rows(scene: "SceneFacts") -> list[tuple[str, str]]:
         "constraint": scene.constraints,
         "degree of freedom": scene.degrees_of_freedom,
     }
+    counts = ", ".join(quantity(count, noun) for noun, count in numbers.items())
     found = [
         ("bodies", ", ".join(scene.bodies)),
-        ("equations", ", ".join(quantity(count, noun) for noun, count in numbers.items())),
-        ("redundant", "none" if not scene.notes else "see the note"),
+        ("equations", f"{counts}; {'some redundant' if scene.notes else 'none redundant'}"),
         ("assembly", _assembly(scene.assembly, scene.constraints)),
     ]
-    if scene.left_out:
-        found.append(("left out", ", ".join(name for name, _ in scene.left_out)))
+    left_out = [", ".join(name for name, _ in scene.left_out)] if scene.left_out else []
     if scene.unused:
-        found.append(("not read", ", ".join(scene.unused)))
+        word = "parameter" if len(scene.unused) == 1 else "parameters"
+        left_out.append(f"{word} {', '.join(scene.unused)}")
+    if left_out:
+        found.append(("left out", "; ".join(left_out)))
     return [*found, *(("note", note) for note in scene.notes)]
 
 
 def _assembly(assembly: "Assembly", constraints: int) -> str:
-    """`the joints close to 2e-16; 3 coordinates move from their guesses: rod.x 0.15 → 0.145 m`."""
+    """`the joints close, within 2e-16, and move 3 coordinates: rod.x 0.15 → 0.145 m`."""
     if not constraints:
         return "there are no joints to close"
-    text = f"the joints close at t = 0, within {assembly.gap:.1e}"
+    text = f"the joints close at t = 0, within {assembly.gap:.1e} m or rad"
     if not assembly.moved:
         return f"{text}, where the scene puts the bodies"
     moved = ", ".join(
@@ -66,7 +68,7 @@ def _assembly(assembly: "Assembly", constraints: int) -> str:
     )
     more = len(assembly.moved) - _MOVED
     return (
-        f"{text}; {quantity(len(assembly.moved), 'coordinate')} not at the guess: {moved}"
+        f"{text}; this moves {quantity(len(assembly.moved), 'coordinate')}: {moved}"
         f"{f', and {more} more' if more > 0 else ''}"
     )
 

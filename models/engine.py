@@ -19,7 +19,7 @@ firing
 
 from math import pi, radians
 
-from codegen import Model
+from codegen import Model, disc, rectangle
 
 model = Model("engine", gravity=(0, -9.81))
 
@@ -46,9 +46,9 @@ pressure = model.table(
 )
 
 # Bodies, with their centres of mass at their origins.
-crank = model.body("crank", mass=8.0, inertia=0.004 + flywheel_inertia)
+crank = model.body("crank", mass=8.0, inertia=0.004 + flywheel_inertia, draw=disc(1.5 * radius))
 rod = model.body("rod", mass=0.6, inertia=0.0015)
-piston = model.body("piston", mass=0.5, inertia=0.0005)
+piston = model.body("piston", mass=0.5, inertia=0.0005, draw=rectangle(0.8 * bore, bore))
 
 model.revolute("A", model.ground.at(0, 0), crank)
 model.revolute("B", crank.at(radius, 0), rod.at(-rod_length / 2, 0))

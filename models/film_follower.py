@@ -54,7 +54,17 @@ idle_speed = model.parameter("idle_speed", float(4 * pi), unit="rad/s", sign="po
 
 # Bodies, with their centres of mass at their origins: crank and rocker in the middle, coupler at C.
 crank = model.body("crank", mass=0.0012, inertia=2.25e-8)
-coupler = model.body("coupler", mass=0.01, inertia=coupler_inertia)
+arm = [
+    (-52, -1.5),
+    (0, -2),
+    (54, -1),
+    (54.9, 5.0),
+    (51, 2),
+    (0, 2),
+    (-52, 1.5),
+]  # with the hook, mm
+coupler = model.body("coupler", mass=0.01, inertia=coupler_inertia,
+                     draw=[(x / 1000, y / 1000) for x, y in arm])  # fmt: skip
 rocker = model.body("rocker", mass=0.0025, inertia=4.5e-8)
 
 # x' runs from A to B, from B to C and from C to D.

@@ -32,7 +32,7 @@ constant_torque
 
 from sympy import pi
 
-from codegen import Model, t
+from codegen import Model, rectangle, t
 
 model = Model("four_bar", gravity=(0, -9.81))
 
@@ -47,7 +47,8 @@ crank_torque = model.parameter("crank_torque", 5.0, unit="N m")
 
 # Uniform rods, with their centres of mass in the middle; x' from A to B, B to P and D to C.
 crank = model.body("crank", mass=density * AB, inertia=density * AB**3 / 12)
-coupler = model.body("coupler", mass=2 * density * BC, inertia=density * (2 * BC) ** 3 / 12)
+coupler = model.body("coupler", mass=2 * density * BC, inertia=density * (2 * BC) ** 3 / 12,
+                     draw=rectangle(2.08 * BC, 0.2))  # fmt: skip
 rocker = model.body("rocker", mass=density * CD, inertia=density * CD**3 / 12)
 
 model.revolute("A", model.ground.at(0, 0), crank.at(-AB / 2, 0))

@@ -21,7 +21,7 @@ bump
     the ground behind the bump.
 """
 
-from codegen import Model, t
+from codegen import Model, disc, t
 
 model = Model("quarter_car", gravity=(0, -9.81))
 
@@ -42,10 +42,18 @@ road = model.table(
 )
 radius = 0.3
 
-chassis = model.body("chassis", mass=300.0, inertia=50.0)
+chassis = model.body(
+    "chassis", mass=300.0, inertia=50.0,
+    draw=[(-0.06, -0.06), (0.33, -0.04), (0.39, 0.27), (0.48, 0.5), (0.47, 0.54), (-0.06, 0.54)],
+)  # fmt: skip
 lower = model.body("lower", mass=6.0, inertia=0.1)
 upper = model.body("upper", mass=3.0, inertia=0.05)
-upright = model.body("upright", mass=35.0, inertia=1.0)
+upright = model.body(
+    "upright",
+    mass=35.0,
+    inertia=1.0,
+    draw=[disc(radius), disc(0.04)],  # the wheel, and its hub
+)
 
 # The chassis' origin is at the height of the lower pivots; x points from the car to the wheel.
 model.translational("guide", model.ground, chassis, axis=(0, 1))

@@ -52,7 +52,10 @@ closed, level = 6 * cm, radius - 0.25 * cm + rod
 cam = model.body("cam", mass=30 * gram, inertia=15 * gram * cm**2)
 pushrod = model.body("pushrod", mass=120 * gram, inertia=2250 * gram * cm**2)
 rocker = model.body("rocker", mass=150 * gram, inertia=1800 * gram * cm**2)
-valve = model.body("valve", mass=60 * gram, inertia=800 * gram * cm**2)
+half = (stem / 2).to("m").magnitude  # of the stem; the head closes the seat
+valve = model.body("valve", mass=60 * gram, inertia=800 * gram * cm**2,
+                   draw=[(-0.003, half), (-0.003, 0.008 - half), (-0.016, -half),
+                         (0.016, -half), (0.003, 0.008 - half), (0.003, half)])  # fmt: skip
 ground = model.ground
 
 model.revolute("B", ground.at(0, 0), cam.at(0, 0))

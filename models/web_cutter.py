@@ -47,8 +47,16 @@ motor_gain = model.parameter("motor_gain", 20.0, unit="N m s")
 
 # Bodies, with their centres of mass at their origins.
 crank = model.body("crank", mass=0.1, inertia=1.5e-5)
-coupler = model.body("coupler", mass=1.0, inertia=0.03)
-rocker = model.body("rocker", mass=2.0, inertia=0.04)
+coupler = model.body(
+    "coupler", mass=1.0, inertia=0.03,
+    draw=[(-0.288, -0.008), (-0.01, -0.012), (0.012, -0.11), (0.04, -0.24), (0.052, -0.11),
+          (0.014, 0.01), (-0.288, 0.008)],
+)  # fmt: skip
+rocker = model.body(
+    "rocker", mass=2.0, inertia=0.04,
+    draw=[(-0.152, -0.08), (0.272, -0.082), (0.27, -0.058), (0.06, -0.03), (0.016, 0.03),
+          (0, 0.13), (-0.016, 0.03), (-0.05, -0.03), (-0.152, -0.056)],
+)  # fmt: skip
 
 model.revolute("A", model.ground.at(0, 0), crank.at(-0.02, 0))
 model.revolute("B", crank.at(0.02, 0), coupler.at(-0.28, 0))

@@ -171,7 +171,25 @@ def rail_offset(picture: Picture, guide: Guide, module: float) -> float:
         below = way[0] if upright else -way @ normal(guide.along) * np.sign(guide.along[0])
         if below > 0:
             return float(below)
+    body = picture.bodies[guide.block.body]
+    if body.outlines and not body.is_derived:
+        along = guide.along if abs(guide.along[0]) > 1e-9 else np.array([0.0, -1.0])
+        across = -normal(along) * (np.sign(along[0]) or 1.0)
+        edges = [0.0]
+        for outline in body.outlines:
+            there = placed(np.array(outline) - np.array(guide.block[1:]), _turn(picture, guide))
+            edges += crossings(there @ along, there @ across)
+        return max(edges)
     return BLOCK[1] * picture.size
+
+
+def crossings(s: FloatArray, h: FloatArray) -> list[float]:
+    """The values of h where a closed polygon with the corners (s, h) crosses s = 0."""
+    found = []
+    for a, b, p, q in zip(s, np.roll(s, -1), h, np.roll(h, -1), strict=True):
+        if (a > 0) != (b > 0):
+            found.append(float(p + a / (a - b) * (q - p)))
+    return found
 
 
 def _turn(picture: Picture, guide: Guide) -> FloatArray:

@@ -11,7 +11,7 @@ from codegen.drawing.guides_and_racks import guide_ends, guide_of, rail_offset
 from codegen.drawing.label_placement import Label, place_labels, samples
 from codegen.drawing.moving_strokes import gap_of
 from codegen.drawing.picture import Picture, Symbol
-from codegen.drawing.polygons import FloatArray, area, circle, placed, unit
+from codegen.drawing.polygons import FloatArray, area, circle, contains, placed, unit
 from codegen.drawing.rigid_strokes import rail
 from codegen.drawing.signs import ARROW, ROUND, Dimension, Reactions, force_strokes, force_values
 from codegen.drawing.sizes_and_held_places import PIN
@@ -186,12 +186,14 @@ def _bodies(picture: Picture, colors: Palette) -> list[Wanted]:
 
 
 def _along(polygon: FloatArray) -> FloatArray:
-    """The middle of a polygon, and places along its longer axis."""
+    """The middle of a polygon, and places along its longer axis, those inside; else its edges."""
     middle = (polygon.min(axis=0) + polygon.max(axis=0)) / 2
     centred = polygon - polygon.mean(axis=0)
     _, _, axes = np.linalg.svd(centred, full_matrices=False)
     reach = float(np.max(np.abs(centred @ axes[0])))
-    return np.asarray(middle + np.outer([0.0, 0.35, -0.35, 0.55, -0.55], reach * axes[0]))
+    found = middle + np.outer([0.0, 0.35, -0.35, 0.55, -0.55], reach * axes[0])
+    inside = [p for p in found if contains(polygon, p)]
+    return np.array(inside) if inside else (polygon + np.roll(polygon, -1, axis=0)) / 2
 
 
 def _others(

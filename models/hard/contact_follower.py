@@ -14,7 +14,7 @@ thrown
 
 from math import pi
 
-from codegen import Model, t
+from codegen import Model, disc, rectangle, t
 
 model = Model("contact_follower", gravity=(0, -9.81))
 
@@ -26,8 +26,9 @@ stiffness = model.parameter("stiffness", 1000.0, unit="N/m")
 R = 0.0125
 length = 0.15
 
-cam = model.body("cam", mass=0.3, inertia=4e-5)
-pushrod = model.body("pushrod", mass=0.2, inertia=4e-4)
+foot = rectangle(2 * R, 0.004, center=(0, 0.002 - length / 2))
+cam = model.body("cam", mass=0.3, inertia=4e-5, draw=disc(R, center=(eccentricity, 0)))
+pushrod = model.body("pushrod", mass=0.2, inertia=4e-4, draw=[rectangle(0.008, length), foot])
 
 model.revolute("shaft", model.ground.at(0, 0), cam.at(0, 0))
 model.translational("guide", model.ground, pushrod, axis=(0, 1))

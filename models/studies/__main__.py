@@ -1,7 +1,7 @@
 """``python -m models.studies [NAME]...``: the machines of the chapter from symbols to curves.
 
 Builds the scenes of each study, runs them, prints the table "ours, exact, book", and writes the
-figures.
+figures and a page with the machine in motion.
 """
 
 import subprocess
@@ -44,6 +44,7 @@ def main(
     chosen = [study for study in STUDIES if study.name in (names or NAMES)]
     shown: list[Shown] = []
     paths: list[Path] = []
+    pages: list[Path] = []
     with console.status("starting") as status:
         clock = perf_counter()
         # The runtime's own loops compile beside the machines' kernels, the first time.
@@ -68,6 +69,11 @@ def main(
         for part in shown:
             status.update(f"drawing {part.study.title}")
             paths += draw(part.noting(part.study.figures()), out)
+        if not only_figures:
+            from models.studies.animations import MACHINES, write_pages
+
+            machines = MACHINES if gallery else dict.fromkeys(study.machine for study in chosen)
+            pages += write_pages(machines, out, status.update)
     if not only_figures:
         print_table([row for part in shown for row in part.rows])
     if gallery:
@@ -76,6 +82,9 @@ def main(
         console.print(f"[bold]Wrote[/] {gallery}")
     numbers = sorted({path.stem.removeprefix("figure_").replace("_", ".") for path in paths})
     console.print(f"[bold]Drew[/] {len(paths)} files into {out}: figures {', '.join(numbers)}")
+    if pages:
+        shown_in = ", ".join(map(str, pages))
+        console.print(f"[bold]In motion[/], to open in a browser: {shown_in}")
 
 
 def _files(chosen: list[Study]) -> str:

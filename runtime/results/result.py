@@ -297,26 +297,56 @@ class Result(TimeSeries):
             self, t, dimensions=dimensions, forces=forces, frames=frames, names=names
         )
 
-    @readers.reads(file=readers.optional(readers.path))
-    def animate(self, file: str | os.PathLike[str] | None = None) -> "Animation":
-        """Show the machine in motion, with its forces and curves, as a page of its own.
+    @readers.reads(
+        file=readers.optional(readers.path),
+        frames_per_second=readers.optional(readers.count(1, 240)),
+        width=readers.optional(readers.count(200, 4000)),
+        speed=readers.optional(readers.number("a positive number", above=0.0)),
+        span=readers.optional(readers.several(
+            readers.number("a finite number"), "the first and last instant, such as (0.0, 1.5)"
+        )),
+        progress=readers.flag,
+    )  # fmt: skip
+    def animate(
+        self, file: str | os.PathLike[str] | None = None, *, frames_per_second: int | None = None,
+        width: int | None = None, speed: float | None = None,
+        span: tuple[float, float] | None = None, progress: bool = True,
+    ) -> "Animation | Path":  # fmt: skip
+        """Show the machine in motion, as a page with forces and curves, or as a movie.
 
         Parameters
         ----------
         file
-            An .html file to write as well.
+            An .html file to write as well; or an .mp4 or .gif movie, or an .svg of some positions
+            over each other, to write instead of a page.
+        frames_per_second, width, speed, span, progress
+            As of `runtime.show.movie.save_movie`: of a movie alone, of an .svg `span`.
 
         Returns
         -------
-        Animation
-            Which a notebook shows, and `Animation.save` writes. `runtime.animate` shows several
-            runs beside each other.
+        Animation or Path
+            What a notebook shows, and `Animation.save` writes; or the movie. `runtime.animate`
+            shows several runs beside each other.
 
         Raises
         ------
         InputError
-            If the result has no instants, the file cannot be written, or bokeh is not installed.
+            If there is no motion, the file cannot be written, or bokeh, Matplotlib or ffmpeg is
+            not installed.
         """
+        if file is not None and Path(file).suffix.lower() not in ("", ".html", ".htm"):
+            from runtime.show.movie import save_movie
+
+            return save_movie(
+                self, Path(file), frames_per_second=frames_per_second, width=width, speed=speed,
+                span=span, progress=progress,
+            )  # fmt: skip
+        given = (frames_per_second, width, speed, span)
+        if any(value is not None for value in given):
+            raise InputError(
+                "animate: frames_per_second=, width=, speed= and span= are those of a movie; give "
+                "file= with the ending .mp4, .gif or .svg as well."
+            )
         from runtime.show.animation.animation import animate
 
         return animate([self], file=file)

@@ -93,7 +93,10 @@ def calls(free: Machine, driven: Machine) -> list[Call]:
         ),
         Call("Result.plot", result.plot, {"name": name}, {"name": set()}),
         Call("Result.save", result.save, {"path": "a.csv"}, {"path": set()}),
-        Call("Result.animate", result.animate, {}, {"file": NONE}),
+        Call("Result.animate", result.animate, {}, {
+            **dict.fromkeys(("file", "frames_per_second", "width", "speed", "span"), NONE),
+            "progress": {"true"},
+        }),
         Call("animate", animate, {"results": [result]},
              {"results": set(), "file": NONE, "labels": {"empty list"}}),
         Call("Result.reaction", result.reaction, {"joint": joint, "component": "fx"},

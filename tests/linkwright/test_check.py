@@ -27,7 +27,7 @@ def test_models_to_start_from_are_sound(kind: str, folder: Path) -> None:
     (folder / "machine.py").write_text(text_of(kind, "machine"))
     done = run()  # the only model of the folder
     assert (done.exit_code, done.stderr) == (0, "")
-    assert "1 degree of freedom\n" in done.stdout
+    assert "1 degree of freedom; none redundant\n" in done.stdout
     assert "the joints close at t = 0, within " in done.stdout
     assert "No scene uses" not in done.stdout
     assert "Next: linkwright simulate machine.py --scene " in done.stdout

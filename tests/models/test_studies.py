@@ -51,3 +51,12 @@ def test_every_machine_says_what_it_is() -> None:
     found = machines()
     assert "slider_crank" in found
     assert all(line.endswith(".") for line in found.values())
+
+
+def test_every_machine_has_a_page_of_its_motion(tmp_path: Path) -> None:
+    from models.__main__ import machines
+    from models.studies.animations import MACHINES, write_pages
+
+    assert MACHINES.keys() == machines().keys()
+    (page,) = write_pages(["slider_crank"], tmp_path)
+    assert page.read_text().startswith("<!doctype html>")

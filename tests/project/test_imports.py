@@ -182,3 +182,22 @@ def test_every_forbidden_import_is_found_under_its_rule(skeleton: Path) -> None:
         (section,) = (text for text in sections if text.startswith(rule))
         importer = module.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
         assert re.search(rf"{re.escape(importer)} -> {re.escape(target)}\b", section), section
+
+
+@pytest.mark.parametrize(
+    ("words", "absent"),
+    [
+        ("--version", {"numpy", "sympy", "numba", "rich", "filelock"}),
+        ("--help", {"numpy", "sympy", "numba", "scipy", "pandas"}),
+        ("simulate --help", {"numpy", "sympy", "numba", "scipy", "pandas"}),
+    ],
+)
+def test_the_command_line_starts_with_little(root: Path, words: str, absent: set[str]) -> None:
+    code = (
+        f"import sys\nsys.argv = ['linkwright', *{words.split()}]\n"
+        "from linkwright.command_line import main\ntry:\n    main()\n"
+        "except SystemExit:\n    print('loaded', *sys.modules)"
+    )
+    *_, last = fresh(code, root).splitlines()
+    assert last.startswith("loaded ")
+    assert not set(last.split()) & absent

@@ -1,0 +1,149 @@
+"""Figures of a motion: one that follows poses fast, and one of several positions at once."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.drawing.colors import LIGHT, Palette
+from codegen.drawing.figure import PictureArtist, prepare_axes
+from codegen.drawing.names import draw_names
+from codegen.drawing.picture import Picture
+from codegen.drawing.polygons import FloatArray
+from codegen.drawing.shapes import Force, Torque
+from codegen.drawing.signs import driver_strokes, trace_strokes
+from codegen.figures_and_html import new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DPI = 100  # layout: pixels of a movie per inch, so that letters have their usual size
+SAMPLED = 120  # layout: positions from which the view of a motion is found
+FARTHEST = 2.5  # layout: what is farther away, in typical lengths, may leave the view
+PALEST = 0.22  # layout: strength of the colours of the first of several positions
+TALLEST = 1.1  # layout: height of a movie over its width, at most
+LEAST = 0.34  # layout: the same, at least
+TITLE, FOOT, SIDE = 0.42, 0.55, 0.75  # layout: room round the axes, in inches
+
+Frame = Picture
+"""The picture of one instant; frames with the same symbols follow each other."""
+
+
+def view(frames: Sequence[Frame], artist: PictureArtist) -> tuple[FloatArray, FloatArray]:
+    """Least and greatest x and y, m, of all positions, but for what leaves the machine far behind.
+
+    A ball that is thrown leaves the view, which is wider than the machine by `FARTHEST` at most.
+    """
+    chosen = [frames[k] for k in np.unique(np.linspace(0, len(frames) - 1, SAMPLED).astype(int))]
+    bounds = [artist.bounds(frame) for frame in chosen]
+    low, high = bounds[0]
+    reach = FARTHEST * frames[0].size
+    lowest = np.min([b[0] for b in bounds], axis=0)
+    highest = np.max([b[1] for b in bounds], axis=0)
+    return np.maximum(lowest, low - reach), np.minimum(highest, high + reach)
+
+
+class MovieFigure:
+    """A figure whose frames are drawn on one background.
+
+    Attributes
+    ----------
+    size
+        Width and height in pixels, both even, as video codecs want them.
+    """
+
+    def __init__(self, frames: Sequence[Frame], width: int, colors: Palette = LIGHT) -> None:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+        first = frames[0]
+        motion = np.array([frame.poses for frame in frames])
+        self.colors = colors
+        self.motion = motion
+        self.artists: dict[tuple[int, ...], PictureArtist] = {}
+        low, high = view(frames, self._artist_of(first))
+        inches, fractions = _shape(width / DPI, (high - low)[1] / (high - low)[0])
+        self.figure = new_figure("movie", *inches, facecolor=colors.background)
+        self.figure.set_layout_engine("none")
+        self.figure.set_dpi(DPI)
+        canvas: Any = FigureCanvasAgg(self.figure)  # matplotlib leaves its methods untyped
+        self.canvas = canvas
+        self.axes = self.figure.add_axes(fractions)
+        prepare_axes(self.axes, low, high, colors)
+        self.axes.set_title(first.title, color=colors.ink, fontsize=10.5)
+        for stroke in trace_strokes(first, motion):
+            self.axes.plot(*stroke.points.T, color=colors.trace, linewidth=0.9, zorder=1.5)
+        self.clock = self.axes.text(0.99, 1.015, "", transform=self.axes.transAxes, ha="right",
+                                    fontsize=9, color=colors.muted, animated=True)  # fmt: skip
+        self.canvas.draw()
+        self.background = self.canvas.copy_from_bbox(self.figure.bbox)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        width, height = self.canvas.get_width_height()
+        return width, height
+
+    def _artist_of(self, frame: Frame) -> PictureArtist:
+        """The artist of frames with these symbols."""
+        key = tuple(id(symbol.shape) for symbol in frame.symbols)
+        if key not in self.artists:
+            self.artists[key] = PictureArtist(frame, self.motion, self.colors, gaps=False)
+        return self.artists[key]
+
+    def pixels(self, frame: Frame, clock: str) -> npt.NDArray[np.uint8]:
+        """A frame as red, green, blue and opacity, (height, width, 4), 0 to 255."""
+        artist = self._artist_of(frame)
+        artist.signs = driver_strokes(frame)
+        if artist.collection is None:
+            artist.add_to(self.axes, frame).set_animated(True)
+        else:
+            artist.update(frame)
+        self.clock.set_text(clock)
+        self.canvas.restore_region(self.background)
+        self.axes.draw_artist(artist.collection)
+        self.axes.draw_artist(self.clock)
+        return np.asarray(self.canvas.buffer_rgba(), dtype=np.uint8)
+
+
+def _shape(
+    width: float, ratio: float
+) -> tuple[tuple[float, float], tuple[float, float, float, float]]:
+    """Size of a figure in inches, and its axes in parts of it, for contents of a ratio y : x."""
+    inner = width - SIDE - 0.15
+    height = float(np.clip(inner * ratio, LEAST * width, TALLEST * width)) + TITLE + FOOT
+    pixels = 2 * np.round(np.array([width, height]) * DPI / 2)
+    width, height = (float(v) for v in pixels / DPI)
+    axes = (SIDE / width, FOOT / height, inner / width, 1 - (TITLE + FOOT) / height)
+    return (width, height), axes
+
+
+def phase_figure(frames: Sequence[Frame], colors: Palette = LIGHT) -> "Figure":
+    """Several positions of a motion over each other, the first pale and the last with names."""
+    from codegen.drawing.figure import inches
+
+    motion = np.array([frame.poses for frame in frames])
+    artists = [PictureArtist(frame, motion, colors, gaps=False) for frame in frames]
+    low, high = view(frames, artists[-1])
+    result = new_figure("picture", *inches(high - low), facecolor=colors.background)
+    axes = result.add_subplot()
+    prepare_axes(axes, low, high, colors)
+    axes.set_title(frames[0].title, color=colors.ink, fontsize=10.5)
+    shades = np.linspace(PALEST, 1.0, len(frames)) ** 1.5 if len(frames) > 1 else [1.0]
+    for number, (artist, frame) in enumerate(zip(artists, frames, strict=True)):
+        artist.strength = float(shades[number])
+        if number < len(frames) - 1:
+            artist.rigid = tuple(s for s in artist.rigid if not frame.bodies[s.body].fixed)
+        artist.add_to(axes, frame, 2.0 + number / len(frames))
+    result.draw_without_rendering()
+    lines: list[Any] = artists[-1].global_lines(frames[-1])
+    forces = {k for k, s in enumerate(frames[-1].symbols) if isinstance(s.shape, Force | Torque)}
+    draw_names(axes, without(frames[-1], forces), lines, [], colors)
+    return result
+
+
+def without(picture: Picture, inactive: set[int]) -> Picture:
+    """The picture without the symbols of these numbers."""
+    kept = tuple(s for k, s in enumerate(picture.symbols) if k not in inactive)
+    return replace(picture, symbols=kept)

@@ -1,0 +1,221 @@
+"""The motion of a result as a movie (.mp4, .gif), or as one figure of several positions (.svg)."""
+
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.drawing.motion_figure import MovieFigure, phase_figure, without
+from codegen.drawing.picture import Picture
+from codegen.errors import InputError
+from codegen.figures_and_html import save_figure
+from codegen.whole_files import whole_file
+from runtime.progress_bar import bar
+from runtime.show.pictures import Pictures, pictures
+
+if TYPE_CHECKING:
+    from runtime.results.result import Result
+
+ENDINGS = (".mp4", ".gif", ".svg")
+FRAMES_A_SECOND, WIDTH, PHASES = 30, 960, 6  # layout: of a movie, in 1/s and pixels; of a figure
+SHORTEST, LONGEST, USUAL = 2.0, 60.0, 10.0  # layout: s, of movies that run as fast as the machine
+MOST_FRAMES = 20_000  # safety: a longer movie is more likely a wrong speed than wanted
+GIF_RATE = 50  # layout: most frames a second that viewers of .gif show
+_INSTALL = "pip install 'linkwright[movie]', in the checkout pip install '.[movie]'"
+
+Paint = Callable[[npt.NDArray[np.uint8]], None]
+
+
+def save_movie(
+    result: "Result",
+    file: Path,
+    *,
+    frames_per_second: int | None = None,
+    width: int | None = None,
+    speed: float | None = None,
+    span: tuple[float, ...] | None = None,
+    progress: bool = True,
+) -> Path:
+    """Write the motion of a result, whole or not at all.
+
+    Parameters
+    ----------
+    result
+        Of a simulation, kinematics or inverse dynamics.
+    file
+        Ends in .mp4 (by ffmpeg), .gif, or .svg: a still of some positions over each other.
+    frames_per_second
+        Of the movie, 30 unless given; a .gif has 50 at most. Of an .svg: no meaning.
+    width
+        In pixels, 960 unless given.
+    speed
+        Seconds of the machine in a second of the movie. Unless given, 1 where the movie then takes
+        2 s to 60 s, and otherwise what makes it 10 s long.
+    span
+        First and last instant, s; unless given, the whole result.
+    progress
+        Whether a terminal shows a bar.
+
+    Returns
+    -------
+    Path
+        Of the file.
+
+    Raises
+    ------
+    InputError
+        With all that is wrong: an ending, a number, a span without motion; if Matplotlib or ffmpeg
+        is missing, or the file cannot be written.
+    """
+    first, last = _span(result, span)
+    ending = file.suffix.lower()
+    rate = frames_per_second or FRAMES_A_SECOND
+    wide = width or WIDTH
+    problems = _problems(result, file, (first, last))
+    if problems:
+        raise InputError(problems)
+    if ending == ".svg":
+        instants = np.linspace(first, last, PHASES)
+        with whole_file(file) as target:
+            save_figure(phase_figure(frames_of(pictures(result.at(instants)))), target)
+        return file
+    if ending == ".gif":
+        rate = min(rate, GIF_RATE)
+    pace = speed or usual_speed(last - first)
+    count = max(2, round((last - first) / pace * rate) + 1)
+    if count > MOST_FRAMES:
+        raise InputError(
+            f"{file.name}: {count} frames, from {first:.6g} s to {last:.6g} s at speed={pace:.6g} "
+            f"and {rate} frames a second; the most are {MOST_FRAMES}. Give a higher speed=, or a "
+            "shorter span=."
+        )
+    instants = np.linspace(first, last, count)
+    drawn = frames_of(pictures(result.at(instants)))
+    movie = MovieFigure(drawn, wide)
+    writer = _video if ending == ".mp4" else _gif
+    with (
+        bar(f"drawing {file.name}", progress) as report,
+        whole_file(file) as target,
+        writer(target, movie.size, rate) as paint,
+    ):
+        for k, (frame, t) in enumerate(zip(drawn, instants, strict=True)):
+            paint(movie.pixels(frame, _clock(float(t), pace)))
+            report((k + 1) / count)
+    return file
+
+
+def usual_speed(duration: float) -> float:
+    """Seconds of the machine in a second of a movie, for a motion that takes `duration`, s."""
+    return 1.0 if SHORTEST <= duration <= LONGEST else duration / USUAL
+
+
+def _clock(t: float, speed: float) -> str:
+    return f"t = {t:.3f} s" + ("" if speed == 1.0 else f",  speed × {speed:.3g}")
+
+
+def _span(result: "Result", span: tuple[float, ...] | None) -> tuple[float, float]:
+    if span is not None:
+        if len(span) != 2:
+            raise InputError(f"span= has {len(span)} numbers; give the first and last instant, s.")
+        return span[0], span[1]
+    return (float(result.t[0]), float(result.t[-1])) if len(result.t) else (0.0, 0.0)
+
+
+def _problems(result: "Result", file: Path, span: tuple[float, float]) -> list[str]:
+    """Everything that is wrong with a movie before it is drawn."""
+    problems = []
+    if file.suffix.lower() == ".mp4":
+        ffmpeg()  # before all that takes time
+    if file.suffix.lower() not in ENDINGS:
+        problems.append(f"{file.name}: a movie ends in {', '.join(ENDINGS)}, a page in .html.")
+    if not span[1] > span[0]:
+        title = result.description.title
+        problems.append(
+            f"{title}: there is no motion between {span[0]:.6g} s and {span[1]:.6g} s "
+            f"({result.message or 'one instant'}). A picture is drawn by result.draw()."
+        )
+    return problems
+
+
+def frames_of(shown: Pictures) -> list[Picture]:
+    """The picture of each instant, with the symbols that act there."""
+    kept: dict[frozenset[int], Picture] = {}
+    frames = []
+    for t, poses in zip(shown.t, shown.poses, strict=True):
+        inactive = frozenset(
+            k
+            for k, spans in shown.active.items()
+            if not any(first <= t <= last for first, last in spans)
+        )
+        base = kept.setdefault(inactive, without(shown.picture, set(inactive)))
+        frames.append(replace(base, poses=poses))
+    return frames
+
+
+@contextmanager
+def _video(target: Path, size: tuple[int, int], rate: int) -> Iterator[Paint]:
+    """A file of H.264, whose frames ffmpeg takes from a pipe."""
+    command = [
+        ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba",
+        "-s", f"{size[0]}x{size[1]}", "-r", str(rate), "-i", "-", "-an",
+        "-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p",
+        "-movflags", "+faststart", str(target),
+    ]  # fmt: skip
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        pipe: Any = process.stdin
+
+        def paint(pixels: npt.NDArray[np.uint8]) -> None:
+            pipe.write(np.ascontiguousarray(pixels))
+
+        try:
+            yield paint
+            pipe.close()
+        except BrokenPipeError:  # ffmpeg has given up, and says why
+            pass
+        except BaseException:
+            process.kill()
+            raise
+        said = process.stderr.read().decode(errors="replace").strip() if process.stderr else ""
+        if process.wait() != 0:
+            raise InputError(f"ffmpeg could not write the movie: {said or 'no message'}")
+
+
+def ffmpeg() -> str:
+    """The program ffmpeg: the system's, or that of the package imageio-ffmpeg."""
+    found = shutil.which("ffmpeg")
+    if found is None:
+        try:
+            from imageio_ffmpeg import get_ffmpeg_exe
+
+            found = get_ffmpeg_exe()
+        except (ImportError, RuntimeError) as error:
+            raise InputError(
+                f"An .mp4 needs the program ffmpeg, which is not installed. Install it, or run "
+                f"{_INSTALL}; a .gif needs neither."
+            ) from error
+    return str(found)
+
+
+@contextmanager
+def _gif(target: Path, size: tuple[int, int], rate: int) -> Iterator[Paint]:
+    """A .gif with the colours of its first frame."""
+    from PIL import Image
+
+    frames: list[Any] = []
+
+    def paint(pixels: npt.NDArray[np.uint8]) -> None:
+        image = Image.fromarray(pixels).convert("RGB")
+        if not frames:
+            frames.append(image.quantize(colors=128, dither=Image.Dither.NONE))
+        else:
+            frames.append(image.quantize(palette=frames[0], dither=Image.Dither.NONE))
+
+    yield paint
+    frames[0].save(target, save_all=True, append_images=frames[1:], loop=0, optimize=False,
+                   duration=1000 / rate)  # fmt: skip

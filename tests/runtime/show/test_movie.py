@@ -1,0 +1,134 @@
+"""Movies: which frames they have, how long they are, and what is refused."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from codegen.drawing.motion_figure import MovieFigure, phase_figure, without
+from codegen.errors import InputError
+from runtime import load
+from runtime.results.result import Result
+from runtime.show import movie
+from runtime.show.movie import frames_of, save_movie, usual_speed
+from runtime.show.pictures import pictures
+
+
+@pytest.fixture(scope="module")
+def run() -> Result:
+    return load("slider_crank", "compressor").simulate(0.7, 15, progress=False)
+
+
+def test_a_gif_has_the_frames_and_the_time_of_the_motion(run: Result, tmp_path: Path) -> None:
+    file = run.animate(tmp_path / "run.gif", frames_per_second=10, width=300, speed=0.5,
+                      span=(0.2, 0.6), progress=False)  # fmt: skip
+    with Image.open(file) as image:
+        assert image.n_frames == 9
+        assert image.size[0] == 300
+        assert image.info["duration"] == 100
+        first = np.asarray(image.convert("RGB"), dtype=int)
+        image.seek(8)
+        assert np.count_nonzero(first - np.asarray(image.convert("RGB"), dtype=int)) > 100
+
+
+def test_an_mp4_is_one(run: Result, tmp_path: Path) -> None:
+    pytest.importorskip("imageio_ffmpeg")
+    from imageio_ffmpeg import count_frames_and_secs
+
+    file = save_movie(run, tmp_path / "run.mp4", width=320, span=(0.0, 0.3), speed=1.0)
+    assert file.read_bytes()[4:8] == b"ftyp"
+    assert count_frames_and_secs(file)[0] == 10
+
+
+def test_an_svg_has_several_positions(run: Result, tmp_path: Path) -> None:
+    text = save_movie(run, tmp_path / "run.svg").read_text(encoding="utf-8")
+    assert text.count('<g id="PathCollection_') == movie.PHASES
+
+
+def test_frames_differ_by_the_poses_alone(run: Result) -> None:
+    frames = frames_of(pictures(run.at([0.0, 0.4])))
+    figure = MovieFigure(frames, 320)
+    width, height = figure.size
+    assert width == 320
+    assert height % 2 == 0
+    first, second = (figure.pixels(frame, "").astype(int).copy() for frame in frames)
+    assert first.shape == (height, width, 4)
+    assert np.count_nonzero(first - second) > 100
+    assert np.array_equal(figure.pixels(frames[0], "").astype(int), first)
+
+
+def test_positions_grow_stronger(run: Result) -> None:
+    figure = phase_figure(frames_of(pictures(run.at([0.0, 0.2, 0.4]))))
+    edges = [c.get_edgecolors() for c in figure.axes[0].collections]
+    shades = [float(colors[colors[:, 3] > 0, :3].min()) for colors in edges]
+    assert shades == sorted(shades, reverse=True)
+    assert len(set(shades)) == 3
+
+
+def test_symbols_that_do_not_act_are_left_out(run: Result) -> None:
+    shown = pictures(run)
+    assert len(without(shown.picture, {0}).symbols) == len(shown.picture.symbols) - 1
+    hinge = next(k for k, s in enumerate(shown.picture.symbols) if s.shape.kind == "pin")
+    later = replace(shown, active={hinge: ((0.5, 9.0),)})
+    counts = {
+        float(t): len(frame.symbols) for t, frame in zip(later.t, frames_of(later), strict=True)
+    }
+    assert counts[float(shown.t[0])] == len(shown.picture.symbols) - 1
+    assert counts[float(shown.t[-1])] == len(shown.picture.symbols)
+
+
+@pytest.mark.parametrize(("duration", "speed"), [(0.1, 0.01), (5.0, 1.0), (300.0, 30.0)])
+def test_a_motion_that_is_very_short_or_long_is_shown_at_another_speed(
+    duration: float, speed: float
+) -> None:
+    assert usual_speed(duration) == pytest.approx(speed)
+
+
+@pytest.mark.parametrize(
+    ("file", "words", "message"),
+    [
+        ("a.avi", {}, "a movie ends in .mp4, .gif, .svg"),
+        ("a.gif", {"frames_per_second": 500}, "frames_per_second is 500; it must be a whole"),
+        ("a.gif", {"width": 10}, "width is 10; it must be a whole number"),
+        ("a.gif", {"speed": -1.0}, "speed is -1.0; it must be a positive number"),
+        ("a.gif", {"span": (0.1, 0.2, 0.3)}, "span= has 3 numbers"),
+        ("a.html", {"speed": 2.0}, "are those of a movie"),
+        ("a.gif", {"span": (0.5, 0.5)}, "there is no motion between 0.5 s and 0.5 s"),
+        ("a.gif", {"speed": 1e-6}, "Give a higher speed="),
+        ("nowhere/a.gif", {"span": (0.0, 0.1)}, "cannot write"),
+    ],
+)
+def test_what_cannot_be_a_movie_is_refused(
+    run: Result, tmp_path: Path, file: str, words: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        run.animate(tmp_path / file, **words)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_all_that_is_wrong_is_said_at_once(run: Result, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"(?s)ends in.*no motion between 2 s and 1 s"):
+        save_movie(run, tmp_path / "a.mov", span=(2.0, 1.0))
+
+
+def test_without_ffmpeg_the_message_says_what_to_install(
+    run: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(movie.shutil, "which", lambda name: None)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(InputError, match="pip install 'linkwright\\[movie\\]'"):
+        save_movie(run, tmp_path / "a.mp4", span=(0.0, 0.1))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_movie_that_ffmpeg_cannot_write_says_what_it_said(
+    run: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(movie, "ffmpeg", lambda: "false")
+    with pytest.raises(InputError, match="ffmpeg could not write the movie"):
+        save_movie(run, tmp_path / "a.mp4", span=(0.0, 0.1))
+    assert list(tmp_path.iterdir()) == []
