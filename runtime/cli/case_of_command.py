@@ -69,6 +69,8 @@ def _options(case: "Case", context: typer.Context) -> dict[str, Any]:
         words["quantity"] = words.pop("quantities")
     if isinstance(case.scene, str):
         words["scene"] = case.scene
+    if case.analysis != _ANALYSES[0]:
+        words["analysis"] = case.analysis.replace("_", "-")  # of studies
     left_out = _OTHER_MEANING.get(command, set())
     return {name: value for name, value in words.items() if name not in left_out}
 
@@ -105,13 +107,17 @@ def values_of_case(machine: "Machine | None" = None) -> dict[str, Any]:
     `machine` is that of the command; a study has none, and that of the case is loaded for its
     units.
     """
-    found = _in_force.get()
-    if found is None:
+    in_force = _in_force.get()
+    if in_force is None:
         return {}
-    case, context = found
+    case, context = in_force
     words = case.words(machine or case.machine())
     origin = context.get_parameter_source("points")
     listed = isinstance(case.run.get("t_eval"), list | str)
     listed = listed and machine is not None and (origin is None or origin.name != "COMMANDLINE")
     kept = ("parameters", "start", "guess", "until", *(("t_eval",) if listed else ()))
-    return {name: words[name] for name in kept if name in words}
+    found = {name: words[name] for name in kept if name in words}
+    for text in context.params.get("over") or ():  # what a sweep varies
+        for values in found.keys() & {"parameters", "start"}:
+            found[values].pop(text.partition("=")[0].strip(), None)
+    return found

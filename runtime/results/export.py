@@ -47,14 +47,15 @@ def check_place(path: Path) -> None:
             f"{path}: nothing can be written in the folder {folder} ({error.strerror}). "
             f"Choose another one."
         ) from error
+    extra = _FORMATS[path.suffix].extra
     for library in _FORMATS[path.suffix].libraries:
         try:
             import_module(library)
         except ImportError as error:
             raise InputError(
                 f"{path}: writing {path.suffix} needs the library {library}, which cannot be "
-                f"imported ({error}). Run pip install 'linkwright[files]', in the checkout "
-                "pip install '.[files]', or save as .csv."
+                f"imported ({error}). Run pip install 'linkwright[{extra}]', in the checkout "
+                f"pip install '.[{extra}]', or save as .csv."
             ) from error
 
 
@@ -153,6 +154,7 @@ class _Format(NamedTuple):
 
     write: Callable[[Result, Path], None]
     libraries: tuple[str, ...] = ()  # that it needs, loaded before the time is spent on a run
+    extra: str = "files"  # that brings them
 
 
 _FORMATS = {
@@ -161,5 +163,5 @@ _FORMATS = {
     ".csv": _Format(_write_csv),
     ".parquet": _Format(_write_parquet, ("pyarrow", "pyarrow.parquet")),
     ".mat": _Format(_write_matlab, ("scipy.io",)),
-    ".html": _Format(_write_page, ("matplotlib.figure",)),
+    ".html": _Format(_write_page, ("bokeh",), "animation"),
 }

@@ -66,7 +66,7 @@ def _works(interpreter: str, wheel: Path, folder: Path) -> bool:
         _run(interpreter, "-m", "venv", place / "env", at=folder)
         programs = place / "env" / "bin"
         python, command = programs / "python", programs / "linkwright"
-        locked = ("--constraint", ROOT / "constraints.txt", f"{wheel}[files,plot]")
+        locked = ("--constraint", ROOT / "constraints.txt", f"{wheel}[files,animation]")
         _run(python, "-m", "pip", "install", "--quiet", *locked, at=folder)
         work.mkdir()
         (work / "pendulum.py").write_text(MODEL)

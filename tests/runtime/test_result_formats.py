@@ -145,7 +145,8 @@ def test_names_that_matlab_accepts() -> None:
 
 
 @pytest.mark.parametrize(
-    ("ending", "library"), [(".zarr", "zarr"), (".mat", "scipy.io"), (".nc", "netCDF4")]
+    ("ending", "library"),
+    [(".zarr", "zarr"), (".mat", "scipy.io"), (".nc", "netCDF4"), (".html", "bokeh")],
 )
 def test_a_missing_library_is_named(
     result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ending: str, library: str

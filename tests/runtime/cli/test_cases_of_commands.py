@@ -118,6 +118,10 @@ def test_reports_and_studies_take_cases(run: Callable[..., Result], place: Path)
     assert "commanded" in (place / "turn.html").read_text()
     done = run("matters", "swing.yaml", "--quantity", "bob.phi", "--rounds", "1", "--json")
     assert {row["name"] for row in facts(done)["rows"]} == {"gravity", "damper"}
+    done = run("sweep", "swing.yaml", "--over", "damping=0.1,0.2", "--quantity", "bob.phi",
+               "--out", "study.zarr", "--workers", "0", "--json")  # fmt: skip
+    assert facts(done)["outcomes"] == {"OK": 2}
+    assert facts(done)["design"]["names"] == ["damping"]
 
 
 @pytest.mark.parametrize(
