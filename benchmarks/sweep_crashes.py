@@ -99,7 +99,7 @@ def cluster(folder: Path, workers: int) -> Iterator[tuple[str, "subprocess.Popen
             time.sleep(0.05)
         program = [sys.executable, "-m", "distributed.cli.dask_worker"]
         more = ("--nthreads", "1", "--no-dashboard", "--scheduler-file", str(file))
-        command = [*program, *more, "--death-timeout", "10", "--local-directory", str(folder)]
+        command = [*program, *more, "--death-timeout", "60", "--local-directory", str(folder)]
         processes += [_service(command, log) for _ in range(workers)]
     try:
         yield json.loads(file.read_text())["address"], processes[0]

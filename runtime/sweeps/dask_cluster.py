@@ -4,7 +4,10 @@ The workers of the cluster need Linkwright in their environment, and see the fol
 and of the generated modules by the same paths.
 """
 
+import math
 import queue
+import time
+import warnings
 from typing import Any
 
 from codegen.errors import InputError, LinkwrightError
@@ -12,6 +15,7 @@ from runtime.sweeps.block import BlockReport, Job, run_block
 from runtime.sweeps.local_workers import pickled
 
 _PATIENCE = 10.0  # safety: s in which a scheduler must answer
+_LONELY = 30.0  # measured: s without a report after which a cluster is asked for its workers
 _AGAIN = 100  # safety: times that a block is given to the cluster anew, after lost workers
 
 
@@ -47,13 +51,14 @@ class ClusterWorkers:
         self.answers: queue.SimpleQueue[tuple[int, Any]] = queue.SimpleQueue()
         self.times: dict[int, int] = {}
         self.futures: dict[int, Any] = {}
+        self.seen = time.monotonic()  # when the cluster had a worker last; inf: said already
 
     def submit(self, block: int) -> None:
         """Have a block made by a worker of the cluster."""
-        time = self.times[block] = self.times.get(block, 0) + 1
+        turn = self.times[block] = self.times.get(block, 0) + 1
         future: Any = self.client.submit(
             run_pickled, self.job, block, pure=False, retries=0,
-            key=f"linkwright-{self.digest}-{block}-{time}-{id(self):x}",
+            key=f"linkwright-{self.digest}-{block}-{turn}-{id(self):x}",
         )  # fmt: skip
         self.futures[block] = future
         future.add_done_callback(lambda future: self.answers.put((block, future)))
@@ -70,6 +75,7 @@ class ClusterWorkers:
             block, future = self.answers.get(timeout=timeout)
         except queue.Empty:
             self._require_scheduler()
+            self._warn_without_workers()
             return None
         if future.status == "finished":
             report = future.result()
@@ -98,6 +104,20 @@ class ClusterWorkers:
     def _require_scheduler(self, *, lost: bool = False) -> None:
         if lost or self.client.status not in {"running", "connecting"}:
             raise LinkwrightError(f"The Dask scheduler at {self.address} does not answer any more.")
+
+    def _warn_without_workers(self) -> None:
+        """Say once that a cluster has no workers: it waits for them without a word."""
+        if time.monotonic() - self.seen < _LONELY:
+            return
+        if self.client.nthreads():
+            self.seen = time.monotonic()
+            return
+        self.seen = math.inf
+        warnings.warn(
+            f"The cluster at {self.address} has no workers; the sweep waits for them. Start some: "
+            f"dask worker {self.address} --nthreads 1.",
+            stacklevel=2,
+        )
 
     def close(self) -> None:
         """Cancel what is not done, and leave the cluster as it is."""

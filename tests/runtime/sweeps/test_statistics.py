@@ -1,6 +1,8 @@
 """Sensitivity, pictures, and the command of a sweep."""
 
 import json
+import threading
+import time
 from pathlib import Path
 from typing import Any
 
@@ -109,6 +111,32 @@ def test_the_command(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, [*words[:5], "J1=1:2", *words[6:-2], "none/s.zarr"])
     assert done.exit_code == 2
     assert done.stderr.count("error: ") == 2
+
+
+def test_a_cluster_without_workers_is_named(
+    about: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr("runtime.sweeps.dask_cluster._LONELY", 0.5)
+    cluster = distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None)
+
+    def add_a_worker() -> None:
+        while not cluster.scheduler.tasks:
+            time.sleep(0.05)
+        time.sleep(2.0)
+        cluster.scale(1)
+
+    def swept() -> Study:
+        return sweep(
+            over={"J1": [200.0, 300.0]}, out=tmp_path / "s.zarr",
+            scheduler=cluster.scheduler_address, **about,
+        )  # fmt: skip
+
+    with cluster:
+        threading.Thread(target=add_a_worker, daemon=True).start()
+        with pytest.warns(UserWarning, match="has no workers; the sweep waits for them"):
+            found = swept()
+    assert found.outcomes == {"OK": 2}
 
 
 def test_a_cluster_that_is_not_there(about: dict[str, Any], tmp_path: Path) -> None:
