@@ -194,6 +194,7 @@ class PictureArtist:
             linestyles=[pen.dashes for pen in pens],
             capstyle="round",
             joinstyle="round",
+            snap=False,  # lines and insides would be moved by different parts of a pixel
             zorder=zorder,
         )
         axes.add_collection(self.collection, autolim=False)
@@ -203,10 +204,9 @@ class PictureArtist:
         """The colour, or its mixture with the background; "none" for the empty one."""
         if not color or self.strength == 1.0:
             return color or "none"
-        pairs = [
-            (int(c[k : k + 2], 16) for c in (color, self.colors.background)) for k in (1, 3, 5)
-        ]
-        mixed = [round(self.strength * own + (1 - self.strength) * back) for own, back in pairs]
+        parts = np.array([[int(c[k : k + 2], 16) for k in (1, 3, 5)] for c in
+                          (color, self.colors.background)])  # fmt: skip
+        mixed = np.round(np.array([self.strength, 1 - self.strength]) @ parts).astype(int)
         return "#" + "".join(f"{part:02x}" for part in mixed)
 
     def _paths(self, picture: Picture, strokes: list[Painted]) -> list[Any]:

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from models.studies.film_follower import SPEED, Study, hook, study
-from models.studies.mechanism import arrow, bars, ground, mark, plate, trace
+from models.studies.mechanism import arrow, machine, mark, millimetres, trace
 from models.studies.paths import path
 
 TEAL, RED = "#00798c", "#d1495b"
@@ -24,30 +24,29 @@ def _path(runs: Study) -> Figure:
     """The path of the hook in the plane, and its height over time."""
     figure = Figure(figsize=(7.5, 4.6), layout="constrained")
     plane, time = figure.subplots(1, 2, width_ratios=(1, 1.5))
-    scale = 1e3
     places = {
         "A": ("crank", -0.0075),
         "B": ("crank", 0.0075),
         "C": ("coupler", 0),
         "D": ("rocker", 0.015),
     }
-    points = {name: scale * path(runs.turn, *place).at for name, place in places.items()}
-    tip = scale * hook(runs.turn).at
+    points = {name: path(runs.turn, *place).at for name, place in places.items()}
+    tip = hook(runs.turn).at
     trace(plane, tip, RED)
     trace(plane, points["C"], TEAL)
     for k in (80, 440):
         arrow(plane, tip[k], tip[k + 4], RED)
-    bars(plane, (points[name][0] for name in "ABCD"))
-    bars(plane, (points["B"][0], tip[0]))
-    plate(plane, (points["B"][0], points["C"][0], tip[0]))
-    ground(plane, (points["A"][0], points["D"][0]), "AD")
+    machine(plane, runs.turn, 0)
+    millimetres(plane)
+    mark(plane, points["A"][0], "A", (-12, 6))
     mark(plane, points["B"][0], "B")
+    mark(plane, points["D"][0], "D", (-3, 7))
     mark(plane, points["C"][0], "C", (7, -2))
     mark(plane, tip[0], "P", (-13, -2))
     plane.set(title="Hook P, linkage at φ₁ = 0", xlabel="x, mm", ylabel="y, mm", aspect="equal")
     plane.margins(0.1)
-    time.plot(runs.turn.t, tip.imag, color=RED, label="y of P")
-    time.plot(runs.turn.t, tip.real, color=RED, linestyle="--", label="x of P")
+    time.plot(runs.turn.t, 1e3 * tip.imag, color=RED, label="y of P")
+    time.plot(runs.turn.t, 1e3 * tip.real, color=RED, linestyle="--", label="x of P")
     time.set(title="One turn at 2π rad/s", xlabel="t, s", ylabel="mm", xlim=(0, 1))
     time.legend(loc="center right")
     return figure

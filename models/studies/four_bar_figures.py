@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from models.studies.four_bar import SHORT, SPEED, Study, study, tracer
-from models.studies.mechanism import bars, ground, mark, trace
+from models.studies.mechanism import machine, mark, trace
 from models.studies.paths import ComplexArray, path
 from runtime import Result
 
@@ -36,11 +36,10 @@ def _curve(runs: Study) -> Figure:
     trace(plane, curve, RED, "path of P")
     for degrees in (180, 270, 90):
         k = 2 * degrees
-        bars(plane, [*(joint[k] for joint in joints)], faint=degrees != 90)
-        bars(plane, [joints[1][k], curve[k]], faint=degrees != 90)
+        machine(plane, runs.turn, k, faint=degrees != 90)
     k = 180
-    ground(plane, (joints[0][k], joints[3][k]), "AD")
-    for name, point in (("B", joints[1][k]), ("C", joints[2][k]), ("P", curve[k])):
+    points = zip("ABCDP", (*(joint[k] for joint in joints), curve[k]), strict=True)
+    for name, point in points:
         mark(plane, point, name, (7, -10) if name == "C" else (6, 4))
     plane.set(
         title="Coupler curve; φ₁ = 90°, 180°, 270°", xlabel="x, m", ylabel="y, m", aspect="equal"
@@ -88,13 +87,12 @@ def _lock_up(runs: Study) -> Figure:
     plane, rates = figure.subplots(1, 2, width_ratios=(1.1, 1))
     run = runs.locked
     joints = _joints(run)
-    bars(plane, [joint[0] for joint in joints], faint=True)
-    bars(plane, [joint[-1] for joint in joints])
+    machine(plane, run, 0, faint=True)
+    machine(plane, run, -1)
     trace(plane, joints[1], TEAL, "B")
     trace(plane, joints[2], RED, "C")
-    ground(plane, (joints[0][-1], joints[3][-1]), "AD")
-    mark(plane, joints[1][-1], "B", (-12, 4))
-    mark(plane, joints[2][-1], "C", (2, 7))
+    for name, joint in zip("ABCD", joints, strict=True):
+        mark(plane, joint[-1], name, (-12, 6) if name == "B" else (4, 7))
     end = np.degrees(run.q("crank.phi")[-1])
     plane.set(
         title=f"BC = CD = {SHORT:g} m: locked at φ₁ = {end:.4f}°",

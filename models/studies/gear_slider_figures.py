@@ -17,8 +17,7 @@ from models.studies.gear_slider import (
     Study,
     study,
 )
-from models.studies.gearing import block, gear, ring
-from models.studies.mechanism import GROUND, bars, ground, mark, trace
+from models.studies.mechanism import machine, mark, millimetres, trace
 from models.studies.paths import path
 from runtime import Result
 
@@ -41,44 +40,28 @@ def _machines(runs: Study) -> Figure:
     _train(left, runs.moved["train"], 1260)
     _planetary(right, runs.moved["planetary"], 180)
     for axes in (left, right):
-        axes.margins(0.04)
+        millimetres(axes)
     left.set(title="The train", xlabel="x, mm", ylabel="y, mm", aspect="equal")
     right.set(title="The planetary gear", xlabel="x, mm", aspect="equal")
     return figure
 
 
 def _train(axes: Axes, run: Result, k: int) -> None:
-    A, B, P, C = (
-        1e3 * path(run, body, place).at[k]
-        for body, place in (("pinion", 0), ("wheel", 0), ("wheel", CRANK), ("rod", ROD / 2))
-    )
-    # On the line of centres, at φ = 0, the pinion has a tooth and the wheel a gap.
-    gear(axes, A, 50, 20, run.q("pinion.phi")[k] - np.pi / 2)
-    gear(axes, B, 100, 40, run.q("wheel.phi")[k] + np.pi / 2 + np.pi / 40)
-    trace(axes, 1e3 * path(run, "wheel", CRANK).at, RED)
-    trace(axes, 1e3 * path(run, "slider").at, TEAL)
-    axes.axhline(1e3 * OFFSET, color=GROUND, linewidth=0.6, linestyle=":", zorder=1)
-    block(axes, C, 40, 26)
-    bars(axes, (B, P, C))
-    ground(axes, (A, B), "AB")
-    mark(axes, P, "P", (4, 6))
-    mark(axes, C, "C", (-3, 14))
+    places = {"A": ("pinion", 0), "B": ("wheel", 0), "P": ("wheel", CRANK), "C": ("rod", ROD / 2)}
+    machine(axes, run, k)
+    trace(axes, path(run, "wheel", CRANK).at, RED)
+    trace(axes, path(run, "slider").at, TEAL)
+    axes.axhline(OFFSET, color="#202a33", linewidth=0.6, linestyle=":", zorder=1)
+    for name, place in places.items():
+        mark(axes, path(run, *place).at[k], name, (-3, 14) if name == "C" else (6, 6))
 
 
 def _planetary(axes: Axes, run: Result, k: int) -> None:
-    middle, centre, C = (
-        1e3 * path(run, body, place).at[k]
-        for body, place in (("carrier", -PLANET / 2), ("planet", 0), ("planet", PLANET))
-    )
-    # At φ = 0 planet and ring touch on the x axis: a tooth in a gap.
-    ring(axes, middle, 120, 40, 0.0)
-    gear(axes, centre, 60, 20, run.q("planet.phi")[k])
-    trace(axes, 1e3 * path(run, "planet", PLANET).at, TEAL)
-    trace(axes, 1e3 * path(run, "planet").at, RED)
-    block(axes, C, 24, 16)
-    bars(axes, (middle, centre, C))
-    ground(axes, (middle,), "O")
-    mark(axes, C, "C", (6, 8))
+    machine(axes, run, k)
+    trace(axes, path(run, "planet", PLANET).at, TEAL)
+    trace(axes, path(run, "planet").at, RED)
+    mark(axes, path(run, "carrier", -PLANET / 2).at[k], "O", (-14, 6))
+    mark(axes, path(run, "planet", PLANET).at[k], "C", (6, 8))
 
 
 def _motion(runs: Study) -> Figure:

@@ -1,36 +1,35 @@
-"""A mechanism of straight bars drawn in its plane."""
-
-from collections.abc import Iterable
+"""A machine on the axes of a study's figure, as all pictures draw it, with points and paths."""
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter
 
+from codegen.drawing.figure import PictureArtist
 from models.studies.paths import ComplexArray
+from runtime import Result
+from runtime.show.movie import frames_of
+from runtime.show.pictures import pictures
 
-BAR, GROUND = "#5f6b76", "#202a33"
-
-
-def bars(axes: Axes, points: Iterable[complex], faint: bool = False) -> None:
-    """Bars from joint to joint, the joints as circles."""
-    line = np.array(list(points), dtype=np.complex128)
-    axes.plot(
-        line.real, line.imag, "o-", color=BAR, markersize=4, markerfacecolor="white",
-        linewidth=1.0 if faint else 2.0, alpha=0.45 if faint else 1.0, zorder=3,
-    )  # fmt: skip
+PALE = 0.35  # strength of the colours of positions beside the one that is meant
 
 
-def plate(axes: Axes, corners: Iterable[complex]) -> None:
-    """A body with more than two points, as a filled outline."""
-    line = np.array(list(corners), dtype=np.complex128)
-    axes.fill(line.real, line.imag, facecolor=BAR, alpha=0.18, edgecolor="none", zorder=2)
+def machine(axes: Axes, run: Result, k: int, faint: bool = False) -> None:
+    """The machine at the instant `t[k]` of a run, in m; faint without its ground."""
+    shown = pictures(run)
+    frame = frames_of(shown)[k]
+    artist = PictureArtist(frame, shown.poses, gaps=False)
+    if faint:
+        artist.strength = PALE
+        artist.rigid = tuple(s for s in artist.rigid if not frame.bodies[s.body].fixed)
+    artist.add_to(axes, frame, 1.5 if faint else 2.0)
+    axes.update_datalim(np.array(artist.bounds(frame)))
+    axes.autoscale_view()
 
 
-def ground(axes: Axes, points: Iterable[complex], names: Iterable[str]) -> None:
-    """Joints on the ground, as triangles with their names below."""
-    for point, name in zip(points, names, strict=True):
-        axes.plot(point.real, point.imag, "^", color=GROUND, markersize=8, zorder=4)
-        axes.annotate(name, (point.real, point.imag), (0, -14), textcoords="offset points",
-                      ha="center", va="top")  # fmt: skip
+def millimetres(axes: Axes) -> None:
+    """Number both axes, which are in m, in mm."""
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{1e3 * value:g}"))
 
 
 def mark(axes: Axes, point: complex, name: str, shift: tuple[float, float] = (6, 4)) -> None:

@@ -3,18 +3,14 @@
 from collections.abc import Iterator
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.studies.gearing import gear, rack
-from models.studies.mechanism import BAR, bars, ground, mark, trace
+from models.studies.mechanism import machine, mark, millimetres, trace
 from models.studies.paths import path
-from models.studies.rack_and_pinion import DEAD, HALF, MODELS, TORQUE, D, R, Study, study
-from runtime import Result
+from models.studies.rack_and_pinion import DEAD, HALF, MODELS, TORQUE, D, Study, study
 
 TEAL, RED, BLUE = "#00798c", "#d1495b", "#30638e"
 COLOURS = {"": TEAL, "_massless_coupler": RED}
-TEETH = 20
 
 
 def figures() -> Iterator[tuple[str, Figure]]:
@@ -31,35 +27,17 @@ def _models(runs: Study) -> Figure:
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     for axes, (ending, run) in zip(panels, runs.swung.items(), strict=True):
         for k in (360, 1080):
-            _machine(axes, run, k, faint=True)
-        _machine(axes, run, 0)
-        trace(axes, 1e3 * path(run, "rack", HALF).at, COLOURS[ending])
-        ground(axes, (0, 1e3 * D), ("", "D"))
-        mark(axes, 0, "O", (-3, 6))
-        mark(axes, 1e3 * path(run, "rack", HALF).at[0], "C", (-3, 7))
+            machine(axes, run, k, faint=True)
+        machine(axes, run, 0)
+        millimetres(axes)
+        trace(axes, path(run, "rack", HALF).at, COLOURS[ending])
+        mark(axes, D, "D", (6, 4))
+        mark(axes, 0, "O", (-3, 7))
+        mark(axes, path(run, "rack", HALF).at[0], "C", (-3, 7))
         axes.set(xlabel="x, mm", aspect="equal")
     panels[0].set(title="Model 1: the coupler a body", ylabel="y, mm")
     panels[1].set(title="Model 2: a revolute-revolute joint")
     return figure
-
-
-def _machine(axes: Axes, run: Result, k: int, faint: bool = False) -> None:
-    """The machine at instant k, in mm; the massless link dashed."""
-    middle, end = (1e3 * path(run, "rack", place).at[k] for place in (0, HALF))
-    # Over the rack's middle, where the pinion is at φ = 0, a tooth points down.
-    if not faint:
-        turned = run.q("pinion.phi")[k] - np.pi / 2
-        gear(axes, 0, 1e3 * R, TEETH, turned)
-    module = 2e3 * R / TEETH
-    rack(axes, middle, 1e3 * HALF, module, run.q("rack.phi")[k], faint)
-    if "coupler.phi" in run.description.coordinates.names:
-        bars(axes, (end, 1e3 * D), faint)
-    else:
-        line = np.array([end, 1e3 * D])
-        axes.plot(
-            line.real, line.imag, "o--", color=BAR, markersize=4, markerfacecolor="white",
-            linewidth=0.8 if faint else 1.2, alpha=0.45 if faint else 1.0, zorder=3,
-        )  # fmt: skip
 
 
 def _driven(runs: Study) -> Figure:

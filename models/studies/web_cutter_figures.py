@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.figure import Figure
 
-from models.studies.mechanism import arrow, bars, ground, mark, plate, trace
+from models.studies.mechanism import arrow, machine, mark, millimetres, trace
 from models.studies.paths import path
 from models.studies.web_cutter import SPEED, Study, cut, cuts, study, tips
 
@@ -28,7 +28,7 @@ def _paths(runs: Study) -> Figure:
     run = runs.turn
     k = int(np.argmin(np.abs(SPEED * run.t - cut()[1])))
     A, B, C, D = (
-        1e3 * path(run, body, place).at[k]
+        path(run, body, place).at[k]
         for body, place in (
             ("crank", -0.02),
             ("crank", 0.02),
@@ -36,18 +36,17 @@ def _paths(runs: Study) -> Figure:
             ("rocker", 0.26 - 0.07j),
         )
     )
-    upper, lower = (1e3 * tip.at for tip in tips(run))
-    plate(plane, (B, C, upper[k]))
-    plate(plane, (D, C, lower[k]))
-    bars(plane, (A, B, C, D))
-    ground(plane, (A, D), "AD")
-    mark(plane, B, "B")
+    upper, lower = (tip.at for tip in tips(run))
+    machine(plane, run, k)
+    mark(plane, A, "A", (-12, 6))
+    mark(plane, B, "B", (7, 6))
+    mark(plane, D, "D", (7, 4))
     mark(plane, C, "C", (4, 6))
     for axes in (plane, close):
+        millimetres(axes)
         trace(axes, upper, RED, "upper knife")
         trace(axes, lower, BLUE, "lower knife")
     plane.set(title="Tips meeting, φ₁ = 102.9°", xlabel="x, mm", ylabel="y, mm", aspect="equal")
-    plane.set(ylim=(-90, 360))
     for tip, colour in ((upper, RED), (lower, BLUE)):
         close.plot(tip[k].real, tip[k].imag, "o", color=colour, markersize=4)
         arrow(close, tip[k + 300], tip[k + 310], colour)

@@ -51,6 +51,10 @@ class ReachedAccuracy:
     means: str  # the evidence for the estimate, in a sentence
     seconds: float  # processor time of all integrations
 
+    def __repr__(self) -> str:
+        """Error, evidence and cost, a line each; `facts` has every number."""
+        return "\n  ".join(self.sentences())
+
     @property
     def reached(self) -> bool:
         """Whether the target is met at all output instants."""

@@ -34,6 +34,14 @@ def test_equilibrium(pendulum: Machine) -> None:
     assert "natural frequencies 0.445861 Hz" in rest._repr_html_()
 
 
+def test_reached_accuracy(pendulum: Machine) -> None:
+    run = pendulum.simulate(0.5, accuracy=1e-4, start={"bar.phi": 0.25})
+    lines = repr(run.accuracy).splitlines()
+    assert lines[0].startswith("Global error estimated as about ")
+    assert lines[1].startswith("  Estimated from the difference of two runs, ")
+    assert lines[2].startswith("  Cost: ")
+
+
 def test_assembly(pendulum: Machine) -> None:
     state = pendulum.assemble(start={"bar.phi": 0.25})
     lines = repr(state).splitlines()

@@ -5,10 +5,11 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.collections import PathCollection
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from codegen.drawing.colors import DARK
-from codegen.drawing.figure import figure
+from codegen.drawing.colors import DARK, LIGHT
+from codegen.drawing.figure import PictureArtist, figure
 from codegen.drawing.label_placement import Label, place_labels, samples
 from codegen.drawing.names import engineering
 from codegen.drawing.picture import Picture, Symbol
@@ -87,6 +88,16 @@ def test_the_dark_theme_has_a_dark_ground() -> None:
     drawn = figure(slider_crank(), colors=DARK)
     assert drawn.get_facecolor()[0] < 0.2
     assert texts(drawn)["A"].get_color() == DARK.ink
+
+
+def test_pale_colours_are_mixed_with_the_background() -> None:
+    drawn = slider_crank()
+    artist = PictureArtist(drawn)
+    artist.strength = 0.25
+    axes = Figure().add_subplot()
+    edges = artist.add_to(axes, drawn).get_edgecolors()
+    wanted = 1 - 0.25 * (1 - np.array(to_rgb(LIGHT.line(0))))
+    assert np.abs(edges[:, :3] - wanted).max(axis=1).min() < 0.003
 
 
 def test_labels_keep_off_lines_and_each_other() -> None:
