@@ -55,7 +55,7 @@ def save_figure(figure: "Figure", target: Path | io.StringIO) -> None:
     """Write .png or .svg; the .svg of one figure has the same bytes every time."""
     import matplotlib as mpl
 
-    svg = isinstance(target, io.StringIO) or target.suffix == ".svg"
+    svg = isinstance(target, io.StringIO) or target.suffix.lower() == ".svg"
     options: dict[str, Any] = {"format": "svg", "metadata": {"Date": None}} if svg else {}
     with mpl.rc_context({"svg.hashsalt": "linkwright", "svg.fonttype": "none"}):
         figure.savefig(target, **options)
@@ -82,4 +82,4 @@ def html_page(title: str, parts: Iterable[str]) -> str:
 def check_parent(path: Path) -> None:
     """Refuse a place for a picture whose folder does not exist."""
     if not path.resolve().parent.is_dir():
-        raise InputError(f"--out {path}: the folder {path.resolve().parent} does not exist.")
+        raise InputError(f"{path}: the folder {path.resolve().parent} does not exist.")

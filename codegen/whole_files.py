@@ -113,7 +113,7 @@ def require_replaceable(path: Path, mark: str, kind: type[InputError] = InputErr
 def _advice(path: Path, error: OSError) -> str:
     folder = path.resolve().parent
     if error.errno not in _FULL or not folder.is_dir():
-        return "Choose another folder with --out, or make this one writable."
+        return "Choose another folder, or make this one writable."
     free = shutil.disk_usage(folder).free >> 10
     return (
         f"There are {free} KiB free in {folder}: free some space, or choose a place on another "

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from codegen.drawing.colors import LIGHT, Palette
+from codegen.drawing.moved_places import place_shifts, shifted
 from codegen.drawing.moving_strokes import moving_strokes
 from codegen.drawing.names import draw_dimensions, draw_names, draw_scale
 from codegen.drawing.outlines import complete_picture
@@ -153,6 +154,7 @@ class PictureArtist:
         gaps: bool = True,
     ) -> None:  # fmt: skip
         self.gaps = gaps
+        self.first = picture
         self.rigid = rigid_strokes(picture, motion)
         self.signs: tuple[Stroke, ...] = ()
         self.colors = colors
@@ -161,7 +163,8 @@ class PictureArtist:
 
     def _painted(self, picture: Picture) -> list[Painted]:
         moving = [s for s in moving_strokes(picture) if self.gaps or s.style != "gap"]
-        return painted(picture, (*self.rigid, *moving, *self.signs), self.colors)
+        rigid = shifted(self.rigid, place_shifts(self.first, picture))
+        return painted(picture, (*rigid, *moving, *self.signs), self.colors)
 
     def global_lines(self, picture: Picture) -> list[FloatArray]:
         """All visible lines in the global frame, (k, 2) each, m."""

@@ -61,7 +61,7 @@ class MovieFigure:
         motion = np.array([frame.poses for frame in frames])
         self.colors = colors
         self.motion = motion
-        self.artists: dict[tuple[int, ...], PictureArtist] = {}
+        self.artists: dict[tuple[tuple[str, str], ...], PictureArtist] = {}
         low, high = view(frames, self._artist_of(first))
         inches, fractions = _shape(width / DPI, (high - low)[1] / (high - low)[0])
         self.figure = new_figure("movie", *inches, facecolor=colors.background)
@@ -87,7 +87,7 @@ class MovieFigure:
 
     def _artist_of(self, frame: Frame) -> PictureArtist:
         """The artist of frames with these symbols."""
-        key = tuple(id(symbol.shape) for symbol in frame.symbols)
+        key = tuple((symbol.element, symbol.shape.kind) for symbol in frame.symbols)
         if key not in self.artists:
             self.artists[key] = PictureArtist(frame, self.motion, self.colors, gaps=False)
         return self.artists[key]

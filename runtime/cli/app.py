@@ -33,6 +33,7 @@ from runtime.cli.common import (
     option,
 )
 from runtime.cli.run_options import refuse_run_options, with_run_options, words
+from runtime.show.file_endings import is_page
 
 if TYPE_CHECKING:
     from runtime.machine_facade import Machine
@@ -122,7 +123,7 @@ def report(
         given = {"t_eval": points, **words(run, values)}
         return machine.simulate(t_end, t_start=t_start, **given)
 
-    if out.suffix != ".html":
+    if not is_page(out):
         common.refuse((f"{out}: a report is an .html page. Change the ending.",), 2, as_json)
     _run(analyse, model, scene, settings, guess, generated, out, as_json, start)
 

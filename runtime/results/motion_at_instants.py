@@ -98,8 +98,8 @@ def for_curves(result: "Result") -> "Result":
     return resampled(result, Sampling())
 
 
-def resampled(result: "Result", how: Sampling) -> "Result":
-    """A result with evenly spaced instants, its own ones, and both sides of its events.
+def resampled(result: "Result", how: Sampling, besides: FloatArray | None = None) -> "Result":
+    """A result with evenly spaced instants, its own ones, both sides of its events, and `besides`.
 
     Where the run took long it is the result itself, since its motion takes as long again.
     """
@@ -112,6 +112,8 @@ def resampled(result: "Result", how: Sampling) -> "Result":
     events = events[: 0 if len(events) > how.events else None]
     own = result.t if count <= how.most else result.t[:0]
     between = np.union1d(np.linspace(first, last, points), own)
+    if besides is not None:
+        between = np.union1d(between, besides)
     sides = [_on_side(result, motion, events, side) for side in ("before", "after")]
     moved = np.concatenate([between, *sides])
     order = np.argsort(moved, kind="stable")

@@ -334,7 +334,9 @@ class Result(TimeSeries):
             If there is no motion, the file cannot be written, or bokeh, Matplotlib or ffmpeg is
             not installed.
         """
-        if file is not None and Path(file).suffix.lower() not in ("", ".html", ".htm"):
+        from runtime.show.file_endings import is_page
+
+        if file is not None and Path(file).suffix and not is_page(Path(file)):
             from runtime.show.movie import save_movie
 
             return save_movie(

@@ -17,16 +17,18 @@ from codegen.errors import InputError
 from codegen.figures_and_html import save_figure
 from codegen.whole_files import whole_file
 from runtime.progress_bar import bar
+from runtime.show.file_endings import MOVIES
 from runtime.show.pictures import Pictures, pictures
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
 
-ENDINGS = (".mp4", ".gif", ".svg")
 FRAMES_A_SECOND, WIDTH, PHASES = 30, 960, 6  # layout: of a movie, in 1/s and pixels; of a figure
 SHORTEST, LONGEST, USUAL = 2.0, 60.0, 10.0  # layout: s, of movies that run as fast as the machine
 MOST_FRAMES = 20_000  # safety: a longer movie is more likely a wrong speed than wanted
 GIF_RATE = 50  # layout: most frames a second that viewers of .gif show
+_GIF_TICKS = 100  # layout: of a second, in which a .gif counts how long a frame stays
+_GIF_BYTES = 2 * 1024**3  # safety: memory for the frames of a .gif, which is written at the end
 _INSTALL = "pip install 'linkwright[movie]', in the checkout pip install '.[movie]'"
 
 Paint = Callable[[npt.NDArray[np.uint8]], None]
@@ -75,7 +77,7 @@ def save_movie(
     """
     first, last = _span(result, span)
     ending = file.suffix.lower()
-    rate = frames_per_second or FRAMES_A_SECOND
+    rate: float = frames_per_second or FRAMES_A_SECOND
     wide = width or WIDTH
     problems = _problems(result, file, (first, last))
     if problems:
@@ -86,19 +88,25 @@ def save_movie(
             save_figure(phase_figure(frames_of(pictures(result.at(instants)))), target)
         return file
     if ending == ".gif":
-        rate = min(rate, GIF_RATE)
+        rate = gif_rate(rate)
     pace = speed or usual_speed(last - first)
     count = max(2, round((last - first) / pace * rate) + 1)
     if count > MOST_FRAMES:
         raise InputError(
             f"{file.name}: {count} frames, from {first:.6g} s to {last:.6g} s at speed={pace:.6g} "
-            f"and {rate} frames a second; the most are {MOST_FRAMES}. Give a higher speed=, or a "
-            "shorter span=."
+            f"and {rate:.4g} frames a second; the most are {MOST_FRAMES}. Give a higher speed=, or "
+            "a shorter span=."
         )
     instants = np.linspace(first, last, count)
     drawn = frames_of(pictures(result.at(instants)))
     movie = MovieFigure(drawn, wide)
     writer = _video if ending == ".mp4" else _gif
+    if ending == ".gif" and count * movie.size[0] * movie.size[1] > _GIF_BYTES:
+        raise InputError(
+            f"{file.name}: {count} frames of {movie.size[0]} by {movie.size[1]} pixels are more "
+            f"than the {_GIF_BYTES >> 20} MiB that a .gif may take of the memory. Give a smaller "
+            "width=, a lower frames_per_second=, a higher speed=, or write an .mp4."
+        )
     with (
         bar(f"drawing {file.name}", progress) as report,
         whole_file(file) as target,
@@ -113,6 +121,14 @@ def save_movie(
 def usual_speed(duration: float) -> float:
     """Seconds of the machine in a second of a movie, for a motion that takes `duration`, s."""
     return 1.0 if SHORTEST <= duration <= LONGEST else duration / USUAL
+
+
+def gif_rate(rate: float) -> float:
+    """The frames a second nearest to a wanted rate that a .gif can have: 100 over a whole number.
+
+    It counts in hundredths of a second, and viewers slow frames of less than two down.
+    """
+    return _GIF_TICKS / max(round(_GIF_TICKS / rate), _GIF_TICKS // GIF_RATE)
 
 
 def _clock(t: float, speed: float) -> str:
@@ -132,8 +148,8 @@ def _problems(result: "Result", file: Path, span: tuple[float, float]) -> list[s
     problems = []
     if file.suffix.lower() == ".mp4":
         ffmpeg()  # before all that takes time
-    if file.suffix.lower() not in ENDINGS:
-        problems.append(f"{file.name}: a movie ends in {', '.join(ENDINGS)}, a page in .html.")
+    if file.suffix.lower() not in MOVIES:
+        problems.append(f"{file.name}: a movie ends in {', '.join(MOVIES)}, a page in .html.")
     if not span[1] > span[0]:
         title = result.description.title
         problems.append(
@@ -147,23 +163,25 @@ def frames_of(shown: Pictures) -> list[Picture]:
     """The picture of each instant, with the symbols that act there."""
     kept: dict[frozenset[int], Picture] = {}
     frames = []
-    for t, poses in zip(shown.t, shown.poses, strict=True):
+    for k, (t, poses) in enumerate(zip(shown.t, shown.poses, strict=True)):
         inactive = frozenset(
-            k
-            for k, spans in shown.active.items()
+            number
+            for number, spans in shown.active.items()
             if not any(first <= t < last for first, last in spans)
         )
-        base = kept.setdefault(inactive, without(shown.picture, set(inactive)))
+        base = without(shown.at(k), set(inactive)) if shown.moving else None
+        if base is None:
+            base = kept.setdefault(inactive, without(shown.picture, set(inactive)))
         frames.append(replace(base, poses=poses))
     return frames
 
 
 @contextmanager
-def _video(target: Path, size: tuple[int, int], rate: int) -> Iterator[Paint]:
+def _video(target: Path, size: tuple[int, int], rate: float) -> Iterator[Paint]:
     """A file of H.264, whose frames ffmpeg takes from a pipe."""
     command = [
         ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba",
-        "-s", f"{size[0]}x{size[1]}", "-r", str(rate), "-i", "-", "-an",
+        "-s", f"{size[0]}x{size[1]}", "-r", f"{rate:g}", "-i", "-", "-an",
         "-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p",
         "-movflags", "+faststart", str(target),
     ]  # fmt: skip
@@ -203,7 +221,7 @@ def ffmpeg() -> str:
 
 
 @contextmanager
-def _gif(target: Path, size: tuple[int, int], rate: int) -> Iterator[Paint]:
+def _gif(target: Path, size: tuple[int, int], rate: float) -> Iterator[Paint]:
     """A .gif with the colours of its first frame."""
     from PIL import Image
 
@@ -218,4 +236,4 @@ def _gif(target: Path, size: tuple[int, int], rate: int) -> Iterator[Paint]:
 
     yield paint
     frames[0].save(target, save_all=True, append_images=frames[1:], loop=0, optimize=False,
-                   duration=1000 / rate)  # fmt: skip
+                   duration=round(1000 / rate))  # fmt: skip

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from codegen.drawing.moved_places import with_numbers
 from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture, Symbol
 from codegen.errors import InputError
@@ -46,6 +47,19 @@ class Pictures:
     moving: dict[tuple[int, str], FloatArray]
     active: dict[int, tuple[tuple[float, float], ...]]
 
+    def at(self, instant: int) -> Picture:
+        """The picture of an instant, with the numbers that its shapes have there."""
+        changed: dict[int, dict[str, float]] = {}
+        for (number, path), values in self.moving.items():
+            changed.setdefault(number, {})[path] = float(values[instant])
+        symbols = tuple(
+            replace(symbol, shape=with_numbers(symbol.shape, changed[k]))
+            if k in changed
+            else symbol
+            for k, symbol in enumerate(self.picture.symbols)
+        )
+        return replace(self.picture, poses=self.poses[instant], symbols=symbols)
+
 
 def pictures(result: "Result") -> Pictures:
     """The pictures of a result at its instants.
@@ -65,11 +79,14 @@ def pictures(result: "Result") -> Pictures:
     first = found[0].layout.picture(found[0].numbers[0], found[0].curves)
     poses = np.concatenate([one.layout.poses(one.numbers) for one in found])
     known, numbers, active = _joined(found, spans, result.t)
-    moving = {
-        key: values for key, values in numbers.items() if np.ptp(values[~np.isnan(values)]) > 0.0
-    }
+    moving = {key: values for key, values in numbers.items() if _varies(values)}
     picture = complete_picture(replace(first, symbols=known), poses)
     return Pictures(result.t, picture, poses, moving, active)
+
+
+def _varies(values: FloatArray) -> bool:
+    known = values[~np.isnan(values)]
+    return len(known) > 0 and float(np.ptp(known)) > 0.0
 
 
 def _spans(result: "Result", mechanism: Mechanism) -> list[tuple[Mechanism, slice]]:

@@ -10,19 +10,21 @@ from codegen import argument_readers as readers
 from codegen.errors import InputError
 from codegen.public_callables import checked_class
 from codegen.whole_files import whole_file
-from runtime.show.animation.happenings import happenings
+from runtime.show.animation.curve_panels import require_bokeh
+from runtime.show.animation.event_marks import event_marks
 from runtime.show.animation.instants import animated
 from runtime.show.animation.page_text import framed, page_text
 from runtime.show.animation.payload import Arrays, block
 from runtime.show.animation.quantities import curves
 from runtime.show.animation.scenery import scenery
+from runtime.show.file_endings import is_movie, is_page
 from runtime.show.pictures import pictures
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
 
 _HEIGHT = 720  # layout: of the frame in a notebook, px
-MOST_RUNS = 6  # layout: runs beside each other
+MAX_RUNS = 6  # layout: runs beside each other
 
 
 @checked_class
@@ -61,8 +63,9 @@ class Animation:
         ]
         has_curves = any(len(result.t) > 1 for result in self._results)
         return page_text(
-            self.title, block({"runs": runs}, arrays), self._below, has_curves=has_curves
-        )
+            self.title, block({"runs": runs}, arrays), self._below,
+            has_curves=has_curves, runs=len(runs),
+        )  # fmt: skip
 
     @readers.reads(path=readers.path)
     def save(self, path: str | os.PathLike[str]) -> Path:
@@ -71,7 +74,7 @@ class Animation:
         Parameters
         ----------
         path
-            Ending in .html; a file of that name is replaced.
+            Ending in .html or .htm; a file of that name is replaced.
 
         Raises
         ------
@@ -79,7 +82,7 @@ class Animation:
             If the ending is another one, the folder does not exist or cannot be written.
         """
         place = Path(path)
-        if place.suffix != ".html":
+        if not is_page(place):
             raise InputError(
                 f"{place}: an animation is saved as .html, not as "
                 f"{place.suffix or 'a file without ending'!r}. Change the ending."
@@ -137,10 +140,15 @@ def animate(
     """
     runs = tuple(results)
     problems = []
-    if not 0 < len(runs) <= MOST_RUNS:
-        problems.append(f"animate: {len(runs)} runs; it shows 1 to {MOST_RUNS}.")
+    if not 0 < len(runs) <= MAX_RUNS:
+        problems.append(f"animate: {len(runs)} runs; it shows 1 to {MAX_RUNS}.")
     if labels and len(labels) != len(runs):
         problems.append(f"animate: {len(labels)} labels for {len(runs)} runs; give one each.")
+    if file is not None and is_movie(Path(file)):
+        problems.append(
+            f"animate: {Path(file).name} is a movie, which shows one run; write it by "
+            f"RESULT.animate(file={Path(file).name!r}). Runs beside each other are an .html page."
+        )
     problems += [
         f"animate: run {k + 1}, {run.description.title}, has no instants ({run.message})"
         for k, run in enumerate(runs)
@@ -148,6 +156,8 @@ def animate(
     ]
     if problems:
         raise InputError(problems)
+    if any(len(run.t) > 1 for run in runs):
+        require_bokeh()
     shown = Animation(runs, labels)
     if file is not None:
         shown.save(file)
@@ -193,6 +203,6 @@ def _run_data(result: "Result", label: str, arrays: Arrays) -> dict[str, Any]:
         "t": arrays.add_exactly(shown.t),
         "series": series,
         "groups": groups,
-        "events": happenings(result),
+        "events": event_marks(result),
         **scenery(pictures(shown), arrays),
     }

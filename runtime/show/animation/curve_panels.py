@@ -2,7 +2,9 @@
 
 import json
 import re
+import sys
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -10,19 +12,31 @@ from codegen.errors import InputError
 from runtime.show.animation.payload import compressed
 
 PANELS = 4  # layout: panels of curves in a page
-LINES = 12  # layout: curves in a panel, over all runs
+MAX_LINES = 6  # layout: curves of a run in a panel
 _HEIGHT = 140  # layout: of a panel, px
 _IDENTITIES = re.compile(r'"(p\d+|[0-9a-f]{8}-[0-9a-f-]{27})"')
 
 
-def _bokeh() -> Any:
-    try:
-        import bokeh
-    except ImportError as error:
+def require_bokeh() -> None:
+    """Refuse to go on without Bokeh, which is looked for and not loaded.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    absent = "bokeh" in sys.modules and sys.modules["bokeh"] is None
+    if absent or find_spec("bokeh") is None:
         raise InputError(
             "An animation needs bokeh, which is not installed. Run pip install "
             "'linkwright[animation]', in the checkout pip install '.[animation]'."
-        ) from error
+        )
+
+
+def _bokeh() -> Any:
+    require_bokeh()
+    import bokeh
+
     return bokeh
 
 
@@ -34,7 +48,7 @@ def library() -> str:
 
 
 @cache
-def panels() -> str:
+def panels(runs: int = 1) -> str:
     """All panels as JSON: the document of Bokeh, and which root is drawn in which element."""
     _bokeh()
     from bokeh.document import Document
@@ -42,7 +56,10 @@ def panels() -> str:
     from bokeh.models import DataRange1d, Range1d
 
     span = Range1d(start=0.0, end=1.0, name="span")
-    figures = [_panel(number, span, DataRange1d(only_visible=True)) for number in range(PANELS)]
+    figures = [
+        _panel(number, span, DataRange1d(only_visible=True), MAX_LINES * runs)
+        for number in range(PANELS)
+    ]
     document = Document()
     for figure in figures:
         document.add_root(figure)
@@ -54,7 +71,7 @@ def panels() -> str:
     return _IDENTITIES.sub(lambda m: f'"p{known.setdefault(m[1], str(len(known) + 1))}"', text)
 
 
-def _panel(number: int, span: Any, values: Any) -> Any:
+def _panel(number: int, span: Any, values: Any, lines: int) -> Any:
     from bokeh.models import BasicTicker, BasicTickFormatter, ColumnDataSource
     from bokeh.plotting import figure
 
@@ -69,7 +86,7 @@ def _panel(number: int, span: Any, values: Any) -> Any:
     panel.yaxis.ticker = BasicTicker(desired_num_ticks=4)
     panel.toolbar.logo = None
     panel.toolbar.autohide = True
-    for _ in range(LINES):
+    for _ in range(lines):
         panel.line(
             "t", "y", source=ColumnDataSource({"t": [0.0, 1.0], "y": [0.0, 1.0]}), line_width=1.6
         )

@@ -10,9 +10,9 @@ from runtime.show.animation.curve_panels import PANELS, library, panels
 
 _FOLDER = Path(__file__).parent / "page"
 SCRIPTS = (
-    "data", "poses", "signs", "springs", "symbols", "strokes", "scene", "arrows", "traces",
-    "flashes", "names", "camera", "stage", "clock", "timeline", "curves", "state_text", "controls",
-    "keys", "main",
+    "data", "poses", "signs", "springs", "symbols", "strokes", "scene", "labels", "arrows",
+    "traces", "flashes", "names", "camera", "stage", "clock", "timeline", "curves", "state_text",
+    "controls", "keys", "surroundings", "main",
 )  # fmt: skip
 """The modules of the script, each after those that it imports."""
 _IMPORT = re.compile(r'^import (\{[^}]*\}) from "\./(\w+)\.js";$', re.MULTILINE)
@@ -58,7 +58,9 @@ def _colors(palette: Palette) -> str:
     return " ".join(f"--{name}: {color};" for name, color in words.items())
 
 
-def page_text(title: str, data: str, below: str = "", *, has_curves: bool = True) -> str:
+def page_text(
+    title: str, data: str, below: str = "", *, has_curves: bool = True, runs: int = 1
+) -> str:
     """The page as text.
 
     Parameters
@@ -71,6 +73,8 @@ def page_text(title: str, data: str, below: str = "", *, has_curves: bool = True
         HTML that stands below the player.
     has_curves
         Whether there is a motion, of which there are curves.
+    runs
+        How many runs lie beside each other.
     """
     template = (_FOLDER / "page.html").read_text(encoding="utf-8")
     curves = "\n".join(map(_curve_section, range(PANELS))) if has_curves else ""
@@ -80,7 +84,7 @@ def page_text(title: str, data: str, below: str = "", *, has_curves: bool = True
         "curves": curves,
         "below": below,
         "data": data,
-        "panels": panels().replace("</", "<\\/") if has_curves else "null",
+        "panels": panels(runs).replace("</", "<\\/") if has_curves else "null",
         "library": library() if has_curves else "",
         "script": script(),
     }

@@ -9,12 +9,11 @@ import numpy.typing as npt
 from codegen.errors import InputError
 from runtime.results.effect_series import quantity_of
 from runtime.results.series_lookup import ENERGIES
+from runtime.show.animation.curve_panels import MAX_LINES
 from runtime.show.animation.payload import Arrays
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
-
-MOST_LINES = 6  # layout: curves in a panel
 
 _ROUNDING = 1e-9  # accuracy: of a group's largest value; a curve that changes by less is constant
 
@@ -104,7 +103,7 @@ def curves(result: "Result", arrays: Arrays) -> tuple[list[dict[str, Any]], list
                       "unit": one.unit, "series": [], "sizes": []},
             )  # fmt: skip
             group["series"].append(number)
-            group["sizes"].append((float(np.nanmax(np.abs(values))), float(np.ptp(values))))
+            group["sizes"].append((float(np.abs(values).max()), float(np.ptp(values))))
     return series, [part for group in groups.values() for part in _parts(group)]
 
 
@@ -115,8 +114,8 @@ def _parts(group: dict[str, Any]) -> Iterator[dict[str, Any]]:
     chosen = [k for k, (_, change) in zip(group["series"], sizes, strict=True) if change > least]
     constant = not chosen
     chosen = chosen or group["series"]
-    pieces = range(0, len(chosen), MOST_LINES)
+    pieces = range(0, len(chosen), MAX_LINES)
     for first in pieces:
-        number = f" ({first // MOST_LINES + 1})" if len(pieces) > 1 else ""
-        part = chosen[first : first + MOST_LINES]
+        number = f" ({first // MAX_LINES + 1})" if len(pieces) > 1 else ""
+        part = chosen[first : first + MAX_LINES]
         yield {**group, "title": group["title"] + number, "series": part, "constant": constant}

@@ -4,11 +4,14 @@ from dataclasses import fields
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from codegen.drawing.rigid_strokes import rigid_strokes
 from codegen.drawing.shapes import Place
 from runtime.show.animation.payload import Arrays
 from runtime.show.pictures import Pictures
+
+FloatArray = npt.NDArray[np.float64]
 
 _POSES = 300  # layout: of a motion, from which guides and racks get their lengths
 
@@ -21,6 +24,8 @@ def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
     for (number, path), values in pictures.moving.items():
         if np.isfinite(values).any():
             moving[number].append({"path": path.split("."), "values": arrays.add(values)})
+    places = _moving_places(pictures)
+    kept = [number for number, one in enumerate(picture.symbols) if _is_finite(one.shape)]
     return {
         "size": float(picture.size),
         "bodies": [
@@ -29,20 +34,20 @@ def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
                 "fixed": body.fixed,
                 "derived": body.is_derived,
                 "outlines": [[[float(x), float(y)] for x, y in line] for line in body.outlines],
-                "pose": [arrays.add(poses[:, row, column]) for column in range(3)],
+                "pose": [*map(arrays.add, poses[:, row, :2].T), *_angle(poses[:, row, 2], arrays)],
             }
             for row, body in enumerate(picture.bodies)
         ],
         "symbols": [
             {
-                "element": symbol.element,
-                "type": symbol.kind,
-                "role": symbol.role,
-                "shape": _shape(symbol.shape),
+                "element": picture.symbols[number].element,
+                "type": picture.symbols[number].kind,
+                "role": picture.symbols[number].role,
+                "shape": _shape(picture.symbols[number].shape),
                 "moving": moving[number],
                 **({"acts": active[number]} if number in active else {}),
             }
-            for number, symbol in enumerate(picture.symbols)
+            for number in kept
         ],
         "strokes": [
             {
@@ -51,10 +56,54 @@ def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
                 "element": stroke.element,
                 "closed": stroke.closed,
                 "points": arrays.add(stroke.points),
+                **_shift(places.get((stroke.element, stroke.body)), arrays),
             }
             for stroke in rigid_strokes(picture, poses[:: 1 + len(poses) // _POSES])
+            if np.isfinite(stroke.points).all()
         ],
     }
+
+
+def _angle(values: FloatArray, arrays: Arrays) -> tuple[int, ...]:
+    """Arrays of an angle: within half a turn of 0, and, unless all are 0, the number of turns.
+
+    An angle of many turns has too few digits as float32.
+    """
+    turns = np.where(np.isfinite(values), np.round(values / (2 * np.pi)), 0.0)
+    wrapped = arrays.add(values - 2 * np.pi * turns)
+    return (wrapped, arrays.add(turns)) if turns.any() else (wrapped,)
+
+
+def _moving_places(pictures: Pictures) -> dict[tuple[str, int], tuple[FloatArray, FloatArray]]:
+    """Element and body → how far its place is from where it is at first, x' and y', (k,), m."""
+    found: dict[tuple[str, int], tuple[FloatArray, FloatArray]] = {}
+    for number, symbol in enumerate(pictures.picture.symbols):
+        for field in fields(symbol.shape):
+            place = getattr(symbol.shape, field.name)
+            if not isinstance(place, Place):
+                continue
+            still = np.zeros(len(pictures.t))
+            dx, dy = (
+                pictures.moving[key] - start if key in pictures.moving else still
+                for key, start in (
+                    ((number, f"{field.name}.x"), place.x), ((number, f"{field.name}.y"), place.y),
+                )
+            )  # fmt: skip
+            if dx is not still or dy is not still:
+                found.setdefault((symbol.element, place.body), (dx, dy))
+    return found
+
+
+def _shift(by: tuple[FloatArray, FloatArray] | None, arrays: Arrays) -> dict[str, list[int]]:
+    return {} if by is None else {"shift": [arrays.add(values) for values in by]}
+
+
+def _is_finite(shape: Any) -> bool:
+    """Whether all places and numbers of a shape are finite: the page leaves others out."""
+    values = [getattr(shape, field.name) for field in fields(shape)]
+    parts = [p for value in values for p in (value if isinstance(value, tuple) else (value,))]
+    numbers = [n for p in parts for n in (p if isinstance(p, tuple) else (p,))]
+    return all(np.isfinite(n) for n in numbers if isinstance(n, float))
 
 
 def _shape(shape: Any) -> dict[str, Any]:
@@ -67,14 +116,9 @@ def _shape(shape: Any) -> dict[str, Any]:
 def _plain(value: Any) -> Any:
     """A value of a shape in JSON: a place is an object of body, x and y."""
     if isinstance(value, Place):
-        return {"body": int(value.body), "x": _finite(value.x), "y": _finite(value.y)}
+        return {"body": int(value.body), "x": float(value.x), "y": float(value.y)}
     if isinstance(value, tuple):
         return [_plain(part) for part in value]
     if isinstance(value, bool | str) or value is None:
         return value
-    return int(value) if isinstance(value, int | np.integer) else _finite(value)
-
-
-def _finite(value: Any) -> float:
-    number = float(value)
-    return number if np.isfinite(number) else 0.0
+    return int(value) if isinstance(value, int | np.integer) else float(value)

@@ -1,52 +1,44 @@
 // Arrows of applied forces, reactions and torques, in px above the machine, with body and point.
 
+import { columnOf } from "./labels.js";
 import { acts, inWorld, mixed } from "./poses.js";
 import { roundArrow, svg, withUnit } from "./signs.js";
 
-const LONGEST = 0.17; // of the smaller side of the picture, for the largest force of the run
-const CAP = 1.5; // impacts may exceed it; arrows do not
-const LETTER = 6.4; // px, width of a letter
-const LINE = 15; // px, height of a line
+const LONGEST = 0.17; // of the smaller side of the picture, for the largest force of all runs
+const CAP = 1.5; // impacts may exceed it; their arrows are cut, and have two strokes across
+const COMMON = 0.98; // of the instants of an arrow have no larger force than that which sets the scale
 const ROUND = 24; // px, radius of a torque's arrow
+const CUT = 5; // px, half length of the strokes across an arrow that is cut
 
-/** The arrows of a scene: {node, update(camera, shown)}. */
+/** The arrows of a scene: {node, largest, update(camera, shown …)}; `largest` may be set. */
 export function drawArrows(scene) {
   const node = svg("g", { class: "arrows" });
+  const kinds = { force: applied, reaction, torque, spring: tension, "spiral spring": torsion };
   const arrows = scene.symbols.flatMap((symbol) => {
-    const sources = { force: applied, reaction, torque }[symbol.shape.kind]?.(symbol, scene) ?? [];
+    const sources = kinds[symbol.shape.kind]?.(symbol, scene) ?? [];
     return sources.map((source) => ({ symbol, ...source, ...parts(node, symbol, source) }));
   });
-  const largest = scales(scene, arrows);
-  const update = (camera, shown, chosen, withText) => {
+  const all = { node, largest: largestOf(scene, arrows), update };
+  function update(camera, shown, chosen, withText, labels) {
     if (!(camera.width > 0 && camera.height > 0)) return; // before the page has its layout
-    const taken = [];
     const length = LONGEST * Math.min(camera.width, camera.height);
     for (const arrow of arrows) {
       const { symbol } = arrow;
       const visible = (shown[arrow.kind] || chosen === symbol.element) && acts(symbol, scene.t);
       const now = visible ? arrow.now() : null;
-      const drawn = now && Math.hypot(now.fx ?? 0, now.fy ?? 0, now.torque ?? 0) > 1e-9 * largest[arrow.unit];
+      const drawn = now && sizeOf(now) > 1e-9 * all.largest[arrow.unit];
       arrow.group.toggleAttribute("hidden", !drawn);
-      if (drawn) draw(arrow, now, camera, length / largest[arrow.unit], length);
-      if (drawn && withText) arrow.text.textContent = arrow.label(now);
-      if (drawn) settle(arrow.text, camera, taken);
+      if (!drawn) continue;
+      const place = draw(arrow, now, camera, sizeOf(now) / all.largest[arrow.unit], length);
+      if (withText) arrow.text.textContent = arrow.label(now);
+      labels.place(arrow, columnOf(place), withText);
     }
-  };
-  return { node, update, largest };
+  }
+  return all;
 }
 
-/** Moves a text within the picture, and down from others that it would cover. */
-function settle(text, camera, taken) {
-  const width = LETTER * text.textContent.length;
-  const end = text.getAttribute("text-anchor") === "end";
-  let [x, y] = ["x", "y"].map((name) => Number(text.getAttribute(name)));
-  x = end ? Math.max(x, width + 4) : Math.min(x, camera.width - width - 4);
-  const left = end ? x - width : x;
-  const hit = (box) => left < box.right && left + width > box.left && Math.abs(y - box.y) < LINE;
-  for (let tries = 0; tries < 6 && taken.some(hit); tries += 1) y += LINE;
-  taken.push({ left, right: left + width, y });
-  text.setAttribute("x", x);
-  text.setAttribute("y", y);
+function sizeOf({ fx = 0, fy = 0, torque: moment = 0 }) {
+  return Math.hypot(fx, fy, moment);
 }
 
 function parts(node, symbol, { kind }) {
@@ -65,7 +57,39 @@ function applied(symbol, scene) {
     kind: "force",
     unit: "N",
     now: () => ({ ...inWorld(scene.poses, shape.at), fx: shape.fx, fy: shape.fy }),
-    label: (now) => `${element} on ${on}: ${withUnit(Math.hypot(now.fx, now.fy), "N")}`,
+    label: (now) => `${element} on ${on}: ${withUnit(sizeOf(now), "N")}`,
+  }];
+}
+
+/** What a spring, damper or actuator exerts on its two bodies, where the run has it. */
+function tension(symbol, scene) {
+  const { shape, element } = symbol;
+  const series = scene.byName.get(`${element}.force`);
+  if (!series) return [];
+  return [[shape.i, shape.j], [shape.j, shape.i]].filter(([at]) => !scene.bodies[at.body].fixed).map(([at, other]) => ({
+    kind: "force",
+    unit: "N",
+    now: () => {
+      const [here, there] = [inWorld(scene.poses, at), inWorld(scene.poses, other)];
+      const [dx, dy] = [there.x - here.x, there.y - here.y];
+      const share = mixed(series.values, scene.at) / (Math.hypot(dx, dy) || 1);
+      return { ...here, fx: share * dx, fy: share * dy };
+    },
+    label: (now) => `${element} on ${scene.bodies[at.body].name}: ${withUnit(sizeOf(now), "N")}`,
+  }));
+}
+
+/** What a torsion spring exerts on its first body, where the run has it. */
+function torsion(symbol, scene) {
+  const { shape, element } = symbol;
+  const series = scene.byName.get(`${element}.torque`);
+  if (!series) return [];
+  const on = scene.bodies[shape.i.body].name;
+  return [{
+    kind: "torque",
+    unit: "N m",
+    now: () => ({ ...inWorld(scene.poses, shape.j), torque: mixed(series.values, scene.at) }),
+    label: (now) => `${element} on ${on}: ${withUnit(now.torque, "N m")}`,
   }];
 }
 
@@ -84,7 +108,7 @@ function reaction(symbol, scene) {
         const [a, b] = [value(fx), value(fy)];
         return { x: shape.x, y: shape.y, fx: a * shape.ux - b * shape.uy, fy: a * shape.uy + b * shape.ux };
       },
-      label: (now) => label(withUnit(Math.hypot(now.fx, now.fy), "N")),
+      label: (now) => label(withUnit(sizeOf(now), "N")),
     });
   }
   if (moment) {
@@ -109,43 +133,53 @@ function torque(symbol, scene) {
   }];
 }
 
-/** By unit the size that the longest arrow has: nearly the largest of the run, impacts left out. */
-function scales(scene, arrows) {
-  const sizes = { N: [], "N m": [] };
+/** By unit the largest size of any arrow, of each its common ones: an impact does not set the scale. */
+function largestOf(scene, arrows) {
+  const sizes = arrows.map(() => []);
   scene.survey(() => {
-    for (const { unit, now, symbol } of arrows) {
-      const { fx = 0, fy = 0, torque: moment = 0 } = now();
-      const size = Math.hypot(fx, fy, moment);
-      if (acts(symbol, scene.t) && Number.isFinite(size)) sizes[unit].push(size);
-    }
+    arrows.forEach(({ now, symbol }, k) => {
+      const size = sizeOf(now());
+      if (acts(symbol, scene.t) && Number.isFinite(size)) sizes[k].push(size);
+    });
   });
-  const high = (values) => values.toSorted((a, b) => a - b)[Math.floor(0.98 * (values.length - 1))] || 1;
-  return { N: high(sizes.N), "N m": high(sizes["N m"]) };
+  const common = sizes.map((values) => values.toSorted((a, b) => a - b)[Math.ceil(COMMON * (values.length - 1))] ?? 0);
+  const largest = (unit) => Math.max(0, ...common.filter((_, k) => arrows[k].unit === unit)) || 1;
+  return { N: largest("N"), "N m": largest("N m") };
 }
 
-function draw(arrow, now, camera, scale, length) {
+/** Draws an arrow whose size is `share` of the largest, and answers where its text may stand. */
+function draw(arrow, now, camera, share, length) {
   const at = camera.toScreen(now);
+  const part = Math.min(share, CAP);
+  arrow.group.classList.toggle("cut", share > CAP);
   if (arrow.kind === "torque") {
-    const share = Math.min(Math.abs(now.torque) * (1 / length) * scale, CAP);
-    const radius = ROUND * (0.45 + 0.55 * share);
-    arrow.line.setAttribute("d", roundArrow(radius, -now.torque));
+    const radius = ROUND * (0.45 + 0.55 * part);
+    const cut = share > CAP ? across(radius, 0, 1, 0) : "";
+    arrow.line.setAttribute("d", roundArrow(radius, -now.torque) + cut);
     arrow.line.setAttribute("transform", `translate(${at.x} ${at.y})`);
-    arrow.text.setAttribute("x", at.x + radius + 4);
-    arrow.text.setAttribute("y", at.y - radius);
-    return;
+    return { x: at.x + radius + 4, y: at.y - radius };
   }
   const size = Math.hypot(now.fx, now.fy);
-  const long = Math.max(Math.min(size * scale, CAP * length), 2);
+  const long = Math.max(part * length, 2);
   const [ux, uy] = [now.fx / size, -now.fy / size];
   const [x, y] = [at.x + long * ux, at.y + long * uy];
   const head = Math.min(9, 0.6 * long);
   const [bx, by] = [x - head * ux, y - head * uy];
   const [sx, sy] = [0.45 * head * uy, -0.45 * head * ux];
+  const cut = share > CAP ? across(at.x + 0.6 * long * ux, at.y + 0.6 * long * uy, ux, uy) : "";
   arrow.line.setAttribute(
     "d",
-    `M${at.x} ${at.y}L${x} ${y}M${bx + sx} ${by + sy}L${x} ${y}L${bx - sx} ${by - sy}`,
+    `M${at.x} ${at.y}L${x} ${y}M${bx + sx} ${by + sy}L${x} ${y}L${bx - sx} ${by - sy}${cut}`,
   );
-  arrow.text.setAttribute("x", x + 8 * ux + (ux < 0 ? -4 : 4));
-  arrow.text.setAttribute("y", y + 8 * uy + 4);
-  arrow.text.setAttribute("text-anchor", ux < -0.2 ? "end" : "start");
+  return { x: x + 8 * ux + (ux < 0 ? -4 : 4), y: y + 8 * uy + 4, end: ux < -0.2 };
+}
+
+/** Two strokes across a line along (ux, uy). */
+function across(x, y, ux, uy) {
+  const stroke = (shift) => {
+    const [cx, cy] = [x + shift * ux, y + shift * uy];
+    const [dx, dy] = [CUT * (0.5 * ux - uy), CUT * (0.5 * uy + ux)];
+    return `M${cx - dx} ${cy - dy}L${cx + dx} ${cy + dy}`;
+  };
+  return stroke(-2.5) + stroke(2.5);
 }

@@ -1,4 +1,4 @@
-// Zoom and pan: from metres to px. All runs share one camera.
+// Zoom and pan: from metres to px. Each run has a camera; those of a page move together.
 
 /** A camera on a box [x least, y least, x largest, y largest], m, and on a larger one with all. */
 export class Camera {
@@ -8,6 +8,7 @@ export class Camera {
     this.width = 1;
     this.height = 1;
     this.listeners = [];
+    this.linked = [this];
     this.fit();
   }
 
@@ -40,7 +41,11 @@ export class Camera {
 
   /** Shows the machine; once more, also what flies away from it. */
   toggleFit() {
-    if (!this.moved) this.box = this.boxes[this.box === this.boxes[0] ? 1 : 0];
+    const next = this.boxes[0] === this.box ? 1 : 0;
+    for (const camera of this.linked) {
+      if (!this.moved) camera.box = camera.boxes[next];
+      if (camera !== this) camera.fit();
+    }
     this.fit();
   }
 
@@ -58,6 +63,10 @@ export class Camera {
   }
 
   pan(dx, dy) {
+    for (const camera of this.linked) camera.shift(dx, dy);
+  }
+
+  shift(dx, dy) {
     this.x += dx;
     this.y += dy;
     this.moved = true;
@@ -65,7 +74,11 @@ export class Camera {
   }
 
   /** Zooms by a factor about a point of the picture, px; its centre unless given. */
-  zoom(factor, about = { x: this.width / 2, y: this.height / 2 }) {
+  zoom(factor, about) {
+    for (const camera of this.linked) camera.enlarge(factor, about);
+  }
+
+  enlarge(factor, about = { x: this.width / 2, y: this.height / 2 }) {
     const limited = Math.min(Math.max(factor, (0.1 * this.fitting()) / this.scale), (500 * this.fitting()) / this.scale);
     this.x = about.x + limited * (this.x - about.x);
     this.y = about.y + limited * (this.y - about.y);
@@ -120,6 +133,8 @@ export function steer(element, camera, onClick) {
     });
   }
   element.addEventListener("wheel", (event) => {
+    // In a frame of a notebook the wheel scrolls the notebook, until a click gives the frame the focus.
+    if (globalThis.parent !== globalThis && !event.ctrlKey && !document.hasFocus()) return;
     event.preventDefault();
     camera.zoom(Math.exp(-0.0015 * event.deltaY), place(event));
   }, { passive: false });

@@ -1,17 +1,29 @@
 // The one clock of all runs: play, pause, speed, loop, steps.
 
-export const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50];
-
-const AIM = 8; // s that a whole run takes, where it would be much shorter or longer at its own speed
+const [SHORTEST, LONGEST, USUAL] = [2, 60, 10]; // s that a run takes: as runtime/show/movie.py has them
+const SLOWER = 9; // choices of speed below the usual one, a factor of a thousand
+const FASTER = 5; // choices above it
 const FRAME = 1 / 60; // s of the viewer's time that a step takes
+
+/** Speeds to choose from, 1, 2 or 5 times a power of ten; a run takes about ten seconds at the usual one. */
+function speedsFor(span) {
+  const usual = (span >= SHORTEST && span <= LONGEST) || !(span > 0) ? 1 : span / USUAL;
+  const power = Math.floor(Math.log10(usual));
+  const rest = usual / 10 ** power;
+  const middle = 3 * power + (rest < 1.5 ? 0 : rest < 3.5 ? 1 : rest < 7.5 ? 2 : 3);
+  return Array.from({ length: SLOWER + FASTER + 1 }, (_, k) => {
+    const number = middle + k - SLOWER;
+    const exponent = Math.floor(number / 3);
+    return Number(`${[1, 2, 5][number - 3 * exponent]}e${exponent}`);
+  });
+}
 
 /** A clock from `start` to `end`, s; its listeners are called with each new instant. */
 export class Clock {
   constructor(start, end) {
     Object.assign(this, { start, end, t: start, playing: false, loop: false, listeners: [] });
-    const span = end - start;
-    const suited = span >= 2 && span <= 60 ? 1 : span / AIM;
-    this.speed = SPEEDS.reduce((a, b) => (Math.abs(Math.log(b / suited)) < Math.abs(Math.log(a / suited)) ? b : a));
+    this.speeds = speedsFor(end - start);
+    this.speed = this.speeds[SLOWER];
   }
 
   onTick(listener) {
@@ -20,10 +32,10 @@ export class Clock {
 
   seek(t) {
     this.t = Math.min(Math.max(t, this.start), this.end);
-    this.tell();
+    this.notify();
   }
 
-  tell() {
+  notify() {
     for (const listener of this.listeners) listener(this.t);
   }
 
@@ -40,7 +52,7 @@ export class Clock {
       if (this.playing) requestAnimationFrame(frame);
     };
     requestAnimationFrame(frame);
-    this.tell();
+    this.notify();
   }
 
   advance(step) {
@@ -51,7 +63,7 @@ export class Clock {
 
   pause() {
     this.playing = false;
-    this.tell();
+    this.notify();
   }
 
   toggle() {
@@ -67,8 +79,8 @@ export class Clock {
 
   /** Another speed, `places` further in the list. */
   change(places) {
-    const place = Math.min(Math.max(SPEEDS.indexOf(this.speed) + places, 0), SPEEDS.length - 1);
-    this.speed = SPEEDS[place];
-    this.tell();
+    const place = Math.min(Math.max(this.speeds.indexOf(this.speed) + places, 0), this.speeds.length - 1);
+    this.speed = this.speeds[place];
+    this.notify();
   }
 }

@@ -1,7 +1,5 @@
 // Buttons and switches, and the actions that keys share with them.
 
-import { SPEEDS } from "./clock.js";
-
 const PAN = 60; // px that a key moves the view
 
 /** The actions of the player by name. */
@@ -32,6 +30,9 @@ export function makeActions(player) {
     names: flip("names"),
     frames: flip("frames"),
     traces: flip("traces"),
+    nextElement: () => player.chooseNext(1),
+    previousElement: () => player.chooseNext(-1),
+    tellAll: () => player.tellAll(),
     theme: () => player.changeTheme(),
     help: () => document.querySelector("#help").showModal(),
   };
@@ -44,10 +45,10 @@ export function connectControls(root, player, actions) {
     button.addEventListener("click", () => actions[button.dataset.action]());
   }
   const speed = root.querySelector("#speed");
-  for (const value of SPEEDS) speed.append(new Option(`${value} ×`, value));
+  for (const value of clock.speeds) speed.append(new Option(`${value} ×`, value));
   speed.addEventListener("change", () => {
     clock.speed = Number(speed.value);
-    clock.tell();
+    clock.notify();
   });
   for (const box of root.querySelectorAll("[data-layer]")) {
     box.addEventListener("change", () => player.flip(box.dataset.layer, box.checked));

@@ -5,7 +5,8 @@ import { mixed } from "./poses.js";
 import { short } from "./signs.js";
 
 const TEXTS = 120; // ms between changes of the numbers in legends
-const WISHES = [
+const SIDEWAYS = 8; // px that a finger moves along a curve before it moves the time
+const DEFAULTS = [
   ["All bodies", /^angle/], ["All bodies", /^angular velocity/], ["Joints", /, N$/], ["Energy", /^energy/],
   ["All bodies", /^position/], ["All bodies", /^velocity/], ["Effects", /./], ["Drivers", /./], ["", /./],
 ];
@@ -26,13 +27,40 @@ export async function loadPanels(library, panels) {
   return views.roots.toSorted((a, b) => (a.model.name < b.model.name ? -1 : 1));
 }
 
+/** The groups of all runs: those of the same title are one, with the names of their series. */
+function joined(scenes) {
+  const groups = new Map();
+  for (const { run, series } of scenes) {
+    for (const group of run.groups) {
+      const key = `${group.section}/${group.title}`;
+      const known = groups.get(key) ?? { ...group, names: [] };
+      const names = group.series.map((k) => series[k].name);
+      known.names = [...new Set([...known.names, ...names])];
+      known.constant &&= group.constant;
+      groups.set(key, known);
+    }
+  }
+  return [...groups.values()];
+}
+
+/** What Bokeh draws has no names to be told by: the focus passes it by, and fingers scroll over it. */
+export function keepOutOfFocus(element) {
+  for (const node of element.querySelectorAll("*")) {
+    if (node.shadowRoot) keepOutOfFocus(node.shadowRoot);
+    if (node.hasAttribute("tabindex") || node.getRootNode() !== document) {
+      if (node.tabIndex >= 0) node.tabIndex = -1;
+      if (node.style) node.style.touchAction = "pan-y";
+    }
+  }
+}
+
 /** All panels of a page. */
 export class Curves {
   constructor(sections, views, scenes, clock) {
     Object.assign(this, { scenes, clock });
-    this.groups = scenes[0].run.groups;
+    this.groups = joined(scenes);
     this.panels = sections.map((section, k) => new Panel(section, views[k], this));
-    const chosen = this.wished();
+    const chosen = this.defaultGroups();
     this.panels.forEach((panel, k) => panel.show(chosen[k] ?? null));
     const range = views[0].model.x_range;
     range.start = clock.start;
@@ -47,9 +75,9 @@ export class Curves {
   }
 
   /** The groups that are shown at first. */
-  wished() {
+  defaultGroups() {
     const chosen = [];
-    for (const [section, title] of WISHES) {
+    for (const [section, title] of DEFAULTS) {
       const fits = (group) => (!section || group.section === section) && title.test(group.title);
       const found = this.groups.find((group) => fits(group) && !group.constant && !chosen.includes(group));
       if (found) chosen.push(found);
@@ -120,8 +148,13 @@ class Panel {
     };
     const usesTool = () => this.plot.toolbar.gestures.pan.active !== null;
     this.frame.addEventListener("click", (event) => !usesTool() && go(event));
+    let from = 0;
+    this.frame.addEventListener("pointerdown", (event) => {
+      from = event.clientX;
+    });
     this.frame.addEventListener("pointermove", (event) => {
       const dragged = event.buttons > 0;
+      if (event.pointerType === "touch" && Math.abs(event.clientX - from) < SIDEWAYS) return;
       if (dragged ? !usesTool() : !clock.playing && event.pointerType === "mouse") go(event);
     });
   }
@@ -135,11 +168,10 @@ class Panel {
     this.lines = [];
     if (!group) return;
     const several = scenes.length > 1;
-    const names = group.series.map((k) => scenes[0].series[k].name);
-    this.lines = names
+    const all = group.names
       .flatMap((name, k) => scenes.map((scene, run) => ({ name, scene, run, k, series: scene.byName.get(name) })))
-      .filter(({ series }) => series)
-      .slice(0, this.plot.renderers.length);
+      .filter(({ series }) => series);
+    this.lines = all.slice(0, this.plot.renderers.length);
     this.plot.renderers.forEach((renderer, k) => {
       const line = this.lines[k];
       renderer.visible = Boolean(line);
@@ -151,6 +183,11 @@ class Panel {
       renderer.glyph.line_dash = { value: DASHES[several ? line.k % DASHES.length : 0] };
       this.legend.append(this.chip(line, several));
     });
+    if (all.length > this.lines.length) {
+      const more = document.createElement("span");
+      more.textContent = `and ${all.length - this.lines.length} more curves`;
+      this.legend.append(more);
+    }
     this.plot.left[0].axis_label = group.unit;
     this.paint();
     this.move(this.curves.clock.t, true);

@@ -24,6 +24,9 @@ export const KEYS = [
   [["m"], "m", "centres of mass and frames", "frames"],
   [["n"], "n", "names of joints", "names"],
   [["p"], "p", "paths of points", "traces"],
+  [["j"], "j", "next joint, force or body", "nextElement"],
+  [["J"], "shift j", "the one before", "previousElement"],
+  [["i"], "i", "tell the state of all bodies", "tellAll"],
   [["t"], "t", "light or dark", "theme"],
   [["?", "h"], "?", "this list", "help"],
 ];

@@ -3,27 +3,33 @@
 import { Camera } from "./camera.js";
 import { Clock } from "./clock.js";
 import { connectControls, makeActions } from "./controls.js";
-import { Curves, loadPanels } from "./curves.js";
+import { Curves, keepOutOfFocus, loadPanels } from "./curves.js";
 import { readBlock } from "./data.js";
 import { listKeys, listenToKeys } from "./keys.js";
 import { Scene } from "./scene.js";
-import { svg } from "./signs.js";
+import { short, svg } from "./signs.js";
 import { Stage } from "./stage.js";
 import { tellState } from "./state_text.js";
 import { Timeline } from "./timeline.js";
+import { fitFrame, keepPrintLight } from "./surroundings.js";
 
-const FEW = 5; // joints up to which reactions are shown from the start
+const MAX_REACTIONS = 5; // joints up to which reactions and names are shown from the start
+const COLUMNS = [1, 1, 2, 3, 2, 3, 3]; // of the grid of so many runs
 
 class Player {
   constructor(root, data) {
     this.root = root;
-    this.scenes = data.runs.map((run) => new Scene(run, data.arrays));
+    this.scenes = data.runs.map((run) => {
+      const sizes = data.runs.filter(({ title }) => title === run.title).map(({ size }) => size);
+      return new Scene(run, data.arrays, Math.max(...sizes));
+    });
     const start = Math.min(...this.scenes.map((scene) => scene.start));
     this.clock = new Clock(start, Math.max(...this.scenes.map((scene) => scene.end)));
-    const joints = this.scenes[0].symbols.filter(({ shape }) => shape.kind === "reaction").length;
-    const few = joints <= FEW;
+    const joints = this.scenes.map(({ symbols }) => symbols.filter(({ shape }) => shape.kind === "reaction").length);
+    const few = Math.max(...joints) <= MAX_REACTIONS;
     this.shown = { force: true, torque: true, reaction: few, names: few, frames: false, traces: true };
-    this.camera = new Camera(...[true, false].map((near) => around(this.scenes.map((scene) => scene.extent(near)))));
+    this.cameras = camerasOf(this.scenes);
+    [this.camera] = this.cameras;
     this.timeline = new Timeline(root.querySelector(".timeline"), this.clock, data.runs);
     this.curves = null;
     this.build(data.runs);
@@ -39,25 +45,69 @@ class Player {
       caption.textContent = runs.length > 1 ? scene.run.label : "";
       caption.hidden = runs.length < 2;
       figure.append(caption);
+      const ended = document.createElement("p");
+      ended.className = "ended";
+      ended.hidden = true;
+      figure.append(ended);
       holder.append(figure);
-      return new Stage(figure, scene, this.camera, this.shown, (element) => this.choose(element));
+      return new Stage(figure, scene, this.cameras[k], this.shown, (element) => this.choose(element));
     });
     const [left, bottom, right, top] = this.camera.box;
     const aspect = Math.min(Math.max((right - left) / (top - bottom), 0.7), 2);
     holder.style.setProperty("--aspect", aspect);
-    const seen = this.stages[0].svg;
-    const resize = () => this.camera.resize(seen.clientWidth, seen.clientHeight);
-    new ResizeObserver(resize).observe(seen);
-    resize();
+    holder.style.setProperty("--columns", COLUMNS[this.stages.length]);
+    for (const { svg: picture, camera } of this.stages) {
+      const resize = () => camera.resize(picture.clientWidth, picture.clientHeight);
+      new ResizeObserver(resize).observe(picture);
+      resize();
+    }
+    this.shareScales();
+    this.noteTurns();
+    this.offerElements();
     this.clock.onTick((t) => this.draw(t));
     for (const [name, value] of Object.entries(this.shown)) this.flip(name, value);
     const actions = makeActions(this);
     connectControls(this.root, this, actions);
     listenToKeys(actions);
     listKeys(document.querySelector("#help table"));
-    tellState(document.querySelector("#state"), this.clock, this.timeline, this.scenes);
+    this.tellAll = tellState(document.querySelector("#state"), this.clock, this.timeline, this.scenes);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.curves?.paint());
-    this.clock.tell();
+    this.clock.notify();
+  }
+
+  /** Arrows of all runs have one scale, so that forces can be compared. */
+  shareScales() {
+    const all = this.stages.map(({ arrows }) => arrows.largest);
+    const largest = Object.fromEntries(["N", "N m"].map((unit) => [unit, Math.max(...all.map((one) => one[unit]))]));
+    for (const { arrows } of this.stages) arrows.largest = largest;
+  }
+
+  /** Says where a run turns too fast for the samples that it has. */
+  noteTurns() {
+    const note = this.root.querySelector(".note");
+    const coarse = this.scenes.filter((scene) => scene.isCoarse);
+    note.hidden = !coarse.length;
+    note.textContent = coarse.map(({ run, times, largestTurn }) =>
+      `${run.label ? `${run.label}: ` : ""}drawn at ${times.length} instants; between them the machine turns by up to ` +
+      `${short(largestTurn)} rad. Animate a part of the run, result.at(…), to see more.`,
+    ).join(" ");
+  }
+
+  /** A list of what can be chosen by the keyboard: joints, forces and bodies. */
+  offerElements() {
+    const names = this.scenes.flatMap(({ symbols, bodies }) => [
+      ...symbols.map(({ element }) => element),
+      ...bodies.filter(({ fixed }) => !fixed).map(({ name }) => name),
+    ]);
+    this.list = this.root.querySelector("#element");
+    for (const name of new Set(names)) this.list.append(new Option(name, name));
+    this.list.addEventListener("change", () => this.choose(this.list.value, true));
+  }
+
+  /** Chooses the element `places` further in the list. */
+  chooseNext(places) {
+    const count = this.list.options.length;
+    this.choose(this.list.options[(this.list.selectedIndex + places + count) % count].value, true);
   }
 
   draw(t) {
@@ -65,10 +115,11 @@ class Player {
   }
 
   /** Shows what was clicked on: its curves, and its arrow. */
-  choose(element) {
-    const same = this.stages[0].chosen === element;
-    for (const stage of this.stages) stage.choose(same ? "" : element);
-    if (!same) this.curves?.showElement(element);
+  choose(element, stays = false) {
+    const chosen = !stays && this.stages[0].chosen === element ? "" : element;
+    for (const stage of this.stages) stage.choose(chosen);
+    this.list.value = chosen;
+    if (chosen) this.curves?.showElement(chosen);
   }
 
   flip(name, value) {
@@ -96,11 +147,22 @@ class Player {
     if (!sections.length) return;
     const [library, panels] = ["library", "panels"].map((id) => document.getElementById(id).textContent);
     this.curves = new Curves(sections, await loadPanels(library, panels), this.scenes, this.clock);
+    keepOutOfFocus(this.root.querySelector(".curves"));
   }
 }
 
+/** A camera for each run, which all move together; runs of one machine have the same scale. */
+function camerasOf(scenes) {
+  const cameras = scenes.map(({ run: { title } }) => {
+    const alike = scenes.filter(({ run }) => run.title === title);
+    return new Camera(...[true, false].map((near) => union(alike.map((scene) => scene.extent(near)))));
+  });
+  for (const camera of cameras) camera.linked = cameras;
+  return cameras;
+}
+
 /** The box round several. */
-function around(boxes) {
+function union(boxes) {
   const side = (k, choose) => choose(...boxes.map((one) => one[k]));
   return [side(0, Math.min), side(1, Math.min), side(2, Math.max), side(3, Math.max)];
 }
@@ -110,6 +172,8 @@ async function main() {
   const root = document.querySelector(".player");
   const data = await readBlock(document.getElementById("data").textContent);
   globalThis.player = new Player(root, data);
+  fitFrame();
+  keepPrintLight(() => globalThis.player.curves?.paint());
   root.dataset.ready = "machine";
   performance.mark("interactive");
   await globalThis.player.loadCurves();

@@ -1,30 +1,29 @@
 // Names of joints beside their symbols, in px above the machine.
 
-import { placesOf } from "./strokes.js";
+import { cornersOf } from "./labels.js";
 import { acts, inWorld } from "./poses.js";
 import { svg } from "./signs.js";
+import { placesOf } from "./strokes.js";
 
 const BESIDE = 0.9; // of the size of a pin, in both directions
 
-/** The names of a scene: {node, update(camera)}. */
+/** The names of a scene: {node, update(camera, labels, anew)}. */
 export function drawNames(scene) {
   const node = svg("g", { class: "names" });
   const named = new Map();
   for (const symbol of scene.symbols) {
-    const [spot] = symbol.role === "joint" ? placesOf(symbol.shape).toReversed() : [];
-    if (!spot || named.has(symbol.element) || symbol.shape.kind === "reaction") continue;
+    const [place] = symbol.role === "joint" ? placesOf(symbol.shape).toReversed() : [];
+    if (!place || named.has(symbol.element) || symbol.shape.kind === "reaction") continue;
     const text = svg("text");
     text.textContent = symbol.element;
     node.append(text);
-    named.set(symbol.element, { symbol, spot, text });
+    named.set(symbol.element, { symbol, place, text });
   }
-  const update = (camera) => {
+  const update = (camera, labels, anew) => {
     const beside = BESIDE * scene.u * camera.scale + 5;
-    for (const { symbol, spot, text } of named.values()) {
-      const at = camera.toScreen(inWorld(scene.poses, spot));
-      text.toggleAttribute("hidden", !acts(symbol, scene.t));
-      text.setAttribute("x", at.x + beside);
-      text.setAttribute("y", at.y - beside);
+    for (const entry of named.values()) {
+      if (!acts(entry.symbol, scene.t)) entry.text.setAttribute("hidden", "");
+      else labels.place(entry, cornersOf(camera.toScreen(inWorld(scene.poses, entry.place)), beside), anew);
     }
   };
   return { node, update };

@@ -5,6 +5,11 @@ export function instants(high, low) {
   return Float64Array.from(high, (value, k) => value + low[k]);
 }
 
+/** Angles in rad: an array of them within half a turn of 0, and one of whole turns, where any are. */
+export function angles(wrapped, turns) {
+  return turns ? Float64Array.from(wrapped, (value, k) => value + 2 * Math.PI * turns[k]) : wrapped;
+}
+
 /** Samples around an instant: {low, high, share}; of several at that instant the last one. */
 export function locate(times, t) {
   let low = 0;

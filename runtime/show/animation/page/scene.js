@@ -1,27 +1,73 @@
 // A run as a scene: its bodies and symbols at one instant, and what holds over all instants.
 
 import { placesOf } from "./strokes.js";
-import { inWorld, instants, locate, poseOf, refresh } from "./poses.js";
+import { angles, inWorld, instants, locate, poseOf, refresh } from "./poses.js";
 
-const LOOKS = 240; // instants at which extents are taken
+const SURVEYED = 240; // instants at which extents are taken
+const LENGTHS = new Set(["x", "y", "radius", "radius_i", "radius_j", "clearance"]);
+const LARGEST_TURN = 0.3; // rad between samples, above which the nearer one is shown
 
-function pairs(numbers) {
-  return Array.from({ length: numbers.length / 2 }, (_, k) => ({ x: numbers[2 * k], y: numbers[2 * k + 1] }));
+function pairs(numbers, unit) {
+  return Array.from({ length: numbers.length / 2 }, (_, k) => ({ x: numbers[2 * k] / unit, y: numbers[2 * k + 1] / unit }));
+}
+
+/** The unit of length of a scene, m: browsers paint nothing whose lengths are 1e-6 or 1e6. */
+function unitFor(size) {
+  return size >= 0.1 && size <= 100 ? 1 : 10 ** Math.round(Math.log10(size));
+}
+
+/** A shape whose places and lengths are in another unit. */
+function rescaled(value, unit, name = "") {
+  if (typeof value === "number") return LENGTHS.has(name) ? value / unit : value;
+  if (Array.isArray(value)) return value.map((part) => rescaled(part, unit));
+  if (!value || typeof value !== "object") return value;
+  return Object.fromEntries(Object.entries(value).map(([key, part]) => [key, rescaled(part, unit, key)]));
+}
+
+function divided(values, unit) {
+  return unit === 1 ? values : Float64Array.from(values, (value) => value / unit);
+}
+
+function poseArrays([x, y, wrapped, turns], arrays, unit) {
+  return [divided(arrays[x], unit), divided(arrays[y], unit), angles(arrays[wrapped], arrays[turns])];
+}
+
+/** The largest turn of a body from each sample to the next, rad. */
+function turnsBetween(bodies, count) {
+  return Float64Array.from({ length: Math.max(count - 1, 1) }, (_, k) =>
+    bodies.reduce((largest, { pose: [, , phi] }) => Math.max(largest, Math.abs(phi[k + 1] - phi[k]) || 0), 0),
+  );
 }
 
 /** The scene of a run; `show(t)` brings poses and moving numbers to an instant. */
 export class Scene {
-  constructor(run, arrays) {
+  constructor(run, arrays, size = run.size) {
     this.run = run;
-    this.size = run.size;
-    this.u = 0.0115 * run.size; // the radius of a pin
+    this.unit = unitFor(size); // m, the same for all runs of a machine; all lengths of the scene are in it
+    const { unit } = this;
+    this.size = run.size / unit;
+    this.u = 0.0115 * this.size; // the radius of a pin
     this.times = instants(arrays[run.t[0]], arrays[run.t[1]]);
-    this.bodies = run.bodies.map((body) => ({ ...body, pose: body.pose.map((k) => arrays[k]) }));
+    this.bodies = run.bodies.map((body) => ({
+      ...body,
+      outlines: body.outlines.map((line) => line.map((corner) => corner.map((value) => value / unit))),
+      pose: poseArrays(body.pose, arrays, unit),
+    }));
+    this.turns = turnsBetween(this.bodies, this.times.length);
+    this.largestTurn = this.turns.reduce((largest, turn) => Math.max(largest, turn), 0);
     this.symbols = run.symbols.map((symbol) => ({
       ...symbol,
-      moving: symbol.moving.map(({ path, values }) => ({ path, values: arrays[values] })),
+      shape: rescaled(symbol.shape, unit),
+      moving: symbol.moving.map(({ path, values }) => ({
+        path,
+        values: LENGTHS.has(path.at(-1)) ? divided(arrays[values], unit) : arrays[values],
+      })),
     }));
-    this.strokes = run.strokes.map((stroke) => ({ ...stroke, points: pairs(arrays[stroke.points]) }));
+    this.strokes = run.strokes.map((stroke) => ({
+      ...stroke,
+      points: pairs(arrays[stroke.points], unit),
+      shift: stroke.shift?.map((k) => divided(arrays[k], unit)),
+    }));
     this.series = run.series.map((one) => ({ ...one, values: arrays[one.values] }));
     this.byName = new Map(this.series.map((one) => [one.name, one]));
     this.show(this.start);
@@ -38,8 +84,14 @@ export class Scene {
   show(t) {
     this.t = t;
     this.at = locate(this.times, t);
+    if (this.turns[this.at.low] > LARGEST_TURN) this.at.share = Math.round(this.at.share);
     this.poses = this.bodies.map((body) => poseOf(body, this.at));
     for (const symbol of this.symbols) if (symbol.moving.length) refresh(symbol, this.at);
+  }
+
+  /** Whether bodies turn so fast that samples are shown and nothing between them. */
+  get isCoarse() {
+    return this.largestTurn > LARGEST_TURN;
   }
 
   /** The number of a body's colour; the ground has none. */
@@ -50,7 +102,7 @@ export class Scene {
   /** Calls a function at some instants of the run, and goes back to the present one. */
   survey(look) {
     const { t } = this;
-    const step = Math.max(1, Math.floor(this.times.length / LOOKS));
+    const step = Math.max(1, Math.floor(this.times.length / SURVEYED));
     for (let k = 0; k < this.times.length; k += step) {
       this.show(this.times[k]);
       look();
@@ -65,7 +117,7 @@ export class Scene {
   }
 
   /**
-   * All points that are to be seen over the run: [x least, y least, x largest, y largest], m; with
+   * All points that are to be seen over the run: [x least, y least, x largest, y largest], in units; with
    * `near` true, without what flies away from where the machine is at first by more than its size; null: now.
    */
   extent(near) {

@@ -1,5 +1,5 @@
-// Elements of SVG, and the small signs of which symbols consist. Lengths are in m; `u` is the
-// radius of a pin.
+// Elements of SVG, and the small signs of which symbols consist. Lengths are in the unit of the
+// scene; `u` is the radius of a pin.
 
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -11,15 +11,17 @@ export function svg(name, attributes = {}, ...children) {
   return node;
 }
 
-/** A path through points, closed or not. */
+/** A path through points, closed or not; points that are no numbers are left out. */
 export function through(points, closed = false) {
-  const line = points.map(({ x, y }) => `${x.toFixed(6)} ${y.toFixed(6)}`).join("L");
-  return points.length ? `M${line}${closed ? "Z" : ""}` : "";
+  const known = points.filter(({ x, y }) => Number.isFinite(x) && Number.isFinite(y));
+  const line = known.map(({ x, y }) => `${x.toFixed(6)} ${y.toFixed(6)}`).join("L");
+  return known.length ? `M${line}${closed ? "Z" : ""}` : "";
 }
 
 /** Places an element at a point, turned by an angle in rad. */
 export function place(node, { x, y }, angle = 0) {
-  const turn = angle ? `rotate(${((angle * 180) / Math.PI).toFixed(4)})` : "";
+  if (!Number.isFinite(x + y + angle)) return;
+  const turn = angle ? `rotate(${(((angle * 180) / Math.PI) % 360).toFixed(4)})` : "";
   node.setAttribute("transform", `translate(${x.toFixed(6)} ${y.toFixed(6)})${turn}`);
 }
 
@@ -46,9 +48,9 @@ export function withUnit(value, unit) {
   return `${short(value / factor)}${unit ? ` ${prefix}${unit}` : ""}`;
 }
 
-/** A number in four digits. */
+/** A number in four digits, or five. */
 export function short(value) {
   const size = Math.abs(value);
   if (size !== 0 && (size < 1e-3 || size >= 1e5)) return value.toExponential(2).replaceAll("-", "−");
-  return value.toPrecision(4).replace("-", "−");
+  return value.toPrecision(size >= 1e4 ? 5 : 4).replace("-", "−");
 }

@@ -3,21 +3,37 @@
 import { drawArrows } from "./arrows.js";
 import { steer } from "./camera.js";
 import { drawFlashes } from "./flashes.js";
+import { Labels } from "./labels.js";
 import { drawNames } from "./names.js";
-import { acts } from "./poses.js";
-import { place, svg } from "./signs.js";
+import { acts, inWorld } from "./poses.js";
+import { place, short, svg } from "./signs.js";
 import { drawBodies } from "./strokes.js";
 import { drawSymbol } from "./symbols.js";
 import { drawTraces } from "./traces.js";
 
+const SPACING = 0.04; // of the machine's size: of the places on edges that texts avoid
+const MAX_PLACES = 12; // of an edge
 const TEXTS = 100; // ms between changes of the numbers at arrows
+
+/** Places along the edges of an outline, which texts avoid. */
+function edgePlaces(line, body, size) {
+  return line.flatMap(([x, y], k) => {
+    const [nextX, nextY] = line[(k + 1) % line.length];
+    const long = Math.hypot(nextX - x, nextY - y);
+    const count = Math.min(Math.floor(long / (SPACING * size)), MAX_PLACES);
+    return Array.from({ length: count }, (_, j) => {
+      const share = (j + 0.5) / count;
+      return { body, x: x + share * (nextX - x), y: y + share * (nextY - y) };
+    });
+  });
+}
 
 /** A run within its figure; `choose(element)` is called for what is clicked on. */
 export class Stage {
   constructor(figure, scene, camera, shown, choose) {
     Object.assign(this, { scene, camera, shown, chosen: "", written: 0 });
     this.svg = figure.querySelector("svg");
-    this.svg.setAttribute("aria-label", `Picture of ${scene.run.title}, ${scene.run.label}`);
+    this.svg.setAttribute("aria-label", ["Picture of", [scene.run.title, scene.run.label].filter(Boolean).join(", ")].join(" "));
     const world = svg("g", { class: "world" });
     const names = ["traces", "ground", "bodies", "between", "joints", "extras"];
     const layers = Object.fromEntries(names.map((name) => [name, svg("g", { class: name })]));
@@ -28,7 +44,7 @@ export class Stage {
     for (const part of drawBodies(scene)) this.add(layers[part.layer], [part]);
     this.add(layers.between, scene.symbols.map((symbol) => drawSymbol(symbol, scene)).filter(Boolean));
     this.add(layers.extras, this.frames());
-    this.passing = scene.symbols.filter((symbol) => symbol.acts).map((symbol) => ({
+    this.intermittent = scene.symbols.filter((symbol) => symbol.acts).map((symbol) => ({
       symbol,
       nodes: [...world.querySelectorAll(`[data-element="${CSS.escape(symbol.element)}"]`)],
     }));
@@ -42,6 +58,8 @@ export class Stage {
       const target = event.target.closest("[data-element], [data-body]");
       if (target) choose(target.dataset.element ?? target.dataset.body);
     });
+    this.ended = figure.querySelector(".ended");
+    this.edges = scene.bodies.flatMap(({ outlines }, body) => outlines.flatMap((line) => edgePlaces(line, body, scene.size)));
     this.look();
   }
 
@@ -81,8 +99,11 @@ export class Stage {
   }
 
   drawArrows(withText) {
-    this.names.update(this.camera);
-    this.arrows.update(this.camera, this.shown, this.chosen, withText);
+    const { scene, camera } = this;
+    const edges = withText ? this.edges.map((at) => camera.toScreen(inWorld(scene.poses, at))) : [];
+    const labels = new Labels(camera, edges);
+    if (this.shown.names) this.names.update(camera, labels, withText);
+    this.arrows.update(camera, this.shown, this.chosen, withText, labels);
   }
 
   choose(element) {
@@ -95,9 +116,14 @@ export class Stage {
 
   /** Brings everything to an instant; `speed` is that of the clock. */
   draw(t, speed) {
+    const early = t < this.scene.start;
+    this.ended.hidden = !early && t <= this.scene.end;
+    if (!this.ended.hidden) {
+      this.ended.textContent = early ? `begins at t = ${short(this.scene.start)} s` : `ended at t = ${short(this.scene.end)} s`;
+    }
     this.scene.show(Math.min(Math.max(t, this.scene.start), this.scene.end));
     for (const { update } of this.moving) update();
-    for (const { symbol, nodes } of this.passing) {
+    for (const { symbol, nodes } of this.intermittent) {
       for (const node of nodes) node.toggleAttribute("hidden", !acts(symbol, this.scene.t));
     }
     this.flashes.update(speed);

@@ -1,6 +1,7 @@
 // Bodies, and all lines that are fixed in them: pins, supports, guides, wheels, racks, profiles.
 // codegen/drawing/rigid_strokes.py made the lines; figures have the same ones.
 
+import { mixed } from "./poses.js";
 import { place, svg, through } from "./signs.js";
 
 const LAYERS = { hatch: "ground", rail: "ground", support: "ground", hub: "joints", pin: "joints", fixing: "joints",
@@ -16,11 +17,19 @@ export function drawBodies(scene) {
     const parts = { ground: [], bodies: outlined(scene.bodies[body]), joints: [] };
     const strokes = scene.strokes.filter((stroke) => stroke.body === body);
     strokes.sort((a, b) => (ORDER[a.style] ?? 1) - (ORDER[b.style] ?? 1));
-    for (const stroke of strokes) parts[LAYERS[stroke.style] ?? "bodies"].push(drawStroke(scene, stroke));
+    for (const stroke of strokes) {
+      stroke.node = drawStroke(scene, stroke);
+      parts[LAYERS[stroke.style] ?? "bodies"].push(stroke.node);
+    }
+    const moved = strokes.filter(({ shift }) => shift);
     return Object.entries(parts).filter(([, nodes]) => nodes.length).map(([layer, nodes]) => {
       const node = svg("g", { class: `body body-${scene.number(body)}` }, ...nodes);
       node.dataset.body = scene.bodies[body].name;
-      const update = () => place(node, scene.poses[body], scene.poses[body].phi);
+      const own = moved.filter(({ node: one }) => node.contains(one));
+      const update = () => {
+        place(node, scene.poses[body], scene.poses[body].phi);
+        for (const { node: one, shift: [x, y] } of own) place(one, { x: mixed(x, scene.at), y: mixed(y, scene.at) });
+      };
       return { layer, node, update };
     });
   });

@@ -1,8 +1,7 @@
 // The time line: a slider with marks of events, and steps from one to the next.
 
-import { short } from "./signs.js";
-
-const MOST = 400; // marks that are drawn; of more, those far enough apart to be told apart
+const MAX_MARKS = 400; // that are drawn; of more, those far enough apart to be told apart
+const MAX_DIGITS = 9; // behind the point
 
 /** The time line of a clock, with the events of all runs. */
 export class Timeline {
@@ -14,6 +13,7 @@ export class Timeline {
     this.events = runs
       .flatMap((run, k) => run.events.map((event) => ({ ...event, run: k, label: runs.length > 1 ? run.label : "" })))
       .toSorted((a, b) => a.t - b.t);
+    this.eventDigits = this.digitsOfEvents();
     this.slider.min = clock.start;
     this.slider.max = clock.end;
     this.slider.step = (clock.end - clock.start) / 10000 || 1;
@@ -24,16 +24,24 @@ export class Timeline {
     this.show();
   }
 
+  /** Digits behind the point that tell events at different instants apart. */
+  digitsOfEvents() {
+    const gaps = this.events.slice(1).map(({ t }, k) => t - this.events[k].t).filter((gap) => gap > 0);
+    const least = gaps.reduce((smallest, gap) => Math.min(smallest, gap), Infinity);
+    const needed = Number.isFinite(least) ? Math.ceil(-Math.log10(least)) : 0;
+    return Math.min(Math.max(needed, this.digits), MAX_DIGITS);
+  }
+
   words(event) {
-    return `${short(event.t)} s: ${event.label ? `${event.label}, ` : ""}${event.text}`;
+    return `${event.t.toFixed(this.eventDigits)} s: ${event.label ? `${event.label}, ` : ""}${event.text}`;
   }
 
   mark(line) {
     const span = this.clock.end - this.clock.start || 1;
-    const gap = span / MOST;
+    const gap = span / MAX_MARKS;
     let last = -Infinity;
     for (const event of this.events) {
-      if (this.events.length > MOST && event.t - last < gap) continue;
+      if (this.events.length > MAX_MARKS && event.t - last < gap) continue;
       last = event.t;
       const mark = document.createElement("i");
       mark.style.left = `${(100 * (event.t - this.clock.start)) / span}%`;
@@ -45,13 +53,19 @@ export class Timeline {
   }
 
   list(list) {
-    for (const event of this.events.slice(0, MOST)) {
+    for (const event of this.events.slice(0, MAX_MARKS)) {
       const button = document.createElement("button");
       button.type = "button";
       button.textContent = this.words(event);
       button.addEventListener("click", () => this.clock.seek(event.t));
       const row = document.createElement("li");
       row.append(button);
+      list.append(row);
+    }
+    const more = this.events.length - MAX_MARKS;
+    if (more > 0) {
+      const row = document.createElement("li");
+      row.textContent = `and ${more} more`;
       list.append(row);
     }
     document.querySelector("#events").hidden = !this.events.length;
@@ -79,8 +93,8 @@ export class Timeline {
   show() {
     const { t } = this.clock;
     this.slider.value = t;
-    this.slider.setAttribute("aria-valuetext", `${short(t)} seconds`);
-    const text = `${t.toFixed(this.digits)} s`;
+    this.slider.setAttribute("aria-valuetext", `${this.instant(t)} seconds`);
+    const text = `${this.instant(t)} s`;
     if (this.output.textContent !== text) this.output.textContent = text;
     const event = this.latest;
     const words = event ? this.words(event) : "";
@@ -88,8 +102,13 @@ export class Timeline {
     this.happened.classList.toggle("fresh", Boolean(event) && t - event.t < 0.4 * this.clock.speed);
   }
 
+  /** An instant with so many digits that steps are told apart. */
+  instant(t) {
+    return t.toFixed(this.digits);
+  }
+
   get digits() {
     const span = this.clock.end - this.clock.start || 1;
-    return Math.min(Math.max(3 - Math.floor(Math.log10(span)), 2), 9);
+    return Math.min(Math.max(3 - Math.floor(Math.log10(span)), 2), MAX_DIGITS);
   }
 }

@@ -148,7 +148,7 @@ def test_wrong_arguments_are_named(compressor: Result, tmp_path: Path) -> None:
         runtime.animate([])
     with pytest.raises(InputError, match="1 labels for 2 runs"):
         runtime.animate([compressor, compressor], labels=["a"])
-    with pytest.raises(InputError, match=r"saved as .html, not as '.pdf'"):
+    with pytest.raises(InputError, match=r"a.pdf: a movie ends in .*, a page in .html"):
         compressor.animate(file=tmp_path / "a.pdf")
     assert not list(tmp_path.iterdir())
 

@@ -1,0 +1,72 @@
+// Where texts beside points stand: free of each other, and of the lines of bodies where they can.
+
+const LETTER = 6.6; // px, width of a letter
+const LINE = 15; // px, height of a line
+const EDGE = 4; // px, room to the edge of the picture
+
+/** The texts of a picture at one instant; each is placed after those before it. */
+export class Labels {
+  constructor(camera, obstacles) {
+    Object.assign(this, { camera, obstacles, boxes: [] });
+  }
+
+  /**
+   * Places a text at the candidate {x, y, end} that crosses fewest lines, or hides it where all
+   * would cover another text; `entry` keeps the choice, which holds while `anew` is false.
+   */
+  place(entry, candidates, anew) {
+    const { text } = entry;
+    if (anew || entry.choice === undefined) entry.choice = this.choose(text.textContent, candidates);
+    const chosen = candidates[entry.choice];
+    text.toggleAttribute("hidden", !chosen);
+    if (!chosen) return;
+    const box = this.box(text.textContent, chosen);
+    this.boxes.push(box);
+    text.setAttribute("x", chosen.end ? box.right : box.left);
+    text.setAttribute("y", box.bottom - 4);
+    text.setAttribute("text-anchor", chosen.end ? "end" : "start");
+  }
+
+  /** The number of the best candidate; -1: none is free. */
+  choose(words, candidates) {
+    let [best, fewest] = [-1, Infinity];
+    for (const [k, candidate] of candidates.entries()) {
+      const box = this.box(words, candidate);
+      if (this.boxes.some((other) => overlap(box, other))) continue;
+      const crossed = this.obstacles.reduce((sum, point) => sum + inside(point, box), 0);
+      if (crossed < fewest) [best, fewest] = [k, crossed];
+      if (crossed === 0) break;
+    }
+    return best;
+  }
+
+  box(words, { x, y, end }) {
+    const width = LETTER * words.length;
+    const start = end ? x - width : x;
+    const left = Math.max(Math.min(start, this.camera.width - width - EDGE), EDGE);
+    return { left, right: left + width, top: y + 4 - LINE, bottom: y + 4 };
+  }
+}
+
+function overlap(a, b) {
+  return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+}
+
+function inside({ x, y }, box) {
+  return x > box.left && x < box.right && y > box.top && y < box.bottom ? 1 : 0;
+}
+
+/** Places of the corners beside a point, `beside` px away in both directions. */
+export function cornersOf({ x, y }, beside) {
+  return [
+    { x: x + beside, y: y - beside },
+    { x: x - beside, y: y - beside, end: true },
+    { x: x + beside, y: y + beside + 10 },
+    { x: x - beside, y: y + beside + 10, end: true },
+  ];
+}
+
+/** Places below and above each other. */
+export function columnOf(place) {
+  return [0, 1, -1, 2, -2, 3].map((lines) => ({ ...place, y: place.y + lines * LINE }));
+}
