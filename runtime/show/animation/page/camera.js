@@ -121,7 +121,10 @@ export function steer(element, camera, onClick) {
       const [other] = others;
       const distance = (at) => Math.max(Math.hypot(at.x - other.x, at.y - other.y), 1);
       camera.zoom(distance(now) / distance(before), other);
-    } else if (!others.length) camera.pan(now.x - before.x, now.y - before.y);
+    } else if (!others.length) {
+      const scrolls = event.pointerType === "touch"; // one finger up or down scrolls the page
+      camera.pan(now.x - before.x, scrolls ? 0 : now.y - before.y);
+    }
     moved += Math.hypot(now.x - before.x, now.y - before.y);
     if (moved > 4 && !element.hasPointerCapture(event.pointerId)) element.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, now);

@@ -1,8 +1,11 @@
 // Where texts beside points stand: free of each other, and of the lines of bodies where they can.
 
-const LETTER = 6.6; // px, width of a letter
+const FONT = "13px system-ui, sans-serif"; // the larger one of the style sheet
 const LINE = 15; // px, height of a line
 const EDGE = 4; // px, room to the edge of the picture
+
+const pen = document.createElement("canvas").getContext("2d");
+pen.font = FONT;
 
 /** The texts of a picture at one instant; each is placed after those before it. */
 export class Labels {
@@ -41,7 +44,7 @@ export class Labels {
   }
 
   box(words, { x, y, end }) {
-    const width = LETTER * words.length;
+    const { width } = pen.measureText(words);
     const start = end ? x - width : x;
     const left = Math.max(Math.min(start, this.camera.width - width - EDGE), EDGE);
     return { left, right: left + width, top: y + 4 - LINE, bottom: y + 4 };

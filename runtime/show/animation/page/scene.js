@@ -39,6 +39,13 @@ function turnsBetween(bodies, count) {
   );
 }
 
+/** Spans of time whose bounds are those of samples, which have 48 bits; the last one has no end. */
+function spans(acts, times) {
+  const end = times.at(-1);
+  const close = 1e-12 * Math.max(Math.abs(times[0]), Math.abs(end));
+  return acts.map(([from, to]) => [from - close, to >= end - close ? Infinity : to - close]);
+}
+
 /** The scene of a run; `show(t)` brings poses and moving numbers to an instant. */
 export class Scene {
   constructor(run, arrays, size = run.size) {
@@ -58,6 +65,7 @@ export class Scene {
     this.symbols = run.symbols.map((symbol) => ({
       ...symbol,
       shape: rescaled(symbol.shape, unit),
+      ...(symbol.acts && { acts: spans(symbol.acts, this.times) }),
       moving: symbol.moving.map(({ path, values }) => ({
         path,
         values: LENGTHS.has(path.at(-1)) ? divided(arrays[values], unit) : arrays[values],

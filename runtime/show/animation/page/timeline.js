@@ -28,7 +28,7 @@ export class Timeline {
   digitsOfEvents() {
     const gaps = this.events.slice(1).map(({ t }, k) => t - this.events[k].t).filter((gap) => gap > 0);
     const least = gaps.reduce((smallest, gap) => Math.min(smallest, gap), Infinity);
-    const needed = Number.isFinite(least) ? Math.ceil(-Math.log10(least)) : 0;
+    const needed = Number.isFinite(least) ? Math.ceil(-Math.log10(least) - 1e-6) : 0;
     return Math.min(Math.max(needed, this.digits), MAX_DIGITS);
   }
 

@@ -72,8 +72,10 @@ def test_a_joint_shows_its_reaction_and_a_body_its_motion(page: Any) -> None:
     assert "B.fx" in page.locator(".legend").nth(2).text_content()
     drawn = page.evaluate("player.curves.panels[2].lines[0].renderer.data_source.data.y.length")
     assert drawn == page.evaluate("player.scenes[0].times.length")
-    page.locator("[data-body=rod] .inside").first.click(position={"x": 30, "y": 30}, force=True)
-    page.evaluate("player.choose('rod')")
+    page.evaluate("player.clock.seek(0.9)")
+    middle = page.evaluate("player.camera.toScreen(player.scenes[0].poses[2])")
+    page.locator("svg.stage").click(position={"x": middle["x"] + 20, "y": middle["y"]})
+    assert page.evaluate("player.stages[0].chosen") == "rod"
     assert title.evaluate("e => e.selectedOptions[0].text").startswith("rod: ")
 
 
@@ -81,8 +83,13 @@ def test_keys(page: Any) -> None:
     page.locator("body").press("e")
     first = page.evaluate("player.timeline.events[0].t")
     assert page.evaluate(TIME) == pytest.approx(first)
+    page.locator("body").press("e")
+    second = page.evaluate("player.timeline.events.find(e => e.t > player.timeline.events[0].t).t")
+    assert page.evaluate(TIME) == pytest.approx(second)
     page.locator("body").press("E")
-    assert page.evaluate(TIME) <= first
+    assert page.evaluate(TIME) == pytest.approx(first)
+    page.locator("body").press("E")  # there is none before it
+    assert page.evaluate(TIME) == pytest.approx(first)
     page.locator("body").press("End")
     assert page.evaluate(TIME) == 2.0
     page.locator("body").press("Home")
