@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from codegen.drawing.colors import LIGHT, Palette
+from codegen.drawing.force_arrows import Reactions, force_scale, force_strokes
 from codegen.drawing.moved_places import place_shifts, shifted
 from codegen.drawing.moving_strokes import moving_strokes
 from codegen.drawing.names import draw_dimensions, draw_names, draw_scale
@@ -13,11 +14,8 @@ from codegen.drawing.picture import Picture
 from codegen.drawing.polygons import FloatArray, placed
 from codegen.drawing.rigid_strokes import rigid_strokes
 from codegen.drawing.signs import (
-    Reactions,
     dimension_lines,
     driver_strokes,
-    force_scale,
-    force_strokes,
     frame_strokes,
     trace_strokes,
 )
@@ -32,6 +30,7 @@ if TYPE_CHECKING:
 WIDEST, TALLEST, LEAST = 7.2, 5.6, 2.6  # layout: sizes of a figure, in inches
 MARGINS = (0.75, 0.8)  # layout: room for ticks and titles, in inches
 FLATTEST, HIGHEST = 3.2, 1.8  # layout: width over height, and height over width, of the axes
+HIGHEST_WITH_FORCES = 0.9  # layout: height over width of axes with texts at forces
 BORDER = 0.07  # layout: room round a mechanism, in typical lengths
 
 
@@ -65,7 +64,8 @@ def figure(
     names
         Names of bodies, joints, drivers and forces.
     reactions
-        Joint → fx, fy (N) and torque (N m) that act on its second body, in the joint's axes.
+        Joint → fx, fy (N) and torque (N m) that act on its second body, in the joint's axes;
+        those of drivers as well.
     motion
         Poses of a motion, shape (instants, bodies, 3): guides are as long as it needs.
     colors
@@ -93,6 +93,8 @@ def figure(
     measured = dimension_lines(picture) if dimensions else []
     artist.signs += tuple(stroke for line in measured for stroke in line.strokes)
     low, high = artist.bounds(picture)
+    if scale is not None:
+        low, high = _widened(low, high)
     if axes is None:
         axes = new_figure("picture", *inches(high - low), facecolor=colors.background).add_subplot()
     prepare_axes(axes, low, high, colors)
@@ -110,6 +112,12 @@ def figure(
         draw_names(axes, picture, lines, boxes, colors, reactions if forces else None, forces)
     drawn: Figure = root
     return drawn
+
+
+def _widened(low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Bounds with room beside a tall machine, m: texts at forces are long."""
+    more = np.array([max((high - low)[1] / HIGHEST_WITH_FORCES - (high - low)[0], 0.0) / 2, 0.0])
+    return low - more, high + more
 
 
 def inches(span: FloatArray) -> tuple[float, float]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from codegen.drawing import shapes
 from codegen.drawing.colors import Palette
+from codegen.drawing.force_arrows import WIDE, Reactions, drawn_loads, force_strokes
 from codegen.drawing.gear_meshing import meshing
 from codegen.drawing.guides_and_racks import guide_ends, guide_of, rail_offset
 from codegen.drawing.label_placement import Label, place_labels, samples
@@ -13,7 +14,7 @@ from codegen.drawing.moving_strokes import gap_of
 from codegen.drawing.picture import Picture, Symbol
 from codegen.drawing.polygons import FloatArray, area, circle, contains, placed, unit
 from codegen.drawing.rigid_strokes import rail
-from codegen.drawing.signs import ARROW, ROUND, Dimension, Reactions, force_strokes, force_values
+from codegen.drawing.signs import ARROW, ROUND, Dimension
 from codegen.drawing.sizes_and_held_places import PIN
 from codegen.drawing.strokes import Stroke
 
@@ -42,8 +43,10 @@ def draw_names(
     values
         Whether forces have their sizes behind their names.
     """
-    wanted = [*_joints(picture, colors), *_bodies(picture, colors),
-              *_others(picture, colors, reactions, values), *_gaps(picture, colors)]  # fmt: skip
+    others = _others(picture, colors, reactions, values)
+    told = {text.partition(", ")[0] for text, *_ in others} if values else set[str]()
+    wanted = [*_joints(picture, colors, told), *_bodies(picture, colors), *others,
+              *_gaps(picture, colors)]  # fmt: skip
     if not wanted:
         return
     if len(wanted) > MOST_NAMES:  # of a long chain of alike parts, say: bodies are enough
@@ -90,12 +93,12 @@ def _filled(box: Box) -> FloatArray:
 Wanted = tuple[str, FloatArray, float, dict[str, Any]]
 
 
-def _joints(picture: Picture, colors: Palette) -> list[Wanted]:
-    """Names of joints, those at one place together."""
+def _joints(picture: Picture, colors: Palette, told: set[str]) -> list[Wanted]:
+    """Names of joints, those at one place together; without those that a force names."""
     style = {"fontsize": JOINT_SIZE, "color": colors.ink, "fontstyle": "italic"}
     places: list[tuple[FloatArray, list[str]]] = []
     for symbol in picture.symbols:
-        if symbol.role != "joint":
+        if symbol.role != "joint" or symbol.element in told:
             continue
         at = _anchor(picture, symbol)
         if at is None:
@@ -201,9 +204,9 @@ def _others(
 ) -> list[Wanted]:
     """Names of drivers, springs and forces, those of forces with their sizes where wanted."""
     size = picture.size
-    sizes = force_values(picture, reactions) if values else {}
+    found = _valued(picture, colors, reactions) if values else []
     arrows = {s.element: s for s in force_strokes(picture) if s.style in ("force", "torque")}
-    found = []
+    arrows = {} if values else arrows
     for symbol in picture.symbols:
         text, color, at, room = symbol.element, "", None, 0.0
         match symbol.shape:
@@ -220,15 +223,24 @@ def _others(
                 color, at = colors.force, _far_end(arrows[symbol.element])
             case shapes.Torque() if symbol.element in arrows:
                 color, at = colors.torque, np.array([picture.position(symbol.shape.at)])
-                room = 1.35 * ROUND * size
-            case shapes.Reaction() if symbol.element in sizes:
-                color = colors.reaction
-                at = np.array([[symbol.shape.x, symbol.shape.y]], dtype=float)
+                room = WIDE * ROUND * size
         if at is not None:
-            if symbol.element in sizes:
-                text = f"{text} {engineering(sizes[symbol.element], 'N')}"
             found.append((text, at, room, {"fontsize": OTHER_SIZE, "color": color}))
     return found
+
+
+def _valued(picture: Picture, colors: Palette, reactions: Reactions | None) -> list[Wanted]:
+    """What acts on which body, with its size."""
+    shades = {"force": colors.force, "reaction": colors.reaction, "torque": colors.torque}
+    return [
+        (
+            f"{load.label}: {engineering(load.size, load.unit)}",
+            _far_end(shaft) if load.style == "force" else load.at[None],
+            WIDE * ROUND * picture.size if load.style == "torque" else 0.0,
+            {"fontsize": OTHER_SIZE, "color": shades[load.style]},
+        )
+        for load, (shaft, _) in drawn_loads(picture, None, reactions)
+    ]
 
 
 def _gaps(picture: Picture, colors: Palette) -> list[Wanted]:

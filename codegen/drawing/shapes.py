@@ -8,7 +8,7 @@ in m, in the frame of the body of the place; directions are those of unit vector
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
-Spot = Any  # a Point of a declaration; in a picture, a Place
+PointOrPlace = Any  # a Point of a declaration; in a picture, a Place
 Number = Any  # a number or expression; in a picture, a float
 
 
@@ -32,8 +32,8 @@ class Pin(Shape):
     """A pin joint: two bodies turn about one point."""
 
     kind = "pin"
-    i: Spot
-    j: Spot
+    i: PointOrPlace
+    j: PointOrPlace
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class Slide(Shape):
     """A block at place j on a straight guide of body i through place i, along (ux, uy)."""
 
     kind = "slide"
-    i: Spot
-    j: Spot
+    i: PointOrPlace
+    j: PointOrPlace
     ux: Number
     uy: Number
 
@@ -52,8 +52,8 @@ class Slot(Shape):
     """A pin at place j in a straight slot of body i through place i, along (ux, uy)."""
 
     kind = "slot"
-    i: Spot
-    j: Spot
+    i: PointOrPlace
+    j: PointOrPlace
     ux: Number
     uy: Number
 
@@ -63,8 +63,8 @@ class Rod(Shape):
     """A massless rod between two pins."""
 
     kind = "rod"
-    i: Spot
-    j: Spot
+    i: PointOrPlace
+    j: PointOrPlace
 
 
 @dataclass(frozen=True)
@@ -72,8 +72,8 @@ class Fixing(Shape):
     """Two bodies that are rigidly connected where places i and j meet."""
 
     kind = "fixing"
-    i: Spot
-    j: Spot
+    i: PointOrPlace
+    j: PointOrPlace
 
 
 @dataclass(frozen=True)
@@ -81,8 +81,8 @@ class Spring(Shape):
     """A spring, damper or actuator, or several of them in parallel, between two places."""
 
     kind = "spring"
-    i: Spot
-    j: Spot
+    i: PointOrPlace
+    j: PointOrPlace
     elastic: bool = True
     damper: bool = False
     actuator: bool = False
@@ -93,8 +93,8 @@ class SpiralSpring(Shape):
     """A torsion spring, damper or motor between two bodies, about a pin of the second."""
 
     kind = "spiral spring"
-    i: Spot
-    j: Spot
+    i: PointOrPlace
+    j: PointOrPlace
     elastic: bool = True
     damper: bool = False
     actuator: bool = False
@@ -105,7 +105,7 @@ class Wheel(Shape):
     """A circle about a place of a body, which turns with the body; an internal gear's is a ring."""
 
     kind = "wheel"
-    center: Spot
+    center: PointOrPlace
     radius: Number
     toothed: bool = False
     internal: bool = False
@@ -116,7 +116,7 @@ class Rack(Shape):
     """A straight line of a body through a place, along (ux, uy), toothed or a track."""
 
     kind = "rack"
-    i: Spot
+    i: PointOrPlace
     ux: Number
     uy: Number
     toothed: bool = False
@@ -127,8 +127,8 @@ class Belt(Shape):
     """A belt round two wheels."""
 
     kind = "belt"
-    i: Spot
-    j: Spot
+    i: PointOrPlace
+    j: PointOrPlace
     radius_i: Number
     radius_j: Number
     crossed: bool = False
@@ -147,8 +147,8 @@ class Bearing(Shape):
     """A journal with clearance: pin j moves in a hole about place i, with `clearance` to spare."""
 
     kind = "bearing"
-    i: Spot
-    j: Spot
+    i: PointOrPlace
+    j: PointOrPlace
     clearance: Number
 
 
@@ -157,7 +157,7 @@ class Mark(Shape):
     """A place that an element without a shape of its own takes hold of."""
 
     kind = "mark"
-    at: Spot
+    at: PointOrPlace
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ class Contact(Shape):
 
     kind = "contact"
     bodies: tuple[Any, ...]
-    at: Spot | None = None
+    at: PointOrPlace | None = None
 
 
 @dataclass(frozen=True)
@@ -174,8 +174,8 @@ class Drive(Shape):
     """A driver's sign: it turns body j against body i, or pushes it along (ux, uy) of body i."""
 
     kind = "drive"
-    i: Spot
-    j: Spot
+    i: PointOrPlace
+    j: PointOrPlace
     turns: bool = True
     ux: Number = 0.0
     uy: Number = 0.0
@@ -186,9 +186,16 @@ class Force(Shape):
     """A force (fx, fy) in global axes, N, on a body at a place."""
 
     kind = "force"
-    at: Spot
+    at: PointOrPlace
     fx: Number
     fy: Number
+
+
+@dataclass(frozen=True)
+class OppositeForce(Force):
+    """The opposite of a force, on the body that exerts it; it does not hold that body together."""
+
+    kind = "opposite force"
 
 
 @dataclass(frozen=True)
@@ -196,7 +203,7 @@ class Torque(Shape):
     """A torque on a body, N m, drawn about its origin."""
 
     kind = "torque"
-    at: Spot
+    at: PointOrPlace
     torque: Number
 
 
@@ -230,4 +237,4 @@ class Trace(Shape):
     """A point whose path is an output."""
 
     kind = "trace"
-    at: Spot
+    at: PointOrPlace

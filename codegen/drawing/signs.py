@@ -1,6 +1,5 @@
-"""Signs of a picture that belong to no body: arrows of drivers and forces, frames, dimensions."""
+"""Signs of a picture that belong to no body: arrows of drivers, frames, dimensions."""
 
-from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -8,7 +7,7 @@ import numpy as np
 
 from codegen.drawing import shapes
 from codegen.drawing.arrow_lines import head, round_arrow, straight_arrow
-from codegen.drawing.picture import Picture, Symbol
+from codegen.drawing.picture import Picture
 from codegen.drawing.polygons import FloatArray, circle, convex_hull, distinct, normal, placed, unit
 from codegen.drawing.sizes_and_held_places import BLOCK, PIN, SAME, held_places
 from codegen.drawing.strokes import Stroke
@@ -16,12 +15,9 @@ from codegen.drawing.strokes import Stroke
 HEAD = 0.032  # layout: length of an arrow's head, in typical lengths
 ARROW = 0.15  # layout: length of an arrow that is not to scale
 ROUND = 0.062  # layout: radius of a round arrow
-LARGEST = 0.32  # layout: length of the largest arrow to scale
 FRAME = 0.075  # layout: length of the axes of a body's frame
 MOST_EDGES = 4  # layout: edges of a body that are measured
 BESIDE = 0.07  # layout: distance of a dimension line from what it measures
-Reactions = Mapping[str, tuple[float, float, float]]
-"""Joint → fx, fy in N in the joint's axes, and the torque in N m, of its second body."""
 
 
 def driver_strokes(picture: Picture) -> tuple[Stroke, ...]:
@@ -36,98 +32,26 @@ def driver_strokes(picture: Picture) -> tuple[Stroke, ...]:
                 lines = round_arrow(at, ROUND * size, np.radians(-50), np.radians(230), HEAD * size)
             else:
                 turn = picture.poses[shape.i.body, 2] if shape.i is not None else 0.0
-                way = _turned(np.array([shape.ux, shape.uy], dtype=float), turn)
+                way = turned(np.array([shape.ux, shape.uy], dtype=float), turn)
                 start = at + (BLOCK[0] + 0.02) * size * way
                 lines = straight_arrow(start, start + ARROW * size * way, HEAD * size)
-            found += _arrow("driver", lines, symbol.element)
+            found += arrow("driver", lines, symbol.element)
     return tuple(found)
 
 
-def _arrow(style: str, lines: tuple[FloatArray, FloatArray], element: str) -> list[Stroke]:
+def arrow(style: str, lines: tuple[FloatArray, FloatArray], element: str) -> list[Stroke]:
+    """The shaft and the head of an arrow."""
     return [
         Stroke(style, 0, lines[0], False, element),
         Stroke(f"{style} head", 0, lines[1], True, element),
     ]
 
 
-def _turned(direction: FloatArray, angle: float) -> FloatArray:
+def turned(direction: FloatArray, angle: float) -> FloatArray:
+    """The unit vector along a direction (2,), turned by an angle in rad."""
     c, s = np.cos(angle), np.sin(angle)
     x, y = unit(direction)
     return np.array([c * x - s * y, s * x + c * y])
-
-
-def force_strokes(
-    picture: Picture, scale: float | None = None, reactions: Reactions | None = None
-) -> tuple[Stroke, ...]:
-    """Arrows of the forces and torques that act, and of reactions.
-
-    Parameters
-    ----------
-    scale
-        Length of an arrow per force, m/N; None: arrows of one length.
-    reactions
-        Forces of joints on their second bodies, in the joints' own axes.
-    """
-    size, found = picture.size, []
-    for symbol, style, at, force in _forces(picture, reactions or {}):
-        strength = float(np.hypot(*force))
-        if strength > 0:
-            reach = ARROW * size if scale is None else scale * strength
-            ends = _pressing(picture, at, reach * unit(force))
-            found += _arrow(style, straight_arrow(*ends, HEAD * size), symbol.element)
-    for symbol in picture.symbols:
-        shape = symbol.shape
-        if isinstance(shape, shapes.Torque) and float(shape.torque) != 0:
-            at = np.array(picture.position(shape.at))
-            sweep = np.copysign(np.radians(200), float(shape.torque))
-            start = np.radians(120) if sweep > 0 else np.radians(60)
-            lines = round_arrow(at, 1.35 * ROUND * size, start, float(sweep), HEAD * size)
-            found += _arrow("torque", lines, symbol.element)
-    return tuple(found)
-
-
-def _forces(
-    picture: Picture, reactions: Reactions
-) -> Iterator[tuple[Symbol, str, FloatArray, FloatArray]]:
-    """Symbol, style, point of action and force (2,), N, of forces and reactions that are finite."""
-    for symbol in picture.symbols:
-        shape = symbol.shape
-        if isinstance(shape, shapes.Force):
-            force = np.array([shape.fx, shape.fy], dtype=float)
-            at = np.array(picture.position(shape.at))
-            if np.all(np.isfinite(force)):
-                yield symbol, "force", at, force
-        elif isinstance(shape, shapes.Reaction) and symbol.element in reactions:
-            fx, fy, _ = reactions[symbol.element]
-            along = unit(np.array([shape.ux, shape.uy], dtype=float))
-            force = fx * along + fy * normal(along)
-            if np.all(np.isfinite(force)):
-                yield symbol, "reaction", np.array([shape.x, shape.y], dtype=float), force
-
-
-def force_scale(picture: Picture, reactions: Reactions | None = None) -> float | None:
-    """Length per force, m/N, at which the largest arrow fits the picture; None without a force."""
-    strengths = [np.hypot(*force) for _, _, _, force in _forces(picture, reactions or {})]
-    largest = max(strengths, default=0.0)
-    return LARGEST * picture.size / float(largest) if largest > 0 else None
-
-
-def force_values(picture: Picture, reactions: Reactions | None = None) -> dict[str, float]:
-    """Element → size of its force, N, of all that an arrow stands for."""
-    return {
-        symbol.element: float(np.hypot(*force))
-        for symbol, _, _, force in _forces(picture, reactions or {})
-    }
-
-
-def _pressing(picture: Picture, at: FloatArray, arrow: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Start and end of an arrow that begins or ends at its point, on the side with more room."""
-    points = [placed(held_places(picture, b), pose) for b, pose in enumerate(picture.poses) if b]
-    others = np.concatenate([*points, picture.poses[1:, :2], at[None]])
-    middle = others.mean(axis=0)
-    if np.hypot(*(at - arrow - middle)) > np.hypot(*(at + arrow - middle)):
-        return at - arrow, at
-    return at, at + arrow
 
 
 def frame_strokes(picture: Picture) -> tuple[Stroke, ...]:

@@ -15,6 +15,7 @@ from codegen.drawing.shapes import (
     Fixing,
     Force,
     Mark,
+    OppositeForce,
     Pin,
     Place,
     Rod,
@@ -73,7 +74,7 @@ def held_places(picture: Picture, body: int) -> FloatArray:
     found = [
         (place.x, place.y)
         for symbol in picture.symbols
-        if isinstance(symbol.shape, _HOLDING)
+        if isinstance(symbol.shape, _HOLDING) and not isinstance(symbol.shape, OppositeForce)
         for place in places(symbol.shape)
         if place.body == body
     ]

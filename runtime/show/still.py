@@ -6,8 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.drawing.figure import figure
+from codegen.drawing.force_arrows import Reactions
 from codegen.drawing.outlines import complete_picture
-from codegen.drawing.shapes import Reaction
+from codegen.drawing.picture import Picture
+from codegen.drawing.shapes import Drive, Reaction
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.picture import geometry
 from runtime.mechanism.sibling_scenes import sibling_named
@@ -20,7 +22,6 @@ if TYPE_CHECKING:
     from runtime.results.result import Result
 
 FloatArray = npt.NDArray[np.float64]
-COMPONENTS = ("fx", "fy", "torque")
 
 
 def draw_state(
@@ -38,12 +39,22 @@ def draw_result(result: "Result", t: float | None, **drawing: Any) -> "Figure":
     """Draw a result at an instant, with the reactions there if forces are wanted."""
     one = result if t is None else result.at(t)
     drawn = pictures(one)
-    names = {row.name for row in one.description.reactions}
-    joints = {s.element for s in drawn.picture.symbols if isinstance(s.shape, Reaction)}
-    reactions: Any = {
-        joint: tuple(float(one.reaction(joint, word)[0]) for word in COMPONENTS)
-        for joint in joints
-        if {f"{joint}.{word}" for word in COMPONENTS} <= names
-    }
     motion = pictures(result).poses
-    return figure(drawn.picture, **drawing, reactions=reactions, motion=motion)
+    return figure(drawn.picture, **drawing, reactions=_reactions(one, drawn.picture), motion=motion)
+
+
+def _reactions(one: "Result", picture: Picture) -> Reactions:
+    """What joints and drivers exert at the first instant, as far as the scene has it."""
+    rows = {row.name: k for k, row in enumerate(one.description.reactions)}
+    found = {}
+    for symbol in picture.symbols:
+        if isinstance(symbol.shape, Reaction | Drive):
+            first = "force" if isinstance(symbol.shape, Drive) else "fx"
+            names = [f"{symbol.element}.{word}" for word in (first, "fy", "torque")]
+            if any(name in rows for name in names):
+                values = [
+                    float(one.samples.reaction[0, rows[name]]) if name in rows else 0.0
+                    for name in names
+                ]
+                found[symbol.element] = (values[0], values[1], values[2])
+    return found

@@ -65,12 +65,18 @@ class AppliedForce(Effect):
         return problems
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
-        """An arrow."""
+        """An arrow, and the opposite one on the body that exerts the force."""
         fx, fy = self.fx, self.fy
         if self.frame == "body":
             c, s = self.point.body.rotation
             fx, fy = c * fx - s * fy, s * fx + c * fy
-        return (shapes.Force(self.point, fx, fy),)
+        force, other = shapes.Force(self.point, fx, fy), self.from_
+        if other is None or other.fixed:
+            return (force,)
+        (x, y), (c, s) = other.position, other.rotation
+        dx, dy = self.point.x - x, self.point.y - y
+        at = other.at(c * dx + s * dy, c * dy - s * dx)
+        return force, shapes.OppositeForce(at, -fx, -fy)
 
 
 @element
@@ -108,8 +114,11 @@ class AppliedTorque(Effect):
         ]
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
-        """A round arrow."""
-        return (shapes.Torque(self.body, self.value),)
+        """A round arrow, and the opposite one on the body that exerts the torque."""
+        torque = shapes.Torque(self.body, self.value)
+        if self.from_ is None or self.from_.fixed:
+            return (torque,)
+        return torque, shapes.Torque(self.from_, -self.value)
 
 
 def exertion_problems(effect: Effect, on: Body, from_: Body | None) -> list[str]:

@@ -10,10 +10,11 @@ from matplotlib.figure import Figure
 
 from codegen.drawing.colors import DARK, LIGHT
 from codegen.drawing.figure import PictureArtist, figure
+from codegen.drawing.force_arrows import force_strokes
 from codegen.drawing.label_placement import Label, place_labels, samples
 from codegen.drawing.names import engineering
 from codegen.drawing.picture import Picture, Symbol
-from codegen.drawing.shapes import Reaction
+from codegen.drawing.shapes import Drive, Place, Reaction
 from tests.codegen.drawing.hand_drawn_pictures import slider_crank
 
 
@@ -65,8 +66,29 @@ def test_forces_have_their_sizes_and_a_scale() -> None:
     reaction = Symbol("B", "revolute", "joint", Reaction(1, 2, 1.4, 1.4, 1.0, 0.0))
     drawn = Picture("", drawn.bodies, drawn.poses, (*drawn.symbols, reaction), drawn.size)
     found = texts(figure(drawn, forces=True, reactions={"B": (3e4, -4e4, 0.0)}))
-    assert {"gas 50 kN", "B 50 kN", "20 kN"} <= set(found)
-    assert "gas 50 kN" not in texts(figure(drawn))
+    assert {"gas on slider: 50 kN", "B, crank on rod: 50 kN", "20 kN"} <= set(found)
+    assert not any("kN" in text for text in texts(figure(drawn)))
+
+
+def test_torques_of_joints_and_drivers_have_sizes_and_bodies() -> None:
+    drawn = slider_crank()
+    symbols = (
+        *drawn.symbols,
+        Symbol("guide", "translational", "joint", Reaction(0, 3, 3.0, 0.0, 1.0, 0.0)),
+        Symbol("motor", "driver", "driver", Drive(Place(0, 0.0, 0.0), Place(1, 0.0, 0.0))),
+        Symbol("piston", "driver", "driver", Drive(None, Place(3, 0.0, 0.0), False, 1.0, 0.0)),
+    )
+    drawn = Picture("", drawn.bodies, drawn.poses, symbols, drawn.size)
+    reactions = {"guide": (0.0, 2.0, -0.5), "motor": (0.0, 0.0, 2.0), "piston": (-3.0, 0.0, 0.0)}
+    found = set(texts(figure(drawn, forces=True, reactions=reactions)))
+    assert {
+        "guide, ground on slider: 2 N", "guide, ground on slider: 500 mN m",
+        "motor on crank: 2 N m", "piston on slider: 3 N",
+    } <= found  # fmt: skip
+    arcs = {
+        s.element: s.points for s in force_strokes(drawn, 1.0, reactions) if s.style == "torque"
+    }
+    assert np.ptp(arcs["guide"][:, 1]) < 0.7 * np.ptp(arcs["motor"][:, 1])
 
 
 def test_frames_add_axes_and_centres_of_mass(plain: Figure) -> None:

@@ -62,7 +62,7 @@ def test_each_kind_has_its_shapes(kind: str) -> None:
 
 def test_every_shape_is_some_elements() -> None:
     drawn = {word for text in OF_KIND.values() for word in text.split(", ") if word}
-    assert drawn | {"reaction", "trace"} == set(KINDS)
+    assert drawn | {"reaction", "trace", "opposite force"} == set(KINDS)
 
 
 def test_joints_close_at_the_start_and_stay_open_at_the_guesses() -> None:

@@ -7,8 +7,12 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from codegen import Model
+from codegen.drawing.figure import figure
+from codegen.drawing.names import engineering
 from codegen.errors import InputError, ModelError
 from codegen.model_file import read_model
+from codegen.picture_at_start import picture_at_start
 from runtime import load
 from runtime.machine_facade import Machine
 
@@ -65,8 +69,8 @@ def test_dimensions_are_distances_of_the_places_of_a_body(machine: Machine) -> N
 
 def test_a_state_is_drawn_where_it_is(machine: Machine, result: Any) -> None:
     at = result.state(0.3)
-    for figure in (machine.draw(at), result.draw(0.3)):
-        points = corners(figure)
+    for drawn in (machine.draw(at), result.draw(0.3)):
+        points = corners(drawn)
         pin = 2 * np.array([np.cos(at["crank.phi"]), np.sin(at["crank.phi"])])
         assert np.hypot(*(points - pin).T).min() < 0.2
         assert points[:, 0].max() > at["slider.x"]
@@ -83,8 +87,31 @@ def test_an_instant_puts_drivers_where_they_are_then() -> None:
 def test_reactions_are_drawn_with_their_sizes(result: Any) -> None:
     with_forces = texts(result.draw(0.3, forces=True))
     size = np.hypot(result.at(0.3).reaction("B", "fx"), result.at(0.3).reaction("B", "fy"))[0]
-    assert f"B {size / 1e3:.3g} kN" in with_forces
-    assert not any(text.startswith("B ") for text in texts(result.draw(0.3)))
+    assert f"B, crank on rod: {size / 1e3:.3g} kN" in with_forces
+    assert not any(text.startswith("B, crank") for text in texts(result.draw(0.3)))
+
+
+def test_drivers_are_drawn_with_what_they_exert() -> None:
+    driven = load("four_bar", "inverse_dynamics").inverse_dynamics([0.0, 0.1, 0.2])
+    torque = abs(float(driven.at(0.1).reaction("crank_drive", "torque")[0]))
+    found = texts(driven.draw(0.1, forces=True))
+    assert f"crank_drive on crank: {engineering(torque, 'N m')}" in found
+
+
+def test_a_body_that_exerts_a_force_has_the_opposite_arrow() -> None:
+    model = Model("pair")
+    first, second = (model.body(name, mass=1.0, inertia=1.0) for name in ("first", "second"))
+    model.force("push", on=second.at(0.2, 0.1), fx=3.0, fy=4.0, from_=first)
+    model.torque("motor", on=second, value=2.0, from_=first)
+    places = {"first.x": 1.0, "first.y": 2.0, "first.phi": 0.5, "second.x": 3.0, "second.y": 1.0}
+    model.scene("free", ["push", "motor"], guess={**places, "second.phi": -0.3})
+    picture = picture_at_start(model)
+    force, opposite = (s.shape for s in picture.symbols if s.element == "push")
+    assert (opposite.fx, opposite.fy) == (-3.0, -4.0)
+    assert picture.position(opposite.at) == pytest.approx(picture.position(force.at))
+    turned = [s.shape for s in picture.symbols if s.element == "motor"]
+    assert [(shape.at.body, shape.torque) for shape in turned] == [(2, 2.0), (1, -2.0)]
+    assert {"push on first: 5 N", "push on second: 5 N"} <= texts(figure(picture, forces=True))
 
 
 def test_instants_may_be_numbers_of_numpy(machine: Machine) -> None:

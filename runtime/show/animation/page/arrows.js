@@ -13,7 +13,7 @@ const CUT = 5; // px, half length of the strokes across an arrow that is cut
 /** The arrows of a scene: {node, largest, update(camera, shown …)}; `largest` may be set. */
 export function drawArrows(scene) {
   const node = svg("g", { class: "arrows" });
-  const kinds = { force: applied, reaction, torque, spring: tension, "spiral spring": torsion };
+  const kinds = { force: applied, "opposite force": applied, reaction, torque, drive, spring: tension, "spiral spring": torsion };
   const arrows = scene.symbols.flatMap((symbol) => {
     const sources = kinds[symbol.shape.kind]?.(symbol, scene) ?? [];
     return sources.map((source) => ({ symbol, ...source, ...parts(node, symbol, source) }));
@@ -120,6 +120,26 @@ function reaction(symbol, scene) {
     });
   }
   return found;
+}
+
+/** What a driver exerts on its second body, where the run has it. */
+function drive(symbol, scene) {
+  const { shape, element } = symbol;
+  const word = shape.turns ? "torque" : "force";
+  const series = scene.byName.get(`${element}.${word}`);
+  if (!series) return [];
+  const unit = shape.turns ? "N m" : "N";
+  return [{
+    kind: shape.turns ? "torque" : "reaction",
+    unit,
+    now: () => {
+      const value = mixed(series.values, scene.at);
+      if (shape.turns) return { ...inWorld(scene.poses, shape.j), torque: value };
+      const angle = (shape.i ? scene.poses[shape.i.body].phi : 0) + Math.atan2(shape.uy, shape.ux);
+      return { ...inWorld(scene.poses, shape.j), fx: value * Math.cos(angle), fy: value * Math.sin(angle) };
+    },
+    label: (now) => `${element} on ${scene.bodies[shape.j.body].name}: ${withUnit(now.torque ?? sizeOf(now), unit)}`,
+  }];
 }
 
 function torque(symbol, scene) {

@@ -146,7 +146,7 @@ export class Scene {
         for (const { x, y } of points) add(inWorld(this.poses, { body, x, y }));
       }
       for (const { shape } of this.symbols) {
-        if (["force", "torque", "reaction", "gravity"].includes(shape.kind)) continue;
+        if (["force", "opposite force", "torque", "reaction", "gravity"].includes(shape.kind)) continue;
         for (const spot of placesOf(shape)) add(inWorld(this.poses, spot), 3 * this.u);
       }
     };

@@ -39,7 +39,7 @@ def test_the_focus_meets_play_before_the_curves_and_names_all(page: Any) -> None
     assert labels.index("Play") < 8
     first_curve = next(k for k, (_, _, curves) in enumerate(seen) if curves)
     assert labels.index("Play") < first_curve
-    assert all(label.strip() for tag, label, _ in seen if tag != "BODY" and tag != "INPUT")
+    assert all(label.strip() for tag, label, _ in seen if tag not in {"BODY", "INPUT"})
     assert "DIV" not in {tag for tag, _, _ in seen}
 
 
