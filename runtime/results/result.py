@@ -335,16 +335,14 @@ class Result(TimeSeries):
             not installed.
         """
         from runtime.show.file_endings import is_page
+        from runtime.show.movie import save_movie
 
         if file is not None and Path(file).suffix and not is_page(Path(file)):
-            from runtime.show.movie import save_movie
-
             return save_movie(
                 self, Path(file), frames_per_second=frames_per_second, width=width, speed=speed,
                 span=span, progress=progress,
             )  # fmt: skip
-        given = (frames_per_second, width, speed, span)
-        if any(value is not None for value in given):
+        if any(value is not None for value in (frames_per_second, width, speed, span)):
             raise InputError(
                 "animate: frames_per_second=, width=, speed= and span= are those of a movie; give "
                 "file= with the ending .mp4, .gif or .svg as well."

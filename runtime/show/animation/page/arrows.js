@@ -31,7 +31,7 @@ export function drawArrows(scene) {
       if (!drawn) continue;
       const place = draw(arrow, now, camera, sizeOf(now) / all.largest[arrow.unit], length);
       if (withText) arrow.text.textContent = arrow.label(now);
-      labels.place(arrow, columnOf(place), withText);
+      labels.place(arrow, columnOf(place), withText, chosen === symbol.element);
     }
   }
   return all;

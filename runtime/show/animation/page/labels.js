@@ -15,12 +15,13 @@ export class Labels {
 
   /**
    * Places a text at the candidate {x, y, end} that crosses fewest lines, or hides it where all
-   * would cover another text; `entry` keeps the choice, which holds while `anew` is false.
+   * would cover another text and it is not `wanted`; `entry` keeps the choice, which holds while
+   * `anew` is false.
    */
-  place(entry, candidates, anew) {
+  place(entry, candidates, anew, wanted = false) {
     const { text } = entry;
     if (anew || entry.choice === undefined) entry.choice = this.choose(text.textContent, candidates);
-    const chosen = candidates[entry.choice];
+    const chosen = candidates[entry.choice] ?? (wanted ? candidates[0] : undefined);
     text.toggleAttribute("hidden", !chosen);
     if (!chosen) return;
     const box = this.box(text.textContent, chosen);
