@@ -46,7 +46,9 @@ def option(text: str, *names: str, **more: Any) -> Any:
     return typer.Option(*names, help=text, **more)
 
 
-ModelArgument = Annotated[str, typer.Argument(help="Path, or a bare name for models/NAME.py.")]
+ModelArgument = Annotated[
+    str, typer.Argument(help="Path of a model file, or a name: models/NAME.py.")
+]
 SceneOption = Annotated[str | None, option("One scene; all by default.")]
 CheckOption = Annotated[bool, option("Write nothing; fail if a file is out of date.", "--check")]
 JsonOption = Annotated[bool, option("One JSON object on stdout.", "--json")]

@@ -1,6 +1,8 @@
 """The picture of a declared mechanism before anything is built, at its start or its guesses."""
 
+import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -68,16 +70,25 @@ def picture_at_start(
     chosen, *_ = valid_scenes(declared, None if scene is None else (scene,))
     lowered = lower(derive(declared, chosen))
     poses = Poses(lowered)
-    found = poses.along_motion()[:1] if assembled else []
-    q = found[0] if found else poses.guess
+    closed = poses.start() if assembled else None
+    q = poses.guess if closed is None else closed[0]
     picture = lower_picture(lowered)
     values = [value for _, value, *_ in lowered.description.parameters]
     still: dict[str, Any] = {"q": q.tolist(), "v": [0.0] * len(q), "p": values}
     numbers = evaluate(picture.program, NAME, {"t": 0.0, **still})["out"]
-    flat = np.array([complex(numbers[k]).real for k in range(len(numbers))])
+    flat = np.array([_real(numbers[k]) for k in range(len(numbers))])
     curves = np.zeros((picture.layout.curves, SAMPLES, 2))
     for k, alpha in enumerate(np.linspace(0.0, 2.0 * np.pi, SAMPLES) if len(curves) else ()):
         points = evaluate(picture.program, CURVES, {"t": float(alpha), **still})["out"]
-        row = np.array([complex(points[slot]).real for slot in range(len(points))])
+        row = np.array([_real(points[slot]) for slot in range(len(points))])
         curves[:, k, :] = row.reshape(-1, 2)
-    return complete_picture(picture.layout.picture(flat, list[FloatArray](curves)))
+    drawn = picture.layout.picture(flat, list[FloatArray](curves))
+    if assembled and closed is None:
+        drawn = replace(drawn, title=f"{drawn.title}: its joints do not close from these guesses")
+    return complete_picture(drawn)
+
+
+def _real(number: complex) -> float:
+    """A number of a picture; not a number where it is not real."""
+    value = complex(number)
+    return value.real if value.imag == 0.0 else math.nan

@@ -30,6 +30,7 @@ extensions = [
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
     "docstrings",
+    "glossary_terms",
     "repository_links",
 ]
 root_doc = "index"
@@ -64,7 +65,7 @@ nb_execution_mode = "cache"
 nb_execution_cache_path = str(BUILD / "cells" / source_digest)
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True
-nb_execution_timeout = 120
+nb_execution_timeout = 600
 nb_execution_show_tb = True
 nb_merge_streams = True
 nb_render_markdown_format = "gfm"
@@ -119,8 +120,11 @@ html_theme_options = {
 mathjax_path = "mathjax/tex-mml-chtml.js"
 
 
-def forget_the_gallery_of_another_source(app: "Sphinx") -> None:
-    """Remove the pages of machines that were run with another state of the program."""
+def forget_what_another_source_gave(app: "Sphinx") -> None:
+    """Remove the cells and the machines that were run with another state of the program."""
+    for cells in (BUILD / "cells").glob("*"):
+        if cells.name != source_digest:
+            shutil.rmtree(cells)
     stamp = DOCS / "gallery" / "pages" / ".source"
     if stamp.exists() and stamp.read_text(encoding="utf-8") != source_digest:
         shutil.rmtree(stamp.parent)
@@ -143,5 +147,5 @@ def copy_mathjax(app: "Sphinx", error: Exception | None) -> None:
 def setup(app: "Sphinx") -> None:
     """Tie the pages to the source."""
     app.add_config_value("source_digest", "", "env", types=[str])
-    app.connect("builder-inited", forget_the_gallery_of_another_source, priority=1)
+    app.connect("builder-inited", forget_what_another_source_gave, priority=1)
     app.connect("build-finished", copy_mathjax)

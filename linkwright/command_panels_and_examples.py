@@ -49,7 +49,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "linkwright new four_bar",
         "linkwright new press --kind slider-crank",
     ),
-    "list": ("linkwright list", "linkwright list models"),
+    "list": ("linkwright list", "linkwright list ."),
     "elements": (
         "linkwright elements",
         "linkwright elements revolute",

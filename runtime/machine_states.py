@@ -144,12 +144,10 @@ class MachineStates(MechanismTables):
         from runtime.show.still import draw_state
 
         options = {"dimensions": dimensions, "forces": forces, "frames": frames, "names": names}
-        given = {"start": at} if not isinstance(at, int | float) else {"t": at}
-        read = check(self.mechanism, parameters=parameters, guess=guess, **given, **options)
-        values, state = read.pop("parameters"), read.pop("start", None)
-        begin = read.pop("guess")
-        if state is None or isinstance(state, dict):
-            state = self.assemble(begin, values, read.pop("t", 0.0), start=state)
+        read = check(self.mechanism, parameters=parameters, guess=guess, at=at, **options)
+        values, state = read["parameters"], read["at"]
+        if isinstance(state, float):
+            state = self.assemble(read["guess"], values, state)
         options = {name: read[name] for name in options}
         return draw_state(self.mechanism, state, self.parameter_values(values), **options)
 

@@ -194,6 +194,7 @@ class PictureArtist:
             linestyles=[pen.dashes for pen in pens],
             capstyle="round",
             joinstyle="round",
+            snap=False,  # lines and insides would be moved by different parts of a pixel
             zorder=zorder,
         )
         axes.add_collection(self.collection, autolim=False)

@@ -60,13 +60,19 @@ class Poses:
                 break
         return q, jacobian * self.unit
 
-    def along_motion(self) -> list[Array]:
-        """Positions that hold, (n,) each: the start, and some to which the joints let it move."""
+    def start(self) -> tuple[Array, Array] | None:
+        """The start and Φ_q there, in these units; None where the joints do not close near it."""
         start, jacobian = self.closed_near(self.guess, self.free)
         if not self.holds(start):
             start, jacobian = self.closed_near(self.guess)
-        if not self.holds(start):
+        return (start, jacobian) if self.holds(start) else None
+
+    def along_motion(self) -> list[Array]:
+        """Positions that hold, (n,) each: the start, and some to which the joints let it move."""
+        closed = self.start()
+        if closed is None:
             return []
+        start, jacobian = closed
         found, direction = [start], np.random.default_rng(0).standard_normal(len(start))
         for way in (1.0, -1.0):
             q, rows, ahead = start, jacobian, way * direction

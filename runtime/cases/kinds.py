@@ -178,6 +178,8 @@ def _quantity_problem(value: object) -> str | None:
     """Of a number, or of a text whose unit is looked at where the one that is needed is known."""
     if not isinstance(value, str):
         return _number_problem(value)
+    if not value.isprintable():  # YAML would write another text
+        return _text_problem(value)
     parts = QUANTITY.fullmatch(value)
     if parts is None or not math.isfinite(float(parts[1])):
         return ""
@@ -189,8 +191,8 @@ def _quantity_problem(value: object) -> str | None:
 
 
 def _seconds_problem(value: object) -> str | None:
-    if not isinstance(value, str):
-        return _number_problem(value)
+    if not isinstance(value, str) or not value.isprintable():
+        return _quantity_problem(value)
     try:
         number_in(value, "s")
     except QuantityError as error:
@@ -199,8 +201,8 @@ def _seconds_problem(value: object) -> str | None:
 
 
 def _condition_problem(value: object) -> str | None:
-    if not isinstance(value, str):
-        return ""
+    if not isinstance(value, str) or not value.isprintable():
+        return _text_problem(value)
     try:
         parts = read_condition(value)
     except QuantityError as error:

@@ -151,7 +151,7 @@ def frames_of(shown: Pictures) -> list[Picture]:
         inactive = frozenset(
             k
             for k, spans in shown.active.items()
-            if not any(first <= t <= last for first, last in spans)
+            if not any(first <= t < last for first, last in spans)
         )
         base = kept.setdefault(inactive, without(shown.picture, set(inactive)))
         frames.append(replace(base, poses=poses))

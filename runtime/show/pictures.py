@@ -36,7 +36,8 @@ class Pictures:
         (index of a symbol, name of a number of its shape) → its values, (k,), of the numbers that
         vary; those of places are called ``"i.x"``.
     active
-        Index of a symbol → spans of time, s, in which it acts, of those that come or go.
+        Index of a symbol → spans of time, s, in which it acts, of those that come or go; the end
+        of a span is not a part of it.
     """
 
     t: FloatArray
@@ -115,8 +116,8 @@ def _joined(
             index = names.setdefault((*pair, seen[pair]), len(symbols))
             if index == len(symbols):
                 symbols.append(symbol)
-            last = min(rows.stop, len(t) - 1)
-            acts.setdefault(index, []).append((float(t[rows.start]), float(t[last])))
+            last = float(t[rows.stop]) if rows.stop < len(t) else np.nextafter(t[-1], np.inf)
+            acts.setdefault(index, []).append((float(t[rows.start]), float(last)))
             for field, slot in one.layout.slots(k).items():
                 values = numbers.setdefault((index, field), np.full(len(t), np.nan))
                 values[rows] = one.numbers[:, slot]

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from codegen import argument_readers as readers
 from codegen.argument_readers import Reader, optional
 from codegen.errors import InputError
-from codegen.plain_values import KindError
+from codegen.plain_values import KindError, finite_float
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import Assembly, State
@@ -30,6 +30,7 @@ def check(
     """
     start = _values if start_has_values else _start_of(mechanism)
     kinds = {**_KINDS, "start": optional(start), **_state_readers(mechanism)}
+    kinds["at"] = _instant_or_state(mechanism)
     values = readers.read_arguments(mechanism.title, kinds, given)
     problems = _contradictions(values) if values.get("start") is not None else []
     if problems:
@@ -65,6 +66,23 @@ def _tolerances(value: Any) -> Any:
     if isinstance(value, np.ndarray | list | tuple) and np.ndim(value):
         return np.array([_tolerance(entry) for entry in value])
     return _tolerance(value)
+
+
+def _instant_or_state(mechanism: Mechanism) -> Reader:
+    def read(value: Any) -> float | Assembly | State:
+        instant = finite_float(value)
+        if instant is not None:
+            return instant
+        state = value.state() if isinstance(value, Result) else value
+        if not isinstance(state, Assembly | State):
+            raise KindError(
+                "it must be an instant in s, or a state: what assemble() returns, a result or its "
+                "state(t)."
+            )
+        found: Assembly | State = _start_of(mechanism)(state)
+        return found
+
+    return read
 
 
 def _start_of(mechanism: Mechanism) -> Reader:

@@ -104,6 +104,8 @@ def test_depth_is_bounded(read: Callable[..., str], ending: str, text: str) -> N
         (f"model: x\nrun: {{rtol: {'9' * 400}}}", "yaml", "beyond all floats"),
         (b"\xff\xfe", "yaml", "no text in UTF-8"),
         (b"model: \x00", "yaml", "is no YAML"),
+        ('{"model": "x", "start": {"a": "3\\u0085m"}}', "json", "characters that print"),
+        ('{"model": "x", "run": {"until": {"a": "b\\u0085 > 3"}}}', "json", "that print"),
         ('{"model": "\\ud800"}', "json", "a text of 1 to 4096 characters that print"),
         (f"model: {'x' * 5000}", "yaml", "a text of 1 to 4096 characters"),
         ("#" + "x" * (1 << 20), "yaml", "more than 1 MiB"),

@@ -1,12 +1,7 @@
 """A report is a whole page, and the same for the same run."""
 
-import base64
-import gzip
-import json
-import re
 from html.parser import HTMLParser
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from typer.testing import CliRunner
@@ -14,15 +9,7 @@ from typer.testing import CliRunner
 from runtime import load
 from runtime.cli.app import app
 from runtime.show.html_report import page
-
-
-def header_of(text: str) -> dict[str, Any]:
-    """The header of the data that a page carries."""
-    found = re.search(r'<script type="text/plain" id="data">([^<]*)<', text)
-    assert found is not None
-    data = gzip.decompress(base64.b64decode(found[1]))
-    size = int.from_bytes(data[:4], "little")
-    return dict(json.loads(data[4 : 4 + size]))
+from tests.runtime.show.page_data import header_of
 
 
 class Checked(HTMLParser):
@@ -95,3 +82,12 @@ def test_the_command_line_picks_the_analysis(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["report", "slider_crank", "--out", str(tmp_path / "a.pdf")])
     assert done.exit_code == 2
     assert "a report is an .html page" in done.output
+
+
+def test_without_a_model_file_a_report_has_its_curves_and_says_what_is_missing() -> None:
+    run = load("slider_crank", "kinematics").kinematics(np.linspace(0.0, 1.0, 11))
+    run._mechanism = None
+    (shown,) = header_of(page(run))["runs"]
+    assert "machine of this result is not known" in shown["missing"]
+    assert not shown["bodies"]
+    assert "crank.phi" in {series["name"] for series in shown["series"]}

@@ -53,6 +53,7 @@ def test_guesses_that_leave_joints_open_say_how_far() -> None:
 def test_joints_that_cannot_close_are_drawn_at_their_guesses() -> None:
     model = read_model("slider_crank").model
     figure = model.draw("kinematics", parameters={"rod_length": 0.5})
+    assert "its joints do not close" in figure.axes[0].get_title()
     assert any("m apart" in text for text in texts(figure))
 
 
@@ -86,6 +87,11 @@ def test_reactions_are_drawn_with_their_sizes(result: Any) -> None:
     assert not any(text.startswith("B ") for text in texts(result.draw(0.3)))
 
 
+def test_instants_may_be_numbers_of_numpy(machine: Machine) -> None:
+    for at in (np.int64(0), np.float32(0.0), 0):
+        assert texts(machine.draw(at)) == texts(machine.draw())
+
+
 def test_figures_belong_to_nobody_else(result: Any) -> None:
     result.draw(0.1)
     assert not plt.get_fignums()
@@ -107,9 +113,9 @@ def test_what_a_declaration_does_not_draw(arguments: Any, words: Any, message: s
 
 
 def test_what_machines_and_results_do_not_draw(machine: Machine, result: Any) -> None:
-    with pytest.raises(InputError, match="t is nan"):
+    with pytest.raises(InputError, match="at is nan"):
         machine.draw(float("nan"))
-    with pytest.raises(InputError, match="start is 'here'"):
+    with pytest.raises(InputError, match="at is 'here'; it must be an instant in s, or a state"):
         machine.draw("here")  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"t = 7 s lies outside"):
         result.draw(7.0)

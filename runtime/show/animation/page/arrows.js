@@ -18,6 +18,7 @@ export function drawArrows(scene) {
   });
   const largest = scales(scene, arrows);
   const update = (camera, shown, chosen, withText) => {
+    if (!(camera.width > 0 && camera.height > 0)) return; // before the page has its layout
     const taken = [];
     const length = LONGEST * Math.min(camera.width, camera.height);
     for (const arrow of arrows) {

@@ -59,8 +59,9 @@ export class Curves {
 
   /** Shows what belongs to a joint, an effect or a body. */
   showElement(element) {
-    const own = this.groups.filter(({ owner, section }) => owner === element && section !== "All bodies");
-    own.sort((a, b) => a.constant - b.constant);
+    const all = this.groups.filter(({ owner, section }) => owner === element && section !== "All bodies");
+    const moving = all.filter(({ constant }) => !constant);
+    const own = moving.length ? moving : all;
     const free = [2, 3];
     own.slice(0, free.length).forEach((group, k) => this.panels[free[k]].show(group));
     return own.length;

@@ -28,13 +28,13 @@ export const KEYS = [
   [["?", "h"], "?", "this list", "help"],
 ];
 
-const OWN = { INPUT: ["ArrowLeft", "ArrowRight", "Home", "End"], SELECT: null, BUTTON: [" "], SUMMARY: [" "] };
+const OWN = { CHECKBOX: [" "], INPUT: ["ArrowLeft", "ArrowRight", "Home", "End"], SELECT: null, BUTTON: [" "], SUMMARY: [" "] };
 
 /** Calls actions by keys, unless the element that has the focus uses the key itself. */
 export function listenToKeys(actions) {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const own = OWN[event.target.tagName];
+    const own = OWN[event.target.type === "checkbox" ? "CHECKBOX" : event.target.tagName];
     const slider = event.target.matches?.("#time");
     if (own === null || (own?.includes(event.key) && !slider) || document.querySelector("dialog[open]")) return;
     const found = KEYS.find(([keys]) => keys.includes(event.key));

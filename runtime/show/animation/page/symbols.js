@@ -9,7 +9,7 @@ function driveSymbol(shape, scene) {
   const line = shape.turns ? roundArrow(3.4 * u, 1) : `M0 0H${7 * u}M${5.6 * u} ${1.1 * u}L${7 * u} 0L${5.6 * u} ${-1.1 * u}`;
   const node = svg("path", { class: "drive", d: line });
   const update = () => {
-    const angle = shape.turns ? 0 : scene.poses[shape.i.body].phi + Math.atan2(shape.uy, shape.ux);
+    const angle = shape.turns ? 0 : (shape.i ? scene.poses[shape.i.body].phi : 0) + Math.atan2(shape.uy, shape.ux);
     place(node, inWorld(scene.poses, shape.j), angle);
   };
   return { node, update };
