@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from codegen import argument_readers as readers
-from codegen.errors import InputError
+from codegen.errors import InputError, LinkwrightError
 from codegen.public_callables import checked_class
 from codegen.whole_files import whole_file
 from runtime.show.animation.curve_panels import require_bokeh
@@ -204,5 +204,13 @@ def _run_data(result: "Result", label: str, arrays: Arrays) -> dict[str, Any]:
         "series": series,
         "groups": groups,
         "events": event_marks(result),
-        **scenery(pictures(shown), arrays),
+        **_scenery(shown, arrays),
     }
+
+
+def _scenery(shown: "Result", arrays: Arrays) -> dict[str, Any]:
+    """The picture; of a machine without its model file, which alone has it, curves are left."""
+    try:
+        return scenery(pictures(shown), arrays)
+    except LinkwrightError as error:
+        return {"size": 1.0, "bodies": [], "symbols": [], "strokes": [], "missing": str(error)}

@@ -42,8 +42,9 @@ class Player {
       figure.append(svg("svg", { role: "img", class: "stage" }));
       const caption = document.createElement("figcaption");
       caption.className = `run-${k % 7}`;
-      caption.textContent = runs.length > 1 ? scene.run.label : "";
-      caption.hidden = runs.length < 2;
+      const missing = scene.run.missing ? `No picture: ${scene.run.missing}` : "";
+      caption.textContent = [runs.length > 1 ? scene.run.label : "", missing].filter(Boolean).join(". ");
+      caption.hidden = !caption.textContent;
       figure.append(caption);
       const ended = document.createElement("p");
       ended.className = "ended";

@@ -38,5 +38,8 @@ export function tellState(region, clock, timeline, scenes) {
     else timer = setTimeout(() => tell(), AT_REST);
   });
   tell();
-  return () => tell(true);
+  return () => {
+    clearTimeout(timer);
+    tell(true);
+  };
 }

@@ -205,3 +205,14 @@ def test_a_panel_has_a_line_for_each_of_eighteen_curves(
         "player.curves.panels[0].lines.filter(l => l.renderer.visible).length"
     )
     assert drawn == 18
+
+
+def test_a_machine_without_its_model_file_has_curves_and_says_why(
+    show: Open, tmp_path: Path
+) -> None:
+    run = load("slider_crank", "kinematics").kinematics(np.linspace(0.0, 1.0, 11))
+    run._mechanism = None
+    page = show(run.animate().save(tmp_path / "bare.html"))
+    assert page.locator("figcaption").text_content().startswith("No picture: ")
+    assert page.locator(".chip").count() > 2
+    page.evaluate("player.clock.seek(0.5)")
