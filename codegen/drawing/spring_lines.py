@@ -1,6 +1,6 @@
 """Polylines of springs, dampers, actuators and torsion springs between two places.
 
-A player draws them anew at every instant; it follows the same construction. Along the line from
+A player draws them anew at every instant, from the lines of `spring_parts`. Along the line from
 place i to place j, s runs from 0 to 1 and n is the normal to its left:
 
 - a spring is straight to s = 0.2, has `COILS` teeth of the height `half_width` to s = 0.8, and is
@@ -28,6 +28,16 @@ def spring_lines(
     actuator: bool = False,
 ) -> list[tuple[str, FloatArray]]:
     """Style and polyline (k, 2) of the parts of a spring, damper and actuator from i to j, m."""
+    return [
+        (style, _between(i, j, half_width, line))
+        for style, line in spring_parts(elastic, damper, actuator)
+    ]
+
+
+def spring_parts(
+    elastic: bool = True, damper: bool = False, actuator: bool = False
+) -> list[tuple[str, FloatArray]]:
+    """Style and polyline (k, 2) in s, and n in half widths: a player has them from here."""
     parts = [
         (style, lines)
         for wanted, style, lines in (
@@ -39,7 +49,7 @@ def spring_lines(
     ]
     offsets = BESIDE * (np.arange(len(parts)) - (len(parts) - 1) / 2)
     result = [
-        (style, _between(i, j, half_width, points, offset))
+        (style, np.array(points, dtype=float) + np.array([0.0, offset]))
         for (style, lines), offset in zip(parts, offsets, strict=True)
         for points in lines(len(parts) > 1)
     ]
@@ -47,21 +57,15 @@ def spring_lines(
         reach = float(offsets[-1])
         bars = [[(s, -reach), (s, reach)] for s in (0.1, 0.9)]
         bars += [[(0.0, 0.0), (0.1, 0.0)], [(0.9, 0.0), (1.0, 0.0)]]
-        result += [(parts[0][0], _between(i, j, half_width, bar)) for bar in bars]
+        result += [(parts[0][0], np.array(bar)) for bar in bars]
     return result
 
 
-def _between(
-    i: FloatArray,
-    j: FloatArray,
-    half_width: float,
-    points: list[tuple[float, float]],
-    offset: float = 0.0,
-) -> FloatArray:
+def _between(i: FloatArray, j: FloatArray, half_width: float, points: FloatArray) -> FloatArray:
     """Points (s, n), n in half widths, in the plane of i and j."""
-    s, n = np.array(points, dtype=float).T
+    s, n = points.T
     across = normal(unit(j - i)) * half_width
-    return np.asarray(i + s[:, None] * (j - i) + (n + offset)[:, None] * across)
+    return np.asarray(i + s[:, None] * (j - i) + n[:, None] * across)
 
 
 Lines = list[list[tuple[float, float]]]

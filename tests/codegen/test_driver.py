@@ -198,7 +198,9 @@ def test_two_builds_at_once_write_one_file(model: Path, tmp_path: Path, root: Pa
 def test_folder_that_cannot_be_written(model: Path, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     for out in (tmp_path / "file", tmp_path / "file" / "below"):
-        with pytest.raises(GeneratedFileError, match=r"cannot write .*choose another folder"):
+        with pytest.raises(
+            GeneratedFileError, match=r"cannot write .*choose another folder with --out"
+        ):
             built(model, out)
 
 

@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from codegen.drawing.moving_strokes import SPRING
 from codegen.drawing.rigid_strokes import rigid_strokes
-from codegen.drawing.shapes import Place
+from codegen.drawing.shapes import Place, Spring
+from codegen.drawing.spring_lines import spring_parts
 from runtime.show.animation.payload import Arrays
 from runtime.show.pictures import Pictures
 
@@ -28,6 +30,7 @@ def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
     kept = [number for number, one in enumerate(picture.symbols) if _is_finite(one.shape)]
     return {
         "size": float(picture.size),
+        "spring": SPRING,
         "bodies": [
             {
                 "name": body.name,
@@ -44,6 +47,7 @@ def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
                 "type": picture.symbols[number].kind,
                 "role": picture.symbols[number].role,
                 "shape": _shape(picture.symbols[number].shape),
+                **_lines(picture.symbols[number].shape),
                 "moving": moving[number],
                 **({"acts": active[number]} if number in active else {}),
             }
@@ -96,6 +100,14 @@ def _moving_places(pictures: Pictures) -> dict[tuple[str, int], tuple[FloatArray
 
 def _shift(by: tuple[FloatArray, FloatArray] | None, arrays: Arrays) -> dict[str, list[int]]:
     return {} if by is None else {"shift": [arrays.add(values) for values in by]}
+
+
+def _lines(shape: Any) -> dict[str, Any]:
+    """The lines of a spring in s, from 0 to 1 along it, and n, in half widths across it."""
+    if not isinstance(shape, Spring):
+        return {}
+    parts = spring_parts(shape.elastic, shape.damper, shape.actuator)
+    return {"lines": [[style, points.tolist()] for style, points in parts]}
 
 
 def _is_finite(shape: Any) -> bool:

@@ -112,7 +112,7 @@ class Player {
   }
 
   draw(t) {
-    for (const stage of this.stages) stage.draw(t, this.clock.speed);
+    for (const stage of this.stages) stage.draw(t, this.clock);
   }
 
   /** Shows what was clicked on: its curves, and its arrow. */

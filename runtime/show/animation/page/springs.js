@@ -3,61 +3,19 @@
 import { inWorld } from "./poses.js";
 import { svg, through } from "./signs.js";
 
-const COILS = 7;
-
-/** A node for what lies between the places i and j, drawn along x and stretched to its length. */
-export function springSymbol(shape, scene) {
-  const parts = [];
-  if (shape.elastic) parts.push("spring");
-  if (shape.damper) parts.push("damper");
-  if (shape.actuator) parts.push("actuator");
-  const paths = parts.map((part) => svg("path", { class: part }));
+/** A node for what lies between the places i and j; codegen/drawing/spring_lines.py made its lines. */
+export function springSymbol(shape, scene, lines) {
+  const half = scene.run.spring * scene.size;
+  const paths = lines.map(([style]) => svg("path", { class: style }));
   const node = svg("g", {}, ...paths);
   const update = () => {
     const [from, to] = [inWorld(scene.poses, shape.i), inWorld(scene.poses, shape.j)];
-    const length = Math.hypot(to.x - from.x, to.y - from.y);
-    const angle = Math.atan2(to.y - from.y, to.x - from.x);
-    const turn = `rotate(${(angle * 180) / Math.PI})`;
-    node.setAttribute("transform", `translate(${from.x} ${from.y})${turn}`);
-    paths.forEach((path, k) => {
-      const offset = (k - (parts.length - 1) / 2) * 4.4 * scene.u;
-      path.setAttribute("d", LINES[parts[k]](length, scene.u, offset));
-    });
+    const [dx, dy] = [to.x - from.x, to.y - from.y];
+    const across = half / (Math.hypot(dx, dy) || 1);
+    const at = ([s, n]) => ({ x: from.x + s * dx - n * across * dy, y: from.y + s * dy + n * across * dx });
+    paths.forEach((path, k) => path.setAttribute("d", through(lines[k][1].map(at))));
   };
   return { node, update };
-}
-
-const LINES = { spring: coil, damper: dashpot, actuator: cylinder };
-
-function coil(length, u, offset) {
-  const lead = Math.min(0.15 * length, 2 * u);
-  const height = 1.8 * u;
-  const pitch = (length - 2 * lead) / COILS;
-  let line = `M0 0L${0.5 * lead} ${offset}H${lead}`;
-  for (let k = 0; k < COILS; k += 1) {
-    const x = lead + k * pitch;
-    line += `L${x + 0.25 * pitch} ${offset + height}L${x + 0.75 * pitch} ${offset - height}`;
-  }
-  return `${line}L${length - lead} ${offset}H${length - 0.5 * lead}L${length} 0`;
-}
-
-function dashpot(length, u, offset) {
-  const [from, to, height] = [0.3 * length, 0.62 * length, 1.5 * u];
-  const piston = Math.min(Math.max(0.5 * length, from + 0.4 * u), to);
-  return (
-    `M0 0L${0.08 * length} ${offset}H${from}M${to} ${offset - height}H${from}V${offset + height}H${to}` +
-    `M${piston} ${offset - 0.8 * height}V${offset + 0.8 * height}M${piston} ${offset}` +
-    `H${0.92 * length}L${length} 0`
-  );
-}
-
-function cylinder(length, u, offset) {
-  const [from, to, height] = [0.15 * length, 0.6 * length, 1.5 * u];
-  return (
-    `M0 0L${0.08 * length} ${offset}H${from}V${offset + height}H${to}V${offset - height}H${from}V${offset}` +
-    `M${0.45 * length} ${offset - height}V${offset + height}M${0.45 * length} ${offset}` +
-    `H${0.92 * length}L${length} 0`
-  );
 }
 
 /** A spiral that winds with the angle between its bodies. */

@@ -114,8 +114,8 @@ export class Stage {
     this.drawArrows(true);
   }
 
-  /** Brings everything to an instant; `speed` is that of the clock. */
-  draw(t, speed) {
+  /** Brings everything to an instant of a clock; texts change seldom while it plays. */
+  draw(t, { speed, playing }) {
     const early = t < this.scene.start;
     this.ended.hidden = !early && t <= this.scene.end;
     if (!this.ended.hidden) {
@@ -128,7 +128,7 @@ export class Stage {
     }
     this.flashes.update(speed);
     const now = performance.now();
-    const withText = now - this.written > TEXTS;
+    const withText = !playing || now - this.written > TEXTS;
     if (withText) this.written = now;
     this.drawArrows(withText);
   }

@@ -27,7 +27,7 @@ const SYMBOLS = {
 export function drawSymbol(symbol, scene) {
   const make = SYMBOLS[symbol.shape.kind];
   if (!make) return null;
-  const drawn = make(symbol.shape, scene);
+  const drawn = make(symbol.shape, scene, symbol.lines);
   drawn.node.classList.add("symbol");
   drawn.node.dataset.element = symbol.element;
   drawn.node.append(svg("title", {}, `${symbol.element}, ${symbol.type}`));

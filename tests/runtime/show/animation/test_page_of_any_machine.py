@@ -216,3 +216,15 @@ def test_a_machine_without_its_model_file_has_curves_and_says_why(
     assert page.locator("figcaption").text_content().startswith("No picture: ")
     assert page.locator(".chip").count() > 2
     page.evaluate("player.clock.seek(0.5)")
+
+
+def test_springs_have_the_lines_of_figures(show: Open, tmp_path: Path) -> None:
+    from codegen.drawing.moving_strokes import moving_strokes
+
+    drawn = spring_on_a_shaker(np.linspace(0.0, 3.0, 7))
+    page = show(page_of(tmp_path / "spring.html", drawn))
+    page.evaluate("player.clock.seek(1.5)")
+    path = page.locator(".between path.spring").get_attribute("d")
+    points = np.array([[float(v) for v in p.split()] for p in path.removeprefix("M").split("L")])
+    (stroke,) = (s for s in moving_strokes(drawn.at(3)) if s.style == "spring")
+    assert points == pytest.approx(stroke.points, abs=1e-5)
