@@ -32,7 +32,7 @@ class Label(NamedTuple):
     room: float = 3.0
 
 
-class Spot(NamedTuple):
+class PlacedLabel(NamedTuple):
     """Where a name stands: its centre, its anchor, in points, and whether it is far from that."""
 
     center: FloatArray
@@ -42,7 +42,7 @@ class Spot(NamedTuple):
 
 def place_labels(
     labels: Sequence[Label], lines: FloatArray, bounds: tuple[float, float, float, float]
-) -> list[Spot]:
+) -> list[PlacedLabel]:
     """Where the names stand: each in turn takes its best place, given those of all others.
 
     Parameters
@@ -72,7 +72,9 @@ def place_labels(
         center, anchor = centers[number], anchors[number]
         half = np.array(label.size) / 2
         away = np.maximum(np.abs(center - anchor) - half, 0.0)
-        spots.append(Spot(center, anchor, bool(np.hypot(*away) > label.room + DISTANCES[2] + 1)))
+        spots.append(
+            PlacedLabel(center, anchor, bool(np.hypot(*away) > label.room + DISTANCES[2] + 1))
+        )
     return spots
 
 
