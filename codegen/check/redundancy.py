@@ -37,7 +37,9 @@ def examine(equations: Equations, lowered: Lowered) -> Findings:
         return Findings((), (), 0)
     poses, coordinates = Poses(lowered), equations.coordinates
     probes = (_jacobian_near(poses, k) for k in range(PROBES))
-    dependent = [rows[i] for i in min(map(_dependent_rows, probes), key=len)]
+    # Of as many, the last ones: at a singular position an earlier row depends on others by chance.
+    found = min(map(_dependent_rows, probes), key=lambda rows: (len(rows), [-i for i in rows]))
+    dependent = [rows[i] for i in found]
     independent = len(rows) - len(dependent)
     positions = len(coordinates) - len(equations.states)
     if not dependent:

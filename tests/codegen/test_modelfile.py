@@ -1,5 +1,6 @@
 """Model files and options that are wrong: said with file and line, status 2, nothing written."""
 
+import json
 import re
 from pathlib import Path
 
@@ -114,5 +115,6 @@ def test_explain_answers_errors_alike(tmp_path: Path) -> None:
     path = write_model(tmp_path, HEAD + "model.torque('k', on=a, value=1)")
     answer = CliRunner().invoke(app, ["explain", str(path), "--json"])
     assert answer.exit_code == 2
-    assert answer.stdout == ""
-    assert answer.stderr.startswith("error: effect 'k': the name is already")
+    (problem,) = json.loads(answer.stdout)["problems"]
+    assert problem.startswith("effect 'k': the name is already")
+    assert answer.stderr == f"error: {problem}\n"

@@ -267,7 +267,7 @@ def test_what_is_no_saved_result(tmp_path: Path) -> None:
     (tmp_path / "no.nc").write_bytes(b"something else")
     for name, message in (
         ("no.nc", "was not written by this version"),
-        ("run.csv", "come back from .nc files alone"),
+        ("run.csv", "come back from .nc files and .zarr stores alone"),
         ("none.nc", "there is no such file"),
     ):
         with pytest.raises(InputError, match=message):
