@@ -84,7 +84,7 @@ def _pairs(over: Mapping[str, Any] | Sequence[str], problems: list[str]) -> list
     for text in over:
         name, sign, given = text.partition("=")
         if not (sign and name.strip()):
-            problems.append(f"--over {one_line(text)}: {_FORM}.")
+            problems.append(f"over, {one_line(text)}: {_FORM}.")
             continue
         pairs.append((name.strip(), given.strip()))
     return pairs

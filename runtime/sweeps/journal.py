@@ -30,7 +30,7 @@ class Journal:
     def __init__(self, store: Path, block: int) -> None:
         self.folder, self.block = working_folder(store) / "journals", block
 
-    def ends(self) -> Counter[int]:
+    def losses(self) -> Counter[int]:
         """Run, or LOADING or WRITING → processes that ended there."""
         found: Counter[int] = Counter()
         for file in self.folder.glob(f"{self.block}-*"):

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +14,11 @@ from runtime.studies import scene_loading
 from runtime.studies.effect_ranking.quantity import Function
 from runtime.studies.run_words import takes_run_words
 from runtime.sweeps import store
-from runtime.sweeps.design import Design, design_of, given_design
-from runtime.sweeps.execution import execute, job_of, locked, require_same
+from runtime.sweeps.design import Design, design_of, given_design, in_declared_units
+from runtime.sweeps.execution import execute, job_of, require_same, store_lock
 from runtime.sweeps.factors import read_factors
-from runtime.sweeps.planning import gather, measure, plan_of
+from runtime.sweeps.member_run import REPEATED
+from runtime.sweeps.planning import estimate_of, factor_unit, gather, plan_of
 from runtime.sweeps.study import Study
 
 if TYPE_CHECKING:
@@ -158,6 +160,7 @@ def sweep(
     if problems or design is None:
         raise InputError(problems)
     machine = load(model, scene, folder=folder, generated=generated)
+    design = in_declared_units(design, partial(factor_unit, machine))
     settings = {
         "accuracy": accuracy, "method": method, "formulation": formulation, "rtol": rtol, **run
     }  # fmt: skip
@@ -165,15 +168,20 @@ def sweep(
         machine, design, quantities=dict(quantities), keep=tuple(keep), analysis=analysis,  # type: ignore[arg-type]
         span=(t_start, t_end), points=points, values=(parameters, guess, start), settings=settings,
     )  # fmt: skip
-    with locked(path):
+    with store_lock(path):
+        _require_place(path, resume=resume)  # another sweep may have begun meanwhile
+        blocks = None
         if path.exists():
             require_same(path, plan, design)
-            if not store.unfinished(store.open_group(path)):
+            blocks = store.unfinished(store.open_group(path), repeated=REPEATED)
+            if not blocks:
                 return Study(path, machine, plan)
-        measured = measure(machine, plan, design)
-        job = job_of(path, machine, plan, design, measured, workers)
+        estimate = estimate_of(machine, plan, design)
+        job = job_of(path, machine, plan, design, estimate, workers)
+        if blocks is None:
+            blocks = [*range(store.layout_of(store.open_group(path)).blocks)]
         note = execute(
-            job, measured, workers=workers, scheduler=scheduler, progress=progress,
+            job, estimate, blocks, workers=workers, scheduler=scheduler, progress=progress,
             title=f"sweep of {machine.mechanism.title}",
         )  # fmt: skip
     return Study(path, machine, plan, note)
@@ -190,7 +198,7 @@ def _design(over: Any, sample: str | None, count: int | None, seed: int) -> Desi
 def _require_place(path: Path, *, resume: bool) -> None:
     """Refuse a store that exists, or whose folder does not, before anything runs."""
     if not path.parent.is_dir():
-        raise InputError(f"--out {path}: the folder {path.parent} does not exist.")
+        raise InputError(f"{path}: the folder {path.parent} does not exist.")
     if path.exists() and not resume:
         raise InputError(
             f"{path} exists, and a sweep overwrites nothing. Go on with it by --resume "

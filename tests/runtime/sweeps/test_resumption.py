@@ -146,10 +146,10 @@ def test_an_interrupt_keeps_what_is_done(
 def test_a_store_of_which_another_sweep_is_writing(
     request_of: dict[str, Any], tmp_path: Path
 ) -> None:
-    from runtime.sweeps.execution import locked
+    from runtime.sweeps.execution import store_lock
 
     with (
-        locked(tmp_path / "s.zarr"),
+        store_lock(tmp_path / "s.zarr"),
         pytest.raises(InputError, match="Another sweep is writing"),
     ):
         sweep(out=tmp_path / "s.zarr", **request_of)
