@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
 _ENDINGS = (".yaml", ".yml", ".json")
 _SAME = {"inverse": "inverse_dynamics", "inverse-dynamics": "inverse_dynamics"}
-_ANALYSES = ("simulate", "kinematics", "inverse_dynamics", "equilibrium")
 _OTHER_MEANING = {
     "accuracy": {"method", "formulation", "rtol", "accuracy", "points"},
     "matters": {"accuracy", "quantity", "points"},
@@ -51,11 +50,12 @@ def read_case(context: typer.Context, model: str | None) -> str | None:
 
 def _options(case: "Case", context: typer.Context) -> dict[str, Any]:
     """The words of a case by the names of the options that they stand for."""
+    from runtime.cases.fields import ANALYSES
     from runtime.cases.machine_values import SECONDS_WORDS, seconds
 
     command = context.info_name or ""
     analysis = _SAME.get(command, command)
-    if analysis in _ANALYSES and analysis != case.analysis:
+    if analysis in ANALYSES and analysis != case.analysis:
         asked = case.analysis.replace("_", "-")
         raise InputError(
             f"{case.path}: the case asks for {asked}, and the command is {command}. Run: "
@@ -69,7 +69,7 @@ def _options(case: "Case", context: typer.Context) -> dict[str, Any]:
         words["quantity"] = words.pop("quantities")
     if isinstance(case.scene, str):
         words["scene"] = case.scene
-    if case.analysis != _ANALYSES[0]:
+    if case.analysis != ANALYSES[0]:
         words["analysis"] = case.analysis.replace("_", "-")  # of studies
     if command == "sweep" and case.analysis == "equilibrium":
         if "t" in words:

@@ -68,16 +68,17 @@ def design_of(
     if problems:
         raise InputError(problems)
     names = tuple(factor.name for factor in factors)
+    units = tuple((factor.name, factor.unit) for factor in factors if factor.unit)
     if kind == GRID:
         values = [np.array(factor.values) for factor in factors]
         mesh = np.meshgrid(*values, indexing="ij")
         points = np.stack([axis.ravel() for axis in mesh], axis=1)
         axes = tuple((factor.name, factor.values) for factor in factors)
-        return Design(kind, names, points, tuple(factors), axes)
+        return Design(kind, names, points, tuple(factors), axes, units=units)
     assert count is not None
     shares = unit_sample(kind, len(factors), count, seed)
     points = np.stack([f.quantile(shares[:, k]) for k, f in enumerate(factors)], axis=1)
-    return Design(kind, names, points, tuple(factors), seed=seed)
+    return Design(kind, names, points, tuple(factors), seed=seed, units=units)
 
 
 def _misfits(

@@ -66,13 +66,13 @@ def evaluate_member(machine: Machine, request: Request, point: FloatArray) -> Ro
     try:
         result = run_member(machine, request, point)
     except LinkwrightError as error:
-        return nothing._replace(message=shortened(str(error)))
+        return nothing._replace(message=message_text(str(error)))
     except KeyboardInterrupt:
         raise
     except FAILURES as error:
         outcome = MEMORY if isinstance(error, MemoryError) else ERROR
         text = f"{type(error).__name__}: {error}"
-        return nothing._replace(outcome=outcome, message=shortened(text))
+        return nothing._replace(outcome=outcome, message=message_text(text))
     outcome = result.outcome.name
     quantities, notes = nothing.quantities.copy(), [result.message]
     if not result.failed:
@@ -90,7 +90,7 @@ def evaluate_member(machine: Machine, request: Request, point: FloatArray) -> Ro
         raise KeyboardInterrupt  # the wish to stop is no outcome of a member
     t_last = float(result.t[-1]) if len(result.t) else np.nan
     series = _series(result, request)
-    return Row(quantities, outcome, shortened("\n".join(notes)), t_last, series)
+    return Row(quantities, outcome, message_text("\n".join(notes)), t_last, series)
 
 
 def without_run(request: Request, outcome: str, message: str) -> Row:
@@ -116,6 +116,6 @@ def _series(result: Result, request: Request) -> FloatArray:
     return values
 
 
-def shortened(text: str) -> str:
+def message_text(text: str) -> str:
     """A message as a file keeps it."""
     return one_line(text, _LONGEST)

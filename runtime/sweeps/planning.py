@@ -14,6 +14,7 @@ from runtime.machine_facade import Machine
 from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Function, declared_unit
+from runtime.studies.effect_ranking.trial_and_comparison import ANALYSES
 from runtime.studies.run_words import read_words, refuse_run_words
 from runtime.studies.scene_loading import analysis_of, require_time_span
 from runtime.studies.series_by_name import own_name, series_names, unknown_series
@@ -25,9 +26,8 @@ from runtime.sweeps.request import Request
 from runtime.sweeps.store_template import Columns
 
 Answer = TypeVar("Answer")
-ANALYSES = ("simulate", "kinematics", "inverse", "equilibrium")
-_ENOUGH = 0.5  # measured: s of the processor after which a mean time of runs is known
-_TRIED = 5  # measured: members that are run beforehand
+_TRIAL_SECONDS = 0.5  # measured: s of the processor after which a mean time of runs is known
+_TRIALS = 5  # measured: members that are run beforehand
 
 
 def plan_of(
@@ -48,14 +48,14 @@ def plan_of(
     parameters, guess, start = (dict(given or {}) for given in values)
     problems = list[str]()
     starts = _starts(machine, design, problems)
-    problems += _twice(design, parameters, start)
+    problems += _given_again(design, parameters, start)
     if kind not in ANALYSES:
         problems.append(f"There is no analysis {kind!r}; there are: {', '.join(ANALYSES)}.")
-    gather(problems, lambda: machine.parameter_values(parameters))
-    options = gather(problems, lambda: _words(machine, kind, settings)) or {}
+    attempt(problems, lambda: machine.parameter_values(parameters))
+    options = attempt(problems, lambda: _words(machine, kind, settings)) or {}
     t_end = t_start
     if kind != "equilibrium":
-        t_end = gather(problems, lambda: require_time_span(machine, t_start, span[1])) or t_start
+        t_end = attempt(problems, lambda: require_time_span(machine, t_start, span[1])) or t_start
     problems += _columns_problems(machine, design, quantities, keep)
     if problems:
         raise InputError(problems)
@@ -68,7 +68,7 @@ def plan_of(
     )  # fmt: skip
 
 
-def gather(problems: list[str], read: Callable[[], Answer]) -> Answer | None:
+def attempt(problems: list[str], read: Callable[[], Answer]) -> Answer | None:
     """The answer of a check; None where it fails, with its problems added to the others."""
     try:
         return read()
@@ -103,7 +103,7 @@ def _starts(machine: Machine, design: Design, problems: list[str]) -> tuple[str,
     return starts
 
 
-def _twice(design: Design, *given: Mapping[str, float]) -> list[str]:
+def _given_again(design: Design, *given: Mapping[str, float]) -> list[str]:
     return [
         f"{name} varies, and has one value as well (parameters, start): leave out one of them."
         for name in design.names
@@ -119,7 +119,7 @@ def _columns_problems(
     about, problems = machine.description, list[str]()
     for given in quantities.values():
         if isinstance(given, str):
-            gather(problems, partial(declared_unit, given, about))
+            attempt(problems, partial(declared_unit, given, about))
     known = series_names(about)
     existing = {name for listed in known.values() for name in listed}
     problems += [
@@ -146,18 +146,18 @@ def estimate_of(machine: Machine, request: Request, design: Design) -> Estimate:
     InputError
         If a quantity asks for a series or an effect that does not exist.
     """
-    members = np.unique(np.linspace(0, len(design.points) - 1, _TRIED).astype(int))
+    members = np.unique(np.linspace(0, len(design.points) - 1, _TRIALS).astype(int))
     units, times = dict[str, str](), list[float]()
     kept = dict[str, str]()
     for k, member in enumerate([members[0], *members]):  # of which the first one loads and compiles
         started = time.process_time()
-        result = _tried(machine, request, design.points[member])
+        result = _trial(machine, request, design.points[member])
         if k:
             times.append(time.process_time() - started)
         if result is not None and not result.failed:
             units |= _units(request, result)
             kept |= {name: result.series(name)[1] for name in request.keep}
-        if sum(times) > _ENOUGH and len(units) == len(request.quantities):
+        if sum(times) > _TRIAL_SECONDS and len(units) == len(request.quantities):
             break
     factors = {name: factor_unit(machine, name) for name in design.names}
     quantities = {
@@ -171,7 +171,7 @@ def _declared(machine: Machine, given: str | Function) -> str:
     return (declared_unit(given, machine.description) or "") if isinstance(given, str) else ""
 
 
-def _tried(machine: Machine, request: Request, point: Any) -> Result | None:
+def _trial(machine: Machine, request: Request, point: Any) -> Result | None:
     try:
         return run_member(machine, request, point)
     except LinkwrightError:

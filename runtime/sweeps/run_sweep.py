@@ -18,7 +18,7 @@ from runtime.sweeps.design import Design, design_of, given_design, in_declared_u
 from runtime.sweeps.execution import execute, job_of, require_same, store_lock
 from runtime.sweeps.factors import read_factors
 from runtime.sweeps.member_run import REPEATED
-from runtime.sweeps.planning import estimate_of, factor_unit, gather, plan_of
+from runtime.sweeps.planning import attempt, estimate_of, factor_unit, plan_of
 from runtime.sweeps.study import Study
 
 if TYPE_CHECKING:
@@ -155,8 +155,8 @@ def sweep(
     store.require_zarr()
     path = Path(folder or ".", out).resolve()
     problems = list[str]()
-    design = gather(problems, lambda: _design(over, sample, count, seed))
-    gather(problems, lambda: _require_place(path, resume=resume))
+    design = attempt(problems, lambda: _design(over, sample, count, seed))
+    attempt(problems, lambda: _require_place(path, resume=resume))
     if problems or design is None:
         raise InputError(problems)
     machine = load(model, scene, folder=folder, generated=generated)

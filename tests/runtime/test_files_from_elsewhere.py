@@ -292,12 +292,14 @@ def test_a_key_is_kept_where_hard_links_are_not(
     assert [file.name for file in (tmp_path / "data" / "linkwright").iterdir()] == ["signing_key"]
 
 
-@pytest.mark.parametrize("part", ["t", "linkwright"])
+@pytest.mark.parametrize("own", [True, False])
 def test_links_in_a_store_are_not_followed(
-    result: Result, machine: Machine, tmp_path: Path, part: str
+    result: Result, machine: Machine, tmp_path: Path, own: bool
 ) -> None:
     path = result.save(tmp_path / "run.zarr")
+    parts = [part.name for part in path.iterdir() if part.is_dir()]
+    (part, *_) = [name for name in parts if (name == "linkwright") is own]
     (path / part).rename(tmp_path / "elsewhere")
     (path / part).symlink_to("../elsewhere")
-    with pytest.raises(InputError, match=f"{part} is a link"):
+    with pytest.raises(InputError, match="is a link"):
         load_result(path, machine)

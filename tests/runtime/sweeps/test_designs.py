@@ -19,6 +19,20 @@ def test_texts_of_factors() -> None:
     assert read_factor("a", "normal:450:20").bounds == (450.0, 20.0)
     assert read_factor("a", np.arange(3)).values == (0.0, 1.0, 2.0)
     assert read_factor("a", 4).values == (4.0,)
+    assert read_factor("a", "log:1:1000:4").values == pytest.approx((1.0, 10.0, 100.0, 1000.0))
+    assert read_factor("a", "3:3:1").values == (3.0,)
+
+
+def test_texts_with_units() -> None:
+    lengths = ["a=100 mm:200 mm:2", "b=normal:20 degC:1 degC", "c=1 m,2 m", "d=5"]
+    found = read_factors(lengths)
+    assert [factor.unit for factor in found] == ["mm", "degC", "m", ""]
+    assert found[0].text == "2 values from 100 to 200 mm"
+    design = design_of([found[0], found[2]], None, None, 0)
+    metres = in_declared_units(design, lambda name: "m")
+    assert metres.points.tolist() == [[0.1, 1.0], [0.1, 2.0], [0.2, 1.0], [0.2, 2.0]]
+    with pytest.raises(InputError, match="a: 1 mm has the dimension"):
+        in_declared_units(design, lambda name: "kg")
 
 
 @pytest.mark.parametrize(
@@ -30,6 +44,11 @@ def test_texts_of_factors() -> None:
         ("1:nan:3", "write NAME=FIRST"),
         ("1:2:2.5", "the count is 2.5; it must be a whole number"),
         ("1:2:0", "the count is 0"),
+        ("1:2:1", "one value cannot be both 1 and 2"),
+        ("1:2:x", "write NAME=FIRST"),
+        ("1 mm:2:5", "give all numbers the same unit"),
+        ("log:-1:2:5", "equal ratios lead from -1 to 2 by no way"),
+        ("log:1:2", "log needs FIRST, LAST and COUNT"),
         ("5:2", "LOW 5 must be less than HIGH 2"),
         ("normal:1:0", "standard deviation 0 must be greater"),
         ("normal:1", "normal needs a MEAN"),
