@@ -15,9 +15,7 @@ from runtime.sweeps.block import BlockReport, Job, run_block
 from runtime.sweeps.local_workers import pickled
 
 _PATIENCE = 10.0  # safety: s in which a scheduler must answer
-_WORKER_PATIENCE = (
-    30.0  # measured: s without a report after which a cluster is asked for its workers
-)
+_WORKER_PATIENCE = 30.0  # measured: s without a report, after which workers are asked for
 _MOST_ATTEMPTS = 100  # safety: times that a block is given to the cluster anew, after lost workers
 
 

@@ -139,17 +139,18 @@ def execute(
     path = Path(job.store)
     layout = store.layout_of(store.open_group(path))
     began = time.perf_counter()
-    with SignalDeferral(computing=True) as signals, _advice(path, layout):
+    with SignalDeferral(computing=True) as signals:
         executor = _executor(job, estimate, len(blocks), layout, workers, scheduler)
-        try:
-            with bar(title, progress) as report:
-                reports = _make(executor, blocks, layout, signals, report)
-        finally:
-            with suppress(OSError):
-                executor.close()
+        with _advice(path, layout):
+            try:
+                with bar(title, progress) as report:
+                    reports = _make(executor, blocks, layout, signals, report)
+            finally:
+                with suppress(OSError):
+                    executor.close()
+            _require_rows(path, [one.block for one in reports])
         stopped = len(reports) < len(blocks)
         signals.answered = stopped
-        _require_rows(path, [one.block for one in reports])
     return Execution(
         sum(one.runs for one in reports), time.perf_counter() - began,
         sum(one.simulation for one in reports), sum(one.overhead for one in reports), len(reports),
@@ -210,6 +211,8 @@ def _make(
     reports = dict[int, BlockReport]()
     before = layout.blocks - len(blocks)
     for block in blocks:
+        if signals.arrived:
+            return []
         executor.submit(block)
     while len(reports) < len(blocks) and not signals.arrived:
         answer = executor.next(_SIGNALS)

@@ -20,7 +20,7 @@ _WIDTH = 8  # layout: bytes of a note
 
 
 def working_folder(store: Path) -> Path:
-    """The folder of lock and journals, beside a store."""
+    """The folder of the journals, next to a store."""
     return store.with_name(f"{store.name}.working")
 
 
