@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from codegen.errors import InputError, LinkwrightError, UnknownNameError
+from runtime.core.outcomes import Outcome
 from runtime.integrate.method import IMPLICIT
 from runtime.machine_facade import Machine
 from runtime.mechanism.table_rows import unknown
@@ -173,9 +174,12 @@ def _declared(machine: Machine, given: str | Function) -> str:
 
 def _trial(machine: Machine, request: Request, point: Any) -> Result | None:
     try:
-        return run_member(machine, request, point)
+        result = run_member(machine, request, point)
     except LinkwrightError:
         return None  # a failure is a row
+    if result.outcome is Outcome.INTERRUPTED:
+        raise KeyboardInterrupt  # before there is anything to keep
+    return result
 
 
 def _units(request: Request, result: Result) -> dict[str, str]:

@@ -3,6 +3,7 @@
 import functools
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,8 @@ import xarray as xr
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
 from runtime import load, load_study, sweep
-from runtime.sweeps import block, execution, programs, store
+from runtime.core.outcomes import Outcome
+from runtime.sweeps import block, execution, planning, programs, store
 from runtime.sweeps.block import run_block
 from runtime.sweeps.store_template import create_store
 from tests.runtime.sweeps.test_resumption import same
@@ -159,6 +161,16 @@ def test_runs_without_memory_are_made_again(request_of: dict[str, Any], tmp_path
     found = sweep(out=tmp_path / "s.zarr", resume=True, **wanted)
     assert found.outcomes == {"OK": 24}
     assert found.data["hungry"][0] == 1.0
+
+
+def test_an_interrupt_of_a_trial_member_ends_the_sweep(
+    request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended = SimpleNamespace(outcome=Outcome.INTERRUPTED, failed=True)
+    monkeypatch.setattr(planning, "run_member", lambda *arguments: ended)
+    with pytest.raises(KeyboardInterrupt):
+        sweep(out=tmp_path / "s.zarr", **request_of)
+    assert not (tmp_path / "s.zarr").exists()
 
 
 def test_a_sweep_begins_only_where_no_other_has(
