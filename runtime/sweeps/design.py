@@ -219,8 +219,10 @@ def _require_points(columns: dict[str, FloatArray]) -> FloatArray:
     return table
 
 
-def in_declared_units(design: Design, unit_of: Callable[[str], str]) -> Design:
+def in_declared_units(design: Design, unit_of: Callable[[str], str | None]) -> Design:
     """The design with its points in the units of the machine, by the name of the factor.
+
+    A factor that the machine does not have, of unit None, stays as it is.
 
     Raises
     ------
@@ -229,9 +231,11 @@ def in_declared_units(design: Design, unit_of: Callable[[str], str]) -> Design:
     """
     points, problems = design.points.copy(), list[str]()
     for name, given in design.units:
-        k = design.names.index(name)
+        k, declared = design.names.index(name), unit_of(name)
+        if declared is None:
+            continue
         try:
-            points[:, k] = converted(points[:, k], given, unit_of(name))
+            points[:, k] = converted(points[:, k], given, declared)
         except QuantityError as error:
             problems.append(f"{name}: {error}")
     if problems:

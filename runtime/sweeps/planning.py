@@ -160,7 +160,7 @@ def estimate_of(machine: Machine, request: Request, design: Design) -> Estimate:
             kept |= {name: result.series(name)[1] for name in request.keep}
         if sum(times) > _TRIAL_SECONDS and len(units) == len(request.quantities):
             break
-    factors = {name: factor_unit(machine, name) for name in design.names}
+    factors = {name: factor_unit(machine, name) or "" for name in design.names}
     quantities = {
         name: units.get(name) or _declared(machine, given) for name, given in request.quantities
     }
@@ -196,8 +196,8 @@ def _units(request: Request, result: Result) -> dict[str, str]:
     return units
 
 
-def factor_unit(machine: Machine, name: str) -> str:
-    """The unit in which a factor is given: of a parameter the declared one."""
+def factor_unit(machine: Machine, name: str) -> str | None:
+    """The unit of a factor, of a parameter the declared one; None where there is no such name."""
     if name in machine.parameters.names:
         return machine.parameters[name].unit
     for row in machine.coordinates:
@@ -205,7 +205,7 @@ def factor_unit(machine: Machine, name: str) -> str:
             return row.unit
         if name == row.velocity:
             return row.velocity_unit
-    return ""
+    return None
 
 
 def _companions(machine: Machine, kind: str, options: Mapping[str, Any]) -> dict[str, str]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from codegen import argument_readers as readers
 from codegen.errors import InputError
 from codegen.plain_values import KindError
+from runtime.machine_facade import Machine
 from runtime.machine_loading import load
 from runtime.studies import scene_loading
 from runtime.studies.effect_ranking.quantity import Function
@@ -19,6 +20,7 @@ from runtime.sweeps.execution import execute, job_of, require_same, store_lock
 from runtime.sweeps.factors import read_factors
 from runtime.sweeps.member_run import REPEATED
 from runtime.sweeps.planning import attempt, estimate_of, factor_unit, plan_of
+from runtime.sweeps.request import Request
 from runtime.sweeps.study import Study
 
 if TYPE_CHECKING:
@@ -160,31 +162,41 @@ def sweep(
     if problems or design is None:
         raise InputError(problems)
     machine = load(model, scene, folder=folder, generated=generated)
-    design = in_declared_units(design, partial(factor_unit, machine))
+    given = attempt(problems, partial(in_declared_units, design, partial(factor_unit, machine)))
     settings = {
         "accuracy": accuracy, "method": method, "formulation": formulation, "rtol": rtol, **run
     }  # fmt: skip
-    plan = plan_of(
-        machine, design, quantities=dict(quantities), keep=tuple(keep), analysis=analysis,  # type: ignore[arg-type]
+    request = attempt(problems, lambda: plan_of(
+        machine, given or design, quantities=dict(quantities), keep=tuple(keep), analysis=analysis,  # type: ignore[arg-type]
         span=(t_start, t_end), points=points, values=(parameters, guess, start), settings=settings,
-    )  # fmt: skip
+    ))  # fmt: skip
+    if given is None or request is None:
+        raise InputError(problems)
     with store_lock(path):
         _require_place(path, resume=resume)  # another sweep may have begun meanwhile
-        blocks = None
-        if path.exists():
-            require_same(path, plan, design)
-            blocks = store.unfinished(store.open_group(path), repeated=REPEATED)
-            if not blocks:
-                return Study(path, machine, plan)
-        estimate = estimate_of(machine, plan, design)
-        job = job_of(path, machine, plan, design, estimate, workers)
-        if blocks is None:
-            blocks = [*range(store.layout_of(store.open_group(path)).blocks)]
-        note = execute(
-            job, estimate, blocks, workers=workers, scheduler=scheduler, progress=progress,
-            title=f"sweep of {machine.mechanism.title}",
-        )  # fmt: skip
-    return Study(path, machine, plan, note)
+        return _study(path, machine, request, given, workers, scheduler, progress=progress)
+
+
+def _study(
+    path: Path, machine: Machine, request: Request, design: Design, workers: int | None,
+    scheduler: str | None, *, progress: bool,
+) -> Study:  # fmt: skip
+    """The study of a request: its store, which is created or goes on, and the runs it lacks."""
+    blocks = None
+    if path.exists():
+        require_same(path, request, design)
+        blocks = store.unfinished(store.open_group(path), repeated=REPEATED)
+        if not blocks:
+            return Study(path, machine, request)
+    estimate = estimate_of(machine, request, design)
+    job = job_of(path, machine, request, design, estimate, workers)
+    if blocks is None:
+        blocks = [*range(store.layout_of(store.open_group(path)).blocks)]
+    execution = execute(
+        job, estimate, blocks, workers=workers, scheduler=scheduler, progress=progress,
+        title=f"sweep of {machine.mechanism.title}",
+    )  # fmt: skip
+    return Study(path, machine, request, execution)
 
 
 def _design(over: Any, sample: str | None, count: int | None, seed: int) -> Design:

@@ -128,7 +128,9 @@ def test_a_cluster_without_workers_is_named(
 ) -> None:
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr("runtime.sweeps.dask_cluster._WORKER_PATIENCE", 0.5)
-    cluster = distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None)
+    cluster = distributed.LocalCluster(
+        n_workers=0, processes=False, dashboard_address="127.0.0.1:0"
+    )
 
     def add_a_worker() -> None:
         while not cluster.scheduler.tasks:

@@ -220,6 +220,13 @@ def test_points_and_their_units(tmp_path: Path) -> None:
     found = sweep(model, over=points, out="a.zarr", **common)
     assert found.data["l"].values.tolist() == [1.0, 2.0]
     assert found.data["l"].attrs["units"] == "m"
+    with pytest.raises(InputError) as misfits:
+        sweep(
+            model, over=["l=1 kg,2 kg", "k=1 mm,2 mm"], out="a.zarr", resume=True,
+            **common | {"quantities": ["no.series"], "t_end": -1.0},
+        )  # fmt: skip
+    assert [text.split()[0] for text in misfits.value.problems[:1]] == ["l:"]
+    assert len(misfits.value.problems) == 4
     failed = sweep(
         model, over={"l": [1.0, 2.0]}, out="b.zarr", max_steps=1,
         **common | {"quantities": ["max:bob.phi", "rate:bob.x"]},
