@@ -23,7 +23,7 @@ import numpy as np
 import typer
 
 from runtime.sweeps import load_study
-from runtime.sweeps.store import open_group, unfinished
+from runtime.sweeps.store import layout_of, open_group, unfinished
 
 ROOT = Path(__file__).resolve().parent.parent
 MODES = ("worker", "scheduler", "whole")
@@ -117,7 +117,7 @@ def undisturbed(campaign: Campaign) -> float:
     return time.perf_counter() - began
 
 
-def disturbed(campaign: Campaign, mode: str, seconds: float) -> int:
+def disturbed(campaign: Campaign, mode: str) -> int:
     """A sweep that is disturbed; how often its processes were killed."""
     store, kills, begun = f"{mode}.zarr", 0, 0
     while True:
@@ -125,16 +125,12 @@ def disturbed(campaign: Campaign, mode: str, seconds: float) -> int:
         if mode == "scheduler":
             with cluster(campaign.folder, 2) as (address, scheduler):
                 process = campaign.start(store, "--scheduler", address)
-                if kills < campaign.kills:
-                    wait(campaign, process, seconds / campaign.kills)
-                    kills += kill(scheduler.pid) if process.poll() is None else 0
+                if kills < campaign.kills and wait(campaign, store, process, kills):
+                    kills += kill(scheduler.pid)
                 status = process.wait()
         else:
             process = campaign.start(store, "--workers", "2")
-            while kills < campaign.kills:
-                wait(campaign, process, seconds / campaign.kills)
-                if process.poll() is not None:
-                    break
+            while kills < campaign.kills and wait(campaign, store, process, kills):
                 below = descendants(process.pid)
                 if mode == "whole":
                     kills += bool(kill(process.pid, *below))
@@ -146,11 +142,29 @@ def disturbed(campaign: Campaign, mode: str, seconds: float) -> int:
         assert begun < 5 * campaign.kills + 5, (campaign.folder / "sweep.log").read_text()
 
 
-def wait(campaign: Campaign, process: "subprocess.Popen[bytes]", longest: float) -> None:
-    """Wait for a random time, or for the end of the sweep."""
-    end = time.monotonic() + campaign.draw.uniform(0.05, 1.5) * longest
-    while time.monotonic() < end and process.poll() is None:
-        time.sleep(0.02)
+def marks(store: Path) -> int:
+    """Number of the blocks of a store that have been written."""
+    folder = store / "block_mark" / "c"
+    return sum(1 for _ in folder.iterdir()) if folder.is_dir() else 0
+
+
+def wait(campaign: Campaign, store: str, process: "subprocess.Popen[bytes]", kills: int) -> bool:
+    """Wait until some blocks more are done, drawn at random so that every kill finds one to do.
+
+    False if the sweep ends before.
+    """
+    path = campaign.folder / store
+    share, delay, wanted = campaign.draw.random(), campaign.draw.uniform(0.0, 0.05), 0
+    before = marks(path)
+    while process.poll() is None:
+        if not wanted and path.exists():
+            blocks = layout_of(open_group(path)).blocks
+            wanted = before + 1 + int(share * (blocks - before - 1) / (campaign.kills - kills + 1))
+        if wanted and marks(path) >= wanted:
+            time.sleep(delay)
+            return process.poll() is None
+        time.sleep(0.005)
+    return False
 
 
 def judge(campaign: Campaign, store: str) -> str:
@@ -184,7 +198,7 @@ def main(
         failed = False
         for one in mode or MODES:
             began = time.perf_counter()
-            count = disturbed(campaign, one, seconds / 2)
+            count = disturbed(campaign, one)
             found = judge(campaign, f"{one}.zarr")
             failed |= bool(found) or count < kills
             took = time.perf_counter() - began

@@ -1,13 +1,12 @@
 """Conditions as texts, ``"body.x > 3"``: a series, a sign and a number, and nothing that is run."""
 
-import re
 from typing import NamedTuple
 
 from codegen.plain_values import shown
 from codegen.quantities import QuantityError, number_in
 
-FORM = r"\s*(?P<series>[^<>]*[^<>\s])\s*(?P<sign>[<>])\s*(?P<value>[^<>]*[^<>\s])\s*"
-_CONDITION = re.compile(FORM)
+FORM = r"^\s*[^<>\s][^<>]*[<>]\s*[^<>\s][^<>]*$"
+"""The form of a condition for schemas; no two ways of it fit one text, so it is read in one go."""
 
 
 class ConditionText(NamedTuple):
@@ -24,10 +23,11 @@ class ConditionText(NamedTuple):
 
 def read_condition(text: str) -> ConditionText:
     """The parts of a condition; `QuantityError` where it has none."""
-    parts = _CONDITION.fullmatch(text)
-    if parts is None:
+    sign = "<" if "<" in text else ">"
+    series, *values = (part.strip() for part in text.split(sign))
+    if len(values) != 1 or not series or not values[0] or ("<" in text and ">" in text):
         raise QuantityError(
             f'{shown(text)} is no condition; write "SERIES > VALUE", or with <, such as '
             '"body.x > 3".'
         )
-    return ConditionText(parts["series"], parts["sign"], parts["value"])
+    return ConditionText(series, sign, values[0])

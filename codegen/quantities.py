@@ -62,6 +62,8 @@ def pint_form(unit: str) -> str:
 def _decimal(exponent: re.Match[str]) -> str:
     """``^(1/2)`` as ``^0.5``."""
     power, above, below = exponent.groups()
+    if below and not int(below):
+        raise ValueError(exponent.group())
     return f"{power}{float(above) / float(below or 1):.4g}"
 
 
@@ -151,6 +153,19 @@ def number_in(text: str, unit: str) -> float:
     if not math.isfinite(value):
         raise QuantityError(f"{shown(text)} is not finite.")
     return value
+
+
+def converted(values: Any, given: str, unit: str) -> Any:
+    """An array of numbers in a unit, ``"mm"``, as an array in another one, such as ``"m"``.
+
+    Raises `QuantityError` where the units do not fit.
+    """
+    number_in(f"1 {given}", unit)
+    if given == unit:
+        return values
+    quantity: Any = registry().Quantity
+    wanted = quantity(1.0, pint_form(unit) if unit else "").units
+    return quantity(values, pint_form(given)).to(wanted).magnitude
 
 
 def _converted(value: float, given: str, unit: str) -> float:

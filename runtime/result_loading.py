@@ -60,15 +60,17 @@ def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) 
         one than it was, or if somebody else saved it and `machine` is not given.
     """
     from runtime.mechanism.sibling_scenes import sibling_named
+    from runtime.results.result_signature import key_problem
 
     place = Path(path)
     saved, own = _content(place)
     if machine is None and not own:
+        why = key_problem()
+        whose = f"may be your own, but {why}" if why else "was not saved by you on this machine"
         raise InputError(
-            f"{place} was not saved by you on this machine, and the model file that it names is "
-            f"Python, which would be executed. Load the machine of {saved['title']} from a model "
-            "file that you trust: load_result(path, machine=load(...)); or read the numbers alone "
-            "with xarray."
+            f"{place} {whose}, and the model file that it names is Python, which would be "
+            f"executed. Load the machine of {saved['title']} from a model file that you trust: "
+            "load_result(path, machine=load(...)); or read the numbers alone with xarray."
         )
     machine = machine or _machine_of(place, saved)
     mechanism, title = machine.mechanism, saved["title"]

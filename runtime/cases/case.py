@@ -1,7 +1,8 @@
 """A case: model, scene, values and settings of a run as data, from a file and into one."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -169,7 +170,7 @@ class Case:
             return self.model_path, self.scene
         from codegen.scene_data import scene_of_data
 
-        with self._located():
+        with self._errors_at_scene():
             return scene_of_data(self.model_path, entry_of(self.scene).plain())
 
     def machine(self, *, generated: str | os.PathLike[str] | None = None) -> "Machine":
@@ -247,8 +248,8 @@ class Case:
             line = line if entry is None else entry.line
         return f"{place(self._file or 'Case', line)}, {where}"
 
-    def _located(self) -> "_Located":
-        return _Located(place(self._file or "Case", self._entry.value["scene"].line))
+    def _errors_at_scene(self) -> AbstractContextManager[None]:
+        return _errors_at(place(self._file or "Case", self._entry.value["scene"].line))
 
     def __repr__(self) -> str:
         """The case as its YAML or JSON has it."""
@@ -261,18 +262,14 @@ class Case:
         return html_of("\n".join(f"{k}: {shown(v)}" for k, v in self.data.items()))
 
 
-class _Located:
-    """A block whose errors of ours begin with a place."""
-
-    def __init__(self, where: str) -> None:
-        self.where = where
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, kind: object, error: BaseException | None, *_: object) -> None:
-        if isinstance(error, InputError):
-            error.locate(self.where)
+@contextmanager
+def _errors_at(where: str) -> Iterator[None]:
+    """Let errors of ours begin with a place."""
+    try:
+        yield
+    except InputError as error:
+        error.locate(where)
+        raise
 
 
 def _fill(case: Case, entry: Entry, file: Path | None, folder: Path) -> None:

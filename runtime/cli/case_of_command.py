@@ -15,11 +15,10 @@ if TYPE_CHECKING:
 
 _ENDINGS = (".yaml", ".yml", ".json")
 _SAME = {"inverse": "inverse_dynamics", "inverse-dynamics": "inverse_dynamics"}
-_ANALYSES = ("simulate", "kinematics", "inverse_dynamics", "equilibrium")
 _OTHER_MEANING = {
     "accuracy": {"method", "formulation", "rtol", "accuracy", "points"},
     "matters": {"accuracy", "quantity", "points"},
-    "sweep": {"quantity", "points"},
+    "sweep": {"quantity"},
 }
 """Options of a study that are no word of a run, though they have its name."""
 
@@ -51,11 +50,12 @@ def read_case(context: typer.Context, model: str | None) -> str | None:
 
 def _options(case: "Case", context: typer.Context) -> dict[str, Any]:
     """The words of a case by the names of the options that they stand for."""
+    from runtime.cases.fields import ANALYSES
     from runtime.cases.machine_values import SECONDS_WORDS, seconds
 
     command = context.info_name or ""
     analysis = _SAME.get(command, command)
-    if analysis in _ANALYSES and analysis != case.analysis:
+    if analysis in ANALYSES and analysis != case.analysis:
         asked = case.analysis.replace("_", "-")
         raise InputError(
             f"{case.path}: the case asks for {asked}, and the command is {command}. Run: "
@@ -69,8 +69,15 @@ def _options(case: "Case", context: typer.Context) -> dict[str, Any]:
         words["quantity"] = words.pop("quantities")
     if isinstance(case.scene, str):
         words["scene"] = case.scene
-    if case.analysis != _ANALYSES[0]:
+    if case.analysis != ANALYSES[0]:
         words["analysis"] = case.analysis.replace("_", "-")  # of studies
+    if command == "sweep" and case.analysis == "equilibrium":
+        if "t" in words:
+            words["t_start"] = words.pop("t")
+        if "method" in words:
+            raise InputError(
+                f"{case.path}: a sweep finds equilibria by the usual method; leave run.method out."
+            )
     left_out = _OTHER_MEANING.get(command, set())
     return {name: value for name, value in words.items() if name not in left_out}
 
@@ -114,10 +121,22 @@ def values_of_case(machine: "Machine | None" = None) -> dict[str, Any]:
     words = case.words(machine or case.machine())
     origin = context.get_parameter_source("points")
     listed = isinstance(case.run.get("t_eval"), list | str)
-    listed = listed and machine is not None and (origin is None or origin.name != "COMMANDLINE")
+    listed = listed and (origin is None or origin.name != "COMMANDLINE")
+    if listed and machine is None:
+        _refuse_instants(case, context)
+        listed = False
     kept = ("parameters", "start", "guess", "until", *(("t_eval",) if listed else ()))
     found = {name: words[name] for name in kept if name in words}
     for text in context.params.get("over") or ():  # what a sweep varies
         for values in found.keys() & {"parameters", "start"}:
             found[values].pop(text.partition("=")[0].strip(), None)
     return found
+
+
+def _refuse_instants(case: "Case", context: typer.Context) -> None:
+    """Refuse listed instants where a sweep would take others in their place."""
+    if context.info_name == "sweep":
+        raise InputError(
+            f"{case.path}: run.t_eval lists output instants, and a sweep takes so many at equal "
+            "distances; give their number, in the case or by --points."
+        )

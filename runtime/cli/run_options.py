@@ -1,13 +1,13 @@
 """The options of a simulation, which every command that simulates takes."""
 
-import re
 from collections.abc import Callable
 from functools import wraps
 from inspect import Parameter, signature
 from typing import Annotated, Any
 
-from codegen.condition_texts import FORM
+from codegen.condition_texts import read_condition
 from codegen.errors import InputError
+from codegen.quantities import QuantityError
 from runtime.cli.common import option
 from runtime.integrate.method import METHODS, alternatives
 
@@ -59,7 +59,6 @@ def _options(
     """Words of `Machine.simulate` but instants and guesses; `quantity` is `quantities`."""
 
 
-_CONDITION = re.compile(rf"\s*(?P<name>[^:]*[^:\s])\s*:{FORM}")
 _PARAMETERS = signature(_options).parameters
 
 
@@ -98,19 +97,20 @@ def _conditions(texts: list[str]) -> dict[str, tuple[str, str, float]]:
     """Conditions that end a run, of the form ``home: body.x > 3``; InputError with all others."""
     found, problems = dict[str, tuple[str, str, float]](), []
     for text in texts:
-        parts = _CONDITION.fullmatch(text)
+        name, _, condition = text.partition(":")
+        name = name.strip()
         try:
-            value = float(parts["value"] if parts else "")
-        except ValueError:
+            series, sign, number = read_condition(condition if name else "")
+            value = float(number)
+        except (QuantityError, ValueError):
             problems.append(
                 f'--until "{text}": write "NAME: SERIES > VALUE", or with <, such as '
                 '"home: body.x > 3": a name, a series of the result and a number.'
             )
             continue
-        assert parts is not None
-        if parts["name"] in found:
-            problems.append(f'--until "{text}": {parts["name"]!r} names another condition already.')
-        found[parts["name"]] = parts["series"], parts["sign"], value
+        if name in found:
+            problems.append(f'--until "{text}": {name!r} names another condition already.')
+        found[name] = series, sign, value
     if problems:
         raise InputError(problems)
     return found

@@ -90,11 +90,12 @@ def sweep(
             analysis=analysis, workers=workers, scheduler=scheduler, resume=resume,
             generated=generated, **words(run, values),
         )  # fmt: skip
+        good = study.complete and "OK" in study.outcomes
         for line in repr(study).splitlines():
             common.write_line(line)
         if picture is not None and study.complete:
             save(study.plot(), picture)
             common.write_line(f"  Saved: {picture}")
     if as_json:
-        common.print_json({"ok": study.complete, **study.facts()})
-    raise typer.Exit(0 if study.complete else 1)
+        common.print_json({"ok": good, **study.facts()})
+    raise typer.Exit(0 if good else 1)

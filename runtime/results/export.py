@@ -22,7 +22,7 @@ from runtime.results.saved_result import GROUP, saved_result
 
 FloatArray = npt.NDArray[np.float64]
 
-_STORE = "zarr.json"  # the file that every store has
+_STORE = f"{GROUP}/zarr.json"  # the file that a store has which `save` wrote, and no other one
 
 
 def check_place(path: Path) -> None:

@@ -40,19 +40,42 @@ def key_file() -> Path:
     return data / "linkwright" / "signing_key"
 
 
+def key_problem() -> str:
+    """Why no file can be known as this user's own; empty where one can."""
+    try:
+        place = key_file()
+        _make_key(place)
+        length = len(place.read_bytes())
+    except (OSError, RuntimeError) as error:
+        return f"no key can be kept in the user's folder ({error})"
+    return "" if length == _BYTES else f"{place} is damaged: it has {length} bytes. Delete it"
+
+
 def _key(*, create: bool) -> bytes | None:
     """The user's key, made where there is none yet; None where it cannot be kept."""
     try:
         place = key_file()
-        if create and not place.exists():
-            place.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-            number, name = tempfile.mkstemp(dir=place.parent)  # readable by the user alone
-            with os.fdopen(number, "wb") as file:
-                file.write(secrets.token_bytes(_BYTES))
-            with suppress(FileExistsError):  # of another process, whose key holds
-                os.link(name, place)
-            Path(name).unlink()
+        if create:
+            _make_key(place)
         key = place.read_bytes()
     except (OSError, RuntimeError):
         return None
     return key if len(key) == _BYTES else None
+
+
+def _make_key(place: Path) -> None:
+    """Make the key where there is none; that of another process holds."""
+    if place.exists():
+        return
+    place.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    number, name = tempfile.mkstemp(dir=place.parent)  # readable by the user alone
+    try:
+        with os.fdopen(number, "wb") as file:
+            file.write(secrets.token_bytes(_BYTES))
+        try:
+            with suppress(FileExistsError):
+                os.link(name, place)
+        except OSError:  # a file system without hard links
+            Path(name).rename(place)
+    finally:
+        Path(name).unlink(missing_ok=True)

@@ -5,6 +5,7 @@ format 3 is read, with codecs that turn bytes into numbers and texts.
 """
 
 import json
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _METADATA = "zarr.json"
-_MOST = 1 << 24  # safety: bytes of one file of metadata
+_FORMAT_2 = {".zarray", ".zgroup", ".zattrs", ".zmetadata"}
+MOST_METADATA = 1 << 24  # safety: bytes of one file of metadata
 _CODECS = {
     *("blosc", "bytes", "crc32c", "gzip", "sharding_indexed", "transpose", "vlen-utf8", "zstd"),
 }
@@ -70,20 +72,24 @@ def require_plain(folder: Path) -> None:
 
     Call it before a library opens a store that comes from elsewhere.
     """
-    old = [path for name in (".zarray", ".zgroup", ".zmetadata") for path in folder.rglob(name)]
+    found, old = list[Path](), list[Path]()
+    for path in _files(folder):
+        if path.name == _METADATA:
+            found.append(path)
+        elif path.name in _FORMAT_2:
+            old.append(path)
     if old:
         raise InputError(
-            f"{folder}: {old[0].relative_to(folder)} is of Zarr's format 2, whose codecs may "
+            f"{folder}: {min(old).relative_to(folder)} is of Zarr's format 2, whose codecs may "
             "execute code. Results are stores of format 3."
         )
-    found = sorted(folder.rglob(_METADATA))
     if not found:
         raise InputError(f"{folder} has no {_METADATA}, and is no store of Zarr's format 3.")
-    for path in found:
+    for path in sorted(found):
         place = path.relative_to(folder)
         try:
-            if path.stat().st_size > _MOST:
-                raise ValueError(f"it has more than {_MOST} bytes")
+            if path.stat().st_size > MOST_METADATA:
+                raise ValueError(f"it has more than {MOST_METADATA} bytes")
             about = json.loads(path.read_text(encoding="utf-8"))
             strange = sorted(set(_extensions(about)))
         except (OSError, ValueError, RecursionError, KeyError, TypeError, AttributeError) as error:
@@ -93,6 +99,23 @@ def require_plain(folder: Path) -> None:
                 f"{folder}: {place} needs {', '.join(strange)}, and a result has numbers and "
                 "texts alone. It is not opened."
             )
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    """The files of a store; InputError where it has a link, which leads a library elsewhere."""
+    waiting = [folder]
+    while waiting:
+        with os.scandir(waiting.pop()) as entries:
+            for entry in entries:
+                if entry.is_symlink():
+                    raise InputError(
+                        f"{folder}: {Path(entry.path).relative_to(folder)} is a link, and a store "
+                        "has files of its own. It is not opened."
+                    )
+                if entry.is_dir():
+                    waiting.append(Path(entry.path))
+                else:
+                    yield Path(entry.path)
 
 
 def _extensions(about: dict[str, Any]) -> Iterator[str]:

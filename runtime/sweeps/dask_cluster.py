@@ -15,8 +15,8 @@ from runtime.sweeps.block import BlockReport, Job, run_block
 from runtime.sweeps.local_workers import pickled
 
 _PATIENCE = 10.0  # safety: s in which a scheduler must answer
-_LONELY = 30.0  # measured: s without a report after which a cluster is asked for its workers
-_AGAIN = 100  # safety: times that a block is given to the cluster anew, after lost workers
+_WORKER_PATIENCE = 30.0  # measured: s without a report, after which workers are asked for
+_MOST_ATTEMPTS = 100  # safety: times that a block is given to the cluster anew, after lost workers
 
 
 def run_pickled(job: bytes, block: int) -> BlockReport:
@@ -51,14 +51,14 @@ class ClusterWorkers:
         self.answers: queue.SimpleQueue[tuple[int, Any]] = queue.SimpleQueue()
         self.times: dict[int, int] = {}
         self.futures: dict[int, Any] = {}
-        self.seen = time.monotonic()  # when the cluster had a worker last; inf: said already
+        self.last_worker = time.monotonic()  # when the cluster had a worker last; inf: said already
 
     def submit(self, block: int) -> None:
         """Have a block made by a worker of the cluster."""
-        turn = self.times[block] = self.times.get(block, 0) + 1
+        attempt = self.times[block] = self.times.get(block, 0) + 1
         future: Any = self.client.submit(
             run_pickled, self.job, block, pure=False, retries=0,
-            key=f"linkwright-{self.digest}-{block}-{turn}-{id(self):x}",
+            key=f"linkwright-{self.digest}-{block}-{attempt}-{id(self):x}",
         )  # fmt: skip
         self.futures[block] = future
         future.add_done_callback(lambda future: self.answers.put((block, future)))
@@ -92,7 +92,7 @@ class ClusterWorkers:
         """Give a block whose workers were lost to others; the journal finds the run that did it."""
         from distributed import KilledWorker
 
-        if isinstance(error, KilledWorker) and self.times[block] < _AGAIN:
+        if isinstance(error, KilledWorker) and self.times[block] < _MOST_ATTEMPTS:
             self.replaced += 1
             self.submit(block)
             return
@@ -107,12 +107,12 @@ class ClusterWorkers:
 
     def _warn_without_workers(self) -> None:
         """Say once that a cluster has no workers: it waits for them without a word."""
-        if time.monotonic() - self.seen < _LONELY:
+        if time.monotonic() - self.last_worker < _WORKER_PATIENCE:
             return
         if self.client.nthreads():
-            self.seen = time.monotonic()
+            self.last_worker = time.monotonic()
             return
-        self.seen = math.inf
+        self.last_worker = math.inf
         warnings.warn(
             f"The cluster at {self.address} has no workers; the sweep waits for them. Start some: "
             f"dask worker {self.address} --nthreads 1.",

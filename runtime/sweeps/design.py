@@ -3,13 +3,15 @@
 import hashlib
 import math
 import warnings
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from codegen.errors import InputError
+from codegen.object_display import counted
+from codegen.quantities import QuantityError, converted
 from runtime.sweeps.factors import Factor, FloatArray
 
 if TYPE_CHECKING:
@@ -30,6 +32,7 @@ class Design:
     factors: tuple[Factor, ...] = ()  # none of points that were given
     axes: tuple[tuple[str, tuple[float, ...]], ...] = ()  # of a grid: its values by name
     seed: int | None = None  # of a sample
+    units: tuple[tuple[str, str], ...] = ()  # by name, where they are not the declared ones
 
     @property
     def digest(self) -> str:
@@ -44,7 +47,7 @@ class Design:
             "kind": self.kind,
             "names": [*self.names],
             "factors": {factor.name: factor.text for factor in self.factors},
-            "axes": {name: [*values] for name, values in self.axes},
+            "axes": {name: len(values) for name, values in self.axes},
             "seed": self.seed,
         }
 
@@ -65,16 +68,17 @@ def design_of(
     if problems:
         raise InputError(problems)
     names = tuple(factor.name for factor in factors)
+    units = tuple((factor.name, factor.unit) for factor in factors if factor.unit)
     if kind == GRID:
         values = [np.array(factor.values) for factor in factors]
         mesh = np.meshgrid(*values, indexing="ij")
         points = np.stack([axis.ravel() for axis in mesh], axis=1)
         axes = tuple((factor.name, factor.values) for factor in factors)
-        return Design(kind, names, points, tuple(factors), axes)
+        return Design(kind, names, points, tuple(factors), axes, units=units)
     assert count is not None
     shares = unit_sample(kind, len(factors), count, seed)
     points = np.stack([f.quantile(shares[:, k]) for k, f in enumerate(factors)], axis=1)
-    return Design(kind, names, points, tuple(factors), seed=seed)
+    return Design(kind, names, points, tuple(factors), seed=seed, units=units)
 
 
 def _misfits(
@@ -86,14 +90,14 @@ def _misfits(
     if not kind:
         names = ", ".join(factor.name for factor in drawn)
         text = (
-            f"{names}: an interval or a distribution is sampled. Say how (--sample lhs --count "
-            "1000), or give values, NAME=FIRST:LAST:COUNT."
+            f"{names}: an interval or a distribution is sampled. Say how, by "
+            "sample and count (lhs, 1000), or give values, NAME=FIRST:LAST:COUNT."
         )
         return [text]
     if kind == GRID:
         problems = [
             f"{factor.name} is {factor.text}, which a grid cannot take; give values, "
-            "NAME=FIRST:LAST:COUNT, or --sample lhs."
+            "NAME=FIRST:LAST:COUNT, or the sample lhs."
             for factor in drawn
         ]
         if count is not None:
@@ -104,14 +108,17 @@ def _misfits(
         return problems
     problems = [
         f"{factor.name} has {factor.text}, but {kind} draws from intervals; give NAME=LOW:HIGH, "
-        "NAME=normal:MEAN:SD, or leave out --sample."
+        "NAME=normal:MEAN:SD, or leave out the sample."
         for factor in factors
         if not factor.distribution
     ]
     if count is None:
-        problems.append(f"--sample {kind} needs the number of its points (--count).")
-    elif not 1 <= count <= MOST_RUNS:
-        problems.append(f"count is {count}; it must lie from 1 to {MOST_RUNS:g}.")
+        problems.append(f"The sample {kind} needs the number of its points, count.")
+    else:
+        each = len(factors) + 2 if kind == "saltelli" else 1
+        if not 1 <= count <= MOST_RUNS // each:
+            most = MOST_RUNS // each
+            problems.append(f"count is {count}; it must lie from 1 to {most:g}.")
     return problems
 
 
@@ -137,46 +144,63 @@ def unit_sample(kind: str, dimensions: int, count: int, seed: int) -> FloatArray
 
 
 def given_design(points: "xr.Dataset") -> Design:
-    """The points of a dataset: a variable or coordinate a factor.
+    """The points of a dataset: a variable or coordinate a factor, in the unit that it names.
 
     Variables along one dimension are a list of points. A dataset without data variables, of
-    coordinates along their own dimensions, is the grid of them.
+    coordinates along their own dimensions, is the grid of them. The numbers 0, 1, 2, … along a
+    dimension count its points, and are no factor.
 
     Raises
     ------
     InputError
-        If there are no numbers, or variables do not share their dimensions.
+        If there are no numbers, or a point is repeated; all problems at once.
     """
-    if not points.data_vars:
-        factors = [
-            Factor(str(name), values=tuple(np.asarray(points[name], dtype=float).tolist()))
-            for name in points.dims
-            if name in points.coords
-        ]
-        if not factors or not all(factor.values for factor in factors):
-            raise InputError("The dataset of points has no variables and no coordinates.")
-        _require_finite({factor.name: np.array(factor.values) for factor in factors})
-        return design_of(factors, GRID, None, 0)
-    names = [str(name) for name in points.data_vars]
-    kinds = {
-        name: points[name].dtype.kind for name in names if points[name].dtype.kind not in "iuf"
-    }
-    if kinds:
-        raise InputError(f"The points of {name} are no numbers." for name in kinds)
+    names = [str(name) for name in (*points.data_vars, *points.coords)]
+    names = [name for name in names if not _counts_points(points, name)]
+    problems = [
+        f"The points of {name} are no numbers." for name in names
+        if points[name].dtype.kind not in "iuf"
+    ]  # fmt: skip
+    if not names:
+        problems.append("The dataset of points has no variables and no coordinates.")
+    if problems:
+        raise InputError(problems)
     import xarray as xr
 
+    units = {name: points[name].attrs["units"] for name in names if "units" in points[name].attrs}
+    given_units = tuple((name, str(unit)) for name, unit in units.items())
+    if not points.data_vars and all(points[name].dims == (name,) for name in names):
+        values = {name: np.asarray(points[name], dtype=float) for name in names}
+        for name, axis in values.items():
+            _require_points({name: axis})
+        factors = [Factor(name, values=tuple(axis.tolist())) for name, axis in values.items()]
+        return replace(design_of(factors, GRID, None, 0), units=given_units)
     arrays = xr.broadcast(*(points[name] for name in names))
     columns = {
         name: np.asarray(a, dtype=float).ravel() for name, a in zip(names, arrays, strict=True)
     }
-    _require_finite(columns)
+    return Design(GIVEN, tuple(names), _require_points(columns), units=given_units)
+
+
+def _counts_points(points: "xr.Dataset", name: str) -> bool:
+    """Whether a coordinate only numbers the points of its dimension."""
+    index = points[name]
+    others = (x for other, x in points.variables.items() if other != name)
+    return (
+        name in points.dims
+        and index.dtype.kind in "iu"
+        and bool((index.values == np.arange(index.size)).all())
+        and any(name in x.dims for x in others)
+    )
+
+
+def _require_points(columns: dict[str, FloatArray]) -> FloatArray:
+    """The points as rows; InputError if there are none, or one is not finite or is repeated."""
     table = np.stack([*columns.values()], axis=1)
     if not len(table):
         raise InputError("The dataset of points is empty.")
-    return Design(GIVEN, tuple(names), table)
-
-
-def _require_finite(columns: dict[str, FloatArray]) -> None:
+    if len(table) > MOST_RUNS:
+        raise InputError(f"The dataset has {len(table):g} points; {MOST_RUNS:g} are permitted.")
     problems = [
         f"{name}: point {int(np.flatnonzero(~np.isfinite(column))[0])} is not a finite number."
         for name, column in columns.items()
@@ -184,3 +208,36 @@ def _require_finite(columns: dict[str, FloatArray]) -> None:
     ]
     if problems:
         raise InputError(problems)
+    _, first, number = np.unique(table, axis=0, return_inverse=True, return_index=True)[:3]
+    earlier = first[np.ravel(number)]
+    (again,) = np.nonzero(earlier != np.arange(len(table)))
+    if len(again):
+        raise InputError(
+            f"Point {again[0]} of {', '.join(columns)} is that of {earlier[again[0]]}; the same "
+            f"run would be made twice. Leave {counted(len(again), 'point')} out."
+        )
+    return table
+
+
+def in_declared_units(design: Design, unit_of: Callable[[str], str | None]) -> Design:
+    """The design with its points in the units of the machine, by the name of the factor.
+
+    A factor that the machine does not have, of unit None, stays as it is.
+
+    Raises
+    ------
+    InputError
+        If a unit does not fit, all misfits at once.
+    """
+    points, problems = design.points.copy(), list[str]()
+    for name, given in design.units:
+        k, declared = design.names.index(name), unit_of(name)
+        if declared is None:
+            continue
+        try:
+            points[:, k] = converted(points[:, k], given, declared)
+        except QuantityError as error:
+            problems.append(f"{name}: {error}")
+    if problems:
+        raise InputError(problems)
+    return replace(design, points=points, units=())

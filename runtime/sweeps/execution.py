@@ -1,4 +1,4 @@
-"""The blocks of a sweep are handed to processes until all are done, or somebody wants to stop."""
+"""The blocks of a sweep are handed to processes until all are done, or the user stops it."""
 
 import math
 import shutil
@@ -20,13 +20,17 @@ from runtime.sweeps.block import BlockReport, Job
 from runtime.sweeps.design import Design
 from runtime.sweeps.journal import clear_journals, working_folder
 from runtime.sweeps.local_workers import LocalWorkers, ThisProcess, available_cores
-from runtime.sweeps.planning import Measured
+from runtime.sweeps.planning import Estimate
+from runtime.sweeps.programs import program_facts
 from runtime.sweeps.request import Request, differences, digest_of
+from runtime.sweeps.store_attributes import Layout
+from runtime.sweeps.store_template import create_store
 
 BLOCK_SECONDS = 3.0  # measured: of runs in a block, beside which starting and writing is little
+BLOCK_BYTES = 64 << 20  # safety: of rows in a block, which a worker has in memory twice
 BLOCKS_A_WORKER = 8  # measured: at least, so that the last ones end together
 LEAST_SECONDS = 1.5  # measured: of runs, below which processes would take longer to start
-_SIGNALS = 0.2  # layout: s between looks for the wish to stop
+_SIGNALS = 0.2  # layout: s between looks for a signal to stop
 
 
 class Executor(Protocol):
@@ -49,31 +53,33 @@ class Execution(NamedTuple):
 
     runs: int  # made in this session
     seconds: float  # of the wall clock
-    busy: float  # s of the processors in runs
-    beside: float  # s of the processors of workers in all else
+    simulation: float  # s of the processors in runs
+    overhead: float  # s of the processors of workers in all else
     blocks: int
     replaced: int  # workers that were lost
     stopped: bool  # by the user
 
 
 @contextmanager
-def locked(path: Path) -> Iterator[None]:
-    """Keep other sweeps off a store; the folder of the work goes when all is done."""
-    folder = working_folder(path)
+def store_lock(path: Path) -> Iterator[None]:
+    """Keep other sweeps off a store; the folder of the journals goes when all is done.
+
+    The file of the lock stays: were it removed, two sweeps could lock two files of its name.
+    """
+    place = path.with_name(f".{path.name}.lock")
+    lock = FileLock(place, timeout=0)
     try:
-        folder.mkdir(exist_ok=True)
-        taken = FileLock(folder / "lock", timeout=0)
-        taken.acquire()
+        lock.acquire()
     except Timeout:
         raise InputError(f"Another sweep is writing {path}. Wait until it has ended.") from None
     except OSError as error:
-        raise InputError(f"{folder} cannot be written: {error.strerror}.") from error
+        raise InputError(f"{place} cannot be written: {error.strerror or error}.") from error
     try:
         clear_journals(path)
         yield
     finally:
-        taken.release()
-        shutil.rmtree(folder, ignore_errors=True)
+        shutil.rmtree(working_folder(path), ignore_errors=True)
+        lock.release()
 
 
 def require_same(path: Path, request: Request, design: Design) -> None:
@@ -88,90 +94,125 @@ def require_same(path: Path, request: Request, design: Design) -> None:
 
 
 def job_of(
-    path: Path, machine: Machine, request: Request, design: Design, measured: Measured,
+    path: Path, machine: Machine, request: Request, design: Design, estimate: Estimate,
     workers: int | None,
 ) -> Job:  # fmt: skip
     """The job of a store, which is created where it does not exist."""
     if not path.exists():
         count = available_cores() if workers is None else workers
-        block = block_size(len(design.points), measured.seconds, count)
-        store.create_store(path, request, design, measured.columns, block)
+        numbers = len(request.quantities) + len(request.keep) * request.points + 2
+        block = block_size(len(design.points), estimate.seconds, count, 8 * numbers)
+        create_store(path, request, design, estimate.columns, block)
+    identity = store.about_of(store.open_group(path))["identity"]
     origin = machine.mechanism.origin
     assert origin is not None
     model = str(origin.model) if isinstance(origin.model, Path) else ""
     digest = digest_of(request.facts(design.digest))
-    return Job(str(path), digest, request, str(origin.path), model, request.scene)
+    return Job(
+        str(path), identity, digest, program_facts(), request, str(origin.path), model,
+        request.scene,
+    )  # fmt: skip
 
 
-def block_size(runs: int, seconds: float, workers: int) -> int:
-    """Runs in a block: a task takes seconds, and each worker gets several."""
+def block_size(runs: int, seconds: float, workers: int, row: int) -> int:
+    """Runs in a block: a task takes seconds, each worker gets several, and its rows fit in memory.
+
+    `seconds` is the time of a run, `row` the bytes of its row.
+    """
     by_time = BLOCK_SECONDS / max(seconds, 1e-6)
     by_share = runs / (BLOCKS_A_WORKER * max(workers, 1))
-    return max(1, min(runs, math.ceil(min(by_time, by_share))))
+    by_bytes = BLOCK_BYTES // max(row, 1)
+    return max(1, min(runs, by_bytes, math.ceil(min(by_time, by_share))))
 
 
 def execute(
-    job: Job, measured: Measured, *, workers: int | None, scheduler: str | None, progress: bool,
-    title: str,
+    job: Job, estimate: Estimate, blocks: list[int], *, workers: int | None,
+    scheduler: str | None, progress: bool, title: str,
 ) -> Execution:  # fmt: skip
-    """Make all blocks that are not done yet.
+    """Make these blocks of a store.
 
     Raises
     ------
     LinkwrightError
-        If the processes cannot go on; what is done stays.
+        If the processes cannot go on, or rows do not arrive in the store; what is done stays.
     """
-    group = store.open_group(Path(job.store), writable=True)
-    blocks, layout = store.unfinished(group), store.layout_of(group)
+    path = Path(job.store)
+    layout = store.layout_of(store.open_group(path))
     began = time.perf_counter()
-    if not blocks:
-        return Execution(0, 0.0, 0.0, 0.0, 0, 0, stopped=False)
     with SignalDeferral(computing=True) as signals:
-        executor = _executor(job, measured, len(blocks), layout, workers, scheduler)
-        try:
-            with bar(title, progress) as report:
-                reports = _make(executor, blocks, layout, signals, report)
-        except LinkwrightError as error:
-            done = layout.blocks - len(store.unfinished(group))
-            kept = (
-                f"{done} of {counted(layout.blocks, 'block')} are done and kept in {job.store}. Go "
-                "on with the same command and --resume (resume=True)."
-            )
-            raise LinkwrightError((*error.problems, kept)) from error
-        finally:
-            with suppress(OSError):
-                executor.close()
+        executor = _executor(job, estimate, len(blocks), layout, workers, scheduler)
+        with _advice(path, layout):
+            try:
+                with bar(title, progress) as report:
+                    reports = _make(executor, blocks, layout, signals, report)
+            finally:
+                with suppress(OSError):
+                    executor.close()
+            _require_rows(path, [one.block for one in reports])
         stopped = len(reports) < len(blocks)
         signals.answered = stopped
     return Execution(
         sum(one.runs for one in reports), time.perf_counter() - began,
-        sum(one.busy for one in reports), sum(one.beside for one in reports), len(reports),
+        sum(one.simulation for one in reports), sum(one.overhead for one in reports), len(reports),
         executor.replaced, stopped,
     )  # fmt: skip
 
 
+@contextmanager
+def _advice(path: Path, layout: Layout) -> Iterator[None]:
+    """Add to an error what is done, and how to go on."""
+    try:
+        yield
+    except (LinkwrightError, OSError) as error:
+        problems = (
+            error.problems if isinstance(error, LinkwrightError)
+            else (f"{path} cannot be written: {error.strerror or error}.",)
+        )  # fmt: skip
+        try:
+            done = layout.blocks - len(store.unfinished(store.open_group(path)))
+        except InputError as damage:  # the store is no more
+            raise LinkwrightError((*problems, *damage.problems)) from error
+        kept = (
+            f"{done} of {counted(layout.blocks, 'block')} are done and kept in {path}. Go on with "
+            "the same command and --resume (resume=True)."
+        )
+        raise LinkwrightError((*problems, kept)) from error
+
+
+def _require_rows(path: Path, blocks: list[int]) -> None:
+    """Refuse to end where rows that were made are not in the store."""
+    missing = store.unfinished(store.open_group(path), blocks)
+    if missing:
+        raise LinkwrightError(
+            f"{counted(len(missing), 'block')} of {path} are not whole though they were made, "
+            f"the first is {missing[0]}: another program has changed the store, or the disk fails."
+        )
+
+
 def _executor(
-    job: Job, measured: Measured, blocks: int, layout: store.Layout, workers: int | None,
+    job: Job, estimate: Estimate, blocks: int, layout: Layout, workers: int | None,
     scheduler: str | None,
 ) -> Executor:  # fmt: skip
     if scheduler is not None:
         from runtime.sweeps.dask_cluster import ClusterWorkers
 
         return ClusterWorkers(job, scheduler)
-    expected = measured.seconds * min(blocks * layout.block, layout.runs)
+    expected = estimate.seconds * min(blocks * layout.block, layout.runs)
     if workers == 0 or (workers is None and expected < LEAST_SECONDS):
         return ThisProcess(job)
     return LocalWorkers(job, min(workers or available_cores(), blocks))
 
 
 def _make(
-    executor: Executor, blocks: list[int], layout: store.Layout, signals: SignalDeferral,
+    executor: Executor, blocks: list[int], layout: Layout, signals: SignalDeferral,
     report: Progress,
 ) -> list[BlockReport]:  # fmt: skip
     """The reports of the blocks, until all are there or a signal arrives."""
     reports = dict[int, BlockReport]()
     before = layout.blocks - len(blocks)
     for block in blocks:
+        if signals.arrived:
+            return []
         executor.submit(block)
     while len(reports) < len(blocks) and not signals.arrived:
         answer = executor.next(_SIGNALS)

@@ -5,6 +5,8 @@ J1=225,450,900            these values
 J1=200:1000               an interval, from which a sample draws uniformly
 J1=uniform:200:1000       the same
 J1=normal:450:20          mean and standard deviation
+J1=log:1:1000:4           4 values at equal ratios, ends included
+l=100 mm:200 mm:4         in a unit of their own, which all numbers have
 """
 
 import math
@@ -17,11 +19,15 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from codegen.plain_values import finite_float, one_line, shown
+from codegen.quantities import QUANTITY
 
 FloatArray = npt.NDArray[np.float64]
 DISTRIBUTIONS = ("uniform", "normal")
 MOST_VALUES = 10_000_000  # safety: values of one factor
-_FORM = "write NAME=FIRST:LAST:COUNT, NAME=A,B,C, NAME=uniform:LOW:HIGH or NAME=normal:MEAN:SD"
+_FORM = (
+    "write NAME=FIRST:LAST:COUNT, NAME=A,B,C, NAME=log:FIRST:LAST:COUNT, NAME=uniform:LOW:HIGH or "
+    "NAME=normal:MEAN:SD"
+)
 
 
 @dataclass(frozen=True)
@@ -32,14 +38,15 @@ class Factor:
     values: tuple[float, ...] = ()  # of a grid
     distribution: str = ""  # of a sample: one of DISTRIBUTIONS
     bounds: tuple[float, float] = (math.nan, math.nan)  # low and high, or mean and deviation
+    unit: str = ""  # that of the text, where it is not the declared one
 
     @property
     def text(self) -> str:
         """The factor in words, as files and messages have it."""
         if self.distribution:
-            return f"{self.distribution} {self.bounds[0]:g} {self.bounds[1]:g}"
+            return f"{self.distribution} {self.bounds[0]:g} {self.bounds[1]:g} {self.unit}".rstrip()
         first, last = self.values[0], self.values[-1]
-        return f"{len(self.values)} values from {first:g} to {last:g}"
+        return f"{len(self.values)} values from {first:g} to {last:g} {self.unit}".rstrip()
 
     def quantile(self, share: FloatArray) -> FloatArray:
         """Values below which a share, (k,) from 0 to 1, of the distribution lies."""
@@ -84,7 +91,7 @@ def _pairs(over: Mapping[str, Any] | Sequence[str], problems: list[str]) -> list
     for text in over:
         name, sign, given = text.partition("=")
         if not (sign and name.strip()):
-            problems.append(f"--over {one_line(text)}: {_FORM}.")
+            problems.append(f"over, {one_line(text)}: {_FORM}.")
             continue
         pairs.append((name.strip(), given.strip()))
     return pairs
@@ -111,24 +118,56 @@ def read_factor(name: str, given: Any) -> Factor:
 
 def _read_text(name: str, text: str, where: str) -> Factor:
     word, *rest = (part.strip() for part in text.split(":"))
-    if word in DISTRIBUTIONS or (rest and word[:1].isalpha() and not _number(word)):
-        return _distribution(name, word, [_number(part) for part in rest], where)
+    if word == "log":
+        if len(rest) != 3:
+            raise InputError(f"{where}: log needs FIRST, LAST and COUNT.")
+        (first, last), unit = _numbers(rest[:2], where)
+        if first * last <= 0.0:
+            raise InputError(f"{where}: equal ratios lead from {first:g} to {last:g} by no way.")
+        return _grid(
+            name, np.geomspace(first, last, _count(rest[2], first, last, where)), where, unit
+        )
+    if word in DISTRIBUTIONS or (rest and word[:1].isalpha() and _number(word) is None):
+        numbers, unit = _numbers(rest, where) if word in DISTRIBUTIONS else ([], "")
+        return _distribution(name, word, [*numbers], where, unit)
     if not rest:
-        numbers = [_number(part) for part in text.split(",")]
-        if any(number is None for number in numbers):
-            raise InputError(f"{where}: {_FORM}.")
-        return _grid(name, np.array(numbers, dtype=np.float64), where)
-    ends = [_number(part) for part in (word, *rest)]
-    if any(end is None for end in ends) or len(ends) not in {2, 3}:
+        numbers, unit = _numbers(text.split(","), where)
+        return _grid(name, np.array(numbers, dtype=np.float64), where, unit)
+    if len(rest) > 2:
         raise InputError(f"{where}: {_FORM}.")
-    if len(ends) == 2:
-        return _distribution(name, "uniform", ends, where)
-    first, last, count = (float(end) for end in ends if end is not None)
+    (first, last), unit = _numbers([word, rest[0]], where)
+    if len(rest) == 1:
+        return _distribution(name, "uniform", [first, last], where, unit)
+    return _grid(name, np.linspace(first, last, _count(rest[1], first, last, where)), where, unit)
+
+
+def _count(text: str, first: float, last: float, where: str) -> int:
+    """The number of values between two ends."""
+    count = _number(text)
+    if count is None:
+        raise InputError(f"{where}: {_FORM}.")
     if not (count.is_integer() and 1 <= count <= MOST_VALUES):
         raise InputError(
             f"{where}: the count is {count:g}; it must be a whole number from 1 to {MOST_VALUES:g}."
         )
-    return _grid(name, np.linspace(first, last, int(count)), where)
+    if count == 1 and first != last:
+        raise InputError(f"{where}: one value cannot be both {first:g} and {last:g}; give one.")
+    return int(count)
+
+
+def _numbers(texts: Sequence[str], where: str) -> tuple[list[float], str]:
+    """Numbers of one unit, and the unit; empty where they have none."""
+    values, units = list[float](), list[str]()
+    for text in texts:
+        parts = QUANTITY.fullmatch(text)
+        value = _number(parts[1] if parts else text)
+        if value is None:
+            raise InputError(f"{where}: {_FORM}.")
+        values.append(value)
+        units.append((parts[2] or "").strip() if parts else "")
+    if len({*units}) > 1:
+        raise InputError(f"{where}: give all numbers the same unit, or none.")
+    return values, units[0] if units else ""
 
 
 def _number(text: str) -> float | None:
@@ -139,15 +178,17 @@ def _number(text: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _grid(name: str, values: FloatArray, where: str) -> Factor:
+def _grid(name: str, values: FloatArray, where: str, unit: str = "") -> Factor:
     if not np.isfinite(values).all():
         raise InputError(f"{where}: all values must be finite numbers.")
     if len(np.unique(values)) < len(values):
         raise InputError(f"{where}: a value is repeated; the same run would be made twice.")
-    return Factor(name, values=tuple(values.tolist()))
+    return Factor(name, values=tuple(values.tolist()), unit=unit)
 
 
-def _distribution(name: str, word: str, numbers: list[float | None], where: str) -> Factor:
+def _distribution(
+    name: str, word: str, numbers: list[float | None], where: str, unit: str = ""
+) -> Factor:
     if word not in DISTRIBUTIONS:
         raise InputError(
             f"{where}: there is no distribution {word!r}; there are {' and '.join(DISTRIBUTIONS)}."
@@ -160,4 +201,4 @@ def _distribution(name: str, word: str, numbers: list[float | None], where: str)
         raise InputError(f"{where}: LOW {first:g} must be less than HIGH {second:g}.")
     if word == "normal" and not second > 0.0:
         raise InputError(f"{where}: the standard deviation {second:g} must be greater than zero.")
-    return Factor(name, distribution=word, bounds=(first, second))
+    return Factor(name, distribution=word, bounds=(first, second), unit=unit)

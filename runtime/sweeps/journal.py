@@ -20,7 +20,7 @@ _WIDTH = 8  # layout: bytes of a note
 
 
 def working_folder(store: Path) -> Path:
-    """The folder of lock and journals, beside a store."""
+    """The folder of the journals, next to a store."""
     return store.with_name(f"{store.name}.working")
 
 
@@ -30,7 +30,7 @@ class Journal:
     def __init__(self, store: Path, block: int) -> None:
         self.folder, self.block = working_folder(store) / "journals", block
 
-    def ends(self) -> Counter[int]:
+    def losses(self) -> Counter[int]:
         """Run, or LOADING or WRITING → processes that ended there."""
         found: Counter[int] = Counter()
         for file in self.folder.glob(f"{self.block}-*"):

@@ -75,7 +75,7 @@ class _Worker:
             self.process.stdin.write(content)
             self.process.stdin.flush()
 
-    def give(self, block: int) -> None:
+    def assign(self, block: int) -> None:
         """Have a block made."""
         self.block = block
         self.send(pickle.dumps(block))
@@ -88,7 +88,7 @@ class LocalWorkers:
         self.job = pickled(job)
         self.answers: queue.SimpleQueue[tuple[_Worker, Any]] = queue.SimpleQueue()
         self.waiting: deque[int] = deque()
-        self.replaced = self.stillborn = 0
+        self.replaced = self.failed_starts = 0
         self.workers = [_Worker(self.job, self.answers) for _ in range(count)]
 
     def submit(self, block: int) -> None:
@@ -125,13 +125,13 @@ class LocalWorkers:
     def _assign(self) -> None:
         for worker in self.workers:
             if worker.block is None and self.waiting:
-                worker.give(self.waiting.popleft())
+                worker.assign(self.waiting.popleft())
 
     def _replace(self, worker: _Worker) -> None:
         """Start another process in place of one that has ended, with its block."""
         status = _end(worker)
-        self.stillborn = 0 if worker.ready else self.stillborn + 1
-        if self.stillborn >= TRIES:
+        self.failed_starts = 0 if worker.ready else self.failed_starts + 1
+        if self.failed_starts >= TRIES:
             raise LinkwrightError(
                 f"{TRIES} worker processes ended before they could begin, the last with status "
                 f"{status}. Run with --workers 0, in this process, to see why."

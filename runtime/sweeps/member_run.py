@@ -18,10 +18,13 @@ OK = "OK"  # outcome of a run to its end; other runs have the name of an `Outcom
 REFUSED = "REFUSED"  # the values make no machine: it does not assemble, a length is negative, …
 ERROR = "ERROR"  # a function of the user's own raised an exception
 KILLED = "KILLED"  # the run ended its process again and again
+MEMORY = "MEMORY"  # the run, or a quantity of it, got no memory
+REPEATED = {KILLED, MEMORY}  # outcomes that another day may not have: resumption repeats the runs
 FAILED_TO_RUN = {
     REFUSED: "the run was refused: its values make no machine, or no start",
     ERROR: "an exception ended the run",
     KILLED: "the run ended its process, several times",
+    MEMORY: "the memory did not suffice",
 }
 """Outcome → its meaning; all others are those of `runtime.core.outcomes.Outcome`."""
 _LONGEST = 2000  # layout: characters of a message that are kept
@@ -63,12 +66,14 @@ def evaluate_member(machine: Machine, request: Request, point: FloatArray) -> Ro
     try:
         result = run_member(machine, request, point)
     except LinkwrightError as error:
-        return nothing._replace(message=shortened(str(error)))
+        return nothing._replace(message=message_text(str(error)))
     except KeyboardInterrupt:
         raise
     except FAILURES as error:
+        outcome = MEMORY if isinstance(error, MemoryError) else ERROR
         text = f"{type(error).__name__}: {error}"
-        return nothing._replace(outcome=ERROR, message=shortened(text))
+        return nothing._replace(outcome=outcome, message=message_text(text))
+    outcome = result.outcome.name
     quantities, notes = nothing.quantities.copy(), [result.message]
     if not result.failed:
         for k, quantity in enumerate(request.readers):
@@ -79,12 +84,13 @@ def evaluate_member(machine: Machine, request: Request, point: FloatArray) -> Ro
             except InputError as error:
                 notes.append(str(error))
             except FAILURES as error:
+                outcome = MEMORY if isinstance(error, MemoryError) else outcome
                 notes.append(f"{quantity.text}: {type(error).__name__}: {error}")
     if result.outcome is Outcome.INTERRUPTED:
         raise KeyboardInterrupt  # the wish to stop is no outcome of a member
     t_last = float(result.t[-1]) if len(result.t) else np.nan
     series = _series(result, request)
-    return Row(quantities, result.outcome.name, shortened("\n".join(notes)), t_last, series)
+    return Row(quantities, outcome, message_text("\n".join(notes)), t_last, series)
 
 
 def without_run(request: Request, outcome: str, message: str) -> Row:
@@ -110,6 +116,6 @@ def _series(result: Result, request: Request) -> FloatArray:
     return values
 
 
-def shortened(text: str) -> str:
+def message_text(text: str) -> str:
     """A message as a file keeps it."""
     return one_line(text, _LONGEST)

@@ -2,28 +2,33 @@
 
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import partial
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from codegen.errors import InputError, LinkwrightError, UnknownNameError
+from runtime.core.outcomes import Outcome
 from runtime.integrate.method import IMPLICIT
 from runtime.machine_facade import Machine
 from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
-from runtime.studies.effect_ranking.quantity import Function, parse_quantity
+from runtime.studies.effect_ranking.quantity import Function, declared_unit
+from runtime.studies.effect_ranking.trial_and_comparison import ANALYSES
 from runtime.studies.run_words import read_words, refuse_run_words
 from runtime.studies.scene_loading import analysis_of, require_time_span
 from runtime.studies.series_by_name import own_name, series_names, unknown_series
+from runtime.sweeps.block import companions_of
+from runtime.sweeps.column_names import name_problems
 from runtime.sweeps.design import Design
 from runtime.sweeps.member_run import run_member
 from runtime.sweeps.request import Request
-from runtime.sweeps.store import RESERVED, Columns
+from runtime.sweeps.store_template import Columns
 
 Answer = TypeVar("Answer")
-ANALYSES = ("simulate", "kinematics", "inverse", "equilibrium")
-_ENOUGH = 0.5  # measured: s of the processor after which a mean time of runs is known
-_TRIED = 5  # measured: members that are run beforehand
+_TRIAL_SECONDS = 0.5  # measured: s of the processor after which a mean time of runs is known
+_TRIALS = 5  # measured: members that are run beforehand
 
 
 def plan_of(
@@ -44,14 +49,14 @@ def plan_of(
     parameters, guess, start = (dict(given or {}) for given in values)
     problems = list[str]()
     starts = _starts(machine, design, problems)
-    problems += _twice(design, parameters, start)
+    problems += _given_again(design, parameters, start)
     if kind not in ANALYSES:
         problems.append(f"There is no analysis {kind!r}; there are: {', '.join(ANALYSES)}.")
-    gather(problems, lambda: machine.parameter_values(parameters))
-    options = gather(problems, lambda: _words(machine, kind, settings)) or {}
+    attempt(problems, lambda: machine.parameter_values(parameters))
+    options = attempt(problems, lambda: _words(machine, kind, settings)) or {}
     t_end = t_start
     if kind != "equilibrium":
-        t_end = gather(problems, lambda: require_time_span(machine, t_start, span[1])) or t_start
+        t_end = attempt(problems, lambda: require_time_span(machine, t_start, span[1])) or t_start
     problems += _columns_problems(machine, design, quantities, keep)
     if problems:
         raise InputError(problems)
@@ -60,10 +65,11 @@ def plan_of(
         about.model, about.scene, mechanism.origin.digest, kind, design.names, starts,
         tuple(quantities.items()), tuple(own_name(about, name) for name in keep),
         float(t_start), float(t_end), points, parameters, guess, start, options,
+        _companions(machine, kind, options),
     )  # fmt: skip
 
 
-def gather(problems: list[str], read: Callable[[], Answer]) -> Answer | None:
+def attempt(problems: list[str], read: Callable[[], Answer]) -> Answer | None:
     """The answer of a check; None where it fails, with its problems added to the others."""
     try:
         return read()
@@ -98,7 +104,7 @@ def _starts(machine: Machine, design: Design, problems: list[str]) -> tuple[str,
     return starts
 
 
-def _twice(design: Design, *given: Mapping[str, float]) -> list[str]:
+def _given_again(design: Design, *given: Mapping[str, float]) -> list[str]:
     return [
         f"{name} varies, and has one value as well (parameters, start): leave out one of them."
         for name in design.names
@@ -113,10 +119,8 @@ def _columns_problems(
     """Sentences about quantities that cannot be read, series that do not exist, names twice."""
     about, problems = machine.description, list[str]()
     for given in quantities.values():
-        try:
-            parse_quantity(given)
-        except InputError as error:
-            problems += error.problems
+        if isinstance(given, str):
+            attempt(problems, partial(declared_unit, given, about))
     known = series_names(about)
     existing = {name for listed in known.values() for name in listed}
     problems += [
@@ -125,25 +129,17 @@ def _columns_problems(
         if own_name(about, name) not in existing and not name.startswith("work(")
     ]
     names = [*design.names, *quantities, *(own_name(about, name) for name in keep)]
-    for name in dict.fromkeys(names):
-        if names.count(name) > 1:
-            problems.append(
-                f"{name} would name several columns of the study; rename the quantity, "
-                'quantities={"NAME": ...}, or leave one out.'
-            )
-        if name in RESERVED or "/" in name or name.startswith((".", "__")):
-            problems.append(f"{name!r} cannot name a column of the study; choose another name.")
-    return problems
+    return [*problems, *name_problems(names)]
 
 
-class Measured(NamedTuple):
+class Estimate(NamedTuple):
     """What a few members have shown before the sweep."""
 
     seconds: float  # of the processor, a run
     columns: Columns
 
 
-def measure(machine: Machine, request: Request, design: Design) -> Measured:
+def estimate_of(machine: Machine, request: Request, design: Design) -> Estimate:
     """Run a few members: all that is built on demand is there then, and a run's time is known.
 
     Raises
@@ -151,31 +147,39 @@ def measure(machine: Machine, request: Request, design: Design) -> Measured:
     InputError
         If a quantity asks for a series or an effect that does not exist.
     """
-    _build_companions(machine, request)
-    members = np.unique(np.linspace(0, len(design.points) - 1, _TRIED).astype(int))
+    members = np.unique(np.linspace(0, len(design.points) - 1, _TRIALS).astype(int))
     units, times = dict[str, str](), list[float]()
     kept = dict[str, str]()
     for k, member in enumerate([members[0], *members]):  # of which the first one loads and compiles
         started = time.process_time()
-        result = _tried(machine, request, design.points[member])
+        result = _trial(machine, request, design.points[member])
         if k:
             times.append(time.process_time() - started)
         if result is not None and not result.failed:
             units |= _units(request, result)
             kept |= {name: result.series(name)[1] for name in request.keep}
-        if sum(times) > _ENOUGH and len(units) == len(request.quantities):
+        if sum(times) > _TRIAL_SECONDS and len(units) == len(request.quantities):
             break
-    factors = {name: _unit(machine, name) for name in design.names}
-    quantities = {name: units.get(name, "") for name, _ in request.quantities}
+    factors = {name: factor_unit(machine, name) or "" for name in design.names}
+    quantities = {
+        name: units.get(name) or _declared(machine, given) for name, given in request.quantities
+    }
     series = {name: kept.get(name, "") for name in request.keep}
-    return Measured(float(np.mean(times)), Columns(factors, quantities, series))
+    return Estimate(float(np.mean(times)), Columns(factors, quantities, series))
 
 
-def _tried(machine: Machine, request: Request, point: Any) -> Result | None:
+def _declared(machine: Machine, given: str | Function) -> str:
+    return (declared_unit(given, machine.description) or "") if isinstance(given, str) else ""
+
+
+def _trial(machine: Machine, request: Request, point: Any) -> Result | None:
     try:
-        return run_member(machine, request, point)
+        result = run_member(machine, request, point)
     except LinkwrightError:
         return None  # a failure is a row
+    if result.outcome is Outcome.INTERRUPTED:
+        raise KeyboardInterrupt  # before there is anything to keep
+    return result
 
 
 def _units(request: Request, result: Result) -> dict[str, str]:
@@ -192,7 +196,8 @@ def _units(request: Request, result: Result) -> dict[str, str]:
     return units
 
 
-def _unit(machine: Machine, name: str) -> str:
+def factor_unit(machine: Machine, name: str) -> str | None:
+    """The unit of a factor, of a parameter the declared one; None where there is no such name."""
     if name in machine.parameters.names:
         return machine.parameters[name].unit
     for row in machine.coordinates:
@@ -200,21 +205,20 @@ def _unit(machine: Machine, name: str) -> str:
             return row.unit
         if name == row.velocity:
             return row.velocity_unit
-    return ""
+    return None
 
 
-def _build_companions(machine: Machine, request: Request) -> None:
-    """Build what the options take, so that no worker does, and all choose alike."""
-    options, mechanism = request.options, machine.mechanism
-    if request.analysis != "simulate":
-        return
-    if options.get("formulation") == "reduced":
-        _ = mechanism.reduced
-    elif options.get("method") in {*IMPLICIT, "auto"}:
-        _ = mechanism.tangents
-    if options.get("accuracy") is not None:
-        for kind in ("reduced", "tangents"):
-            try:
-                getattr(mechanism, kind)
-            except LinkwrightError:
-                continue  # of a scene that has none
+def _companions(machine: Machine, kind: str, options: Mapping[str, Any]) -> dict[str, str]:
+    """SHA-256 of the modules that the options take, built so that no worker does."""
+    if kind != "simulate":
+        return {}
+    if options.get("accuracy") is None:
+        if options.get("formulation") == "reduced":
+            return companions_of(machine, ("reduced",))
+        implicit = options.get("method") in {*IMPLICIT, "auto"}
+        return companions_of(machine, ("tangents",) if implicit else ())
+    found = dict[str, str]()
+    for name in ("reduced", "tangents"):
+        with suppress(LinkwrightError):  # of a scene that has none
+            found |= companions_of(machine, (name,))
+    return found

@@ -2,23 +2,19 @@
 
 import hashlib
 import json
-import marshal
-import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from importlib.metadata import version
-from types import CodeType
 from typing import Any
 
 import numpy as np
 
-from codegen import __version__
 from codegen.errors import InputError
 from codegen.plain_values import one_line
 from runtime.results.samples import plain
 from runtime.studies.effect_ranking.quantity import Function, Quantity, parse_quantity
+from runtime.sweeps.programs import SOURCES, program_facts
+from runtime.sweeps.value_digest import ContentError, value_digest
 
-PROGRAMS = ("numba", "numpy", "scipy")  # whose versions may change the last bits of a run
 _WIDEST = 120  # layout: characters of a value in a message
 
 
@@ -41,6 +37,7 @@ class Request:
     guess: Mapping[str, float] = field(default_factory=dict)
     start: Mapping[str, float] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)  # of `simulate`, those that are given
+    companions: Mapping[str, str] = field(default_factory=dict)  # SHA-256 of their texts, by kind
 
     @property
     def readers(self) -> tuple[Quantity, ...]:
@@ -57,22 +54,28 @@ class Request:
         return values | ({"start": start} if start else {})
 
     def facts(self, points: str) -> dict[str, Any]:
-        """All that determines the numbers, as JSON; `points` is the digest of the design."""
+        """All that determines the numbers, as JSON; `points` is the digest of the design.
+
+        Raises
+        ------
+        InputError
+            If a function refers to what has no content that could be compared.
+        """
         return {
-            "linkwright": __version__,
-            **{program: version(program) for program in PROGRAMS},
+            **program_facts(),
             "model": f"{self.model}/{self.scene}",
             "generated module": self.module,
+            "companions": dict(self.companions),
             "analysis": self.analysis,
             "points": points,
             "start values": [*self.starts],
-            "quantities": {name: described(given) for name, given in self.quantities},
+            "quantities": {name: description(given, name) for name, given in self.quantities},
             "series": [*self.keep],
             "t_start": self.t_start,
             "t_end": self.t_end,
             "instants": self.points,
             **{name: dict(getattr(self, name)) for name in ("parameters", "guess", "start")},
-            "options": {name: described(value) for name, value in sorted(self.options.items())},
+            "options": {n: description(value, n) for n, value in sorted(self.options.items())},
         }
 
 
@@ -91,7 +94,7 @@ def request_of(facts: Mapping[str, Any], names: tuple[str, ...]) -> Request:
             "keeps. Repeat the call of sweep with resume=True: it returns the study with them."
         )
     model, _, scene = facts["model"].rpartition("/")
-    values = (facts[name] for name in ("parameters", "guess", "start", "options"))
+    values = (facts[x] for x in ("parameters", "guess", "start", "options", "companions"))
     return Request(
         model, scene, facts["generated module"], facts["analysis"], names,
         tuple(facts["start values"]), tuple(facts["quantities"].items()), tuple(facts["series"]),
@@ -104,35 +107,29 @@ def digest_of(facts: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
 
 
-def described(value: Any) -> Any:
-    """A value of a request as JSON; a function by its name and a hash of its code."""
+def description(value: Any, name: str) -> Any:
+    """A value of a request as JSON; a function by its name and the digest of its content.
+
+    Raises
+    ------
+    InputError
+        If a function refers to what has no content that could be compared; it tells the `name`.
+    """
     if callable(value):
-        name = getattr(value, "__qualname__", type(value).__name__)
-        return f"function {name}, {_code_hash(value)[:16]}"
+        function = getattr(value, "__qualname__", type(value).__name__)
+        try:
+            return f"function {function}, {value_digest(value)[:16]}"
+        except ContentError as error:
+            raise InputError(
+                f"{name}: the function {function} refers to {error}, so that nobody could tell "
+                "whether it is the same when the sweep goes on. Let it refer to numbers, texts and "
+                "arrays alone."
+            ) from error
     if isinstance(value, Mapping):
-        return {str(name): described(entry) for name, entry in value.items()}
+        return {str(key): description(entry, f"{name}, {key}") for key, entry in value.items()}
     if isinstance(value, tuple | list | np.ndarray):
-        return [described(entry) for entry in value]
+        return [description(entry, name) for entry in value]
     return plain(value)
-
-
-def _code_hash(function: Callable[..., Any]) -> str:
-    """SHA-256 of a function's code, defaults and captured values."""
-    code = getattr(function, "__code__", None)
-    parts = [repr(sys.version_info[:2])]
-    if code is None:  # an object that is called: its class and its state stand for it
-        parts += [type(function).__qualname__, repr(sorted(getattr(function, "__dict__", {})))]
-    else:
-        cells = getattr(function, "__closure__", None) or ()
-        parts += [repr([cell.cell_contents for cell in cells]), repr(function.__defaults__)]
-        parts += [marshal.dumps(_anonymous(code)).hex()]
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()
-
-
-def _anonymous(code: CodeType) -> CodeType:
-    """The code without the file and line where it stands."""
-    inner = tuple(_anonymous(x) if isinstance(x, CodeType) else x for x in code.co_consts)
-    return code.replace(co_filename="", co_firstlineno=1, co_linetable=b"", co_consts=inner)
 
 
 def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
@@ -147,6 +144,8 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[s
                     yield _changed(f"{name}, {part}", old.get(part), new.get(part))
         elif name == "generated module":
             yield "the model: its generated module has another text"
+        elif name == SOURCES:
+            yield f"the {SOURCES} have another text"
         elif name == "points":
             yield "the points: other factors, values, sample, count or seed"
         else:

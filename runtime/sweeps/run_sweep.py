@@ -2,21 +2,25 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from codegen import argument_readers as readers
 from codegen.errors import InputError
 from codegen.plain_values import KindError
+from runtime.machine_facade import Machine
 from runtime.machine_loading import load
 from runtime.studies import scene_loading
 from runtime.studies.effect_ranking.quantity import Function
 from runtime.studies.run_words import takes_run_words
 from runtime.sweeps import store
-from runtime.sweeps.design import Design, design_of, given_design
-from runtime.sweeps.execution import execute, job_of, locked, require_same
+from runtime.sweeps.design import Design, design_of, given_design, in_declared_units
+from runtime.sweeps.execution import execute, job_of, require_same, store_lock
 from runtime.sweeps.factors import read_factors
-from runtime.sweeps.planning import gather, measure, plan_of
+from runtime.sweeps.member_run import REPEATED
+from runtime.sweeps.planning import attempt, estimate_of, factor_unit, plan_of
+from runtime.sweeps.request import Request
 from runtime.sweeps.study import Study
 
 if TYPE_CHECKING:
@@ -153,30 +157,46 @@ def sweep(
     store.require_zarr()
     path = Path(folder or ".", out).resolve()
     problems = list[str]()
-    design = gather(problems, lambda: _design(over, sample, count, seed))
-    gather(problems, lambda: _require_place(path, resume=resume))
+    design = attempt(problems, lambda: _design(over, sample, count, seed))
+    attempt(problems, lambda: _require_place(path, resume=resume))
     if problems or design is None:
         raise InputError(problems)
     machine = load(model, scene, folder=folder, generated=generated)
+    given = attempt(problems, partial(in_declared_units, design, partial(factor_unit, machine)))
     settings = {
         "accuracy": accuracy, "method": method, "formulation": formulation, "rtol": rtol, **run
     }  # fmt: skip
-    plan = plan_of(
-        machine, design, quantities=dict(quantities), keep=tuple(keep), analysis=analysis,  # type: ignore[arg-type]
+    request = attempt(problems, lambda: plan_of(
+        machine, given or design, quantities=dict(quantities), keep=tuple(keep), analysis=analysis,  # type: ignore[arg-type]
         span=(t_start, t_end), points=points, values=(parameters, guess, start), settings=settings,
+    ))  # fmt: skip
+    if given is None or request is None:
+        raise InputError(problems)
+    with store_lock(path):
+        _require_place(path, resume=resume)  # another sweep may have begun meanwhile
+        return _study(path, machine, request, given, workers, scheduler, progress=progress)
+
+
+def _study(
+    path: Path, machine: Machine, request: Request, design: Design, workers: int | None,
+    scheduler: str | None, *, progress: bool,
+) -> Study:  # fmt: skip
+    """The study of a request: its store, which is created or goes on, and the runs it lacks."""
+    blocks = None
+    if path.exists():
+        require_same(path, request, design)
+        blocks = store.unfinished(store.open_group(path), repeated=REPEATED)
+        if not blocks:
+            return Study(path, machine, request)
+    estimate = estimate_of(machine, request, design)
+    job = job_of(path, machine, request, design, estimate, workers)
+    if blocks is None:
+        blocks = [*range(store.layout_of(store.open_group(path)).blocks)]
+    execution = execute(
+        job, estimate, blocks, workers=workers, scheduler=scheduler, progress=progress,
+        title=f"sweep of {machine.mechanism.title}",
     )  # fmt: skip
-    with locked(path):
-        if path.exists():
-            require_same(path, plan, design)
-            if not store.unfinished(store.open_group(path)):
-                return Study(path, machine, plan)
-        measured = measure(machine, plan, design)
-        job = job_of(path, machine, plan, design, measured, workers)
-        note = execute(
-            job, measured, workers=workers, scheduler=scheduler, progress=progress,
-            title=f"sweep of {machine.mechanism.title}",
-        )  # fmt: skip
-    return Study(path, machine, plan, note)
+    return Study(path, machine, request, execution)
 
 
 def _design(over: Any, sample: str | None, count: int | None, seed: int) -> Design:
@@ -190,7 +210,7 @@ def _design(over: Any, sample: str | None, count: int | None, seed: int) -> Desi
 def _require_place(path: Path, *, resume: bool) -> None:
     """Refuse a store that exists, or whose folder does not, before anything runs."""
     if not path.parent.is_dir():
-        raise InputError(f"--out {path}: the folder {path.parent} does not exist.")
+        raise InputError(f"{path}: the folder {path.parent} does not exist.")
     if path.exists() and not resume:
         raise InputError(
             f"{path} exists, and a sweep overwrites nothing. Go on with it by --resume "

@@ -73,8 +73,8 @@ def sentences_of(study: "Study", execution: "Execution | None") -> Iterator[str]
 
 
 def _time(execution: "Execution") -> str:
-    whole = execution.busy + execution.beside
-    share = execution.busy / whole if whole else 1.0
+    whole = execution.simulation + execution.overhead
+    share = execution.simulation / whole if whole else 1.0
     lost = f"; {counted(execution.replaced, 'lost worker')} replaced" if execution.replaced else ""
     return (
         f"{counted(execution.runs, 'run')} in {execution.seconds:.1f} s; {share:.1%} of the "

@@ -1,64 +1,35 @@
-"""The Zarr store of a sweep: its template, its blocks, and what is done.
+"""The Zarr store of a sweep: its blocks, and what is done.
 
-The template is written in a folder of another name, which takes its place when it is whole. A block
-of runs is one chunk of each array, so that no two tasks write one file; Zarr replaces each file
-whole. A block's mark is written last: a hash of its rows, by which rows that a crash of the machine
-has damaged are found as well. Nothing depends on when, where or how often a block is made.
+A block of runs is one chunk of each array, so that no two tasks write one file; Zarr replaces each
+file whole. A block's mark is written last: a hash of its rows, by which rows that a crash of the
+machine has damaged are found as well. Nothing depends on when, where or how often a block is made.
+A store has an identity, by which a task that is late finds that another one lies at its path.
 """
 
 import hashlib
 import shutil
-import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
+from codegen.plain_values import shown
 from runtime.results.zarr_store import require_plain
-from runtime.sweeps.design import Design
+from runtime.sweeps.column_names import DONE, LAST, MESSAGE, OUTCOME, stored_name
 from runtime.sweeps.member_run import Row
-from runtime.sweeps.request import Request, digest_of
+from runtime.sweeps.request import Request
+from runtime.sweeps.store_attributes import (
+    ATTRIBUTES,
+    FORMAT,
+    Layout,
+    lengths,
+    require_attributes,
+)
 
 Group = Any  # a `zarr.Group`, whose annotations permit less than it does
-
-FORMAT = 1  # of the attributes below
-ATTRIBUTES = "linkwright_sweep"
-DONE, OUTCOME, MESSAGE, LAST, TIME, RUN = "block_mark", "outcome", "message", "t_last", "t", "run"
-RESERVED = {DONE, OUTCOME, MESSAGE, LAST, TIME, RUN, "block"}
-"""Names that no factor, quantity or series of a sweep may have."""
-
-
-class Layout(NamedTuple):
-    """Runs of a sweep, in blocks."""
-
-    runs: int
-    block: int  # runs of a block; the last one may have fewer
-
-    @property
-    def blocks(self) -> int:
-        """Number of blocks."""
-        return -(-self.runs // self.block)
-
-    def runs_of(self, block: int) -> range:
-        """The runs of a block."""
-        return range(block * self.block, min((block + 1) * self.block, self.runs))
-
-
-class Columns(NamedTuple):
-    """Units of all that is stored, by name."""
-
-    factors: Mapping[str, str]
-    quantities: Mapping[str, str]
-    series: Mapping[str, str]
-
-
-def stored_name(name: str) -> str:
-    """The name of a column's folder: not all file systems permit the colon of a quantity."""
-    word, colon, rest = name.partition(":")
-    return f"{word}({rest})" if colon else name
 
 
 def require_zarr() -> Any:
@@ -73,77 +44,37 @@ def require_zarr() -> Any:
     return zarr
 
 
-def create_store(
-    path: Path, request: Request, design: Design, columns: Columns, block: int
+def write_block(
+    path: Path, identity: str, request: Request, runs: range, rows: Sequence[Row]
 ) -> None:
-    """Write the template of a sweep, whole or not at all."""
-    zarr, layout = require_zarr(), Layout(len(design.points), block)
-    facts = request.facts(design.digest)
-    about = {
-        "format": FORMAT, "digest": digest_of(facts), "facts": facts, "design": design.facts,
-        "quantities": [name for name, _ in request.quantities], "series": [*request.keep],
-        "runs": layout.runs, "block": block,
-    }  # fmt: skip
-    folder = Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=path.parent))
-    try:
-        where = folder / "store"
-        group = zarr.create_group(
-            where, zarr_format=3,
-            attributes={ATTRIBUTES: about, "coordinates": " ".join([*design.names, TIME])},
-        )  # fmt: skip
-        _create_arrays(group, request, design, columns, layout)
-        try:
-            where.rename(path)
-        except OSError:
-            raise InputError(f"{path} exists by now: another program has written it.") from None
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+    """Write the rows of a block into its region, and then its mark.
 
+    What an earlier process has left of the block is removed first, the mark before the rows.
 
-def _create_arrays(
-    group: Group, request: Request, design: Design, columns: Columns, layout: Layout
-) -> None:
-    runs, block, count = layout.runs, min(layout.block, layout.runs), request.points
-
-    def create(
-        name: str, kind: Any, fill: Any, chunks: Sequence[int], dims: Sequence[str], unit: str = "",
-        shape: Sequence[int] | None = None, **attributes: str,
-    ) -> Any:  # fmt: skip
-        labels = {**({"units": unit} if unit else {}), **attributes}
-        return group.create_array(
-            stored_name(name), shape=tuple(shape or (runs,)), dtype=kind, fill_value=fill,
-            chunks=tuple(chunks), dimension_names=tuple(dims), attributes=labels,
-        )  # fmt: skip
-
-    for k, name in enumerate(design.names):
-        values = create(name, "float64", np.nan, (runs,), (RUN,), columns.factors[name])
-        values[:] = design.points[:, k]
-    for name, given in request.quantities:
-        text = given if isinstance(given, str) else name
-        create(name, "float64", np.nan, (block,), (RUN,), columns.quantities[name], quantity=text)
-    create(OUTCOME, str, "", (block,), (RUN,))
-    create(MESSAGE, str, "", (block,), (RUN,))
-    create(LAST, "float64", np.nan, (block,), (RUN,), "s")
-    if request.keep:
-        instants = np.linspace(request.t_start, request.t_end, count)
-        create(TIME, "float64", np.nan, (count,), (TIME,), "s", (count,))[:] = instants
-    for name in request.keep:
-        create(
-            name, "float64", np.nan, (block, count), (RUN, TIME), columns.series[name],
-            (runs, count),
-        )  # fmt: skip
-    create(DONE, "uint64", 0, (1,), ("block",), shape=(layout.blocks,))
-
-
-def write_block(group: Group, request: Request, runs: range, rows: Sequence[Row]) -> None:
-    """Write the rows of a block into its region, and then its mark."""
+    Raises
+    ------
+    InputError
+        If the store is that of another sweep by now.
+    """
+    group = reopen(path, identity)
     region, about = slice(runs.start, runs.stop), about_of(group)
-    for name, values in _arrays(request, rows).items():
+    block, arrays = runs.start // about["block"], arrays_of(request, rows)
+    for name in (DONE, *arrays):
+        _remove_chunk(path / stored_name(name) / "c" / str(block))
+    for name, values in arrays.items():
         group[stored_name(name)][region] = values
-    group[DONE][runs.start // about["block"]] = mark_of(_arrays(request, rows))
+    group[DONE][block] = mark_of(arrays, _seal(about))
 
 
-def _arrays(request: Request, rows: Sequence[Row]) -> dict[str, npt.NDArray[Any]]:
+def _remove_chunk(place: Path) -> None:
+    """Remove a chunk: a file, of a kept series a folder of one."""
+    if place.is_dir():
+        shutil.rmtree(place)
+    else:
+        place.unlink(missing_ok=True)
+
+
+def arrays_of(request: Request, rows: Sequence[Row]) -> dict[str, npt.NDArray[Any]]:
     """The arrays of a block, by name."""
     quantities = np.array([row.quantities for row in rows]).reshape(len(rows), -1)
     text = np.dtypes.StringDType()
@@ -158,9 +89,9 @@ def _arrays(request: Request, rows: Sequence[Row]) -> dict[str, npt.NDArray[Any]
     return arrays
 
 
-def mark_of(arrays: Mapping[str, npt.NDArray[Any]]) -> int:
-    """A hash of a block's rows, never 0."""
-    found = hashlib.blake2b(digest_size=8)
+def mark_of(arrays: Mapping[str, npt.NDArray[Any]], seal: str) -> int:
+    """A hash of a block's rows and of its sweep, never 0."""
+    found = hashlib.blake2b(seal.encode(), digest_size=8)
     for name in sorted(arrays):
         values = arrays[name]
         found.update(f"{name}:{values.shape}".encode())
@@ -169,6 +100,11 @@ def mark_of(arrays: Mapping[str, npt.NDArray[Any]]) -> int:
         else:
             found.update("\0".join(map(str, values.tolist())).encode())
     return int.from_bytes(found.digest(), "little") or 1
+
+
+def _seal(about: Mapping[str, Any]) -> str:
+    """What tells the blocks of this store from those of all others."""
+    return f"{about['identity']} {about['digest']}"
 
 
 def open_group(path: Path, *, writable: bool = False) -> Group:
@@ -182,20 +118,57 @@ def open_group(path: Path, *, writable: bool = False) -> Group:
     require_plain(path)
     try:
         group = zarr.open_group(path, mode="r+" if writable else "r", zarr_format=3)
-        about = group.attrs.get(ATTRIBUTES)
-        names = {*about["quantities"], *about["series"], *about["design"]["names"], OUTCOME, DONE}
-        every = (*names, MESSAGE, LAST)
-        missing = [name for name in every if stored_name(name) not in group]
+        about = group.attrs[ATTRIBUTES]
+        version = about["format"]
+        if version == FORMAT:
+            require_attributes(about)
+            shapes = {n: group[n].shape for n in map(stored_name, lengths(about)) if n in group}
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         why = f"{type(error).__name__}: {error}"
         raise InputError(f"{path} was not written by a sweep of Linkwright ({why}).") from None
-    if missing:
-        raise InputError(f"{path} is damaged: it lacks {', '.join(missing)}.")
-    if about["format"] != FORMAT:
+    if version != FORMAT:
         raise InputError(
-            f"{path} has format {about['format']}, and this version reads {FORMAT}. Install the "
-            f"version that wrote it: {about['facts'].get('linkwright')}."
+            f"{path} has format {shown(version)}, and this version reads {FORMAT}. Install the "
+            "version that wrote it."
         )
+    _require_arrays(path, about, shapes)
+    return group
+
+
+def _require_arrays(path: Path, about: Mapping[str, Any], shapes: Mapping[str, Any]) -> None:
+    """Refuse a store that lacks arrays, or has some of other lengths than it says."""
+    problems = []
+    for name, length in lengths(about).items():
+        shape = shapes.get(stored_name(name))
+        dimensions = 2 if name in about["series"] else 1
+        if shape is None:
+            problems.append(f"{path} is damaged: it lacks {name}.")
+        elif shape[:1] != (length,) or len(shape) != dimensions:
+            problems.append(f"{path} is damaged: {name} has the shape {shape}, for {length} rows.")
+        elif dimensions == 2 and shape[1] != about["facts"]["instants"]:
+            problems.append(f"{path} is damaged: {name} has {shape[1]} instants.")
+    if problems:
+        raise InputError(problems)
+
+
+def reopen(path: Path, identity: str) -> Group:
+    """The group of a store that `open_group` has read before, to be written.
+
+    Raises
+    ------
+    InputError
+        If another store lies there by now.
+    """
+    zarr = require_zarr()
+    try:
+        group = zarr.open_group(path, mode="r+", zarr_format=3)
+        same = about_of(group)["identity"] == identity
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(
+            f"{path} cannot be opened any more ({type(error).__name__}: {error})."
+        ) from error
+    if not same:
+        raise InputError(f"{path} is the store of another sweep by now.")
     return group
 
 
@@ -211,19 +184,30 @@ def layout_of(group: Group) -> Layout:
     return Layout(int(about["runs"]), int(about["block"]))
 
 
-def unfinished(group: Group) -> list[int]:
-    """Blocks whose mark is missing, or is not that of their rows."""
-    layout, marks = layout_of(group), group[DONE][:]
-    about = about_of(group)
+def unfinished(
+    group: Group, blocks: Iterable[int] | None = None, repeated: Collection[str] = ()
+) -> list[int]:
+    """Those of the blocks whose mark is missing, cannot be read, or is not that of their rows.
+
+    A block of which a run has one of the outcomes `repeated` is one of them.
+    """
+    about, layout = about_of(group), layout_of(group)
+    found = range(layout.blocks) if blocks is None else blocks
+    return [block for block in found if not _is_done(group, about, layout, block, repeated)]
+
+
+def _is_done(
+    group: Group, about: Mapping[str, Any], layout: Layout, block: int, repeated: Collection[str]
+) -> bool:
     names = [*about["quantities"], OUTCOME, MESSAGE, LAST, *about["series"]]
-    waiting = []
-    for block in range(layout.blocks):
-        runs = layout.runs_of(block)
-        if marks[block]:
-            region = slice(runs.start, runs.stop)
-            if mark_of({name: group[stored_name(name)][region] for name in names}) == int(
-                marks[block]
-            ):
-                continue
-        waiting.append(block)
-    return waiting
+    runs = layout.runs_of(block)
+    region = slice(runs.start, runs.stop)
+    try:
+        mark = int(group[DONE][block])
+        if not mark:
+            return False
+        arrays = {name: group[stored_name(name)][region] for name in names}
+    except (OSError, ValueError, RuntimeError, TypeError):  # a file that a power cut has cut short
+        return False
+    again = repeated and not {*map(str, arrays[OUTCOME].tolist())}.isdisjoint(repeated)
+    return mark == mark_of(arrays, _seal(about)) and not again

@@ -1,7 +1,5 @@
 """A study: the runs of a sweep as labelled arrays, and each member again as a result."""
 
-import operator
-import os
 from collections import Counter
 from functools import cached_property
 from pathlib import Path
@@ -10,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from codegen import argument_readers as readers
 from codegen.errors import InputError, UnknownNameError
 from codegen.object_display import counted, html_of, html_table, listed
-from codegen.plain_values import KindError, shown
+from codegen.plain_values import shown
 from codegen.public_callables import checked_class, named_attributes
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.table_rows import unknown
+from runtime.sweeps import column_names as columns
 from runtime.sweeps import store
 from runtime.sweeps.member_run import FAILED_TO_RUN, OK, run_member
-from runtime.sweeps.request import Request, request_of
+from runtime.sweeps.request import Request
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -66,15 +64,21 @@ class Study:
 
         found: xr.Dataset = xr.open_zarr(
             self.path, consolidated=False, chunks=None, zarr_format=3
-        ).drop_vars(store.DONE)  # fmt: skip
+        ).drop_vars(columns.DONE)  # fmt: skip
         found = found.rename(
-            {store.stored_name(name): name for name in (*self.quantities, *self.series)}
+            {columns.stored_name(name): name for name in (*self.quantities, *self.series)}
         )
         whole = [str(name) for name in found.data_vars if name not in self.series]
-        found = found.assign({name: found[name].load() for name in whole})
-        outcomes, messages = (found[name].values for name in (store.OUTCOME, store.MESSAGE))
-        found[store.OUTCOME] = store.RUN, _outcomes(outcomes)
-        found[store.MESSAGE] = store.RUN, messages.astype(object)
+        try:
+            found = found.assign({name: found[name].load() for name in whole})
+        except (OSError, ValueError, RuntimeError) as error:  # a file that is cut short
+            raise InputError(
+                f"{self.path} has rows that cannot be read ({type(error).__name__}: {error}). "
+                "Repeat the sweep with --resume (resume=True), which makes them again."
+            ) from error
+        outcomes, messages = (found[name].values for name in (columns.OUTCOME, columns.MESSAGE))
+        found[columns.OUTCOME] = columns.RUN, _outcomes(outcomes)
+        found[columns.MESSAGE] = columns.RUN, messages.astype(object)
         found.attrs = {"model": self._about["facts"]["model"]}
         return found
 
@@ -92,22 +96,28 @@ class Study:
             raise InputError(f"{self.path} is a sample of points and no grid; take data.")
         import xarray as xr
 
-        shape, names = tuple(map(len, axes.values())), tuple(axes)
+        names = self.factors
+        shape = tuple(axes[name] for name in names)
         arrays = {}
-        for name in (*self.quantities, store.OUTCOME, store.MESSAGE, store.LAST, *self.series):
+        rows = (columns.OUTCOME, columns.MESSAGE, columns.LAST)
+        for name in (*self.quantities, *rows, *self.series):
             column = self.data[name]
             rest = column.dims[1:]
             values = column.values.reshape(shape + column.shape[1:])
             arrays[name] = xr.Variable((*names, *rest), values, column.attrs)
-        coordinates = {n: xr.Variable((n,), v, self.data[n].attrs) for n, v in axes.items()}
+        coordinates = {}
+        for k, name in enumerate(names):
+            first = tuple(slice(None) if k == j else 0 for j in range(len(names)))
+            values = self.data[name].values.reshape(shape)[first]
+            coordinates[name] = xr.Variable((name,), values, self.data[name].attrs)
         if self.series:
-            coordinates[store.TIME] = self.data[store.TIME].variable
+            coordinates[columns.TIME] = self.data[columns.TIME].variable
         return xr.Dataset(arrays, coordinates, self.data.attrs)
 
     @property
     def outcomes(self) -> dict[str, int]:
         """Outcome → number of runs."""
-        return dict(Counter(self.data[store.OUTCOME].values.tolist()).most_common())
+        return dict(Counter(self.data[columns.OUTCOME].values.tolist()).most_common())
 
     @property
     def complete(self) -> bool:
@@ -117,8 +127,8 @@ class Study:
     @property
     def failures(self) -> "xr.Dataset":
         """The runs that did not reach their end."""
-        outcome = self.data[store.OUTCOME].values
-        return self.data.isel({store.RUN: (outcome != OK) & (outcome != NOT_RUN)})
+        outcome = self.data[columns.OUTCOME].values
+        return self.data.isel({columns.RUN: (outcome != OK) & (outcome != NOT_RUN)})
 
     def __len__(self) -> int:
         return int(self._about["runs"])
@@ -138,7 +148,7 @@ class Study:
         return {name: float(self.data[name].values[k]) for name in self.factors}
 
     def member(self, run: int) -> "Result":
-        """The result of one run, which is made again, with the same bits.
+        """The result of one run, which is made again: by the same programs with the same bits.
 
         Parameters
         ----------
@@ -163,7 +173,7 @@ class Study:
         return run_member(machine, request, point)
 
     def _index(self, run: Any) -> int:
-        number = operator.index(run) if hasattr(run, "__index__") and run is not True else None
+        number = None if isinstance(run, bool) or not hasattr(run, "__index__") else int(run)
         if number is None or not -len(self) <= number < len(self):
             raise InputError(
                 f"{self.path}: there is no run {shown(run)}; they have the numbers 0 to "
@@ -274,50 +284,3 @@ def meaning_of(outcome: str) -> str:
     if outcome in FAILED_TO_RUN:
         return FAILED_TO_RUN[outcome]
     return Outcome[outcome].meaning if outcome in Outcome.__members__ else "not run yet"
-
-
-def _study_path(value: Any) -> Path:
-    path: Path = readers.path(value)
-    if not path.is_dir():
-        raise KindError("there is no such folder; name the one that a sweep has written.")
-    return path
-
-
-def _machine(value: Any) -> Any:
-    from runtime.machine_facade import Machine
-
-    if not isinstance(value, Machine):
-        raise KindError("it must be a machine, as load() makes it.")
-    return value
-
-
-@readers.reads(path=_study_path, machine=readers.optional(_machine))
-def load_study(path: str | os.PathLike[str], machine: "Machine | None" = None) -> Study:
-    """The study that a sweep wrote, in any process.
-
-    It is data alone: nothing of it is run, and no model is loaded because a file names it.
-
-    Parameters
-    ----------
-    path
-        The folder of the Zarr store.
-    machine
-        The machine of the study, for `Study.member`.
-
-    Raises
-    ------
-    InputError
-        If it was not written by a sweep, has anything but a sweep's data, or is that of another
-        machine.
-    """
-    place = Path(path).resolve()
-    if machine is None:
-        return Study(place)
-    facts = Study(place).facts()["facts"]
-    origin = machine.mechanism.origin
-    if origin is None or origin.digest != facts["generated module"]:
-        raise InputError(
-            f"{place} is a study of {facts['model']} whose generated module had another text than "
-            f"that of {machine.mechanism.title}: the model has changed since, or is another one."
-        )
-    return Study(place, machine, request_of(facts, Study(place).factors))

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 from codegen import build
 from codegen.errors import FAILURES, LinkwrightError
-from runtime import accuracy, animate, load, load_result, matters
+from runtime import accuracy, animate, load, load_result, load_study, matters, sweep
 from runtime.machine_facade import Machine
 from tests.fuzz.nonsense import KINDS, NUMBERS, POSITIVE, TEXTS
 
@@ -108,6 +108,14 @@ def calls(free: Machine, driven: Machine) -> list[Call]:
             "progress": {"true"},
         }),
         Call("load_result", load_result, {"path": "a.nc"}, {"path": set(), "machine": NONE}),
+        Call("load_study", load_study, {"path": "a.zarr"}, {"path": set(), "machine": NONE}),
+        Call("sweep", sweep, {**wrong, "over": ["a=1,2"], "quantities": ["total"],
+                              "out": "a.zarr", "workers": 0}, {
+            **studied, "over": set(), "quantities": TEXTS, "out": PATHS,
+            "progress": {"true"}, "resume": {"true"}, "workers": NONE | {"one", "zero"},
+            "seed": NONE | {"one", "zero"}, "count": NONE | {"one"}, "points": set(),
+            "keep": {"empty list"}, "sample": NONE, "analysis": NONE, "scheduler": NONE,
+        }),
         Call("Assembly[]", assembly.__getitem__, {"name": name}, {"name": set()}),
         Call("Table.index", free.coordinates.index, {"item": name}, {"item": set()}),
         Call("load", load, {"model": "hard/pendulum"},

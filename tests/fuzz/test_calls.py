@@ -24,7 +24,7 @@ def test_arguments_of_the_wrong_kind_are_refused_by_name(described: list[calls.C
 
 
 def test_the_good_arguments_of_every_analysis_are_accepted(described: list[calls.Call]) -> None:
-    studies = {"matters", "accuracy", "build", "load", "load_result"}
+    studies = {"matters", "accuracy", "build", "load", "load_result", "load_study", "sweep"}
     for call in described:
         if call.title in calls.NAMELESS:
             call.function(*call.good.values())

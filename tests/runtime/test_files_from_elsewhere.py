@@ -265,3 +265,41 @@ def test_texts_of_a_file_are_no_markup_on_a_page(
     for text in (page, moving, found._repr_html_()):
         assert "<script>alert" not in text
         assert "<img src=x" not in text
+
+
+def test_a_user_without_a_folder_for_keys_is_told_so(
+    result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "file"))
+    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "file"))
+    path = result.save(tmp_path / "run.nc")
+    with pytest.raises(InputError, match="may be your own, but no key can be kept in the user"):
+        load_result(path)
+
+
+def test_a_key_is_kept_where_hard_links_are_not(
+    result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*names: object) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "data"))
+    monkeypatch.setattr(os, "link", refused)
+    path = result.save(tmp_path / "run.nc")
+    assert (load_result(path).q("bob.phi") == result.q("bob.phi")).all()
+    assert [file.name for file in (tmp_path / "data" / "linkwright").iterdir()] == ["signing_key"]
+
+
+@pytest.mark.parametrize("own", [True, False])
+def test_links_in_a_store_are_not_followed(
+    result: Result, machine: Machine, tmp_path: Path, own: bool
+) -> None:
+    path = result.save(tmp_path / "run.zarr")
+    parts = [part.name for part in path.iterdir() if part.is_dir()]
+    (part, *_) = [name for name in parts if (name == "linkwright") is own]
+    (path / part).rename(tmp_path / "elsewhere")
+    (path / part).symlink_to("../elsewhere")
+    with pytest.raises(InputError, match="is a link"):
+        load_result(path, machine)

@@ -16,7 +16,9 @@ import numpy as np
 
 from codegen.errors import InputError, UnknownNameError
 from codegen.object_display import counted
+from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
+from runtime.results.effect_series import QUANTITIES
 from runtime.results.result import Result
 from runtime.results.series_lookup import ENERGIES
 from runtime.studies.series_by_name import FloatArray, series_names, unknown_series
@@ -159,6 +161,70 @@ def parse_quantity(text: str | Function) -> Quantity:
     return Quantity(stripped, partial(_reduce, stripped, REDUCTIONS[word], name.strip()))
 
 
+def declared_unit(text: str, description: Description) -> str | None:
+    """The unit of a quantity's value, before there is a result.
+
+    None where only a result tells: of the quantities of an effect, of its power and its work.
+
+    Raises
+    ------
+    InputError
+        If the text means no quantity, or the scene has no such series or effect.
+    """
+    title = parse_quantity(text).text
+    word, colon, name = title.partition(":")
+    if not colon:
+        word, name = "end", title
+    name = name.strip()
+    if word in EVENTS:
+        effect = name.partition("#")[0].strip()
+        names = [row.name for row in description.switches]
+        effects = list(dict.fromkeys([*names, *_with_events(description)]))
+        if effect not in effects:
+            where = f"{description.title}: "
+            raise UnknownNameError(where + unknown("effect with events", effect, effects))
+        return "s" if word == "event" else ""
+    unit = series_unit(description, name)
+    return None if unit is None else REDUCTIONS[word].unit.format(unit)
+
+
+def series_unit(description: Description, name: str) -> str | None:
+    """The unit of a series by any of its names; None where only a result tells.
+
+    Raises
+    ------
+    UnknownNameError
+        If the scene has no such series.
+    """
+    for row in description.coordinates:
+        units = {
+            row.name: row.unit,
+            row.velocity: row.velocity_unit,
+            f"a({row.velocity if row.is_state else row.name})": row.acceleration_unit,
+        }
+        if name in units:
+            return units[name]
+    if name in description.reactions.names:
+        return description.reactions[name].unit
+    if name in ENERGIES:
+        return "J"
+    if name in description.whole_powers:
+        return "W"
+    word, bracket, _ = name.partition("(")
+    owner, _, component = name.partition(".")
+    of_effect = owner in description.effects.names and component in QUANTITIES
+    if of_effect or (bracket and word in (*QUANTITIES, "power", "work")):
+        return None
+    known = series_names(description)
+    raise UnknownNameError(f"{description.title}: {unknown_series(name, known)}")
+
+
+def _with_events(description: Description) -> list[str]:
+    """Names of the joints and conditions whose coming and going are events."""
+    rows = [row for row in description.watched if row.action != "sample"]
+    return [row.target if row.reconnects else row.name for row in rows]
+
+
 def _call(function: Function, result: Result) -> QuantityValue:
     value = function(result)
     try:
@@ -202,8 +268,7 @@ def jumps(result: Result) -> FloatArray:
 
 def _event(word: str, effect: str, number: int, result: Result) -> QuantityValue:
     description = result.description
-    rows = [row for row in description.watched if row.action != "sample"]
-    own = [row.target if row.reconnects else row.name for row in rows]
+    own = _with_events(description)
     effects = list(dict.fromkeys([*(row.name for row in description.switches), *own]))
     if effect not in effects:
         where = f"{description.title}: "

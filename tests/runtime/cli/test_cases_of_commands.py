@@ -30,6 +30,9 @@ _CASES = {
     "scene.yaml": "scene: {name: bare, extends: swing, without: [damper]}\nrun: {t_end: 0.3}\n",
     "turn.yaml": "scene: driven\nanalysis: inverse_dynamics\nparameters: {speed: 60 rpm}\n"
     "run: {t_end: 1, t_eval: 3}\n",
+    "late.yaml": "scene: swing\nanalysis: equilibrium\nguess: {bob.phi: -80 deg}\n"
+    "run: {t: 20 ms}\n",
+    "settled.yaml": "scene: swing\nanalysis: equilibrium\nrun: {method: settling}\n",
     "rest.yaml": "scene: swing\nanalysis: equilibrium\nguess: {bob.phi: -80 deg}\n",
 }
 
@@ -122,6 +125,23 @@ def test_reports_and_studies_take_cases(run: Callable[..., Result], place: Path)
                "--out", "study.zarr", "--workers", "0", "--json")  # fmt: skip
     assert facts(done)["outcomes"] == {"OK": 2}
     assert facts(done)["design"]["names"] == ["damping"]
+    assert facts(done)["facts"]["instants"] == 6
+    done = run("sweep", "until.yaml", "--over", "damping=0.1,0.2", "--quantity", "bob.phi",
+               "--out", "listed.zarr", "--workers", "0", "--json")  # fmt: skip
+    assert done.exit_code == 2
+    assert "run.t_eval lists output instants" in done.stderr
+    done = run("sweep", "until.yaml", "--over", "damping=0.1,0.2", "--quantity", "bob.phi",
+               "--out", "listed.zarr", "--workers", "0", "--json", "--points", "5")  # fmt: skip
+    assert facts(done)["facts"]["instants"] == 5
+
+
+def test_sweeps_of_equilibria_take_the_instant_of_a_case(run: Callable[..., Result]) -> None:
+    words = ("--over", "damping=0.1,0.2", "--quantity", "bob.phi", "--workers", "0", "--json")
+    done = run("sweep", "late.yaml", *words, "--out", "late.zarr")
+    assert facts(done)["facts"]["t_start"] == 0.02
+    done = run("sweep", "settled.yaml", *words, "--out", "settled.zarr")
+    assert done.exit_code == 2
+    assert "leave run.method out" in done.stderr
 
 
 @pytest.mark.parametrize(

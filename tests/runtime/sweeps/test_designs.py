@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from codegen.errors import InputError
-from runtime.sweeps.design import SAMPLES, design_of, given_design
+from runtime.sweeps.design import SAMPLES, design_of, given_design, in_declared_units
 from runtime.sweeps.factors import read_factor, read_factors
 
 
@@ -19,6 +19,20 @@ def test_texts_of_factors() -> None:
     assert read_factor("a", "normal:450:20").bounds == (450.0, 20.0)
     assert read_factor("a", np.arange(3)).values == (0.0, 1.0, 2.0)
     assert read_factor("a", 4).values == (4.0,)
+    assert read_factor("a", "log:1:1000:4").values == pytest.approx((1.0, 10.0, 100.0, 1000.0))
+    assert read_factor("a", "3:3:1").values == (3.0,)
+
+
+def test_texts_with_units() -> None:
+    lengths = ["a=100 mm:200 mm:2", "b=normal:20 degC:1 degC", "c=1 m,2 m", "d=5"]
+    found = read_factors(lengths)
+    assert [factor.unit for factor in found] == ["mm", "degC", "m", ""]
+    assert found[0].text == "2 values from 100 to 200 mm"
+    design = design_of([found[0], found[2]], None, None, 0)
+    metres = in_declared_units(design, lambda name: "m")
+    assert metres.points.tolist() == [[0.1, 1.0], [0.1, 2.0], [0.2, 1.0], [0.2, 2.0]]
+    with pytest.raises(InputError, match="a: 1 mm has the dimension"):
+        in_declared_units(design, lambda name: "kg")
 
 
 @pytest.mark.parametrize(
@@ -30,6 +44,11 @@ def test_texts_of_factors() -> None:
         ("1:nan:3", "write NAME=FIRST"),
         ("1:2:2.5", "the count is 2.5; it must be a whole number"),
         ("1:2:0", "the count is 0"),
+        ("1:2:1", "one value cannot be both 1 and 2"),
+        ("1:2:x", "write NAME=FIRST"),
+        ("1 mm:2:5", "give all numbers the same unit"),
+        ("log:-1:2:5", "equal ratios lead from -1 to 2 by no way"),
+        ("log:1:2", "log needs FIRST, LAST and COUNT"),
         ("5:2", "LOW 5 must be less than HIGH 2"),
         ("normal:1:0", "standard deviation 0 must be greater"),
         ("normal:1", "normal needs a MEAN"),
@@ -57,7 +76,7 @@ def test_all_problems_of_factors_at_once() -> None:
 def test_a_grid_has_every_combination_once() -> None:
     design = design_of(read_factors(["a=1,2,3", "b=10:20:2"]), None, None, 0)
     assert design.points.tolist() == [[1, 10], [1, 20], [2, 10], [2, 20], [3, 10], [3, 20]]
-    assert design.facts["axes"] == {"a": [1, 2, 3], "b": [10, 20]}
+    assert design.facts["axes"] == {"a": 3, "b": 2}
 
 
 @pytest.mark.parametrize("kind", SAMPLES)
@@ -107,6 +126,32 @@ def test_points_of_a_dataset() -> None:
         (xr.Dataset({"a": ("k", ["x"])}), "no numbers"),
         (xr.Dataset({"a": ("k", [1.0, np.nan])}), "point 1 is not a finite number"),
         (xr.Dataset({"a": ("k", np.zeros(0))}), "empty"),
+        (xr.Dataset({"a": ("k", [1.0, 2.0, 1.0])}), "Point 2 of a is that of 0"),
+        (xr.Dataset(coords={"a": [1.0, 2.0, 1.0]}), "Point 2 of a is that of 0"),
     ):
         with pytest.raises(InputError, match=message):
             given_design(wrong)
+
+
+def test_coordinates_beside_variables_are_factors() -> None:
+    points = xr.Dataset({"a": ("b", [1.0, 2.0])}, {"b": [0.1, 0.2]})
+    design = given_design(points)
+    assert (design.names, design.points.tolist()) == (("a", "b"), [[1.0, 0.1], [2.0, 0.2]])
+    counted = given_design(points.assign_coords(b=[0, 1]))
+    assert counted.names == ("a",)
+
+
+def test_points_in_other_units() -> None:
+    points = xr.Dataset({"a": ("k", [1000.0, 2000.0], {"units": "mm"}), "b": ("k", [5.0, 6.0])})
+    design = given_design(points)
+    found = in_declared_units(design, {"a": "m", "b": "kg"}.__getitem__)
+    assert found.points.tolist() == [[1.0, 5.0], [2.0, 6.0]]
+    assert found.digest != design.digest
+    assert in_declared_units(found, str) is not None
+    with pytest.raises(InputError, match="a: 1 mm has the dimension"):
+        in_declared_units(design, lambda name: "kg")
+
+
+def test_runs_of_a_design_of_sobol_count_with_their_factor() -> None:
+    with pytest.raises(InputError, match=r"it must lie from 1 to 1\.25e"):
+        design_of(read_factors(["a=1:2", "b=1:2"]), "saltelli", 1 << 25, 0)

@@ -113,12 +113,24 @@ def test_the_command(tmp_path: Path) -> None:
     assert done.stderr.count("error: ") == 2
 
 
+def test_a_command_of_which_no_run_succeeds(tmp_path: Path) -> None:
+    words = ["sweep", "slider_crank", "--scene", "compressor", "--over", "rod_length=-1,-2",
+             "--quantity", "max:B.fx", "--t-end", "0.05", "--points", "21", "--workers", "0",
+             "--out", str(tmp_path / "s.zarr"), "--json"]  # fmt: skip
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 1, done.stderr
+    assert json.loads(done.stdout)["ok"] is False
+    assert "REFUSED: 2 runs" in done.stderr
+
+
 def test_a_cluster_without_workers_is_named(
     about: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr("runtime.sweeps.dask_cluster._LONELY", 0.5)
-    cluster = distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None)
+    monkeypatch.setattr("runtime.sweeps.dask_cluster._WORKER_PATIENCE", 0.5)
+    cluster = distributed.LocalCluster(
+        n_workers=0, processes=False, dashboard_address="127.0.0.1:0"
+    )
 
     def add_a_worker() -> None:
         while not cluster.scheduler.tasks:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks.sweep_crashes import Campaign, descendants, disturbed, judge, undisturbed
+from benchmarks.sweep_crashes import Campaign, descendants, disturbed, judge, marks, undisturbed
 from codegen.errors import LinkwrightError
 from runtime import sweep
 from runtime.sweeps import Study
@@ -29,9 +29,10 @@ def reference(tmp_path_factory: pytest.TempPathFactory, about: dict[str, Any]) -
 def test_processes_make_the_same_rows(
     reference: Study, about: dict[str, Any], tmp_path: Path
 ) -> None:
+    before = descendants(os.getpid())
     found = sweep(over={"J1": "200:1000:40"}, out=tmp_path / "s.zarr", workers=2, **about)
     assert same(found, reference)
-    assert descendants(os.getpid()) == []
+    assert {*descendants(os.getpid())} <= {*before}
 
 
 def test_a_run_that_ends_its_process_becomes_a_row(
@@ -68,22 +69,22 @@ def test_processes_that_do_not_start_end_the_sweep(
 
 
 @pytest.mark.parametrize("mode", ["worker", "whole"])
-def test_killed_at_a_random_instant(mode: str, campaign: Campaign) -> None:
-    assert disturbed(campaign, mode, 4.0) == 1
+def test_killed_between_two_blocks(mode: str, campaign: Campaign) -> None:
+    assert disturbed(campaign, mode) == 1
     assert judge(campaign, f"{mode}.zarr") == ""
 
 
 @pytest.fixture(scope="module")
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
-    """200 runs, made once without a disturbance."""
-    made = Campaign(tmp_path_factory.mktemp("campaign"), 14, 1, Random(), 0.5)
+    """400 runs, made once without a disturbance."""
+    made = Campaign(tmp_path_factory.mktemp("campaign"), 20, 1, Random(7), 0.5)
     undisturbed(made)
     return made
 
 
 def test_a_scheduler_that_is_killed(campaign: Campaign) -> None:
     pytest.importorskip("distributed")
-    assert disturbed(campaign, "scheduler", 8.0) == 1
+    assert disturbed(campaign, "scheduler") == 1
     assert judge(campaign, "scheduler.zarr") == ""
 
 
@@ -95,11 +96,10 @@ def test_the_keyboard_stops_a_command_which_says_how_to_go_on(
         made.command("s.zarr", "--workers", "1"), stderr=subprocess.PIPE, text=True,
         start_new_session=True,
     )  # fmt: skip
-    marks, end = tmp_path / "s.zarr" / "block_mark" / "c", time.monotonic() + 60
-    while not (marks.is_dir() and any(marks.iterdir())) and time.monotonic() < end:
+    while not marks(tmp_path / "s.zarr") and process.poll() is None:
         time.sleep(0.05)
     process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=60)
+    _, told = process.communicate()
     assert process.returncode == 130
     assert "Go on with the same request and --resume" in told
     assert "NOT RUN" in told
