@@ -70,7 +70,8 @@ def test_a_store_is_replaced_and_no_other_folder(result: Result, tmp_path: Path)
     mine = tmp_path / "mine.zarr"
     mine.mkdir()
     (mine / "notes.txt").write_text("mine")
-    with pytest.raises(InputError, match=r"is there, and has no zarr\.json: it is left alone"):
+    message = r"is there, and has no linkwright/zarr\.json: it is left alone"
+    with pytest.raises(InputError, match=message):
         result.save(mine)
     assert (mine / "notes.txt").read_text() == "mine"
 
