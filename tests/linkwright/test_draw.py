@@ -57,7 +57,7 @@ def test_at_an_instant(folder: Path) -> None:
     ("words", "sentence"),
     [
         (["--out", "a.xyz"], "--out a.xyz: a picture ends in .png, .svg or .pdf."),
-        (["--out", "no/a.png"], "--out no/a.png: the folder "),
+        (["--out", "no/a.png"], "no/a.png: the folder "),
         (["--scene", "swin", "--out", "a.png"], "no scene 'swin'; did you mean 'swing'"),
         (["--set", "lenth=1", "--out", "a.png"], "did you mean 'length'?"),
     ],
