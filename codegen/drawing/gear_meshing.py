@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from codegen.drawing.guides_and_racks import wheels_of
 from codegen.drawing.picture import Picture
 from codegen.drawing.polygons import FloatArray, normal, unit
-from codegen.drawing.shapes import Place, Rack, Shape, Wheel
+from codegen.drawing.shapes import Place, Rack, Wheel
 from codegen.drawing.wheel_lines import common_module, meshing_phase, teeth_of
 
 Key = tuple[int, float, float, float]  # of a wheel: its body, x', y' and radius
@@ -31,7 +32,7 @@ class Meshing:
 
     def rack_phase(self, picture: Picture, rack: Rack) -> float:
         """The position of a tooth's middle along the rack from its place, m."""
-        for wheel in _partners(picture, rack):
+        for wheel in wheels_of(picture, rack):
             origin, center = _at(picture, rack.i), _at(picture, wheel.center)
             along = _turned(np.array([rack.ux, rack.uy]), picture.poses[rack.i.body, 2])
             s = float((center - origin) @ along)
@@ -92,19 +93,10 @@ def _phase(picture: Picture, known: Meshing, first: Wheel, second: Wheel) -> flo
 
 def _pair(picture: Picture, wheel: Wheel) -> tuple[Wheel, Wheel] | None:
     """The gears of one element, once: where `wheel` is the first of them."""
-    partners = [w for w in _partners(picture, wheel) if w.toothed]
+    partners = [w for w in wheels_of(picture, wheel) if w.toothed]
     if len(partners) == 2 and partners[0] is wheel:
         return partners[0], partners[1]
     return None
-
-
-def _partners(picture: Picture, shape: Shape) -> list[Wheel]:
-    elements = {symbol.element for symbol in picture.symbols if symbol.shape is shape}
-    return [
-        symbol.shape
-        for symbol in picture.symbols
-        if symbol.element in elements and isinstance(symbol.shape, Wheel)
-    ]
 
 
 def _key(wheel: Wheel) -> Key:

@@ -10,7 +10,7 @@ from codegen.declare.element_conditions import Condition, sign_conditions
 from codegen.drawing import shapes
 from codegen.elements.forces.scalar_measures import rim_travel
 from codegen.elements.forces.spring_damper_contact import GapSprings
-from codegen.elements.joints.carrier import WheelPair, radius_conditions
+from codegen.elements.joints.carrier import WheelPair, pulleys_and_belt, radius_conditions
 from codegen.elements.registry import element
 
 
@@ -69,9 +69,4 @@ class ElasticBelt(WheelPair, GapSprings):
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
         """Two pulleys and the belt."""
-        i, j = self.i, self.j
-        return (
-            shapes.Wheel(i, self.radius_i),
-            shapes.Wheel(j, self.radius_j),
-            shapes.Belt(i, j, self.radius_i, self.radius_j, self.crossed),
-        )
+        return pulleys_and_belt(self, self.crossed)

@@ -9,7 +9,7 @@ from codegen.declare.element import ConjugateReaction, Constraint, Frame, I, J, 
 from codegen.declare.element_conditions import Condition
 from codegen.declare.symbols import given
 from codegen.drawing import shapes
-from codegen.elements.joints.carrier import WheelPair, radius_conditions
+from codegen.elements.joints.carrier import WheelPair, pulleys_and_belt, radius_conditions
 from codegen.elements.registry import element
 
 RADIUS_I, RADIUS_J = given("radius_i"), given("radius_j")
@@ -56,9 +56,4 @@ class Belt(WheelPair, Constraint):
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
         """Two pulleys and the belt."""
-        i, j = self.i, self.j
-        return (
-            shapes.Wheel(i, self.radius_i),
-            shapes.Wheel(j, self.radius_j),
-            shapes.Belt(i, j, self.radius_i, self.radius_j, self.crossed),
-        )
+        return pulleys_and_belt(self, self.crossed)

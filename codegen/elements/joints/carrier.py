@@ -8,6 +8,7 @@ from codegen.declare.body import Body
 from codegen.declare.element import Constraint, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.particle_and_ground import Ground
+from codegen.drawing import shapes
 from codegen.elements.joints.gear import find_carrier
 from codegen.elements.joints.revolute import Revolute
 
@@ -52,6 +53,13 @@ class WheelPair:
                     f"'{j.name}' are on '{found[0].name}'; give carrier= that body."
                 )
         return problems + number_problems(self)
+
+
+def pulleys_and_belt(pair: WheelPair, crossed: bool) -> tuple[shapes.Shape, ...]:
+    """What a belt drive looks like."""
+    i, j, radius_i, radius_j = pair.i, pair.j, pair.radius_i, pair.radius_j
+    belt = shapes.Belt(i, j, radius_i, radius_j, crossed)
+    return shapes.Wheel(i, radius_i), shapes.Wheel(j, radius_j), belt
 
 
 def radius_conditions(i: sympy.Expr, j: sympy.Expr) -> tuple[Condition, ...]:
