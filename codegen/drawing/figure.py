@@ -162,7 +162,7 @@ class PictureArtist:
         gaps: bool = True,
     ) -> None:  # fmt: skip
         self.gaps = gaps
-        self.first = picture
+        self.first, self.motion = picture, motion
         self.rigid = rigid_strokes(picture, motion)
         self.signs: tuple[Stroke, ...] = ()
         self.colors = colors
@@ -170,7 +170,7 @@ class PictureArtist:
         self.collection: Any = None
 
     def _painted(self, picture: Picture) -> list[Painted]:
-        moving = [s for s in moving_strokes(picture) if self.gaps or s.style != "gap"]
+        moving = [s for s in moving_strokes(picture, self.motion) if self.gaps or s.style != "gap"]
         rigid = shifted(self.rigid, place_shifts(self.first, picture))
         return painted(picture, (*rigid, *moving, *self.signs), self.colors)
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from codegen.drawing import shapes
+from codegen.drawing.contact_surfaces import surface_lines, surfaces
 from codegen.drawing.guides_and_racks import guide_of
 from codegen.drawing.picture import Picture, Symbol
 from codegen.drawing.polygons import FloatArray, arc, circle, placed
@@ -17,17 +18,25 @@ SPRING = 0.021  # layout: half width of a spring, in typical lengths
 GAP = 2e-3  # layout: a joint is not closed whose places are farther apart
 
 
-def moving_strokes(picture: Picture) -> tuple[Stroke, ...]:
+def moving_strokes(picture: Picture, motion: FloatArray | None = None) -> tuple[Stroke, ...]:
     """The strokes between bodies at the picture's poses, in the global frame.
 
-    Springs, dampers, actuators, torsion springs, belts, massless rods, and the gaps of joints that
-    are not closed.
+    Springs, dampers, actuators, torsion springs, belts, massless rods, surfaces of contacts that
+    move, and the gaps of joints that are not closed.
+
+    Parameters
+    ----------
+    motion
+        Poses of a motion, shape (instants, bodies, 3), for the lengths of surfaces.
     """
     found = [
         Stroke(style, 0, points, closed, symbol.element)
         for symbol in picture.symbols
         for style, points, closed in _moving(picture, symbol)
     ]
+    for surface in surfaces(picture, fixed=False, motion=motion):
+        lines = surface_lines(surface, picture.size)
+        found += [Stroke(style, 0, points, False, surface.element) for style, points in lines]
     return tuple(found)
 
 

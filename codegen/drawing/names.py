@@ -6,6 +6,7 @@ import numpy as np
 
 from codegen.drawing import shapes
 from codegen.drawing.colors import Palette
+from codegen.drawing.contact_surfaces import Surface, surfaces
 from codegen.drawing.force_arrows import WIDE, Reactions, drawn_loads, force_strokes
 from codegen.drawing.gear_meshing import meshing
 from codegen.drawing.guides_and_racks import guide_ends, guide_of, rail_offset
@@ -226,7 +227,17 @@ def _others(
                 room = WIDE * ROUND * size
         if at is not None:
             found.append((text, at, room, {"fontsize": OTHER_SIZE, "color": color}))
+    if not values:
+        style = {"fontsize": OTHER_SIZE, "color": colors.joint}
+        found += [(one.element, _ends(one), 0.0, style) for fixed in (True, False)
+                  for one in surfaces(picture, fixed)]  # fmt: skip
     return found
+
+
+def _ends(surface: Surface) -> FloatArray:
+    """Places at the ends of a surface, below it, (2, 2), m."""
+    reach = 0.85 * surface.half * surface.along
+    return np.array([surface.middle + reach, surface.middle - reach])
 
 
 def _valued(picture: Picture, colors: Palette, reactions: Reactions | None) -> list[Wanted]:
