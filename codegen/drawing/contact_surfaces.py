@@ -14,6 +14,7 @@ from codegen.drawing.sizes_and_held_places import BLOCK, HATCH, SAME
 HALF = 0.24  # layout: half length of a surface under a body that stays, in typical lengths
 BESIDE = 0.75  # layout: the same over the width of the body, at least
 PLATE = 1.5  # layout: half length of a stop's plate over the half width of a block
+NEAR = 0.5  # layout: typical lengths above a surface within which a body makes it longer
 FARTHEST = 10.0  # layout: typical lengths between a body and a surface that is drawn
 
 Line = tuple[str, FloatArray]
@@ -51,7 +52,7 @@ def surfaces(picture: Picture, fixed: bool, motion: FloatArray | None = None) ->
     ----------
     motion
         Poses of a motion, (instants, bodies, 3): a surface that keeps its direction is as long as
-        its body travels along it.
+        its body travels along it while it is near.
     """
     found: list[Surface] = []
     for _, symbol, side in sides_of(picture):
@@ -76,7 +77,10 @@ def surface_now(
     along, middle = np.array([normal[1], -normal[0]]), at
     half = max(HALF * picture.size, BESIDE * _width(picture, side.body, along))
     if side.is_level and motion is not None:
-        first, last = travel(motion[:, side.body], along)
+        poses = motion[:, side.body]
+        height = (poses[:, :2] - picture.poses[side.body, :2] + point - at) @ normal
+        near = poses[np.abs(height) <= NEAR * picture.size]
+        first, last = _travel(near if len(near) else picture.poses[[side.body]], along)
         shift = (first + last) / 2 - float(picture.poses[side.body, :2] @ along)
         middle, half = at + shift * along, half + (last - first) / 2
     return Surface(element, middle, normal, half)
@@ -89,7 +93,7 @@ def _width(picture: Picture, body: int, along: FloatArray) -> float:
     return float(np.ptp(np.concatenate(places))) if places else 0.0
 
 
-def travel(poses: FloatArray, along: FloatArray) -> tuple[float, float]:
+def _travel(poses: FloatArray, along: FloatArray) -> tuple[float, float]:
     """The least and largest place of a body along a direction over its poses (k, 3), m."""
     s = poses[:, :2] @ along
     s = s[np.isfinite(s)]

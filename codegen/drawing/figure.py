@@ -6,11 +6,11 @@ import numpy as np
 
 from codegen.drawing.colors import LIGHT, Palette
 from codegen.drawing.force_arrows import Reactions, force_scale, force_strokes
-from codegen.drawing.moved_places import place_shifts, shifted
+from codegen.drawing.labels import draw_dimensions, draw_labels, draw_scale
 from codegen.drawing.moving_strokes import moving_strokes
-from codegen.drawing.names import draw_dimensions, draw_names, draw_scale
 from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture
+from codegen.drawing.place_shifts import place_shifts, shifted
 from codegen.drawing.polygons import FloatArray, placed
 from codegen.drawing.rigid_strokes import rigid_strokes
 from codegen.drawing.signs import (
@@ -109,7 +109,7 @@ def figure(
     if scale is not None:
         boxes += draw_scale(axes, scale, picture.size, colors)
     if names:
-        draw_names(axes, picture, lines, boxes, colors, reactions if forces else None, forces)
+        draw_labels(axes, picture, lines, boxes, colors, reactions if forces else None, forces)
     drawn: Figure = root
     return drawn
 

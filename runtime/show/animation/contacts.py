@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.drawing.contact_points import SLOPES, Touch, sides_of, touch
-from codegen.drawing.contact_surfaces import Surface, surface_lines, surface_now, travel
+from codegen.drawing.contact_surfaces import Surface, surface_lines, surface_now
 from codegen.drawing.shapes import ContactSide
 from codegen.drawing.strokes import Stroke
 from runtime.show.pictures import Pictures
@@ -34,18 +34,14 @@ def moving_surfaces(pictures: Pictures) -> list[MovingSurface]:
     for number, symbol, side in sides_of(picture):
         if not side.is_grounded or side.is_fixed:
             continue
-        motion = pictures.poses
-        one = surface_now(picture, symbol.element, side, motion)
+        one = surface_now(picture, symbol.element, side, pictures.poses)
         if one is None:
             continue
         _, met = _touch(pictures, number, side)
         angle = np.unwrap(np.arctan2(met.normal[:, 1], met.normal[:, 0])) - np.pi / 2
         middle = met.surface
         if side.is_level and not side.is_stop:
-            along = one.along
-            place = sum(travel(motion[:, side.body], along)) / 2
-            shift = place - motion[:, side.body, :2] @ along
-            middle = middle + shift[:, None] * along
+            middle = middle + np.outer((one.middle - middle) @ one.along, one.along)
         still = Surface(symbol.element, np.zeros(2), np.array([0.0, 1.0]), one.half)
         strokes = tuple(
             Stroke(style, 0, points, False, symbol.element)

@@ -168,7 +168,7 @@ def test_a_wall_that_moves_is_no_part_of_the_ground_at_rest() -> None:
     (wall,) = surfaces(picture, fixed=False)
     assert_allclose(wall.middle, [0.0, 1.0], atol=1e-12)
     motion = np.repeat(picture.poses[None], 3, axis=0)
-    motion[:, 1, 1] = [1.0, 3.0, 2.0]
+    motion[:, 1, :2] = [[0.2, 1.0], [0.1, 3.0], [1.0, 9.0]]  # at last far from the wall
     (long,) = surfaces(picture, fixed=False, motion=motion)
     assert_allclose(long.middle, [0.0, 2.0], atol=1e-12)
     assert long.half == pytest.approx(wall.half + 1.0)

@@ -80,7 +80,7 @@ def test_the_command_line_picks_the_analysis(tmp_path: Path) -> None:
         assert done.exit_code == 0, done.output
         assert words in out.read_text()
     out = tmp_path / "RUN.HTML"
-    for command in (["report"], ["kinematics", "--points", "3"]):
+    for command in (["report"], ["kinematics", "--t-end", "1"]):
         words = [*command, "slider_crank", "--scene", "kinematics", "--out", str(out)]
         done = CliRunner().invoke(app, words)
         assert done.exit_code == 0, done.output
