@@ -179,11 +179,13 @@ def _contact_sides(contact: shapes.Contact) -> Iterator[shapes.ContactSide]:
         slopes = [derivative(gap, q) for q in plane]
         alone = len(moving) == 1 and own.issuperset(kinds(gap, Coordinate))
         level = not any(kinds(slope, Coordinate, Time) for slope in slopes)
+        gx, gy = (Slope(gap, (q,)) for q in plane)
+        turn, bend, third = (
+            Slope(gap, (angle,) * k) if body.turns else sympy.S.Zero for k in (1, 2, 3)
+        )
         yield shapes.ContactSide(
-            body, gap, *(Slope(gap, (q,)) for q in plane),
-            *(Slope(gap, (angle,) * k) if body.turns else sympy.S.Zero for k in (1, 2, 3)),
-            is_grounded=alone, is_level=level, is_fixed=level and not kinds(gap, Time),
-            force=contact.force, is_stop=contact.is_stop,
+            body, gap, gx, gy, turn, bend, third, is_grounded=alone, is_level=level,
+            is_fixed=level and not kinds(gap, Time), force=contact.force, is_stop=contact.is_stop,
         )  # fmt: skip
 
 
