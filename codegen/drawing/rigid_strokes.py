@@ -135,8 +135,8 @@ def _rigid(
 def _pin(picture: Picture, *ends: shapes.Place) -> Iterator[Line]:
     covered = any(_covers(picture, place) for place in ends)
     for place in ends:
-        for style, *line in _support(picture, place):
-            yield f"bracket-{style}" if covered else style, *line
+        for style, body, line, closed in _support(picture, place):
+            yield f"bracket-{style}" if covered else style, body, line, closed
     for place in ends:
         if not picture.bodies[place.body].fixed or all(picture.bodies[p.body].fixed for p in ends):
             yield "pin", place.body, circle(np.array(place[1:]), PIN * picture.size), True
