@@ -77,12 +77,11 @@ types: $(READY) ## mypy --strict over codegen and runtime, and over benchmarks
 imports: $(READY) ## who may import whom
 	$(VENV)/bin/lint-imports
 
-# Goes through all the models, and fails at the end where one was stale.
+# One process builds all the models, names the stale files of each, and fails at the end.
 check: $(READY) ## is what is written from the source what the source says today?
 	@test -n "$(MODELS)" || { echo "models/ declares no machine" >&2; exit 1; }
-	@failed=; for model in $(MODELS); do \
-		$(PY) -W error -m codegen build --check $$model || failed="$$failed $$model"; \
-	done; \
+	@failed=; \
+	$(PY) -W error -m codegen build --check $(MODELS) || failed="$$failed models"; \
 	$(PY) -m codegen elements --out docs/elements --check || failed="$$failed docs/elements"; \
 	$(PY) -m codegen methods --check || failed="$$failed methods"; \
 	$(PY) docs/make_constants.py --check || failed="$$failed docs/reference/constants.md"; \
