@@ -17,7 +17,7 @@ import typer
 
 from runtime import load
 
-VIEW = {"width": 1400, "height": 900}
+VIEW: Any = {"width": 1400, "height": 900}
 FRAMES = """seconds => new Promise(done => {
   const instants = [];
   player.clock.loop = true;
