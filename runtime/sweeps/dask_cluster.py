@@ -16,6 +16,7 @@ from runtime.sweeps.local_workers import pickled
 
 _PATIENCE = 10.0  # safety: s in which a scheduler must answer
 _WORKER_PATIENCE = 30.0  # measured: s without a report, after which workers are asked for
+_MOST_TASKS = 2048  # safety: blocks that the scheduler has at a time, more than any cluster's cores
 _MOST_ATTEMPTS = 100  # safety: times that a block is given to the cluster anew, after lost workers
 
 
@@ -52,6 +53,11 @@ class ClusterWorkers:
         self.times: dict[int, int] = {}
         self.futures: dict[int, Any] = {}
         self.last_worker = time.monotonic()  # when the cluster had a worker last; inf: said already
+
+    @property
+    def room(self) -> int:
+        """Number of blocks that the scheduler takes now."""
+        return _MOST_TASKS - len(self.futures)
 
     def submit(self, block: int) -> None:
         """Have a block made by a worker of the cluster."""

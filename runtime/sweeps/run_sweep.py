@@ -16,9 +16,9 @@ from runtime.studies.effect_ranking.quantity import Function
 from runtime.studies.run_words import takes_run_words
 from runtime.sweeps import store
 from runtime.sweeps.design import Design, design_of, given_design, in_declared_units
-from runtime.sweeps.execution import execute, job_of, require_same, store_lock
+from runtime.sweeps.execution import begin_store, execute, job_of, require_same, store_lock
 from runtime.sweeps.factors import read_factors
-from runtime.sweeps.member_run import REPEATED
+from runtime.sweeps.member_run import REPEATED, Row
 from runtime.sweeps.planning import attempt, estimate_of, factor_unit, plan_of
 from runtime.sweeps.request import Request
 from runtime.sweeps.study import Study
@@ -182,19 +182,21 @@ def _study(
     scheduler: str | None, *, progress: bool,
 ) -> Study:  # fmt: skip
     """The study of a request: its store, which is created or goes on, and the runs it lacks."""
-    blocks = None
+    trials: Mapping[int, Row] = {}
     if path.exists():
         require_same(path, request, design)
         blocks = store.unfinished(store.open_group(path), repeated=REPEATED)
         if not blocks:
             return Study(path, machine, request)
-    estimate = estimate_of(machine, request, design)
-    job = job_of(path, machine, request, design, estimate, workers)
-    if blocks is None:
-        blocks = [*range(store.layout_of(store.open_group(path)).blocks)]
+        if any(row.reconnects for row in machine.mechanism.description.watched):
+            trials = estimate_of(machine, request, design).rows  # build the scenes that are reached
+    else:
+        estimate = estimate_of(machine, request, design)
+        begin_store(path, request, design, estimate, workers)
+        trials, blocks = estimate.rows, [*range(store.layout_of(store.open_group(path)).blocks)]
     execution = execute(
-        job, estimate, blocks, workers=workers, scheduler=scheduler, progress=progress,
-        title=f"sweep of {machine.mechanism.title}",
+        job_of(path, machine, request, design, trials), blocks, workers=workers,
+        scheduler=scheduler, progress=progress, title=f"sweep of {machine.mechanism.title}",
     )  # fmt: skip
     return Study(path, machine, request, execution)
 
