@@ -119,7 +119,7 @@ $(DOCS): $(READY)
 
 docs: $(DOCS) ## build the site into docs/_build/html; every warning is an error
 	$(PY) -m runtime.precompile
-	$(PY) -m sphinx --fail-on-warning --keep-going -b html docs docs/_build/html
+	$(PY) -m sphinx --jobs $(WORKERS) --fail-on-warning --keep-going -b html docs docs/_build/html
 
 docs-links: $(DOCS) ## try the links of the site to other places, which needs a network
 	$(PY) -m sphinx -b linkcheck docs docs/_build/links

@@ -1,11 +1,15 @@
 """What the site promises, as far as its sources show it; `make docs` builds and executes it."""
 
 import re
+import runpy
+import sys
 from pathlib import Path
 
 import pytest
 
 import linkwright
+from codegen.generated_files.companions import COMPANIONS
+from codegen.generated_module_signature_and_import import companion_path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 DOCS = ROOT / "docs"
@@ -66,3 +70,13 @@ def test_figures_are_made_by_the_build() -> None:
             assert not shown.search(page.read_text("utf-8")), page.name
     kept = [path for path in DOCS.rglob("*.png") if not {"_build", "pages"} & set(path.parts)]
     assert not [path for path in kept if "notebooks" not in path.parts]
+
+
+def test_what_pages_build_does_not_make_them_run_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    is_companion = runpy.run_path(str(DOCS / "conf.py"))["is_companion"]
+    module = ROOT / "generated" / "four_bar__kinematics.py"
+    assert not is_companion(module)
+    assert not is_companion(ROOT / "generated" / "methods" / "dopri5.py")
+    assert COMPANIONS
+    assert all(is_companion(companion_path(module, kind.name)) for kind in COMPANIONS)
