@@ -1,7 +1,7 @@
 """``python -m models.hard``: every hard case by every method at every tolerance.
 
-Writes the page `benchmarks/results/hard-cases.md` and the cells as JSON lines. Fails where a cell is
-silently wrong or hangs.
+Writes the page `benchmarks/results/hard-cases.md` and the cells as JSON lines. Fails where a cell
+is silently wrong or hangs.
 """
 
 import json
