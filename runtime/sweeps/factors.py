@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from codegen.plain_values import finite_float, one_line, shown
-from codegen.quantities import QUANTITY, QuantityError, converted
+from codegen.quantities import QUANTITY, QuantityError, number_in
 
 FloatArray = npt.NDArray[np.float64]
 DISTRIBUTIONS = ("uniform", "normal")
@@ -171,7 +171,7 @@ def _numbers(texts: Sequence[str], where: str) -> tuple[list[float], str]:
         raise InputError(f"{where}: give all numbers a unit, or none.")
     try:
         pairs = zip(values, units, strict=True)
-        return [float(converted(x, unit, units[0])) for x, unit in pairs], units[0]
+        return [number_in(f"{x!r} {unit}", units[0]) for x, unit in pairs], units[0]
     except QuantityError as error:
         raise InputError(f"{where}: {error}") from None
 
