@@ -105,7 +105,7 @@ gallery: $(READY) ## run every machine of the chapter: one table, all figures in
 figures: $(READY) ## draw the book's figures into figures/
 	$(FIGURES)
 
-hard: $(READY) ## run every hard case by every method and write docs/development/hard-cases.md
+hard: $(READY) ## run every hard case by every method and write benchmarks/results/hard-cases.md
 	$(PY) -m models.hard $(CASES)
 
 notebooks: $(READY) ## run every notebook from top to bottom
@@ -119,7 +119,7 @@ $(DOCS): $(READY)
 
 docs: $(DOCS) ## build the site into docs/_build/html; every warning is an error
 	$(PY) -m runtime.precompile
-	$(PY) -m sphinx --fail-on-warning --keep-going -b html docs docs/_build/html
+	$(PY) -m sphinx --jobs $(WORKERS) --fail-on-warning --keep-going -b html docs docs/_build/html
 
 docs-links: $(DOCS) ## try the links of the site to other places, which needs a network
 	$(PY) -m sphinx -b linkcheck docs docs/_build/links
