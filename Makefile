@@ -77,12 +77,11 @@ types: $(READY) ## mypy --strict over codegen and runtime, and over benchmarks
 imports: $(READY) ## who may import whom
 	$(VENV)/bin/lint-imports
 
-# Goes through all the models, and fails at the end where one was stale.
+# One process builds all the models, names the stale files of each, and fails at the end.
 check: $(READY) ## is what is written from the source what the source says today?
 	@test -n "$(MODELS)" || { echo "models/ declares no machine" >&2; exit 1; }
-	@failed=; for model in $(MODELS); do \
-		$(PY) -W error -m codegen build --check $$model || failed="$$failed $$model"; \
-	done; \
+	@failed=; \
+	$(PY) -W error -m codegen build --check $(MODELS) || failed="$$failed models"; \
 	$(PY) -m codegen elements --out docs/elements --check || failed="$$failed docs/elements"; \
 	$(PY) -m codegen methods --check || failed="$$failed methods"; \
 	$(PY) docs/make_constants.py --check || failed="$$failed docs/reference/constants.md"; \
@@ -106,7 +105,7 @@ gallery: $(READY) ## run every machine of the chapter: one table, all figures in
 figures: $(READY) ## draw the book's figures into figures/
 	$(FIGURES)
 
-hard: $(READY) ## run every hard case by every method and write docs/development/hard-cases.md
+hard: $(READY) ## run every hard case by every method and write benchmarks/results/hard-cases.md
 	$(PY) -m models.hard $(CASES)
 
 notebooks: $(READY) ## run every notebook from top to bottom
@@ -120,7 +119,7 @@ $(DOCS): $(READY)
 
 docs: $(DOCS) ## build the site into docs/_build/html; every warning is an error
 	$(PY) -m runtime.precompile
-	$(PY) -m sphinx --fail-on-warning --keep-going -b html docs docs/_build/html
+	$(PY) -m sphinx --jobs $(WORKERS) --fail-on-warning --keep-going -b html docs docs/_build/html
 
 docs-links: $(DOCS) ## try the links of the site to other places, which needs a network
 	$(PY) -m sphinx -b linkcheck docs docs/_build/links

@@ -18,6 +18,8 @@ from codegen.termination_signals import finish
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from codegen.generated_files.build_report import BuildReport
+
 app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
@@ -72,12 +74,17 @@ def answers_errors(command: Callable[..., None]) -> Callable[..., None]:
     return guarded
 
 
-def refuse_stale(stale: Sequence[Path], reason: str, command: str) -> None:
-    """Name the stale files and the command that brings them up to date; exit status 1 if any."""
+def name_stale(stale: Sequence[Path], reason: str, command: str) -> None:
+    """Name the stale files and the command that brings them up to date."""
     for path in stale:
         console(stderr=True).print(
             f"[bold red]stale:[/] {escaped(str(path))} {reason}; run: linkwright {escaped(command)}"
         )
+
+
+def refuse_stale(stale: Sequence[Path], reason: str, command: str) -> None:
+    """Name the stale files as `name_stale` does; exit status 1 if there are any."""
+    name_stale(stale, reason, command)
     if stale:
         raise typer.Exit(1)
 
@@ -109,7 +116,11 @@ def parse_settings(settings: list[str]) -> dict[str, float]:
 @app.command()
 @answers_errors
 def build(
-    model: ModelArgument, scene: SceneOption = None,
+    model: Annotated[
+        list[str],
+        typer.Argument(help="Paths of model files, or names: models/NAME.py; one or several."),
+    ],
+    scene: SceneOption = None,
     settings: Annotated[
         list[str] | None, option("NAME=VALUE: another default; repeatable.", "--set")
     ] = None,
@@ -127,24 +138,38 @@ def build(
     ] = False,
     check: CheckOption = False, as_json: JsonOption = False,
 ) -> None:  # fmt: skip
-    """Derive, lower, emit and compile the kernels of a model's scenes."""
+    """Derive, lower, emit and compile the kernels of the scenes of a model, or of several."""
     from codegen.driver import build as run
 
-    with progress_shown() as progress:
-        report = run(
-            model, scene, out, settings=parse_settings(settings or []), tangents=tangents,
-            reduced=reduced, check=check, progress=progress,
-        )  # fmt: skip
-    if as_json:
-        answer = {"scenes": [asdict(s) for s in report.scenes], "stale": report.stale}
-        typer.echo(json.dumps(answer, default=str))
-    else:
-        _print_build(report, check)
     options = f"{f' --out {out}' if out else ''}{' --tangents' * tangents}{' --reduced' * reduced}"
-    refuse_stale(report.stale, "is missing or out of date", f"build {model}{options}")
+    values = parse_settings(settings or [])
+    reports: list[BuildReport] = []
+    problems = list[str]()
+    for one in model:
+        try:
+            with progress_shown() as progress:
+                report = run(
+                    one, scene, out, settings=values, tangents=tangents, reduced=reduced,
+                    check=check, progress=progress,
+                )  # fmt: skip
+        except InputError as error:
+            problems += error.problems
+            continue
+        reports.append(report)
+        if not as_json:
+            _print_build(report, check)
+        name_stale(report.stale, "is missing or out of date", f"build {one}{options}")
+    if problems:
+        raise InputError(problems)
+    stale = [path for report in reports for path in report.stale]
+    if as_json:
+        scenes = [asdict(s) for report in reports for s in report.scenes]
+        typer.echo(json.dumps({"scenes": scenes, "stale": stale}, default=str))
+    if stale:
+        raise typer.Exit(1)
 
 
-def _print_build(report: Any, check: bool) -> None:
+def _print_build(report: "BuildReport", check: bool) -> None:
     def state(file: Any) -> str:
         return "checked" if check else "written" if file.changed else "unchanged, nothing written"
 

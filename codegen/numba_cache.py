@@ -40,6 +40,7 @@ from numba.core.bytecode import FunctionIdentity
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
 
 from codegen.damaged_byte_code import CacheWarning
+from codegen.numba_operation_types import remembered_operation_types
 from codegen.termination_signals import SignalDeferral
 
 _Function: Any = FunctionCache  # numba leaves these untyped
@@ -68,12 +69,13 @@ if hasattr(os, "register_at_fork"):  # a system that forks
 
 @contextmanager
 def checked_caches() -> Iterator[None]:
-    """Within the block, functions that numba compiles get checked caches.
+    """Within the block, functions that numba compiles get checked caches, and compile faster.
 
     The keyboard's interrupt waits until a function is compiled or loaded: within LLVM it would
     abort the process.
     """
-    with _one_at_a_time, _events.install_listener("numba:compile", _LISTENER):
+    listening = _events.install_listener("numba:compile", _LISTENER)
+    with _one_at_a_time, listening, remembered_operation_types():
         usual, _numba.FunctionCache = _numba.FunctionCache, _checked
         try:
             yield

@@ -33,15 +33,8 @@ def whole_file(path: Path, kind: type[InputError] = InputError) -> Iterator[Path
     try:
         path = path.resolve()
         mode = stat.S_IMODE(path.stat().st_mode) if path.exists() else 0o644
-        with (
-            SignalDeferral(at_once=False),
-            tempfile.TemporaryDirectory(
-                prefix=_PREFIX, dir=path.parent, ignore_cleanup_errors=True
-            ) as folder,
-            FileLock(Path(folder, ".lock")),
-        ):
-            _remove_leftovers(path.parent)
-            temporary = Path(folder, path.name)
+        with _locked_folder(path.parent) as folder:
+            temporary = folder / path.name
             try:
                 yield temporary
             except OSError as error:
@@ -75,15 +68,8 @@ def whole_folder(path: Path, mark: str, kind: type[InputError] = InputError) -> 
     path = path.resolve()
     require_replaceable(path, mark, kind)
     try:
-        with (
-            SignalDeferral(at_once=False),
-            tempfile.TemporaryDirectory(
-                prefix=_PREFIX, dir=path.parent, ignore_cleanup_errors=True
-            ) as folder,
-            FileLock(Path(folder, ".lock")),
-        ):
-            _remove_leftovers(path.parent)
-            temporary, older = Path(folder, "new", path.name), Path(folder, "old")
+        with _locked_folder(path.parent) as folder:
+            temporary, older = folder / "new" / path.name, folder / "old"
             temporary.parent.mkdir()
             yield temporary
             for file in sorted(temporary.rglob("*")):
@@ -102,6 +88,18 @@ def whole_folder(path: Path, mark: str, kind: type[InputError] = InputError) -> 
         raise kind(f"cannot write {path}: {error.strerror or error}. {_advice(path, error)}") from (
             error
         )
+
+
+@contextmanager
+def _locked_folder(place: Path) -> Iterator[Path]:
+    """A temporary folder in `place` that is locked, signals deferred; leftovers are removed."""
+    with (
+        SignalDeferral(at_once=False),
+        tempfile.TemporaryDirectory(prefix=_PREFIX, dir=place, ignore_cleanup_errors=True) as name,
+        FileLock(Path(name, ".lock")),
+    ):
+        _remove_leftovers(place)
+        yield Path(name)
 
 
 def require_replaceable(path: Path, mark: str, kind: type[InputError] = InputError) -> None:

@@ -29,6 +29,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
+    "built_links",
     "docstrings",
     "glossary_terms",
     "repository_links",
@@ -44,12 +45,22 @@ nitpicky = True
 default_role = "code"
 
 
+def is_companion(path: Path) -> bool:
+    """Whether a file is a companion of a generated module: it follows from that module.
+
+    The pages build some of them, so that a digest with them would differ after the first build.
+    """
+    return path.parent == ROOT / "generated" and len(path.stem.split("__")) > len(
+        ("model", "scene")
+    )
+
+
 def digest_of_the_source() -> str:
     """A hash of all that the numbers of the site depend on but the pages themselves."""
     digest = hashlib.sha256()
     for folder in ("codegen", "generated", "linkwright", "models", "runtime"):
         for path in sorted((ROOT / folder).rglob("*.py")):
-            if ".numba" not in path.name:
+            if ".numba" not in path.name and not is_companion(path):
                 digest.update(str(path.relative_to(ROOT)).encode())
                 digest.update(path.read_bytes())
     return digest.hexdigest()[:16]

@@ -66,6 +66,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "build": (
         "linkwright build four_bar.py",
         "linkwright build four_bar.py --scene swing --tangents",
+        "linkwright build four_bar.py slider_crank.py --check",
     ),
     "explain": (
         "linkwright explain four_bar.py",

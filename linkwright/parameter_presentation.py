@@ -159,7 +159,9 @@ def _dressed(annotation: Any, look: Look | None, is_model: bool) -> Any:
         if isinstance(note, OptionInfo):
             note.rich_help_panel = look.panel
         elif is_model and note.default is ...:
-            note.default_factory, note.show_default = only_model, "the only one of the folder"
+            several = get_origin(kind) is list
+            note.default_factory = (lambda: [only_model()]) if several else only_model
+            note.show_default = "the only one of the folder"
     return Annotated[kind, *dressed]
 
 

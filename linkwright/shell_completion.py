@@ -105,7 +105,8 @@ def _model(ctx: Any) -> ModelText | None:
 
     Words that stand before an option without its value are not parsed: they are in `args`.
     """
-    words = [str(word) for word in (ctx.params.get("model"), *ctx.args) if word]
+    given = ctx.params.get("model") or ()
+    words = [str(w) for w in (*((given,) if isinstance(given, str) else given), *ctx.args) if w]
     texts = (find_model_text(word) for word in words if not word.startswith("-"))
     if text := next((text for text in texts if text), None):
         return text

@@ -8,7 +8,6 @@ from codegen.drawing.colors import LIGHT, Palette
 from codegen.drawing.force_arrows import Reactions, force_scale, force_strokes
 from codegen.drawing.labels import draw_dimensions, draw_labels, draw_scale
 from codegen.drawing.moving_strokes import moving_strokes
-from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture
 from codegen.drawing.place_shifts import place_shifts, shifted
 from codegen.drawing.polygons import FloatArray, placed
@@ -51,7 +50,7 @@ def figure(
     Parameters
     ----------
     picture
-        Bodies without outlines get those that follow from their joints.
+        With outlines of all bodies: see `outlines.complete_picture`.
     dimensions
         Distances between the places of each body, in m, to four digits.
     forces
@@ -81,7 +80,6 @@ def figure(
     InputError
         If Matplotlib is not installed.
     """
-    picture = complete_picture(picture, motion)
     scale = force_scale(picture, reactions) if forces else None
     artist = PictureArtist(picture, motion, colors)
     artist.signs = (

@@ -107,6 +107,14 @@ def contains(polygon: FloatArray, point: FloatArray) -> bool:
     return bool(np.count_nonzero(spans & (point[0] < x)) % 2)
 
 
+def distance_to_edge(polygon: FloatArray, point: FloatArray) -> float:
+    """The least distance of a point from the edges of a polygon, m."""
+    edges, ahead = np.roll(polygon, -1, axis=0) - polygon, point - polygon
+    squares = np.maximum(np.sum(edges * edges, axis=1), np.finfo(float).tiny)
+    share = np.clip(np.sum(edges * ahead, axis=1) / squares, 0.0, 1.0)
+    return float(np.hypot(*(ahead - share[:, None] * edges).T).min())
+
+
 def distinct(points: FloatArray, tolerance: float) -> FloatArray:
     """The points (k, 2) without those that lie within `tolerance` of an earlier one."""
     kept: list[FloatArray] = []

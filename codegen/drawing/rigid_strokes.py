@@ -23,9 +23,12 @@ from codegen.drawing.polygons import (
     FloatArray,
     box,
     circle,
+    contains,
     convex_hull,
+    distance_to_edge,
     distinct,
     normal,
+    placed,
     rounded_hull,
     unit,
 )  # fmt: skip
@@ -36,6 +39,8 @@ from codegen.drawing.wheel_lines import gear_profile, rack_profile, spoke
 SUPPORT = 0.046  # layout: height of the triangle below a pin on the ground, in typical lengths
 TRACK = 0.045  # layout: half length of the ground at a fixing
 HUB = 1.5  # layout: radius of a wheel's hub, in pins
+EYE = 0.6  # layout: radius of the eye of a spring, in pins
+SWINGS = 0.1  # layout: a spring on the ground that turns by more, rad, has a support and no wall
 
 
 def rigid_strokes(picture: Picture, motion: FloatArray | None = None) -> tuple[Stroke, ...]:
@@ -114,10 +119,8 @@ def _rigid(
         case shapes.Fixing():
             yield from _fixing(picture, shape)
         case shapes.Spring():
-            for place in (shape.i, shape.j):
-                if picture.bodies[place.body].fixed:
-                    other = shape.j if place is shape.i else shape.i
-                    yield from _wall(picture, place, other)
+            for place, other in ((shape.i, shape.j), (shape.j, shape.i)):
+                yield from _spring_end(picture, place, other, motion)
         case shapes.Wheel():
             yield from _wheel(picture, shape, mesh)
         case shapes.Rack():
@@ -133,12 +136,29 @@ def _rigid(
 
 
 def _pin(picture: Picture, *ends: shapes.Place) -> Iterator[Line]:
+    covered = any(_covers(picture, place) for place in ends)
     for place in ends:
-        yield from _support(picture, place)
+        for style, body, line, closed in _support(picture, place):
+            yield f"bracket-{style}" if covered else style, body, line, closed
     for place in ends:
         if not picture.bodies[place.body].fixed or all(picture.bodies[p.body].fixed for p in ends):
             yield "pin", place.body, circle(np.array(place[1:]), PIN * picture.size), True
             return
+
+
+def _covers(picture: Picture, place: shapes.Place) -> bool:
+    """Whether a support below a pin of a body would be hidden behind it in all its positions."""
+    at, needed = np.array(place[1:], dtype=float), 1.2 * SUPPORT * picture.size
+    outlines = [np.array(outline) for outline in picture.bodies[place.body].outlines]
+    for symbol in picture.symbols:
+        if isinstance(symbol.shape, shapes.Wheel) and symbol.shape.center.body == place.body:
+            center, radius = np.array(symbol.shape.center[1:]), abs(float(symbol.shape.radius))
+            outlines.append(circle(center, radius))
+    return any(
+        contains(outline, at) and distance_to_edge(outline, at) > needed
+        for outline in outlines
+        if not picture.bodies[place.body].fixed
+    )
 
 
 def _support(picture: Picture, place: shapes.Place) -> Iterator[Line]:
@@ -182,12 +202,25 @@ def _slide(
         yield from _hatched(guide.body, ends, -below, picture)
 
 
-def _wall(picture: Picture, place: shapes.Place, other: shapes.Place) -> Iterator[Line]:
-    """The ground to which a spring is fixed, across its direction."""
-    toward = np.array(picture.position(other)) - np.array(picture.position(place))
-    if np.hypot(*toward) < SAME * picture.size:
+def _spring_end(
+    picture: Picture, place: shapes.Place, other: shapes.Place, motion: FloatArray | None
+) -> Iterator[Line]:
+    """An eye on a body that moves; the ground across the spring, or a support if it swings."""
+    eye = circle(np.array(place[1:]), EYE * PIN * picture.size)
+    if not picture.bodies[place.body].fixed:
+        yield "pin", place.body, eye, True
         return
-    yield from _wall_at(picture, place, toward)
+    at, end = np.array(picture.position(place)), np.array([[other.x, other.y]])
+    poses = picture.poses[None] if motion is None else motion
+    toward = np.array([placed(end, pose[other.body])[0] for pose in poses]) - at
+    toward = toward[np.hypot(*toward.T) > SAME * picture.size]
+    if not len(toward):
+        return
+    if np.ptp(np.unwrap(np.arctan2(toward[:, 1], toward[:, 0]))) > SWINGS:
+        yield from _support(picture, place)
+        yield "pin", place.body, eye, True
+    else:
+        yield from _wall_at(picture, place, toward[0])
 
 
 def _fixing(picture: Picture, shape: shapes.Fixing) -> Iterator[Line]:

@@ -39,6 +39,7 @@ _LAYER = {
     "slot": BODY, "gear": BODY, "ring": BODY, "pitch": BODY, "profile": BODY, "spoke": BODY,
     "rack": BODY, "body": BODY, "mark": BETWEEN, "belt": BETWEEN, "rod": BETWEEN,
     "spring": BETWEEN, "damper": BETWEEN, "actuator": BETWEEN, "hole": BETWEEN,
+    "bracket-support": JOINT, "bracket-rail": JOINT, "bracket-hatch": JOINT,
     "hub": JOINT, "pin": JOINT, "fixing": JOINT,
 }  # fmt: skip
 
@@ -51,6 +52,9 @@ def pen(style: str, body: int, colors: Palette) -> Pen:
         "hatch": Pen("", colors.hatching, 0.7),
         "rail": Pen("", colors.joint, 1.3),
         "support": Pen(colors.ground, colors.joint, 1.1),
+        "bracket-hatch": Pen("", colors.joint, 0.7),
+        "bracket-rail": Pen("", colors.joint, 1.3),
+        "bracket-support": Pen(colors.ground, colors.joint, 1.1),
         "slot": Pen(colors.background, line, 0.9),
         "pin": Pen(colors.background, colors.joint, 1.2),
         "hole": Pen(colors.background, colors.joint, 1.2),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from codegen.drawing.polygons import FloatArray
 
-FILLED = ("support", "slot", "pin", "gear", "ring", "hub", "fixing", "hole")
+FILLED = ("support", "bracket-support", "slot", "pin", "gear", "ring", "hub", "fixing", "hole")
 """Styles of closed strokes with an inside; a ring has no line round it."""
 
 
@@ -19,7 +19,8 @@ class Stroke:
     Attributes
     ----------
     style
-        What it stands for: "support", "hatch", "rail", "slot", "pin", "hub", "disc", "spoke",
+        What it stands for: "support", "hatch", "rail" (and "bracket-support" and the like, which
+        are before the bodies), "slot", "pin", "hub", "disc", "spoke",
         "gear" (racks as well), "ring", "pitch", "rack", "profile", "belt", "rod", "spring",
         "damper", "actuator", "fixing", "hole", "mark", "gap"; and those of `signs`.
     body

@@ -18,7 +18,7 @@ from codegen.figures_and_html import save_figure
 from codegen.whole_files import whole_file
 from runtime.progress_bar import bar
 from runtime.show.file_endings import MOVIES
-from runtime.show.pictures import Pictures, pictures
+from runtime.show.pictures import Pictures, pictures_at
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
@@ -85,7 +85,7 @@ def save_movie(
     if ending == ".svg":
         instants = np.linspace(first, last, PHASES)
         with whole_file(file) as target:
-            save_figure(phase_figure(frames_of(pictures(result.at(instants)))), target)
+            save_figure(phase_figure(frames_of(pictures_at(result, instants))), target)
         return file
     if ending == ".gif":
         rate = gif_rate(rate)
@@ -98,7 +98,7 @@ def save_movie(
             "a shorter span=."
         )
     instants = np.linspace(first, last, count)
-    drawn = frames_of(pictures(result.at(instants)))
+    drawn = frames_of(pictures_at(result, instants))
     movie = MovieFigure(drawn, wide)
     writer = _video if ending == ".mp4" else _gif
     if ending == ".gif" and count * movie.size[0] * movie.size[1] > _GIF_BYTES:

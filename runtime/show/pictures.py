@@ -84,6 +84,20 @@ def pictures(result: "Result") -> Pictures:
     return Pictures(result.t, picture, poses, moving, active)
 
 
+def pictures_at(result: "Result", instants: float | FloatArray) -> Pictures:
+    """The pictures of a result at other instants, s, with the outlines of the whole run.
+
+    A body keeps its outline where a joint that held it has been released, and guides their length.
+
+    Raises
+    ------
+    InputError
+        As `pictures`; and if an instant is outside the result.
+    """
+    whole, some = pictures(result).picture, pictures(result.at(instants))
+    return replace(some, picture=replace(some.picture, bodies=whole.bodies, size=whole.size))
+
+
 def _varies(values: FloatArray) -> bool:
     known = values[~np.isnan(values)]
     return len(known) > 0 and float(np.ptp(known)) > 0.0

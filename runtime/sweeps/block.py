@@ -20,10 +20,9 @@ from runtime.mechanism.module_tables import describe
 from runtime.mechanism.tangents_and_reduced_modules import Origin
 from runtime.sweeps import store
 from runtime.sweeps.journal import TRIES, WRITING, Journal
-from runtime.sweeps.member_run import KILLED, Row, evaluate_member, without_run
+from runtime.sweeps.member_run import KILLED, REPEATED, Row, evaluate_member, without_run
 from runtime.sweeps.programs import require_programs
 from runtime.sweeps.request import Request
-from runtime.sweeps.store_attributes import Layout
 
 
 class Job(NamedTuple):
@@ -37,26 +36,20 @@ class Job(NamedTuple):
     module: str  # file of the generated module
     model: str  # file of the model; empty for one of a running program
     scene: str
+    trials: Mapping[int, Row]  # run → row of the members that were run beforehand
 
 
 class BlockReport(NamedTuple):
     """A block that is done."""
 
     block: int
-    runs: int
+    runs: int  # that were made for it
     simulation: float  # s of the processor in runs
     overhead: float  # s of the processor in loading, journals and writing
 
 
-class Member(NamedTuple):
-    """A machine that is loaded for a job, the job's points, and its blocks."""
-
-    machine: Machine
-    points: Any  # (runs, factors)
-    layout: Layout
-
-
-_loaded: dict[str, Member] = {}  # of this process, by the identity of the store
+SAVE_SECONDS = 30.0  # safety: s of work in a block after which its rows so far are written
+_loaded: dict[str, Machine] = {}  # of this process, by the identity of the store
 _alone = threading.Lock()  # of this process, which a cluster may give several threads
 
 
@@ -92,21 +85,21 @@ def companions_of(machine: Machine, kinds: Iterable[str]) -> dict[str, str]:
     return found
 
 
-def load_job(job: Job) -> Member:
-    """The machine and the points of a job, loaded once in a process."""
-    group = store.reopen(Path(job.store), job.identity)  # each time: it may be another one by now
+def load_job(job: Job) -> Machine:
+    """The machine of a job, loaded once in a process."""
     if job.identity not in _loaded:
         require_programs(job.programs)
         machine = load_machine(job)
         _loaded.clear()
-        _loaded[job.identity] = Member(machine, _points(group, job.request), store.layout_of(group))
+        _loaded[job.identity] = machine
     return _loaded[job.identity]
 
 
-def _points(group: store.Group, request: Request) -> Any:
+def _points(group: store.Group, request: Request, runs: range) -> Any:
+    """The points of these runs, (runs, factors)."""
     import numpy as np
 
-    return np.stack([group[name][:] for name in request.names], axis=1)
+    return np.stack([group[name][runs.start : runs.stop] for name in request.names], axis=1)
 
 
 def run_block(job: Job, block: int) -> BlockReport:
@@ -123,19 +116,61 @@ def _run_block(job: Job, block: int) -> BlockReport:
     journal = Journal(Path(job.store), block)
     losses = journal.losses()
     with journal:
-        machine, points, layout = load_job(job)
-        runs, rows, request, simulation = layout.runs_of(block), list[Row](), job.request, 0.0
-        for run in runs:
-            if losses[run] >= TRIES:
-                rows.append(without_run(request, KILLED, _killed(losses[run])))
+        group = store.reopen(Path(job.store), job.identity)  # it may be another one by now
+        request, runs = job.request, store.layout_of(group).runs_of(block)
+        earlier = _to_keep(store.rows_made(group, request, runs))
+        trials = {run: row for run, row in job.trials.items() if run in runs}
+        part = _Part(job, group, block, runs, _to_keep(trials) | earlier)
+        machine, simulation = load_job(job), 0.0
+        for run, point in zip(runs, _points(group, request, runs), strict=True):
+            if run in part.rows:
                 continue
+            if losses[run] >= TRIES:
+                part.rows[run] = without_run(request, KILLED, _killed(losses[run]))
+                continue
+            if part.is_due:
+                journal.note(WRITING)
+                part.write()
             journal.note(run)
             start = time.thread_time()  # of this task alone: Dask's other threads are no simulation
-            rows.append(evaluate_member(machine, request, points[run]))
+            part.rows[run], _ = evaluate_member(machine, request, point)
             simulation += time.thread_time() - start
         journal.note(WRITING)
-        store.write_block(Path(job.store), job.identity, request, runs, rows)
-    return BlockReport(block, len(runs), simulation, time.process_time() - began - simulation)
+        part.write(last=True)
+    overhead = time.process_time() - began - simulation
+    return BlockReport(block, len(runs) - len(earlier), simulation, overhead)
+
+
+def _to_keep(rows: Mapping[int, Row]) -> dict[int, Row]:
+    """The rows whose runs would end the same way if they were repeated."""
+    return {run: row for run, row in rows.items() if row.outcome not in REPEATED}
+
+
+class _Part:
+    """The rows of a block that are there, written now and then where runs are slow."""
+
+    def __init__(
+        self, job: Job, group: store.Group, block: int, runs: range, rows: dict[int, Row]
+    ) -> None:
+        self.job, self.group, self.block, self.runs, self.rows = job, group, block, runs, rows
+        self.mark, self.written = store.mark_there(group, block), time.monotonic()
+        self.count = len(rows)  # of the rows that are written, or need not be
+
+    @property
+    def is_due(self) -> bool:
+        """Whether rows have waited long enough to be written."""
+        waiting = len(self.rows) > self.count
+        return waiting and time.monotonic() - self.written > SAVE_SECONDS
+
+    def write(self, *, last: bool = False) -> None:
+        """Write the rows; but for the last time, where no other process has written the block."""
+        self.written, self.count = time.monotonic(), len(self.rows)
+        if not last and store.mark_there(self.group, self.block) != self.mark:
+            return
+        nothing = without_run(self.job.request, "", "")
+        rows = [self.rows.get(run, nothing) for run in self.runs]
+        path, identity = Path(self.job.store), self.job.identity
+        self.mark = store.write_block(path, identity, self.job.request, self.runs, rows)
 
 
 def _killed(times: int) -> str:

@@ -2,11 +2,14 @@
 
 import math
 import shutil
+import threading
 import time
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from filelock import FileLock, Timeout
 
@@ -20,14 +23,19 @@ from runtime.sweeps.block import BlockReport, Job
 from runtime.sweeps.design import Design
 from runtime.sweeps.journal import clear_journals, working_folder
 from runtime.sweeps.local_workers import LocalWorkers, ThisProcess, available_cores
+from runtime.sweeps.member_run import Row
 from runtime.sweeps.planning import Estimate
 from runtime.sweeps.programs import program_facts
 from runtime.sweeps.request import Request, differences, digest_of
 from runtime.sweeps.store_attributes import Layout
 from runtime.sweeps.store_template import create_store
 
+if TYPE_CHECKING:
+    from runtime.sweeps.dask_cluster import ClusterWorkers
+
 BLOCK_SECONDS = 3.0  # measured: of runs in a block, beside which starting and writing is little
 BLOCK_BYTES = 64 << 20  # safety: of rows in a block, which a worker has in memory twice
+MOST_BLOCKS = 10_000  # safety: blocks of a sweep, of which each has a file in each array
 BLOCKS_A_WORKER = 8  # measured: at least, so that the last ones end together
 LEAST_SECONDS = 1.5  # measured: of runs, below which processes would take longer to start
 _SIGNALS = 0.2  # layout: s between looks for a signal to stop
@@ -37,6 +45,10 @@ class Executor(Protocol):
     """A way to have blocks made."""
 
     replaced: int  # processes that were lost and replaced
+
+    @property
+    def room(self) -> int:
+        """Number of blocks that it takes now."""
 
     def submit(self, block: int) -> None:
         """Have a block made."""
@@ -93,16 +105,20 @@ def require_same(path: Path, request: Request, design: Design) -> None:
         )
 
 
+def begin_store(
+    path: Path, request: Request, design: Design, estimate: Estimate, workers: int | None
+) -> None:
+    """Create the store of a sweep, its blocks by the time of a run."""
+    count = available_cores() if workers is None else workers
+    numbers = len(request.quantities) + len(request.keep) * request.points + 2
+    block = block_size(len(design.points), estimate.seconds, count, 8 * numbers)
+    create_store(path, request, design, estimate.columns, block, estimate.seconds)
+
+
 def job_of(
-    path: Path, machine: Machine, request: Request, design: Design, estimate: Estimate,
-    workers: int | None,
-) -> Job:  # fmt: skip
-    """The job of a store, which is created where it does not exist."""
-    if not path.exists():
-        count = available_cores() if workers is None else workers
-        numbers = len(request.quantities) + len(request.keep) * request.points + 2
-        block = block_size(len(design.points), estimate.seconds, count, 8 * numbers)
-        create_store(path, request, design, estimate.columns, block)
+    path: Path, machine: Machine, request: Request, design: Design, trials: Mapping[int, Row]
+) -> Job:
+    """The job of a store; `trials` are rows of members that were run beforehand."""
     identity = store.about_of(store.open_group(path))["identity"]
     origin = machine.mechanism.origin
     assert origin is not None
@@ -110,24 +126,26 @@ def job_of(
     digest = digest_of(request.facts(design.digest))
     return Job(
         str(path), identity, digest, program_facts(), request, str(origin.path), model,
-        request.scene,
+        request.scene, trials,
     )  # fmt: skip
 
 
 def block_size(runs: int, seconds: float, workers: int, row: int) -> int:
     """Runs in a block: a task takes seconds, each worker gets several, and its rows fit in memory.
 
-    `seconds` is the time of a run, `row` the bytes of its row.
+    `seconds` is the time of a run, `row` the bytes of its row. Of many slow runs a block has more,
+    and takes longer: so many files would burden a file system.
     """
     by_time = BLOCK_SECONDS / max(seconds, 1e-6)
     by_share = runs / (BLOCKS_A_WORKER * max(workers, 1))
     by_bytes = BLOCK_BYTES // max(row, 1)
-    return max(1, min(runs, by_bytes, math.ceil(min(by_time, by_share))))
+    wanted = max(min(by_time, by_share), runs / MOST_BLOCKS)
+    return max(1, min(runs, by_bytes, math.ceil(wanted)))
 
 
 def execute(
-    job: Job, estimate: Estimate, blocks: list[int], *, workers: int | None,
-    scheduler: str | None, progress: bool, title: str,
+    job: Job, blocks: list[int], *, workers: int | None, cluster: "ClusterWorkers | None",
+    progress: bool, title: str,
 ) -> Execution:  # fmt: skip
     """Make these blocks of a store.
 
@@ -137,10 +155,14 @@ def execute(
         If the processes cannot go on, or rows do not arrive in the store; what is done stays.
     """
     path = Path(job.store)
-    layout = store.layout_of(store.open_group(path))
+    about = store.about_of(group := store.open_group(path))
+    layout = store.layout_of(group)
     began = time.perf_counter()
     with SignalDeferral(computing=True) as signals:
-        executor = _executor(job, estimate, len(blocks), layout, workers, scheduler)
+        expected = about["seconds"] * min(len(blocks) * layout.block, layout.runs)
+        executor = _executor(job, expected, len(blocks), workers, cluster)
+        if not isinstance(executor, ThisProcess):  # while others work: a study needs it at the end
+            threading.Thread(target=import_module, args=("xarray",)).start()
         with _advice(path, layout):
             try:
                 with bar(title, progress) as report:
@@ -190,14 +212,12 @@ def _require_rows(path: Path, blocks: list[int]) -> None:
 
 
 def _executor(
-    job: Job, estimate: Estimate, blocks: int, layout: Layout, workers: int | None,
-    scheduler: str | None,
-) -> Executor:  # fmt: skip
-    if scheduler is not None:
-        from runtime.sweeps.dask_cluster import ClusterWorkers
-
-        return ClusterWorkers(job, scheduler)
-    expected = estimate.seconds * min(blocks * layout.block, layout.runs)
+    job: Job, expected: float, blocks: int, workers: int | None, cluster: "ClusterWorkers | None"
+) -> Executor:
+    """Who makes the blocks, of which all runs are expected to take so many seconds."""
+    if cluster is not None:
+        cluster.take(job)
+        return cluster
     if workers == 0 or (workers is None and expected < LEAST_SECONDS):
         return ThisProcess(job)
     return LocalWorkers(job, min(workers or available_cores(), blocks))
@@ -208,13 +228,13 @@ def _make(
     report: Progress,
 ) -> list[BlockReport]:  # fmt: skip
     """The reports of the blocks, until all are there or a signal arrives."""
-    reports = dict[int, BlockReport]()
+    reports, waiting = dict[int, BlockReport](), deque(blocks)
     before = layout.blocks - len(blocks)
-    for block in blocks:
+    while len(reports) < len(blocks):
+        while waiting and executor.room > 0 and not signals.arrived:
+            executor.submit(waiting.popleft())
         if signals.arrived:
-            return []
-        executor.submit(block)
-    while len(reports) < len(blocks) and not signals.arrived:
+            break
         answer = executor.next(_SIGNALS)
         if answer is not None:
             reports[answer.block] = answer

@@ -91,6 +91,12 @@ class LocalWorkers:
         self.replaced = self.failed_starts = 0
         self.workers = [_Worker(self.job, self.answers) for _ in range(count)]
 
+    @property
+    def room(self) -> int:
+        """Number of blocks that it takes now: each process has one, and another one waits."""
+        busy = sum(worker.block is not None for worker in self.workers)
+        return 2 * len(self.workers) - busy - len(self.waiting)
+
     def submit(self, block: int) -> None:
         """Have a block made, once a process is free."""
         self.waiting.append(block)
@@ -171,6 +177,11 @@ class ThisProcess:
 
     def __init__(self, job: Job) -> None:
         self.job, self.waiting = job, deque[int]()
+
+    @property
+    def room(self) -> int:
+        """Number of blocks that it takes now."""
+        return 1 - len(self.waiting)
 
     def submit(self, block: int) -> None:
         """Have a block made."""

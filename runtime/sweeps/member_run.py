@@ -60,21 +60,30 @@ def run_member(machine: Machine, request: Request, point: FloatArray) -> Result:
     return driven(np.linspace(first, last, count), **values)
 
 
-def evaluate_member(machine: Machine, request: Request, point: FloatArray) -> Row:
-    """Run a member and read its quantities; every failure is a row."""
+def evaluate_member(
+    machine: Machine, request: Request, point: FloatArray
+) -> tuple[Row, Result | None]:
+    """Run a member and read its quantities; every failure is a row, without a result."""
     nothing = without_run(request, REFUSED, "")
     try:
         result = run_member(machine, request, point)
     except LinkwrightError as error:
-        return nothing._replace(message=message_text(str(error)))
+        return nothing._replace(message=message_text(str(error))), None
     except KeyboardInterrupt:
         raise
     except FAILURES as error:
         outcome = MEMORY if isinstance(error, MemoryError) else ERROR
         text = f"{type(error).__name__}: {error}"
-        return nothing._replace(outcome=outcome, message=message_text(text))
-    outcome = result.outcome.name
-    quantities, notes = nothing.quantities.copy(), [result.message]
+        return nothing._replace(outcome=outcome, message=message_text(text)), None
+    return _row_of(result, request), result
+
+
+def _row_of(result: Result, request: Request) -> Row:
+    """What is kept of a result; a quantity that it does not have is not a number."""
+    if result.outcome is Outcome.INTERRUPTED:
+        raise KeyboardInterrupt  # the wish to stop is no outcome of a member
+    outcome, notes = result.outcome.name, [result.message]
+    quantities = np.full(len(request.quantities), np.nan)
     if not result.failed:
         for k, quantity in enumerate(request.readers):
             try:
@@ -86,8 +95,6 @@ def evaluate_member(machine: Machine, request: Request, point: FloatArray) -> Ro
             except FAILURES as error:
                 outcome = MEMORY if isinstance(error, MemoryError) else outcome
                 notes.append(f"{quantity.text}: {type(error).__name__}: {error}")
-    if result.outcome is Outcome.INTERRUPTED:
-        raise KeyboardInterrupt  # the wish to stop is no outcome of a member
     t_last = float(result.t[-1]) if len(result.t) else np.nan
     series = _series(result, request)
     return Row(quantities, outcome, message_text("\n".join(notes)), t_last, series)

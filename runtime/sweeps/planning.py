@@ -9,26 +9,27 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from codegen.errors import InputError, LinkwrightError, UnknownNameError
-from runtime.core.outcomes import Outcome
+from runtime.core.analysis_names import ANALYSES, analysis_name, analysis_title
 from runtime.integrate.method import IMPLICIT
 from runtime.machine_facade import Machine
 from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Function, declared_unit
-from runtime.studies.effect_ranking.trial_and_comparison import ANALYSES
 from runtime.studies.run_words import read_words, refuse_run_words
 from runtime.studies.scene_loading import analysis_of, require_time_span
 from runtime.studies.series_by_name import own_name, series_names, unknown_series
 from runtime.sweeps.block import companions_of
 from runtime.sweeps.column_names import name_problems
 from runtime.sweeps.design import Design
-from runtime.sweeps.member_run import run_member
+from runtime.sweeps.member_run import Row, evaluate_member
 from runtime.sweeps.request import Request
 from runtime.sweeps.store_template import Columns
 
 Answer = TypeVar("Answer")
 _TRIAL_SECONDS = 0.5  # measured: s of the processor after which a mean time of runs is known
 _TRIALS = 5  # measured: members that are run beforehand
+_SLOW_SECONDS = 10.0  # measured: s of a first run, beside which loading and compiling is little
+_MOST_BYTES = 1 << 16  # safety: of series of these members, which travel with each task
 
 
 def plan_of(
@@ -44,8 +45,7 @@ def plan_of(
         With everything that is wrong with it.
     """
     about, mechanism = machine.description, machine.mechanism
-    kind, t_start = (analysis or "").replace("-", "_").replace(" ", "_"), span[0]
-    kind = "inverse" if kind == "inverse_dynamics" else kind or analysis_of(machine)
+    kind, t_start = analysis_name(analysis or "") or analysis_of(machine), span[0]
     parameters, guess, start = (dict(given or {}) for given in values)
     problems = list[str]()
     starts = _starts(machine, design, problems)
@@ -82,8 +82,7 @@ def _words(machine: Machine, kind: str, settings: Mapping[str, Any]) -> dict[str
     """The options of a simulation that are given; refused where nothing is integrated."""
     words = read_words(machine, settings)
     if kind in ANALYSES and kind != "simulate":
-        names = {"inverse": "inverse dynamics"}
-        refuse_run_words(words, machine.mechanism.title, names.get(kind, kind))
+        refuse_run_words(words, machine.mechanism.title, analysis_title(kind))
     return words
 
 
@@ -137,6 +136,7 @@ class Estimate(NamedTuple):
 
     seconds: float  # of the processor, a run
     columns: Columns
+    rows: Mapping[int, Row]  # of these members, which need not be run again
 
 
 def estimate_of(machine: Machine, request: Request, design: Design) -> Estimate:
@@ -147,39 +147,34 @@ def estimate_of(machine: Machine, request: Request, design: Design) -> Estimate:
     InputError
         If a quantity asks for a series or an effect that does not exist.
     """
-    members = np.unique(np.linspace(0, len(design.points) - 1, _TRIALS).astype(int))
-    units, times = dict[str, str](), list[float]()
+    members = np.unique(np.linspace(0, len(design.points) - 1, _TRIALS).astype(int)).tolist()
+    units, times, rows = dict[str, str](), list[float](), dict[int, Row]()
+    declared = {name: _declared(machine, given) for name, given in request.quantities}
+    unknown_units = {name for name, unit in declared.items() if unit is None}
     kept = dict[str, str]()
-    for k, member in enumerate([members[0], *members]):  # of which the first one loads and compiles
+    for member in members:
         started = time.process_time()
-        result = _trial(machine, request, design.points[member])
-        if k:
-            times.append(time.process_time() - started)
+        rows[member], result = evaluate_member(machine, request, design.points[member])
+        times.append(time.process_time() - started)
         if result is not None and not result.failed:
             units |= _units(request, result)
             kept |= {name: result.series(name)[1] for name in request.keep}
-        if sum(times) > _TRIAL_SECONDS and len(units) == len(request.quantities):
+        known = unknown_units <= units.keys() and kept.keys() == {*request.keep}
+        if known and (times[0] > _SLOW_SECONDS or sum(times[1:]) > _TRIAL_SECONDS):
             break
+    slow = times[0] > _SLOW_SECONDS
+    seconds = float(np.mean(times if slow else times[1:] or times))  # the first loads and compiles
     factors = {name: factor_unit(machine, name) or "" for name in design.names}
-    quantities = {
-        name: units.get(name) or _declared(machine, given) for name, given in request.quantities
-    }
+    quantities = {name: units.get(name) or declared[name] or "" for name in declared}
     series = {name: kept.get(name, "") for name in request.keep}
-    return Estimate(float(np.mean(times)), Columns(factors, quantities, series))
+    if sum(row.series.nbytes for row in rows.values()) > _MOST_BYTES:
+        rows = {}
+    return Estimate(seconds, Columns(factors, quantities, series), rows)
 
 
-def _declared(machine: Machine, given: str | Function) -> str:
-    return (declared_unit(given, machine.description) or "") if isinstance(given, str) else ""
-
-
-def _trial(machine: Machine, request: Request, point: Any) -> Result | None:
-    try:
-        result = run_member(machine, request, point)
-    except LinkwrightError:
-        return None  # a failure is a row
-    if result.outcome is Outcome.INTERRUPTED:
-        raise KeyboardInterrupt  # before there is anything to keep
-    return result
+def _declared(machine: Machine, given: str | Function) -> str | None:
+    """The unit of a quantity; None where only a result tells."""
+    return declared_unit(given, machine.description) if isinstance(given, str) else ""
 
 
 def _units(request: Request, result: Result) -> dict[str, str]:

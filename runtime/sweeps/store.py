@@ -2,7 +2,9 @@
 
 A block of runs is one chunk of each array, so that no two tasks write one file; Zarr replaces each
 file whole. A block's mark is written last: a hash of its rows, by which rows that a crash of the
-machine has damaged are found as well. Nothing depends on when, where or how often a block is made.
+machine has damaged are found as well. Each row has an outcome, which is empty until its run is
+made: a block of slow runs is written several times, and goes on where it was. Nothing depends on
+when, where or how often a block is made.
 A store has an identity, by which a task that is late finds that another one lies at its path.
 """
 
@@ -46,8 +48,8 @@ def require_zarr() -> Any:
 
 def write_block(
     path: Path, identity: str, request: Request, runs: range, rows: Sequence[Row]
-) -> None:
-    """Write the rows of a block into its region, and then its mark.
+) -> int:
+    """Write the rows of a block, those of runs not yet made among them, and then its mark.
 
     What an earlier process has left of the block is removed first, the mark before the rows.
 
@@ -63,7 +65,9 @@ def write_block(
         _remove_chunk(path / stored_name(name) / "c" / str(block))
     for name, values in arrays.items():
         group[stored_name(name)][region] = values
-    group[DONE][block] = mark_of(arrays, _seal(about))
+    mark = mark_of(arrays, _seal(about))
+    group[DONE][block] = mark
+    return mark
 
 
 def _remove_chunk(place: Path) -> None:
@@ -189,25 +193,53 @@ def unfinished(
 ) -> list[int]:
     """Those of the blocks whose mark is missing, cannot be read, or is not that of their rows.
 
-    A block of which a run has one of the outcomes `repeated` is one of them.
+    A block of which a run is not made, or has one of the outcomes `repeated`, is one of them.
     """
-    about, layout = about_of(group), layout_of(group)
+    about, layout, without = about_of(group), layout_of(group), {"", *repeated}
     found = range(layout.blocks) if blocks is None else blocks
-    return [block for block in found if not _is_done(group, about, layout, block, repeated)]
+    arrays = ((block, _arrays(group, about, layout.runs_of(block))) for block in found)
+    return [
+        block for block, there in arrays
+        if there is None or not without.isdisjoint(map(str, there[OUTCOME].tolist()))
+    ]  # fmt: skip
 
 
-def _is_done(
-    group: Group, about: Mapping[str, Any], layout: Layout, block: int, repeated: Collection[str]
-) -> bool:
+def rows_made(group: Group, request: Request, runs: range) -> dict[int, Row]:
+    """Run → row of those runs of a block that an earlier task has made."""
+    arrays = _arrays(group, about_of(group), runs)
+    if arrays is None:
+        return {}
+    found, names = dict[int, Row](), [name for name, _ in request.quantities]
+    for k, run in enumerate(runs):
+        texts = (str(arrays[OUTCOME][k]), str(arrays[MESSAGE][k]))
+        quantities = np.array([arrays[name][k] for name in names])
+        series = np.array([arrays[name][k] for name in request.keep])
+        if texts[0]:
+            found[run] = Row(
+                quantities, *texts, float(arrays[LAST][k]), series.reshape(-1, request.points)
+            )
+    return found
+
+
+def mark_there(group: Group, block: int) -> int:
+    """The mark of a block, 0 where there is none or it cannot be read."""
+    try:
+        return int(group[DONE][block])
+    except (OSError, ValueError, RuntimeError, TypeError):  # a file that a power cut has cut short
+        return 0
+
+
+def _arrays(
+    group: Group, about: Mapping[str, Any], runs: range
+) -> dict[str, npt.NDArray[Any]] | None:
+    """The arrays of a block; None where its mark is missing, or is not that of its rows."""
     names = [*about["quantities"], OUTCOME, MESSAGE, LAST, *about["series"]]
-    runs = layout.runs_of(block)
+    mark = mark_there(group, runs.start // about["block"])
+    if not mark:
+        return None
     region = slice(runs.start, runs.stop)
     try:
-        mark = int(group[DONE][block])
-        if not mark:
-            return False
         arrays = {name: group[stored_name(name)][region] for name in names}
-    except (OSError, ValueError, RuntimeError, TypeError):  # a file that a power cut has cut short
-        return False
-    again = repeated and not {*map(str, arrays[OUTCOME].tolist())}.isdisjoint(repeated)
-    return mark == mark_of(arrays, _seal(about)) and not again
+    except (OSError, ValueError, RuntimeError, TypeError):
+        return None
+    return arrays if mark == mark_of(arrays, _seal(about)) else None

@@ -1,5 +1,6 @@
 """Attributes of a sweep's store: what they say, checked, for a store may come from anywhere."""
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
@@ -7,7 +8,7 @@ from codegen.plain_values import shown
 from runtime.sweeps.column_names import DONE, LAST, MESSAGE, OUTCOME, name_problems
 from runtime.sweeps.design import MOST_RUNS
 
-FORMAT = 2  # of the attributes below, and of the marks
+FORMAT = 3  # of the attributes below, and of the marks
 ATTRIBUTES = "linkwright_sweep"
 
 
@@ -52,6 +53,7 @@ _KINDS: dict[str, Callable[[object], bool]] = {
     "series": _is_names,
     "runs": _is_count,
     "block": _is_count,
+    "seconds": lambda x: isinstance(x, int | float) and 0.0 <= x < math.inf,
 }
 _FACTS: dict[str, Callable[[object], bool]] = {
     "model": _is_text,

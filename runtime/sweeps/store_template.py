@@ -22,6 +22,8 @@ from runtime.sweeps.request import Request, digest_of
 from runtime.sweeps.store import Group, require_zarr
 from runtime.sweeps.store_attributes import ATTRIBUTES, FORMAT, Layout
 
+_POINTS = 1 << 17  # layout: values of a factor in one chunk, of which a task reads those it needs
+
 
 class Columns(NamedTuple):
     """Units of all that is stored, by name."""
@@ -32,16 +34,19 @@ class Columns(NamedTuple):
 
 
 def create_store(
-    path: Path, request: Request, design: Design, columns: Columns, block: int
+    path: Path, request: Request, design: Design, columns: Columns, block: int, seconds: float
 ) -> None:
-    """Write the template of a sweep, whole or not at all."""
+    """Write the template of a sweep, whole or not at all.
+
+    A block has so many runs, each of so many seconds.
+    """
     zarr, layout = require_zarr(), Layout(len(design.points), block)
     facts = request.facts(design.digest)
     about = {
         "format": FORMAT, "identity": uuid.uuid4().hex, "digest": digest_of(facts),
         "facts": facts, "design": design.facts,
         "quantities": [name for name, _ in request.quantities], "series": [*request.keep],
-        "runs": layout.runs, "block": block,
+        "runs": layout.runs, "block": block, "seconds": seconds,
     }  # fmt: skip
     size = len(json.dumps(about))
     if size > MOST_METADATA // 2:
@@ -90,7 +95,8 @@ def _create_arrays(
         )  # fmt: skip
 
     for k, name in enumerate(design.names):
-        values = create(name, "float64", np.nan, (runs,), (RUN,), columns.factors[name])
+        chunk = min(runs, _POINTS)
+        values = create(name, "float64", np.nan, (chunk,), (RUN,), columns.factors[name])
         values[:] = design.points[:, k]
     for name, given in request.quantities:
         text = given if isinstance(given, str) else name

@@ -95,6 +95,31 @@ def test_check(model: Path, run: object, tmp_path: Path) -> None:
     assert [Path(p).name for p in json.loads(answer.stdout)["stale"]] == ["clock__swing.py"]
 
 
+def test_several_models_and_all_that_is_wrong_with_them(
+    model: Path, run: object, tmp_path: Path
+) -> None:
+    other = tmp_path / "other.py"
+    other.write_text(model.read_text())
+    missing = tmp_path / "missing.py"
+    answer = run("build", other, missing, model, "--check")
+    assert answer.exit_code == 2
+    assert answer.stdout.count("pendulum, scene swing: checked") == 2
+    for words in (
+        f"run: linkwright build {other}",
+        f"run: linkwright build {model}",
+        "error: ",
+        str(missing),
+    ):
+        assert words in answer.stderr.replace("\n", "")
+    built = json.loads(run("build", other, model, "--json").stdout)
+    assert [Path(s["path"]).name for s in built["scenes"]] == ["other__swing.py", "clock__swing.py"]
+    assert run("build", other, model, "--check").exit_code == 0
+    other.write_text(model.read_text() + "# edited\n")
+    answer = run("build", other, model, "--check", "--json")
+    assert answer.exit_code == 1
+    assert [Path(p).name for p in json.loads(answer.stdout)["stale"]] == ["other__swing.py"]
+
+
 def test_set_and_out(model: Path, run: object, tmp_path: Path) -> None:
     done = run("build", model, "--set", "m=7.5", "--out", tmp_path / "here", "--json")
     assert done.exit_code == 0

@@ -47,7 +47,12 @@ COMPILER = {
     *("codegen.argument_readers", "codegen.damaged_byte_code", "codegen.errors"),
     *("codegen.library_layout", "codegen.object_display", "codegen.plain_values"),
     *("codegen.public_callables", "codegen.readable_signatures"),
-    *("codegen.numba_cache", "codegen.condition_evaluation", "codegen.termination_signals"),
+    *(
+        "codegen.numba_cache",
+        "codegen.numba_operation_types",
+        "codegen.condition_evaluation",
+        "codegen.termination_signals",
+    ),
     *("codegen.generated_module_signature_and_import", "codegen.calls_of_kernels_from_python"),
 }
 

@@ -9,10 +9,11 @@ import pytest
 from codegen.drawing import arrow_lines, spring_lines, wheel_lines
 from codegen.drawing.gear_meshing import meshing
 from codegen.drawing.moving_strokes import moving_strokes
+from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture
 from codegen.drawing.polygons import placed
 from codegen.drawing.rigid_strokes import rigid_strokes
-from codegen.drawing.shapes import Belt, Pin, Place, Rack, Rod, Spring, Wheel
+from codegen.drawing.shapes import Belt, Force, Pin, Place, Rack, Rod, Spring, Wheel
 from tests.codegen.drawing.hand_drawn_pictures import picture, slider_crank
 
 START, END = np.array([1.0, 1.0]), np.array([4.0, 5.0])  # 5 m apart
@@ -137,6 +138,28 @@ def test_the_ground_is_hatched_at_a_pin_and_along_a_guide() -> None:
     assert {s.element for s in strokes if s.style == "pin"} == {"A", "B", "C"}
     below = [s.points for s in strokes if s.style == "hatch"]
     assert all(line[1, 1] < line[0, 1] for line in below)
+
+
+def test_a_support_stands_before_a_wheel_that_would_hide_it() -> None:
+    pin = ("A", "joint", Pin(Place(0, 0.0, 0.0), Place(1, 0.0, 0.0)))
+    far = ("far", "force", Force(Place(0, 1.0, 0.0), 0.0, 0.0))
+    for radius, style in ((0.3, "bracket-support"), (0.02, "support")):
+        wheel = ("wheel", "joint", Wheel(Place(1, 0.0, 0.0), radius, True))
+        strokes = rigid_strokes(complete_picture(picture(["gear"], [(0, 0, 0)], [pin, far, wheel])))
+        assert [s.style for s in strokes if s.style.endswith("support")] == [style]
+
+
+@pytest.mark.parametrize(
+    ("turn", "styles"),
+    [(0.02, {"rail", "hatch"}), (0.5, {"support", "rail", "hatch", "pin"})],
+)
+def test_a_spring_that_swings_has_a_support_on_the_ground(turn: float, styles: set[str]) -> None:
+    spring = ("spring", "force", Spring(Place(0, 0.0, 0.0), Place(1, 0.0, 0.0)))
+    drawn = picture(["block"], [(1.0, 0.0, 0.0)], [spring])
+    motion = np.array([[[0, 0, 0], [np.cos(a), np.sin(a), 0]] for a in (0.0, turn)])
+    strokes = rigid_strokes(drawn, motion)
+    assert {s.style for s in strokes if s.body == 0} == styles
+    assert [s.style for s in strokes if s.element == "spring" and s.body == 1] == ["pin"]
 
 
 def test_a_joint_that_is_not_closed_shows_its_gap() -> None:

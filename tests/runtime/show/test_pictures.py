@@ -13,7 +13,7 @@ from codegen.model_file import read_model
 from codegen.picture_at_start import picture_at_start
 from runtime import load
 from runtime.mechanism.dense_equations import Equations
-from runtime.show.pictures import Pictures, pictures
+from runtime.show.pictures import Pictures, pictures, pictures_at
 
 MACHINES = [
     ("slider_crank", "compressor"), ("quick_return", "shaper"), ("gear_slider", "train_running"),
@@ -125,6 +125,14 @@ def test_joints_that_are_released_act_until_then() -> None:
     assert change.time <= last <= change.time + step
     pins = [k for k, s in enumerate(drawn.picture.symbols) if isinstance(s.shape, Pin)]
     assert not set(pins) & set(drawn.active)
+
+
+def test_a_body_keeps_its_outline_and_size_when_a_joint_is_released() -> None:
+    result = load("trebuchet", "throw").simulate(3.0, progress=False)
+    whole, late = pictures(result).picture, pictures_at(result, 2.5).picture
+    assert late.bodies == whole.bodies
+    assert late.size == whole.size
+    assert {s.element for s in whole.symbols} - {s.element for s in late.symbols} == {"sling"}
 
 
 def test_an_equilibrium_is_one_picture() -> None:

@@ -12,7 +12,9 @@ import pytest
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
 from runtime import load_study, sweep
-from runtime.sweeps import Study, block, store
+from runtime.sweeps import Study, block, execution, member_run, run_sweep, store
+from runtime.sweeps.block import BlockReport
+from runtime.sweeps.store_attributes import Layout
 
 
 def same(ours: Study, theirs: Study) -> bool:
@@ -62,6 +64,7 @@ def test_only_what_is_missing_is_made(
     assert "Stopped before the end" in repr(before)
     real, made = block.run_block, []
     monkeypatch.setattr(block, "run_block", lambda job, k: made.append(k) or real(job, k))
+    monkeypatch.setattr(run_sweep, "estimate_of", None)  # no member is run for trial again
     after = sweep(out=path, resume=True, **request_of)
     assert made == [5, 6, 7]
     assert same(after, whole)
@@ -168,3 +171,133 @@ def test_a_store_from_elsewhere_runs_nothing(half: tuple[Path, Study]) -> None:
     (path / "t_last" / ".zarray").write_text('{"zarr_format": 2}')
     with pytest.raises(InputError, match="format 2"):
         load_study(path)
+
+
+def counted_runs(monkeypatch: pytest.MonkeyPatch, last: int = 10**6) -> list[float]:
+    """The values of J1 of the runs that are made; the disk is full after so many."""
+    real, made = member_run.run_member, list[float]()
+
+    def run(machine: Any, request: Any, point: Any) -> Any:
+        if len(made) == last:
+            raise KeyboardInterrupt
+        made.append(float(point[0]))
+        return real(machine, request, point)
+
+    monkeypatch.setattr(member_run, "run_member", run)
+    return made
+
+
+def test_no_run_is_made_twice(
+    request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as patch:
+        made = counted_runs(patch)
+        whole = sweep(out=tmp_path / "s.zarr", **request_of)
+    assert sorted(made) == whole.data["J1"].values.tolist()
+    assert "24 runs in" in repr(whole)
+    with monkeypatch.context() as patch:
+        patch.setattr("runtime.sweeps.planning._MOST_BYTES", -1)
+        made = counted_runs(patch)
+        assert same(sweep(out=tmp_path / "t.zarr", **request_of), whole)
+    assert len(made) == 24 + 5  # what was run beforehand is too much to go with the tasks
+
+
+def test_a_block_of_slow_runs_goes_on_where_it_was(
+    request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = sweep(out=tmp_path / "whole.zarr", **request_of)
+    monkeypatch.setattr(block, "SAVE_SECONDS", 0.0)
+    monkeypatch.setattr(execution, "BLOCKS_A_WORKER", 1)
+    with monkeypatch.context() as patch:
+        before = counted_runs(patch, last=12)
+        real = execution.ThisProcess.next
+
+        def stopped(self: Any, timeout: float) -> Any:
+            report = real(self, timeout)
+            if report is None:
+                signal.raise_signal(signal.SIGINT)
+            return report
+
+        patch.setattr(execution.ThisProcess, "next", stopped)
+        half = sweep(out=tmp_path / "s.zarr", **request_of)
+    assert half.outcomes["OK"] > 3
+    assert not half.complete
+    done = half.data["J1"].values[half.data["outcome"].values == "OK"]
+    with monkeypatch.context() as patch:
+        after = counted_runs(patch)
+        found = sweep(out=tmp_path / "s.zarr", resume=True, **request_of)
+    assert same(found, whole)
+    assert not {*after} & {*done.tolist()}
+    assert {*after} | {*before} == {*whole.data["J1"].values.tolist()}
+
+
+def test_rows_of_another_process_are_not_replaced_by_fewer(
+    request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A task that lives on after its block was given to another one."""
+    jobs: list[Any] = []
+    real = block.run_block
+    with monkeypatch.context() as patch:
+        patch.setattr(block, "run_block", lambda job, k: jobs.append(job) or real(job, k))
+        whole = sweep(out=tmp_path / "s.zarr", **request_of)
+    group = store.open_group(whole.path, writable=True)
+    group["block_mark"][2] = 0
+    counts = list[int]()
+    evaluate, write = block.evaluate_member, store.write_block
+
+    def other(machine: Any, request: Any, point: Any) -> Any:
+        if not counts:
+            counts.append(0)
+            real_block(jobs[0], 2)
+        return evaluate(machine, request, point)
+
+    def counted(path: Path, identity: str, request: Any, runs: range, rows: Any) -> int:
+        counts.append(sum(bool(row.outcome) for row in rows))
+        return write(path, identity, request, runs, rows)
+
+    real_block = block._run_block
+    monkeypatch.setattr(block, "SAVE_SECONDS", 0.0)
+    monkeypatch.setattr(block, "evaluate_member", other)
+    monkeypatch.setattr(store, "write_block", counted)
+    block._run_block(jobs[0], 2)
+    assert counts == [0, 1, 2, 3, 3]  # of the other one as they come; of this one all at the end
+
+
+class Waiting:
+    """Takes four blocks at a time."""
+
+    replaced = 0
+
+    def __init__(self, stop_at: int = -1) -> None:
+        self.there, self.taken, self.most, self.stop_at = list[int](), 0, 0, stop_at
+
+    @property
+    def room(self) -> int:
+        return 4 - len(self.there)
+
+    def submit(self, number: int) -> None:
+        self.there.append(number)
+        self.taken, self.most = self.taken + 1, max(self.most, len(self.there))
+        if number == self.stop_at:
+            signal.raise_signal(signal.SIGINT)
+
+    def next(self, timeout: float) -> BlockReport:
+        return BlockReport(self.there.pop(0), 1, 1.0, 0.0)
+
+    def close(self) -> None:
+        self.there.clear()
+
+
+def test_tasks_are_handed_out_as_they_are_taken() -> None:
+    from codegen.termination_signals import SignalDeferral
+
+    shares, executor, layout = list[float](), Waiting(), Layout(20, 1)
+    with SignalDeferral(computing=True) as signals:
+        made = execution._make(executor, [*range(5, 20)], layout, signals, shares.append)
+    assert [one.block for one in made] == [*range(5, 20)]
+    assert (executor.taken, executor.most, shares[-1]) == (15, 4, 1.0)
+    executor = Waiting(stop_at=6)
+    with SignalDeferral(computing=True) as signals:
+        made = execution._make(executor, [*range(5, 20)], layout, signals, shares.append)
+        signals.answered = True
+    assert (executor.taken, made) == (2, [])

@@ -14,7 +14,7 @@ from runtime import load_study
 from runtime.sweeps import store
 from runtime.sweeps.column_names import name_problems
 from runtime.sweeps.design import design_of
-from runtime.sweeps.execution import BLOCK_BYTES, block_size, store_lock
+from runtime.sweeps.execution import BLOCK_BYTES, MOST_BLOCKS, block_size, store_lock
 from runtime.sweeps.factors import read_factors
 from runtime.sweeps.member_run import KILLED, MEMORY, REPEATED, Row
 from runtime.sweeps.request import Request
@@ -37,7 +37,7 @@ def made(path: Path, over: str = f"J1=1:7:{RUNS}", **words: Any) -> Request:
     design = design_of(read_factors([over]), None, None, 0)
     asked = request(design.names, **words)
     columns = Columns(dict.fromkeys(design.names, ""), {QUANTITY: "N"}, {"a.x": "m"})
-    create_store(path, asked, design, columns, BLOCK)
+    create_store(path, asked, design, columns, BLOCK, 0.01)
     return asked
 
 
@@ -122,6 +122,30 @@ def test_a_block_fits_in_memory() -> None:
     assert block_size(10**6, 1e-4, 2, row) * row <= BLOCK_BYTES
     assert block_size(10**6, 1e-4, 2, 8) == 30_000
     assert block_size(10, 1e-4, 2, 1 << 40) == 1
+
+
+def test_slow_runs_share_blocks_where_they_are_many() -> None:
+    assert block_size(1000, 60.0, 4, 8) == 1
+    assert block_size(10**6, 60.0, 4, 8) == 10**6 // MOST_BLOCKS
+
+
+def test_a_block_of_which_some_runs_are_made(path: Path) -> None:
+    group, asked, runs = store.open_group(path), request(("J1",)), range(3, 6)
+    part = rows(3)
+    part[1] = part[1]._replace(outcome="")
+    store.write_block(path, identity(path), asked, runs, part)
+    assert store.unfinished(group) == [1]
+    made = store.rows_made(group, asked, runs)
+    assert [*made] == [3, 5]
+    for k in (0, 2):
+        ours, theirs = made[3 + k], part[k]
+        assert ours.outcome == theirs.outcome
+        assert (ours.quantities == theirs.quantities).all()
+        assert (ours.series == theirs.series).all()
+        assert (ours.message, ours.t_last) == (theirs.message, theirs.t_last)
+    assert load_study(path).outcomes == {"OK": 6, "NOT RUN": 1}
+    (path / "message" / "c" / "1").unlink()
+    assert store.rows_made(group, asked, runs) == {}
 
 
 @pytest.mark.parametrize(

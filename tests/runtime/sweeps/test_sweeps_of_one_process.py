@@ -14,7 +14,7 @@ from codegen import Model
 from codegen.errors import InputError, LinkwrightError
 from runtime import load, load_study, sweep
 from runtime.core.outcomes import Outcome
-from runtime.sweeps import block, execution, planning, programs, store
+from runtime.sweeps import block, execution, member_run, programs, store
 from runtime.sweeps.block import run_block
 from runtime.sweeps.store_template import create_store
 from tests.runtime.sweeps.test_resumption import same
@@ -167,7 +167,7 @@ def test_an_interrupt_of_a_trial_member_ends_the_sweep(
     request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ended = SimpleNamespace(outcome=Outcome.INTERRUPTED, failed=True)
-    monkeypatch.setattr(planning, "run_member", lambda *arguments: ended)
+    monkeypatch.setattr(member_run, "run_member", lambda *arguments: ended)
     with pytest.raises(KeyboardInterrupt):
         sweep(out=tmp_path / "s.zarr", **request_of)
     assert not (tmp_path / "s.zarr").exists()

@@ -5,7 +5,7 @@ import { shiftOf } from "./poses.js";
 import { place, svg, through } from "./signs.js";
 
 const LAYERS = { hatch: "ground", rail: "ground", support: "ground", hub: "joints", pin: "joints", fixing: "joints",
-  hole: "joints", mark: "joints" };
+  hole: "joints", mark: "joints", "bracket-support": "joints", "bracket-rail": "joints", "bracket-hatch": "joints" };
 const ORDER = { gear: 0, ring: 0, slot: 2 };
 const GRASP = 0.028; // of the machine's size: how near to a pin a click is one on it
 
