@@ -31,6 +31,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "docstrings",
     "glossary_terms",
+    "notebook_pictures",
     "repository_links",
 ]
 root_doc = "index"
