@@ -105,7 +105,7 @@ gallery: $(READY) ## run every machine of the chapter: one table, all figures in
 figures: $(READY) ## draw the book's figures into figures/
 	$(FIGURES)
 
-hard: $(READY) ## run every hard case by every method and write docs/development/hard-cases.md
+hard: $(READY) ## run every hard case by every method and write benchmarks/results/hard-cases.md
 	$(PY) -m models.hard $(CASES)
 
 notebooks: $(READY) ## run every notebook from top to bottom

@@ -23,6 +23,7 @@ from codegen.generated_module_signature_and_import import is_signed
 from codegen.library_layout import LIBRARY, file_beside, model_names, models_folder
 from codegen.model import Model
 from codegen.plain_values import one_line, shown
+from codegen.sympy_remedies import sympy_remedy
 
 _LONGEST_PATH = 1000  # layout: characters of a path in a message
 _IN_USE = {
@@ -218,7 +219,8 @@ def _execute(path: Path) -> tuple[dict[str, object], list[Path]]:
         if isinstance(error, SyntaxError) and error.filename == str(path):
             line = f", line {error.lineno}" if error.lineno else ""
         try:
-            why = f"{type(error).__name__}: {error}"
+            remedy = sympy_remedy(error)
+            why = f"{type(error).__name__}: {error}" + (f". Note: {remedy}." if remedy else "")
         except Exception:
             why = f"{type(error).__name__}, whose text cannot be had"
         raise ModelFileError(f"{path}{line}: the model file fails with {why}") from error

@@ -29,6 +29,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
+    "built_links",
     "docstrings",
     "glossary_terms",
     "notebook_pictures",

@@ -11,6 +11,7 @@
     linkwright check NAME.py                                   is it sound?
     linkwright draw NAME.py --out NAME.png                     what does it look like?
     linkwright simulate NAME.py --t-end 5                      how does it move?
+    linkwright report NAME.py --t-end 5 --out NAME.html        can I watch it, in a browser?
     linkwright inverse NAME.py --scene driven --t-end 1        what does it take to drive it?
     linkwright equilibrium NAME.py --scene swing               where does it rest?
 

@@ -9,6 +9,7 @@
     linkwright check NAME.py                                   is it sound?
     linkwright draw NAME.py --out NAME.png                     what does it look like?
     linkwright simulate NAME.py --t-end 10                     how does it move?
+    linkwright report NAME.py --t-end 10 --out NAME.html       can I watch it, in a browser?
     linkwright equilibrium NAME.py                             where does it rest?
 
 Units are SI: m, kg, s, N, rad.

@@ -1,7 +1,7 @@
 """``python -m models.hard``: every hard case by every method at every tolerance.
 
-Writes the page `docs/development/hard-cases.md` and the cells as JSON lines. Fails where a cell is
-silently wrong or hangs.
+Writes the page `benchmarks/results/hard-cases.md` and the cells as JSON lines. Fails where a cell
+is silently wrong or hangs.
 """
 
 import json
@@ -36,7 +36,7 @@ def main(
     ] = False,
     out: Annotated[
         Path | None,
-        typer.Option(help="The page; docs/development/hard-cases.md for a run of everything."),
+        typer.Option(help="The page; benchmarks/results/hard-cases.md for a run of everything."),
     ] = None,
     results: Annotated[Path, typer.Option(help="The cells, a JSON object a line.")] = Path(
         "results/hard-cases.jsonl"
@@ -65,7 +65,7 @@ def main(
             lines.write(json.dumps(cell.record(), ensure_ascii=False) + "\n")
             lines.flush()
     whole = not (only or method or quick)
-    page = out or (Path("docs/development/hard-cases.md") if whole else None)
+    page = out or (Path("benchmarks/results/hard-cases.md") if whole else None)
     if page is not None:
         page.write_text(markdown(GROUPS, cells), encoding="utf-8")
     summary(cells)

@@ -225,7 +225,8 @@ def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
         "v": last([row.velocity for row in about.positions], result.v),
         **({"y": last(about.states.names, result.y)} if about.states else {}),
         "events": [
-            {"t": e.time, "name": e.name, "what": e.what, "word": e.word} for e in result.events
+            {"t": e.time, "name": e.name, "element": e.element, "what": e.what, "word": e.word}
+            for e in result.events
         ],
         "saved": None if saved is None else str(saved),
     }

@@ -13,6 +13,7 @@ from runtime.results.samples import plain
 FloatArray = npt.NDArray[np.float64]
 Kind = Literal["crossing", "lock-up", "start", "unclear"]
 
+_SINGULAR = (Direction.CROSSED, Direction.LOCKED)
 _SMALL = 0.02  # layout: part of the largest share, below which a text leaves a share out
 _MOST = 8  # layout: shares that a text shows
 _LONGEST = 60  # layout: characters of a condition in the text of an event
@@ -25,8 +26,8 @@ class Event(NamedTuple):
     Attributes
     ----------
     name
-        `effect: condition`; of a singular position its drivers and joints, as
-        `singular: drive, A, B`.
+        `effect: condition`, as `Result.mode` takes it; of a singular position its drivers and
+        joints, as `singular: drive, A, B`. The effect alone is `element`.
     time
         In s; where bouncing ends, the instant at which its last flight would.
     direction
@@ -57,9 +58,14 @@ class Event(NamedTuple):
     def text(self) -> str:
         """What happened, in a few words: `plate touches`, `gas: slider_vx > 0 began`."""
         if self.word:
-            return f"{self.name.partition(':')[0]} {self.word}"
+            return f"{self.element} {self.word}"
         name, what = self.name, self.what
         return f"{name[:_LONGEST] + ' …' if len(name) > _LONGEST else name}, {what}"
+
+    @property
+    def element(self) -> str:
+        """The contact, friction, force or driver whose event it is; "" of a singular position."""
+        return "" if self.direction in _SINGULAR else self.name.partition(":")[0]
 
     @property
     def what(self) -> str:

@@ -49,6 +49,7 @@ def test_a_crossing_is_an_event_with_its_facts() -> None:
     assert free["rod.x"] == pytest.approx(0.5 * free["slider.x"], rel=1e-9)
     (event,) = result.events
     assert (event.what, event.time, event.name) == ("crossed", found.time, found.title)
+    assert event.element == ""
     columns = [row.name for row in result.description.coordinates]
     assert event.q[columns.index("crank.phi")] == pytest.approx(np.pi / 2, abs=1e-10)
     assert event.v[columns.index("slider.x")] == pytest.approx(-2 * OMEGA, abs=1e-9)

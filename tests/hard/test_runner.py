@@ -176,7 +176,7 @@ def test_an_unknown_name_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_run_of_one_case_leaves_the_page_alone(tmp_path: Path, root: Path) -> None:
-    page = root / "docs" / "development" / "hard-cases.md"
+    page = root / "benchmarks" / "results" / "hard-cases.md"
     before = page.read_bytes()
     out, cells = tmp_path / "page.md", tmp_path / "cells.jsonl"
     main(only=["one_step"], method=[COMPARED], quick=True, out=out, results=cells)

@@ -39,6 +39,7 @@ def test_a_template_runs_as_it_is_written(kind: str, folder: Path) -> None:
     r = m.simulate(0.2)
     assert r.outcome == lw.Outcome.OK
     assert abs(r.v(m.coordinates[2].velocity)).max() > 0.1
+    assert {"check", "draw", "simulate", "report"} <= {line.split()[1] for line in said(done)}
     for line in said(done):
         command = line.partition("  ")[0].split()
         assert command[0] == "linkwright"

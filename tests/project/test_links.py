@@ -9,7 +9,8 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 WRITTEN = ("_build", "notebooks", "pages")  # folders of docs that a build of the site writes
 PAGES = [
     page
-    for page in sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+    for folder in ("", "docs", "benchmarks", "tests/data")
+    for page in sorted((ROOT / folder).glob("**/*.md" if folder else "*.md"))
     if not set(WRITTEN) & set(page.relative_to(ROOT).parts)
 ]
 LINK = re.compile(r"\]\((?!https?:)([^)#]+)(#[^)]*)?\)")

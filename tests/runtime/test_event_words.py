@@ -25,9 +25,12 @@ def test_a_ball_touches_leaves_and_rests(workshop: Path) -> None:
     model.scene("falls", ["gravity", "plate"], start={
         ball.x: 0.0, ball.y: 1.0, ball.vx: 0.0, ball.vy: 0.0
     })  # fmt: skip
-    found = words(load(model, folder=workshop).simulate(3.0))
+    r = load(model, folder=workshop).simulate(3.0)
+    found = words(r)
     assert found[0] == "plate touches"
     assert found[-1] == "plate rests"
+    assert {event.element for event in r.events} == {"plate"}
+    assert all(event.name == "plate: ball_y > 0" for event in r.events)
 
 
 def block(name: str) -> tuple[Model, object]:
@@ -64,8 +67,9 @@ def test_friction_slips_sticks_and_reverses(workshop: Path) -> None:
     model.force("shake", mass, fx=1.5 * sin(2 * pi * t))
     model.dry_friction("rub", coefficient=1.0, normal=1.0, slip=mass.vx)
     model.scene("runs", ["shake", "rub"], start={mass.x: 0.0, mass.vx: 0.0})
-    found = {*words(load(model, folder=workshop).simulate(3.0))}
-    assert {"rub slips", "rub sticks"} <= found
+    r = load(model, folder=workshop).simulate(3.0)
+    assert {"rub slips", "rub sticks"} <= {*words(r)}
+    assert {event.element for event in r.events} == {"rub"}
 
 
 def stopped(name: str, **stop: float) -> Result:

@@ -24,7 +24,7 @@ def event_marks(result: "Result") -> list[dict[str, Any]]:
         {
             "t": float(event.time),
             "text": event.text,
-            "element": event.name.partition(":")[0],
+            "element": event.element,
             "flash": event.word in _FLASHES or event.what in _FLASHES,
         }
         for event in events[:MAX_MARKS]

@@ -273,7 +273,7 @@ def _event(word: str, effect: str, number: int, result: Result) -> QuantityValue
     if effect not in effects:
         where = f"{description.title}: "
         raise UnknownNameError(where + unknown("effect with events", effect, effects))
-    times = [event.time for event in result.events if event.name.partition(":")[0] == effect]
+    times = [event.time for event in result.events if event.element == effect]
     if effect in own:  # beside events of the parts of its condition
         times = [change.time for change in result.reconnections if change.joint == effect]
         times += [float(result.t[-1])] if result.ended_by == effect else []
