@@ -10,6 +10,7 @@ from typing import Any
 
 from codegen.check.assembly import Assembly, assemble_at_start
 from codegen.check.declaration import check_model, check_scene
+from codegen.check.joint_places import bodies_held_at_one_point, one_joint_bodies
 from codegen.derive.equations import Equations
 from codegen.driver import translate, valid_scenes, with_settings, without_overridden
 from codegen.errors import FAILURES, LinkwrightError, SceneError
@@ -30,6 +31,8 @@ class SceneFacts:
         Sentences about redundant constraints.
     left_out, unused
         Effects and drivers, and parameters, that have no share in the scene.
+    one_joint
+        Bodies that one joint alone holds, each with the joint.
     """
 
     name: str
@@ -43,6 +46,7 @@ class SceneFacts:
     assembly: Assembly
     left_out: tuple[tuple[str, str], ...]
     unused: tuple[str, ...]
+    one_joint: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,7 @@ class DeclarationReport:
                 "degrees_of_freedom": s.degrees_of_freedom, "notes": s.notes,
                 "gap": s.assembly.gap, "moved": [one._asdict() for one in s.assembly.moved],
                 "left_out": [name for name, _ in s.left_out], "unused_parameters": s.unused,
+                "one_joint": dict(s.one_joint),
             }
             for s in self.scenes
         ]  # fmt: skip
@@ -117,11 +122,13 @@ def check_declaration(
                 clock = Clock({}, progress, f"{declared.name}, scene {chosen.name}")
                 equations, lowered, findings = translate(declared, chosen, clock)
                 progress(f"{declared.name}, scene {chosen.name}: assemble")
-                facts = _facts(equations, findings, assemble_at_start(lowered))
+                facts = _facts(declared, equations, findings, assemble_at_start(lowered))
                 scenes.append(facts)
                 problems += filter(None, (facts.assembly.problem,))
         except LinkwrightError as error:
             problems += error.problems
+    if problems:
+        problems += bodies_held_at_one_point(declared)
     complete = scene is None and not problems
     unused = _unused(declared, scenes) if complete else {}
     return DeclarationReport(declared.name, tuple(dict.fromkeys(problems)), tuple(scenes), unused)
@@ -138,14 +145,16 @@ def _problems_of_scene(model: Model, name: str) -> list[str]:
     return found
 
 
-def _facts(equations: Equations, findings: Any, assembly: Assembly) -> SceneFacts:
+def _facts(model: Model, equations: Equations, findings: Any, assembly: Assembly) -> SceneFacts:
+    left_out = [name for name, _ in equations.left_out]
+    one_joint = [row for row in one_joint_bodies(model, left_out) if row[0] in equations.bodies]
     positions = len(equations.coordinates) - len(equations.states)
     return SceneFacts(
         equations.scene.name, equations.scene.analysis, equations.bodies, positions,
         sum(len(c.statement.rows) for c in equations.constraints),
         positions - findings.independent,
         tuple(c.name for c in equations.constraints if c.driver), findings.notes, assembly,
-        equations.left_out, equations.unused,
+        equations.left_out, equations.unused, tuple(one_joint),
     )  # fmt: skip
 
 

@@ -46,6 +46,9 @@ def rows(scene: "SceneFacts") -> list[tuple[str, str]]:
         ("equations", f"{counts}; {'some redundant' if scene.notes else 'none redundant'}"),
         ("assembly", _assembly(scene.assembly, scene.constraints)),
     ]
+    if scene.one_joint and scene.degrees_of_freedom:
+        ends = ", ".join(f"{body} ({joint})" for body, joint in scene.one_joint)
+        found.append(("one joint", ends))
     left_out = [", ".join(name for name, _ in scene.left_out)] if scene.left_out else []
     if scene.unused:
         word = "parameter" if len(scene.unused) == 1 else "parameters"

@@ -92,7 +92,8 @@ def _why_open(lowered: Lowered, poses: Poses, q: FloatArray) -> str:
         said = ", ".join(f"{name} = {value:g}" for name, value in fixed)
         return (
             f"{where}: the start values contradict the joints. start= says {said}; with these "
-            f"{gaps}. Move one of them to guess=, or correct its value."
+            f"{gaps}. Move one of them to guess=, correct its value, or check the points and "
+            "dimensions of these joints: `linkwright draw` shows the gaps."
         )
     if description.drivers:
         joints = np.array([float(c[0] not in description.drivers) for c in description.constraints])
@@ -105,7 +106,7 @@ def _why_open(lowered: Lowered, poses: Poses, q: FloatArray) -> str:
     return (
         f"{where}: the joints do not close at the start; the nearest position found leaves "
         f"gaps: {gaps}. Check the points and dimensions of these joints, or give guesses nearer to "
-        "an assembled position."
+        "an assembled position; `linkwright draw` shows the gaps."
     )
 
 

@@ -115,6 +115,7 @@ def require_driven(mechanism: Mechanism, start: Assembly, analysis: str) -> None
         f"{description.title}: {analysis.replace('_', ' ')} needs a machine without freedom, and "
         f"{free} degree{'s' if free > 1 else ''} of freedom "
         f"{'are' if free > 1 else 'is'} left ({len(description.positions)} coordinates, drivers: "
-        f"{drivers}). Add {free} driver{'s' if free > 1 else ''} to the scene, "
-        f"or ask for simulate.{hint}"
+        f"{drivers}). Add {free} driver{'s' if free > 1 else ''} to the scene, or the joint "
+        "that is missing (`linkwright check` names the bodies that one joint alone holds), or ask "
+        f"for simulate.{hint}"
     )

@@ -9,7 +9,7 @@ from codegen import Model, ModelFileError, ParameterError, SceneError, t
 from codegen.declaration_report import check_declaration
 
 
-def linkage(crank: float = 1.0) -> Model:
+def linkage(crank: float = 1.0, rocker_end: float = 1.25, closed: bool = True) -> Model:
     """A four-bar linkage with a parameter, an effect and a driver that no scene uses."""
     model = Model("linkage", gravity=(0, -9.81))
     model.parameter("spare", 1.0)
@@ -22,8 +22,9 @@ def linkage(crank: float = 1.0) -> Model:
     right = {name: bars[name].at(ends[name] / 2, 0) for name in bars}
     model.revolute("A", model.ground.at(0, 0), left["crank"])
     model.revolute("B", right["crank"], left["coupler"])
-    model.revolute("C", right["coupler"], right["rocker"])
-    model.revolute("D", model.ground.at(3, 0), left["rocker"])
+    model.revolute("C", right["coupler"], bars["rocker"].at(rocker_end, 0))
+    if closed:
+        model.revolute("D", model.ground.at(3, 0), left["rocker"])
     model.torque("push", on=bars["crank"], value=3.0)
     model.driver("motor", bars["crank"].phi, speed * t)
     model.driver("other", bars["rocker"].phi, t)
@@ -108,6 +109,25 @@ def test_a_driver_out_of_reach() -> None:
     model.scene("drawn", drivers=["other"], guess=DRAWN)
     (problem,) = check_declaration(model, "drawn").problems
     assert "the joints close, but not with what the drivers (other) demand at t = 0" in problem
+
+
+def test_a_point_with_a_wrong_sign_is_named() -> None:
+    *open_joints, hint = check_declaration(linkage(rocker_end=-1.25)).problems
+    assert all("scene 'free'" in text or "scene 'driven'" in text for text in open_joints)
+    assert len(open_joints) == 2
+    assert hint.startswith("Joints C and D hold body 'rocker' at one point, (-1.25, 0): ")
+    other = check_declaration(linkage(crank=9.0)).problems
+    assert other
+    assert not any("at one point" in text for text in other)
+
+
+def test_a_forgotten_joint_leaves_a_body_on_one_joint() -> None:
+    assert all(scene.one_joint == () for scene in check_declaration(linkage()).scenes)
+    report = check_declaration(linkage(closed=False))
+    assert [(s.one_joint, s.degrees_of_freedom) for s in report.scenes] == [
+        ((("rocker", "C"),), 3), ((("rocker", "C"),), 2),
+    ]  # fmt: skip
+    assert report.facts()["scenes"][0]["one_joint"] == {"rocker": "C"}
 
 
 def test_a_driver_too_many_and_a_joint_too_many() -> None:
