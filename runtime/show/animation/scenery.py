@@ -11,6 +11,7 @@ from codegen.drawing.moving_strokes import SPRING
 from codegen.drawing.rigid_strokes import rigid_strokes
 from codegen.drawing.shapes import Belt, ContactSide, Place, SpiralSpring, Spring
 from codegen.drawing.spring_lines import spring_parts, torsion_parts
+from codegen.drawing.stroke_styles import depth, layer_name
 from codegen.drawing.wheel_lines import belt_parts
 from runtime.show.animation.contacts import contact_numbers, moving_surfaces
 from runtime.show.animation.payload import Arrays
@@ -66,6 +67,8 @@ def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
         "strokes": [
             {
                 "style": stroke.style,
+                "layer": layer_name(stroke.style),
+                "depth": depth(stroke.style),
                 "body": stroke.body,
                 "element": stroke.element,
                 "closed": stroke.closed,
@@ -78,6 +81,8 @@ def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
         + [
             {
                 "style": stroke.style,
+                "layer": layer_name(stroke.style),
+                "depth": depth(stroke.style),
                 "body": 0,
                 "element": stroke.element,
                 "closed": False,

@@ -7,7 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen.drawing.moving_strokes import moving_strokes
-from codegen.drawing.shapes import Belt, Place, Shape, SpiralSpring, Spring
+from codegen.drawing.shapes import Belt, Place, Shape, SpiralSpring, Spring, Wheel
+from runtime.show.animation.payload import Arrays
+from runtime.show.animation.scenery import scenery
 from tests.runtime.show.animation.conftest import Open
 from tests.runtime.show.animation.machines import crank_pictures, page_of
 
@@ -37,3 +39,14 @@ def test_lines_of_a_page_are_those_of_a_figure(show: Open, tmp_path: Path, shape
         for (_, d), stroke in zip(paths, strokes, strict=True):
             points = [[float(v) for v in at.split()] for at in d.strip("MZ").split("L")]
             assert_allclose(points, stroke.points, atol=3e-6)
+
+
+def test_a_page_has_the_layers_of_a_figure() -> None:
+    wheel = Wheel(Place(1, 0.0, 0.0), 0.2, True)
+    run = scenery(crank_pictures(np.arange(2.0), np.zeros(2), shapes=(wheel,)), Arrays())
+    found = {stroke["style"]: (stroke["layer"], stroke["depth"]) for stroke in run["strokes"]}
+    assert found == {
+        "support": ("ground", 1), "rail": ("ground", 1), "hatch": ("ground", 1),
+        "gear": ("bodies", 0), "pitch": ("bodies", 1), "spoke": ("bodies", 1),
+        "hub": ("joints", 1), "pin": ("joints", 1),
+    }  # fmt: skip
