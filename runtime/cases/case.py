@@ -13,9 +13,10 @@ from codegen.plain_values import shown
 from codegen.public_callables import checked_class, immutable, named_attributes
 from codegen.whole_files import whole_file
 from runtime.cases.document import ENDINGS, Entry, entry_of, place, read_document
-from runtime.cases.fields import ANALYSES, FORMAT, RUN, case_record
+from runtime.cases.fields import FORMAT, RUN, case_record
 from runtime.cases.machine_values import run_words, values_of
 from runtime.cases.writing import text_of
+from runtime.core.analysis_names import ANALYSES
 
 if TYPE_CHECKING:
     from codegen import Model, Scene

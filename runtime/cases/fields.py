@@ -20,11 +20,11 @@ from runtime.cases.kinds import (
     choice,
     count,
 )
+from runtime.core.analysis_names import ANALYSES
 
 FORMAT = "linkwright case 1"
 """The format and its version."""
 
-ANALYSES = ("simulate", "kinematics", "inverse_dynamics", "equilibrium")
 _VALUES = MapOf(QUANTITY_KIND)
 _NAMES = ListOf(TEXT)
 _WORDS = MapOf(TEXT)

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from runtime.machine_facade import Machine
 
 _ENDINGS = (".yaml", ".yml", ".json")
-_SAME = {"inverse": "inverse_dynamics", "inverse-dynamics": "inverse_dynamics"}
 _OTHER_MEANING = {
     "accuracy": {"method", "formulation", "rtol", "accuracy", "points"},
     "matters": {"accuracy", "quantity", "points"},
@@ -50,11 +49,11 @@ def read_case(context: typer.Context, model: str | None) -> str | None:
 
 def _options(case: "Case", context: typer.Context) -> dict[str, Any]:
     """The words of a case by the names of the options that they stand for."""
-    from runtime.cases.fields import ANALYSES
     from runtime.cases.machine_values import SECONDS_WORDS, seconds
+    from runtime.core.analysis_names import ANALYSES, analysis_name
 
     command = context.info_name or ""
-    analysis = _SAME.get(command, command)
+    analysis = analysis_name(command)
     if analysis in ANALYSES and analysis != case.analysis:
         asked = case.analysis.replace("_", "-")
         raise InputError(

@@ -108,5 +108,5 @@ def analysis_of(machine: "Machine") -> str:
     if description.analysis == "equilibrium":
         return "equilibrium"
     if description.drivers and machine.is_determined:
-        return "inverse" if description.has_masses else "kinematics"
+        return "inverse_dynamics" if description.has_masses else "kinematics"
     return "simulate"

@@ -20,6 +20,14 @@ _MOST_TASKS = 2048  # safety: blocks that the scheduler has at a time, more than
 _MOST_ATTEMPTS = 100  # safety: times that a block is given to the cluster anew, after lost workers
 
 
+def import_programs() -> None:
+    """Import in a worker what its first block needs, while the sweep is planned."""
+    from importlib import import_module
+
+    for name in ("runtime.sweeps.block", "runtime.dynamics.connected_simulation"):
+        import_module(name)
+
+
 def run_pickled(job: bytes, block: int) -> BlockReport:
     """A block of a job that travels as it does to local processes."""
     import pickle
@@ -32,7 +40,7 @@ class ClusterWorkers:
 
     replaced = 0
 
-    def __init__(self, job: Job, address: str) -> None:
+    def __init__(self, address: str) -> None:
         try:
             import distributed
         except ImportError as error:
@@ -41,7 +49,7 @@ class ClusterWorkers:
                 "'linkwright[sweep]', in the checkout pip install '.[sweep]'."
             ) from error
         client: Any = distributed.Client  # which has no types
-        self.address, self.job, self.digest = address, pickled(job), job.digest[:12]
+        self.address = address
         try:
             self.client: Any = client(address, timeout=_PATIENCE, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
@@ -53,6 +61,14 @@ class ClusterWorkers:
         self.times: dict[int, int] = {}
         self.futures: dict[int, Any] = {}
         self.last_worker = time.monotonic()  # when the cluster had a worker last; inf: said already
+        self.first = [
+            self.client.submit(import_programs, workers=[worker], pure=False)
+            for worker in self.client.nthreads()
+        ]
+
+    def take(self, job: Job) -> None:
+        """Make blocks of this job from now on."""
+        self.job, self.digest = pickled(job), job.digest[:12]
 
     @property
     def room(self) -> int:
@@ -127,6 +143,8 @@ class ClusterWorkers:
 
     def close(self) -> None:
         """Cancel what is not done, and leave the cluster as it is."""
-        if self.client.status == "running" and self.futures:
-            self.client.cancel(list(self.futures.values()))
+        if self.client.status == "closed":
+            return
+        if self.client.status == "running":
+            self.client.cancel([*self.first, *self.futures.values()])
         self.client.close(timeout=_PATIENCE)

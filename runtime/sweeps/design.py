@@ -52,6 +52,9 @@ class Design:
         }
 
 
+NOTHING = Design(GIVEN, (), np.zeros((0, 0)))
+
+
 def design_of(
     factors: Sequence[Factor], sample: str | None, count: int | None, seed: int
 ) -> Design:

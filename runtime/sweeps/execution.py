@@ -2,12 +2,14 @@
 
 import math
 import shutil
+import threading
 import time
 from collections import deque
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from filelock import FileLock, Timeout
 
@@ -27,6 +29,9 @@ from runtime.sweeps.programs import program_facts
 from runtime.sweeps.request import Request, differences, digest_of
 from runtime.sweeps.store_attributes import Layout
 from runtime.sweeps.store_template import create_store
+
+if TYPE_CHECKING:
+    from runtime.sweeps.dask_cluster import ClusterWorkers
 
 BLOCK_SECONDS = 3.0  # measured: of runs in a block, beside which starting and writing is little
 BLOCK_BYTES = 64 << 20  # safety: of rows in a block, which a worker has in memory twice
@@ -139,8 +144,8 @@ def block_size(runs: int, seconds: float, workers: int, row: int) -> int:
 
 
 def execute(
-    job: Job, blocks: list[int], *, workers: int | None, scheduler: str | None, progress: bool,
-    title: str,
+    job: Job, blocks: list[int], *, workers: int | None, cluster: "ClusterWorkers | None",
+    progress: bool, title: str,
 ) -> Execution:  # fmt: skip
     """Make these blocks of a store.
 
@@ -155,7 +160,9 @@ def execute(
     began = time.perf_counter()
     with SignalDeferral(computing=True) as signals:
         expected = about["seconds"] * min(len(blocks) * layout.block, layout.runs)
-        executor = _executor(job, expected, len(blocks), workers, scheduler)
+        executor = _executor(job, expected, len(blocks), workers, cluster)
+        if not isinstance(executor, ThisProcess):  # while others work: a study needs it at the end
+            threading.Thread(target=import_module, args=("xarray",)).start()
         with _advice(path, layout):
             try:
                 with bar(title, progress) as report:
@@ -205,13 +212,12 @@ def _require_rows(path: Path, blocks: list[int]) -> None:
 
 
 def _executor(
-    job: Job, expected: float, blocks: int, workers: int | None, scheduler: str | None
+    job: Job, expected: float, blocks: int, workers: int | None, cluster: "ClusterWorkers | None"
 ) -> Executor:
     """Who makes the blocks, of which all runs are expected to take so many seconds."""
-    if scheduler is not None:
-        from runtime.sweeps.dask_cluster import ClusterWorkers
-
-        return ClusterWorkers(job, scheduler)
+    if cluster is not None:
+        cluster.take(job)
+        return cluster
     if workers == 0 or (workers is None and expected < LEAST_SECONDS):
         return ThisProcess(job)
     return LocalWorkers(job, min(workers or available_cores(), blocks))

@@ -6,7 +6,7 @@ J1=200:1000               an interval, from which a sample draws uniformly
 J1=uniform:200:1000       the same
 J1=normal:450:20          mean and standard deviation
 J1=log:1:1000:4           4 values at equal ratios, ends included
-l=100 mm:200 mm:4         in a unit of their own, which all numbers have
+l=100 mm:20 cm:4          in units of their own, which all numbers have
 """
 
 import math
@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from codegen.plain_values import finite_float, one_line, shown
-from codegen.quantities import QUANTITY
+from codegen.quantities import QUANTITY, QuantityError, number_in
 
 FloatArray = npt.NDArray[np.float64]
 DISTRIBUTIONS = ("uniform", "normal")
@@ -156,7 +156,7 @@ def _count(text: str, first: float, last: float, where: str) -> int:
 
 
 def _numbers(texts: Sequence[str], where: str) -> tuple[list[float], str]:
-    """Numbers of one unit, and the unit; empty where they have none."""
+    """Numbers in the unit of the first one, and that unit; empty where they have none."""
     values, units = list[float](), list[str]()
     for text in texts:
         parts = QUANTITY.fullmatch(text)
@@ -165,9 +165,15 @@ def _numbers(texts: Sequence[str], where: str) -> tuple[list[float], str]:
             raise InputError(f"{where}: {_FORM}.")
         values.append(value)
         units.append((parts[2] or "").strip() if parts else "")
-    if len({*units}) > 1:
-        raise InputError(f"{where}: give all numbers the same unit, or none.")
-    return values, units[0] if units else ""
+    if len({*units}) < 2:
+        return values, units[0] if units else ""
+    if "" in units:
+        raise InputError(f"{where}: give all numbers a unit, or none.")
+    try:
+        pairs = zip(values, units, strict=True)
+        return [number_in(f"{x!r} {unit}", units[0]) for x, unit in pairs], units[0]
+    except QuantityError as error:
+        raise InputError(f"{where}: {error}") from None
 
 
 def _number(text: str) -> float | None:

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from codegen.errors import InputError, LinkwrightError, UnknownNameError
+from runtime.core.analysis_names import ANALYSES, analysis_name, analysis_title
 from runtime.integrate.method import IMPLICIT
 from runtime.machine_facade import Machine
 from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Function, declared_unit
-from runtime.studies.effect_ranking.trial_and_comparison import ANALYSES
 from runtime.studies.run_words import read_words, refuse_run_words
 from runtime.studies.scene_loading import analysis_of, require_time_span
 from runtime.studies.series_by_name import own_name, series_names, unknown_series
@@ -45,8 +45,7 @@ def plan_of(
         With everything that is wrong with it.
     """
     about, mechanism = machine.description, machine.mechanism
-    kind, t_start = (analysis or "").replace("-", "_").replace(" ", "_"), span[0]
-    kind = "inverse" if kind == "inverse_dynamics" else kind or analysis_of(machine)
+    kind, t_start = analysis_name(analysis or "") or analysis_of(machine), span[0]
     parameters, guess, start = (dict(given or {}) for given in values)
     problems = list[str]()
     starts = _starts(machine, design, problems)
@@ -83,8 +82,7 @@ def _words(machine: Machine, kind: str, settings: Mapping[str, Any]) -> dict[str
     """The options of a simulation that are given; refused where nothing is integrated."""
     words = read_words(machine, settings)
     if kind in ANALYSES and kind != "simulate":
-        names = {"inverse": "inverse dynamics"}
-        refuse_run_words(words, machine.mechanism.title, names.get(kind, kind))
+        refuse_run_words(words, machine.mechanism.title, analysis_title(kind))
     return words
 
 

@@ -1,7 +1,8 @@
 """A sweep: its design is checked, its machine built, one run measured, and its blocks are made."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +16,7 @@ from runtime.studies import scene_loading
 from runtime.studies.effect_ranking.quantity import Function
 from runtime.studies.run_words import takes_run_words
 from runtime.sweeps import store
-from runtime.sweeps.design import Design, design_of, given_design, in_declared_units
+from runtime.sweeps.design import NOTHING, Design, design_of, given_design, in_declared_units
 from runtime.sweeps.execution import begin_store, execute, job_of, require_same, store_lock
 from runtime.sweeps.factors import read_factors
 from runtime.sweeps.member_run import REPEATED, Row
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
     from codegen import Model, Scene
     from runtime.integrate.problem import Formulation
+    from runtime.sweeps.dask_cluster import ClusterWorkers
 
 Over = Mapping[str, Any] | Sequence[str]
 _NAMES = readers.texts('("max:B.fx",)')
@@ -159,18 +161,19 @@ def sweep(
     problems = list[str]()
     design = attempt(problems, lambda: _design(over, sample, count, seed))
     attempt(problems, lambda: _require_place(path, resume=resume))
-    if problems or design is None:
+    machine = attempt(problems, lambda: load(model, scene, folder=folder, generated=generated))
+    if machine is None:
         raise InputError(problems)
-    machine = load(model, scene, folder=folder, generated=generated)
-    given = attempt(problems, partial(in_declared_units, design, partial(factor_unit, machine)))
     settings = {
         "accuracy": accuracy, "method": method, "formulation": formulation, "rtol": rtol, **run
     }  # fmt: skip
+    checked = design or NOTHING  # whatever is wrong with the points, the rest is checked as well
+    given = attempt(problems, partial(in_declared_units, checked, partial(factor_unit, machine)))
     request = attempt(problems, lambda: plan_of(
-        machine, given or design, quantities=dict(quantities), keep=tuple(keep), analysis=analysis,  # type: ignore[arg-type]
+        machine, given or checked, quantities=dict(quantities), keep=tuple(keep), analysis=analysis,  # type: ignore[arg-type]
         span=(t_start, t_end), points=points, values=(parameters, guess, start), settings=settings,
     ))  # fmt: skip
-    if given is None or request is None:
+    if problems or given is None or request is None:
         raise InputError(problems)
     with store_lock(path):
         _require_place(path, resume=resume)  # another sweep may have begun meanwhile
@@ -183,22 +186,40 @@ def _study(
 ) -> Study:  # fmt: skip
     """The study of a request: its store, which is created or goes on, and the runs it lacks."""
     trials: Mapping[int, Row] = {}
+    blocks = None
     if path.exists():
         require_same(path, request, design)
         blocks = store.unfinished(store.open_group(path), repeated=REPEATED)
         if not blocks:
             return Study(path, machine, request)
-        if any(row.reconnects for row in machine.mechanism.description.watched):
+    with _cluster(scheduler) as cluster:
+        if blocks is None:
+            estimate = estimate_of(machine, request, design)
+            begin_store(path, request, design, estimate, workers)
+            trials, blocks = estimate.rows, [*range(store.layout_of(store.open_group(path)).blocks)]
+        elif any(row.reconnects for row in machine.mechanism.description.watched):
             trials = estimate_of(machine, request, design).rows  # build the scenes that are reached
-    else:
-        estimate = estimate_of(machine, request, design)
-        begin_store(path, request, design, estimate, workers)
-        trials, blocks = estimate.rows, [*range(store.layout_of(store.open_group(path)).blocks)]
-    execution = execute(
-        job_of(path, machine, request, design, trials), blocks, workers=workers,
-        scheduler=scheduler, progress=progress, title=f"sweep of {machine.mechanism.title}",
-    )  # fmt: skip
+        execution = execute(
+            job_of(path, machine, request, design, trials), blocks, workers=workers,
+            cluster=cluster, progress=progress, title=f"sweep of {machine.mechanism.title}",
+        )  # fmt: skip
     return Study(path, machine, request, execution)
+
+
+@contextmanager
+def _cluster(address: str | None) -> "Iterator[ClusterWorkers | None]":
+    """The workers of a scheduler, which import their programs meanwhile; None without one."""
+    if address is None:
+        yield None
+        return
+    from runtime.sweeps.dask_cluster import ClusterWorkers
+
+    workers = ClusterWorkers(address)
+    try:
+        yield workers
+    finally:
+        with suppress(OSError):
+            workers.close()
 
 
 def _design(over: Any, sample: str | None, count: int | None, seed: int) -> Design:

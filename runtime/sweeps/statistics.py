@@ -74,9 +74,7 @@ def sentences_of(study: "Study", execution: "Execution | None") -> Iterator[str]
 
 def _time(execution: "Execution") -> str:
     whole = execution.simulation + execution.overhead
-    share = execution.simulation / whole if whole else 1.0
+    share = f"{execution.simulation / whole:.1%} of the workers' processor time is simulation"
     lost = f"; {counted(execution.replaced, 'lost worker')} replaced" if execution.replaced else ""
-    return (
-        f"{counted(execution.runs, 'run')} in {execution.seconds:.1f} s; {share:.1%} of the "
-        f"workers' processor time is simulation{lost}"
-    )
+    made = f"{counted(execution.runs, 'run')} in {execution.seconds:.1f} s"
+    return f"{made}; {share}{lost}" if execution.simulation else f"{made}{lost}"

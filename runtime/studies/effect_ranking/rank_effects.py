@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from codegen import argument_readers as readers
 from codegen.errors import InputError
 from runtime.assembly.start_values import start_values
+from runtime.core.analysis_names import ANALYSES, analysis_name, analysis_title
 from runtime.machine_facade import Machine
 from runtime.studies import scene_loading
 from runtime.studies.effect_ranking import trial_and_comparison
@@ -94,7 +95,7 @@ def matters(
         If the full scene does not run to its end.
     """
     quantity = parse_quantity(asked)
-    analysis = _named(analysis)
+    analysis = None if analysis is None else analysis_name(analysis)
     _check(error, rtol, points, rounds, analysis)
     source = scene_loading.read_source(model, scene, folder, generated)
     changes = _changes(source, fidelities)
@@ -109,7 +110,7 @@ def matters(
     _require_start(machine, kind, guess, start, parameters, t_start)
     words = read_words(machine, run)
     if kind != "simulate":
-        refuse_run_words(words, title, "inverse dynamics" if kind == "inverse" else kind)
+        refuse_run_words(words, title, analysis_title(kind))
     values = dict(parameters or {}), dict(guess or {}), dict(start or {})
     span = float(t_start), float(end)
     plan = Plan(quantity, kind, *span, points, rtol, method, formulation, *values, words)
@@ -254,13 +255,6 @@ def _require_start(
     start_values(machine.mechanism, guess, release=True)
 
 
-def _named(analysis: str | None) -> str | None:
-    """The name of an analysis, of which inverse dynamics has several."""
-    if analysis in {"inverse_dynamics", "inverse-dynamics", "inverse dynamics"}:
-        return "inverse"
-    return analysis
-
-
 def _check(
     error: float | None, rtol: float, points: int, rounds: int | None, analysis: str | None
 ) -> None:
@@ -268,14 +262,14 @@ def _check(
     problems = []
     if error is not None and not 0.0 < error < 1.0:
         problems.append(f"error is {error:g}; it is a share of the quantity, between 0 and 1.")
-    least, analyses = trial_and_comparison.LEAST_RTOL, trial_and_comparison.ANALYSES
+    least = trial_and_comparison.LEAST_RTOL
     if not least <= rtol <= 1e-4:
         problems.append(f"rtol is {rtol:g}; to compare runs it lies from {least:g} to 1e-4.")
     if points < 11:
         problems.append(f"points is {points}; a quantity is taken from at least 11 instants.")
     if rounds is not None and rounds < 1:
         problems.append(f"rounds is {rounds}; a time takes at least one run.")
-    if analysis not in {None, *analyses}:
-        problems.append(f"There is no analysis {analysis!r}; there are: {', '.join(analyses)}.")
+    if analysis not in {None, *ANALYSES}:
+        problems.append(f"There is no analysis {analysis!r}; there are: {', '.join(ANALYSES)}.")
     if problems:
         raise InputError(problems)

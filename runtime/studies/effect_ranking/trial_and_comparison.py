@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from codegen import Scene
     from codegen.one_change_scenes import Variant
 
-ANALYSES = ("simulate", "kinematics", "inverse", "equilibrium")
 COARSER = 100.0  # accuracy: ratio of the tolerances of the two runs
 LEAST_RTOL = 1e-13  # accuracy: tightest rtol of the second run
 NONE = np.zeros(0)
@@ -42,7 +41,7 @@ class Plan:
     """The run that every scene of a ranking makes, and the quantity that is taken from it."""
 
     quantity: Quantity
-    analysis: str  # one of `ANALYSES`
+    analysis: str  # one of `runtime.core.analysis_names.ANALYSES`
     t_start: float
     t_end: float
     points: int  # output instants of the first run, and of those that are timed

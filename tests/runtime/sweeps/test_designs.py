@@ -35,6 +35,14 @@ def test_texts_with_units() -> None:
         in_declared_units(design, lambda name: "kg")
 
 
+def test_numbers_in_several_units() -> None:
+    grid = read_factor("a", "500 mm:2 m:4")
+    assert (grid.values, grid.unit) == ((500.0, 1000.0, 1500.0, 2000.0), "mm")
+    assert read_factor("a", "500 mm,2 m").values == (500.0, 2000.0)
+    drawn = read_factor("a", "normal:1 m:10 mm")
+    assert (drawn.bounds, drawn.unit) == ((1.0, 0.01), "m")
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
@@ -46,7 +54,8 @@ def test_texts_with_units() -> None:
         ("1:2:0", "the count is 0"),
         ("1:2:1", "one value cannot be both 1 and 2"),
         ("1:2:x", "write NAME=FIRST"),
-        ("1 mm:2:5", "give all numbers the same unit"),
+        ("1 mm:2:5", "give all numbers a unit, or none"),
+        ("1 mm:2 kg:5", "2 kg has the dimension"),
         ("log:-1:2:5", "equal ratios lead from -1 to 2 by no way"),
         ("log:1:2", "log needs FIRST, LAST and COUNT"),
         ("5:2", "LOW 5 must be less than HIGH 2"),

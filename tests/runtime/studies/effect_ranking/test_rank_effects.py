@@ -194,7 +194,7 @@ def test_inverse_dynamics_and_equilibrium_are_ranked(folder: Path) -> None:
     model.scene("hang", ["gravity", "coil"], guess={bob.x: 0.5, bob.y: -0.9, bob.phi: -1.0})
     about = {"rounds": 1, "folder": folder}
     held = matters(model, "hold", asked="turn.torque", t_end=1.0, points=11, **about)
-    assert held.analysis == "inverse"
+    assert held.analysis == "inverse_dynamics"
     weight = 2.0 * 9.81 * np.cos(0.5)
     assert_allclose(abs(held.value), weight + 2.5, rtol=1e-12)
     assert_allclose(held["gravity"].relative, weight / (weight + 2.5), rtol=1e-9)
