@@ -15,7 +15,7 @@ from codegen.whole_files import whole_file
 from runtime.cases.document import ENDINGS, Entry, entry_of, place, read_document
 from runtime.cases.fields import FORMAT, RUN, case_record
 from runtime.cases.machine_values import run_words, values_of
-from runtime.cases.writing import text_of
+from runtime.cases.serialization import text_of
 from runtime.core.analysis_names import ANALYSES
 
 if TYPE_CHECKING:
