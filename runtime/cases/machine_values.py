@@ -41,7 +41,7 @@ def values_of(
     return found
 
 
-def run_words(description: Description, run: Mapping[str, Any], note: Note) -> dict[str, Any]:
+def arguments_of(description: Description, run: Mapping[str, Any], note: Note) -> dict[str, Any]:
     """The words of an analysis; seconds are numbers, conditions as `Machine.simulate` has them."""
     words = dict[str, Any]()
     for name, value in run.items():
