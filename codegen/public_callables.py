@@ -14,7 +14,6 @@ from typing import Any, TypeVar
 from codegen.errors import FAILURES, InputError, LinkwrightError, ModelError, NoAttributeError
 from codegen.plain_values import class_name, genuine, one_line, plain_name, shown
 from codegen.readable_signatures import readable
-from codegen.sympy_remedies import sympy_remedy
 
 Class = TypeVar("Class", bound=type[Any])
 _SHOWN = 40  # layout: characters of an argument in a message
@@ -230,6 +229,8 @@ def failure(error: BaseException) -> str:
     """An exception of somebody else's in a message."""
     if isinstance(error, RecursionError):
         return "RecursionError: functions of functions are too deep for Python's stack"
+    from codegen.sympy_remedies import sympy_remedy  # an exception is rare, an import is not
+
     said = f"{type(error).__name__}: {one_line(error)}".removesuffix(": ").rstrip(".")
     remedy = sympy_remedy(error)
     return f"{said} ({remedy})" if remedy else said

@@ -32,6 +32,7 @@ extensions = [
     "built_links",
     "docstrings",
     "glossary_terms",
+    "notebook_pictures",
     "repository_links",
 ]
 root_doc = "index"

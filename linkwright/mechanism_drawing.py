@@ -33,7 +33,7 @@ def save_drawing(
         If the declaration is wrong, if the joints do not close at `t`, or if the picture cannot be
         written.
     """
-    if out.suffix not in ENDINGS:
+    if out.suffix.lower() not in ENDINGS:
         raise InputError(f"--out {out}: a picture ends in .png, .svg or .pdf.")
     check_parent(out)
     progress("drawing")

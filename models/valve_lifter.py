@@ -33,7 +33,7 @@ from math import sqrt
 
 import pint
 
-from codegen import Model, t
+from codegen import Model, disc, t
 
 unit = pint.application_registry
 cm, gram = unit.cm, unit.gram
@@ -49,7 +49,8 @@ contact_damping = model.parameter("C", 300.0, unit="N s/m", sign="nonnegative")
 radius, arm, rod, stem = 1.25 * cm, 6 * cm, 15 * cm, sqrt(12 * 800 / 60) * cm
 closed, level = 6 * cm, radius - 0.25 * cm + rod
 
-cam = model.body("cam", mass=30 * gram, inertia=15 * gram * cm**2)
+cam = model.body("cam", mass=30 * gram, inertia=15 * gram * cm**2,
+                 draw=disc(radius.to("m").magnitude, center=(0, -eccentricity)))  # fmt: skip
 pushrod = model.body("pushrod", mass=120 * gram, inertia=2250 * gram * cm**2)
 rocker = model.body("rocker", mass=150 * gram, inertia=1800 * gram * cm**2)
 half = (stem / 2).to("m").magnitude  # of the stem; the head closes the seat

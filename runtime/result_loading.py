@@ -110,14 +110,14 @@ def _content(path: Path) -> tuple[dict[str, Any], bool]:
     from runtime.results.result_signature import is_own
 
     libraries = {".nc": "netCDF4", ".zarr": "zarr"}
-    if path.suffix not in libraries:
+    if path.suffix.lower() not in libraries:
         raise InputError(
             f"{path}: results come back from .nc files and .zarr stores alone, as Result.save "
             "writes them."
         )
     if not path.exists():
         raise InputError(f"{path}: there is no such file.")
-    library = libraries[path.suffix]
+    library = libraries[path.suffix.lower()]
     try:
         import_module(library)
     except ImportError as error:

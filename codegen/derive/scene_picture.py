@@ -8,10 +8,12 @@ import sympy
 
 from codegen.declare.body import Body, Curve, Point
 from codegen.declare.element import Element, JointReaction
+from codegen.declare.plain_expression import plain_expression
 from codegen.declare.return_values.calls import call_optional_method, name_errors, refusal
 from codegen.declare.return_values.constraints import statement_of
 from codegen.declare.return_values.elements import bodies_of
-from codegen.declare.symbols import Parameter, t
+from codegen.declare.symbols import Coordinate, Parameter, Time, kinds, t
+from codegen.derive.fast_derivative import derivative
 from codegen.drawing import shapes
 from codegen.drawing.shapes import Place, Shape
 
@@ -24,6 +26,13 @@ class Scoped(NamedTuple):
 
     expression: sympy.Expr
     bindings: Mapping[sympy.Symbol, sympy.Expr]
+
+
+class Slope(NamedTuple):
+    """The derivative of an expression by coordinates, one after the other."""
+
+    expression: sympy.Expr
+    by: tuple[Coordinate, ...]
 
 
 class BodyNumber(NamedTuple):
@@ -118,7 +127,7 @@ def _numbered(shape: Shape, numbers: Mapping[Body, int]) -> Shape:
                 return PlaneCurve(numbers[value.body], *value.at(t))
             case Body():
                 return BodyNumber(numbers[value])
-            case tuple() if not isinstance(value, Scoped):
+            case tuple() if not isinstance(value, Scoped | Slope):
                 return tuple(map(numbered, value))
         return value
 
@@ -136,6 +145,8 @@ def _shapes(element: Element, role: str, hubs: Hubs) -> Iterator[Shape]:
             raise refusal(element, "shapes()", value, "a tuple of shapes")
         for shape in value:
             yield _with_points(shape, hubs)
+            if isinstance(shape, shapes.Contact) and shape.gap is not None:
+                yield from _contact_sides(shape)
         if role != "force":
             yield from _reaction(element)
 
@@ -152,6 +163,30 @@ def _with_points(shape: Shape, hubs: Hubs) -> Shape:
             ends = {end.body: end for end in hub}
             changed[name] = ends.get(value) or _bearing(value, hubs)
     return replace(shape, **changed) if changed else shape
+
+
+def _contact_sides(contact: shapes.Contact) -> Iterator[shapes.ContactSide]:
+    """A contact as each of its moving bodies has it whose pose is x, y and φ."""
+    gap = plain_expression(contact.gap)
+    moving = [body for body in dict.fromkeys(contact.bodies) if not body.fixed]
+    for body in moving:
+        plane, angle = body.position, body.angle
+        if not all(isinstance(q, Coordinate) for q in plane):
+            continue
+        if body.turns and not isinstance(angle, Coordinate):
+            continue
+        own = {*plane, angle}
+        slopes = [derivative(gap, q) for q in plane]
+        alone = len(moving) == 1 and own.issuperset(kinds(gap, Coordinate))
+        level = not any(kinds(slope, Coordinate, Time) for slope in slopes)
+        gx, gy = (Slope(gap, (q,)) for q in plane)
+        turn, bend, third = (
+            Slope(gap, (angle,) * k) if body.turns else sympy.S.Zero for k in (1, 2, 3)
+        )
+        yield shapes.ContactSide(
+            body, gap, gx, gy, turn, bend, third, is_grounded=alone, is_level=level,
+            is_fixed=level and not kinds(gap, Time), force=contact.force, is_stop=contact.is_stop,
+        )  # fmt: skip
 
 
 def _bearing(body: Body, hubs: Hubs) -> Point:

@@ -6,10 +6,10 @@ import numpy as np
 
 from codegen.drawing.colors import LIGHT, Palette
 from codegen.drawing.force_arrows import Reactions, force_scale, force_strokes
-from codegen.drawing.moved_places import place_shifts, shifted
+from codegen.drawing.labels import draw_dimensions, draw_labels, draw_scale
 from codegen.drawing.moving_strokes import moving_strokes
-from codegen.drawing.names import draw_dimensions, draw_names, draw_scale
 from codegen.drawing.picture import Picture
+from codegen.drawing.place_shifts import place_shifts, shifted
 from codegen.drawing.polygons import FloatArray, placed
 from codegen.drawing.rigid_strokes import rigid_strokes
 from codegen.drawing.signs import (
@@ -107,7 +107,7 @@ def figure(
     if scale is not None:
         boxes += draw_scale(axes, scale, picture.size, colors)
     if names:
-        draw_names(axes, picture, lines, boxes, colors, reactions if forces else None, forces)
+        draw_labels(axes, picture, lines, boxes, colors, reactions if forces else None, forces)
     drawn: Figure = root
     return drawn
 
@@ -160,7 +160,7 @@ class PictureArtist:
         gaps: bool = True,
     ) -> None:  # fmt: skip
         self.gaps = gaps
-        self.first = picture
+        self.first, self.motion = picture, motion
         self.rigid = rigid_strokes(picture, motion)
         self.signs: tuple[Stroke, ...] = ()
         self.colors = colors
@@ -168,7 +168,7 @@ class PictureArtist:
         self.collection: Any = None
 
     def _painted(self, picture: Picture) -> list[Painted]:
-        moving = [s for s in moving_strokes(picture) if self.gaps or s.style != "gap"]
+        moving = [s for s in moving_strokes(picture, self.motion) if self.gaps or s.style != "gap"]
         rigid = shifted(self.rigid, place_shifts(self.first, picture))
         return painted(picture, (*rigid, *moving, *self.signs), self.colors)
 

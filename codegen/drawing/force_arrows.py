@@ -7,6 +7,7 @@ import numpy as np
 
 from codegen.drawing import shapes
 from codegen.drawing.arrow_lines import round_arrow, straight_arrow
+from codegen.drawing.contact_points import touch_now
 from codegen.drawing.picture import Picture, Symbol
 from codegen.drawing.polygons import FloatArray, normal, placed, unit
 from codegen.drawing.signs import ARROW, HEAD, ROUND, arrow, turned
@@ -20,7 +21,8 @@ VANISHING = 1e-9  # accuracy: of the largest; what is smaller is 0 but for round
 Reactions = Mapping[str, tuple[float, float, float]]
 """Joint → fx, fy in N in the joint's axes, and the torque in N m, of its second body.
 
-Of a driver that pushes, fx is the force along its direction, N.
+Of a driver that pushes, fx is the force along its direction, N; of a contact, by the name of its
+series as ``"plate.force"``, it is the force along the gap.
 """
 
 
@@ -50,7 +52,7 @@ def loads(picture: Picture, reactions: Reactions | None = None) -> list[Load]:
     found = [
         load
         for symbol in picture.symbols
-        for load in _loads(picture, symbol, (reactions or {}).get(symbol.element))
+        for load in _loads(picture, symbol, (reactions or {}).get(_key(symbol)))
         if np.isfinite(load.size) and np.isfinite(load.at).all()
     ]
     least = {word: VANISHING * largest(found, word) for word in ("N", "N m")}
@@ -60,6 +62,16 @@ def loads(picture: Picture, reactions: Reactions | None = None) -> list[Load]:
 def largest(found: list[Load], unit_: str) -> float:
     """The largest size of a unit; 0 where there is none."""
     return max((load.size for load in found if load.unit == unit_), default=0.0)
+
+
+def _key(symbol: Symbol) -> str:
+    """The name under which reactions have an element."""
+    shape = symbol.shape
+    return (
+        f"{symbol.element}.{shape.force}"
+        if isinstance(shape, shapes.ContactSide)
+        else symbol.element
+    )
 
 
 def _loads(
@@ -84,6 +96,10 @@ def _loads(
             at = np.array([shape.x, shape.y], dtype=float)
             yield Load(symbol, "reaction", label, at, fx * along + fy * normal(along), 0.0)
             yield Load(symbol, "torque", label, at, still, torque)
+        case shapes.ContactSide() if reaction is not None:
+            label = f"{element} on {picture.bodies[shape.body].name}"
+            force = reaction[0] * np.array([shape.gx, shape.gy], dtype=float)
+            yield Load(symbol, "reaction", label, touch_now(picture, shape).point[0], force, 0.0)
         case shapes.Drive() if reaction is not None:
             label = f"{element} on {picture.bodies[shape.j.body].name}"
             at = np.array(picture.position(shape.j))

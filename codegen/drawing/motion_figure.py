@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from codegen.drawing.colors import LIGHT, Palette
 from codegen.drawing.figure import PictureArtist, prepare_axes
-from codegen.drawing.names import draw_names
+from codegen.drawing.labels import draw_labels
 from codegen.drawing.picture import Picture
 from codegen.drawing.polygons import FloatArray
 from codegen.drawing.shapes import Force, Torque
@@ -139,7 +139,7 @@ def phase_figure(frames: Sequence[Frame], colors: Palette = LIGHT) -> "Figure":
     result.draw_without_rendering()
     lines: list[Any] = artists[-1].global_lines(frames[-1])
     forces = {k for k, s in enumerate(frames[-1].symbols) if isinstance(s.shape, Force | Torque)}
-    draw_names(axes, without(frames[-1], forces), lines, [], colors)
+    draw_labels(axes, without(frames[-1], forces), lines, [], colors)
     return result
 
 

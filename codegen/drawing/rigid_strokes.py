@@ -6,6 +6,7 @@ import numpy as np
 
 from codegen.drawing import shapes
 from codegen.drawing.arrow_lines import hatching
+from codegen.drawing.contact_surfaces import surface_lines, surfaces
 from codegen.drawing.gear_meshing import Meshing, meshing
 from codegen.drawing.guides_and_racks import (
     guide_ends,
@@ -31,12 +32,11 @@ from codegen.drawing.polygons import (
     rounded_hull,
     unit,
 )  # fmt: skip
-from codegen.drawing.sizes_and_held_places import PIN, SAME, SLOT, held_places
+from codegen.drawing.sizes_and_held_places import HATCH, PIN, SAME, SLOT, held_places
 from codegen.drawing.strokes import Stroke
 from codegen.drawing.wheel_lines import gear_profile, rack_profile, spoke
 
 SUPPORT = 0.046  # layout: height of the triangle below a pin on the ground, in typical lengths
-HATCH = 0.0155  # layout: distance of the strokes of a hatching
 TRACK = 0.045  # layout: half length of the ground at a fixing
 HUB = 1.5  # layout: radius of a wheel's hub, in pins
 EYE = 0.6  # layout: radius of the eye of a spring, in pins
@@ -57,6 +57,9 @@ def rigid_strokes(picture: Picture, motion: FloatArray | None = None) -> tuple[S
         for style, body, points, closed in _rigid(picture, symbol, mesh, motion):
             found.append(Stroke(style, body, points, closed, symbol.element))
     found += _spokes_of_discs(picture)
+    for surface in surfaces(picture, fixed=True, motion=motion):
+        for style, points in surface_lines(surface, picture.size):
+            found.append(Stroke(style, 0, points, False, surface.element))
     return tuple(_once(found, picture.size))
 
 

@@ -162,11 +162,41 @@ class Mark(Shape):
 
 @dataclass(frozen=True)
 class Contact(Shape):
-    """Bodies that may touch; `at` is where, if the element knows it."""
+    """Bodies that may touch; `at` is where, if the element knows it.
+
+    From `gap`, the distance g between them in m, follow the place and the ground's surface; `force`
+    is the component of the element's force along it, and a stop has a plate for a surface.
+    """
 
     kind = "contact"
     bodies: tuple[Any, ...]
     at: PointOrPlace | None = None
+    gap: Number | None = None
+    force: str = "force"
+    is_stop: bool = False
+
+
+@dataclass(frozen=True)
+class ContactSide(Shape):
+    """A contact as a moving body has it: the gap, and its slopes by x, y and φ of the body.
+
+    Elements answer `Contact`, of which these follow. Whether the other side is the ground, and
+    whether its surface keeps its direction and its place, are words.
+    """
+
+    kind = "contact side"
+    body: Any
+    gap: Number
+    gx: Number
+    gy: Number
+    turn: Number  # ∂g/∂φ
+    bend: Number  # ∂²g/∂φ²
+    third: Number  # ∂³g/∂φ³
+    is_grounded: bool
+    is_level: bool
+    is_fixed: bool
+    force: str = "force"
+    is_stop: bool = False
 
 
 @dataclass(frozen=True)

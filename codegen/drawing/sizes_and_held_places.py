@@ -7,8 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from codegen.drawing.contact_points import contact_line, sides_of, slopes_of
 from codegen.drawing.picture import Picture, places
-from codegen.drawing.polygons import FloatArray, distinct, placed
+from codegen.drawing.polygons import FloatArray, distinct, in_frame, placed
 from codegen.drawing.shapes import (
     Bearing,
     Belt,
@@ -33,6 +34,8 @@ BLOCK = (0.062, 0.038)  # layout: half length and half width of a block on a gui
 BOB = 0.036  # layout: radius of the disc at a centre of mass
 PARTICLE = 0.026  # layout: radius of a body that nothing holds
 SAME = 2e-3  # layout: places nearer than this are one
+HATCH = 0.0155  # layout: distance of the strokes of a hatching
+ROOM = 5.0  # layout: how often the size of all else a gap of a contact is that counts
 _HOLDING = (Pin, Rod, Fixing, Bearing, Spring, Mark, Force, Trace)
 
 
@@ -55,9 +58,23 @@ def typical_length(picture: Picture) -> float:
             for outline in body.outlines:
                 ends = placed(np.array(outline), picture.poses[number])
                 points += [(float(x), float(y)) for x, y in (ends.min(axis=0), ends.max(axis=0))]
-    finite = np.array([p for p in points if np.all(np.isfinite(p))]).reshape(-1, 2)
-    length = float(np.hypot(*np.ptp(finite, axis=0))) if len(finite) else 0.0
+    length = _diagonal(points)
+    for _, _, side in sides_of(picture):
+        line = contact_line(slopes_of(side), picture.poses[side.body][None])
+        near = length == 0.0 or bool(np.all(np.abs(line.gap) <= ROOM * length))
+        if side.is_grounded and near:
+            points += [
+                tuple(line.center[0]),
+                tuple((line.center - line.gap[:, None] * line.normal)[0]),
+            ]
+    length = _diagonal(points)
     return length if length > 0 else 1.0
+
+
+def _diagonal(points: list[tuple[float, float]]) -> float:
+    """The diagonal of the box about the points that are finite, m; 0 without one."""
+    finite = np.array([p for p in points if np.all(np.isfinite(p))]).reshape(-1, 2)
+    return float(np.hypot(*np.ptp(finite, axis=0))) if len(finite) else 0.0
 
 
 def circles_of(shape: Shape) -> Iterator[tuple[Place, float]]:
@@ -70,7 +87,10 @@ def circles_of(shape: Shape) -> Iterator[tuple[Place, float]]:
 
 
 def held_places(picture: Picture, body: int) -> FloatArray:
-    """Places (k, 2) of a body, in its frame, that joints, forces and traces take hold of, m."""
+    """Places (k, 2) of a body, in its frame, that joints, forces and traces take hold of, m.
+
+    A contact takes hold of its centre of curvature: of a corner, or the centre of a disc.
+    """
     found = [
         (place.x, place.y)
         for symbol in picture.symbols
@@ -78,4 +98,9 @@ def held_places(picture: Picture, body: int) -> FloatArray:
         for place in places(symbol.shape)
         if place.body == body
     ]
+    for _, _, side in sides_of(picture):
+        if side.body == body and (side.turn or side.bend):
+            pose = picture.poses[body]
+            center = in_frame(contact_line(slopes_of(side), pose[None]).center, pose)[0]
+            found += [(float(center[0]), float(center[1]))] if np.all(np.isfinite(center)) else []
     return np.array(found, dtype=float).reshape(-1, 2)

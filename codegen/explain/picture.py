@@ -38,10 +38,10 @@ def write(ledgers: Sequence[Ledger], path: Path) -> Path:
     Raises InputError if the ending is none of .png, .svg and .html, matplotlib is missing, or the
     file cannot be written.
     """
-    if path.suffix not in ENDINGS:
+    if path.suffix.lower() not in ENDINGS:
         raise InputError(f"--out {path}: a ledger is saved as {', '.join(ENDINGS)}.")
     with whole_file(path) as temporary:
-        if path.suffix == ".html":
+        if path.suffix.lower() == ".html":
             temporary.write_text(page(ledgers), encoding="utf-8")
         else:
             save_figure(figure(ledgers), temporary)

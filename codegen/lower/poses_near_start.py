@@ -17,7 +17,7 @@ from codegen.lower.program import Kernel, Program, store
 
 FloatArray = npt.NDArray[np.float64]
 Array = FloatArray
-_STEPS = 25  # safety: of Gauss-Newton, each as long as the machine at most
+_STEPS = 25  # safety: of Gauss-Newton, in which no coordinate moves by more than its reach
 _LAST = 1e-12  # accuracy: a shorter step is the last one
 _CLOSED = 1e-9  # accuracy: of the machine's size; a larger residual leaves joints open
 _WALK = 8  # measured: poses along the motion on either side of the start
@@ -37,6 +37,10 @@ class Poses:
         is_length = np.array([unit == "m" for *_, unit in self.description.coordinates])
         self.size = _longest_arm(self.jacobian(self.guess), is_length)
         self.unit = np.where(is_length, self.size, 1.0)
+        # A step turns a body by 1 rad at most, and shifts it by as many arms as a chain of half
+        # the bodies has: in a long chain all must move by many arms.
+        arms = max(1.0, np.count_nonzero(~is_length) / 2)
+        self.reach = np.where(is_length, arms, 1.0)
 
     def closed_near(
         self, q: Array, moved: Array | float = 1.0, kept: Array | float = 1.0
@@ -53,10 +57,9 @@ class Poses:
                 break
             slopes = rows[:, None] * jacobian * self.unit * moved
             step = np.linalg.lstsq(slopes, -rows * self.residual(q), rcond=1e-10)[0]
-            length = float(np.linalg.norm(step))
-            q = q + self.unit * step / max(1.0, length)
+            q = q + self.unit * np.clip(step, -self.reach, self.reach)
             jacobian = self.jacobian(q)
-            if length < _LAST:
+            if np.linalg.norm(step) < _LAST:
                 break
         return q, jacobian * self.unit
 

@@ -51,10 +51,17 @@ class Bodies(Joints):
         outlines = self._outlines(draw, f"body '{name}': draw")
         return self._declare(Body(name, m, j, self.token, outlines=outlines))
 
-    def particle(self, name: str, mass: Any = None) -> Particle:
-        """A point mass, with two coordinates and no orientation; its `mass` is as in `body`."""
+    def particle(self, name: str, mass: Any = None, *, draw: Any = None) -> Particle:
+        """A point mass, with two coordinates and no orientation.
+
+        Parameters
+        ----------
+        mass, draw
+            As in `body`.
+        """
         m = self._positive(mass, "kg", f"mass of particle '{name}'")
-        return self._declare(Particle(name, m, None, self.token))
+        outlines = self._outlines(draw, f"particle '{name}': draw")
+        return self._declare(Particle(name, m, None, self.token, outlines=outlines))
 
     def coupler(
         self, name: str, i: Place, j: Place, length: Any, mass: Any = None, inertia: Any = None

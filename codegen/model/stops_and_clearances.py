@@ -78,7 +78,8 @@ class Limits(Declarations):
         e = self._value(restitution, "", f"restitution of {where}", "nonnegative")
         scale = self._optional(typical_force, force, f"typical force of {where}", "positive")
         gap = _gap_of_both(s, low, high)
-        return self._declare(RigidContact(name, gap, e, bodies, scale, unit))
+        left = (*(() if low is None else (s - low,)), *(() if high is None else (high - s,)))
+        return self._declare(RigidContact(name, gap, e, bodies, scale, unit, left))
 
     def clearance_joint(
         self, name: str, bearing: Place, journal: Place, clearance: Any, stiffness: Any, *,

@@ -39,9 +39,11 @@ class Page(HTMLParser):
 def broken_links(site: Path) -> list[str]:
     """A sentence for each link of the pages of a folder that leads nowhere.
 
-    Links with a scheme or a host, such as `https:` and `data:`, are left alone.
+    Links with a scheme or a host, such as `https:` and `data:`, are left alone, and so are the
+    templates that a theme puts into `_static`.
     """
-    pages = {path: Page(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))}
+    files = [path for path in sorted(site.rglob("*.html")) if path.parent != site / "_static"]
+    pages = {path: Page(path.read_text(encoding="utf-8")) for path in files}
     told = []
     for path, page in pages.items():
         for link in sorted(set(page.links)):

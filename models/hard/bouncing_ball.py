@@ -18,7 +18,7 @@ shaken
 
 from sympy import sin
 
-from codegen import Model, t
+from codegen import Model, disc, t
 
 model = Model("bouncing_ball", gravity=(0, -9.81))
 
@@ -27,7 +27,7 @@ restitution = model.parameter("restitution", 0.5)
 stroke = model.parameter("stroke", 0.02, unit="m")
 frequency = model.parameter("frequency", 30.0, unit="rad/s")
 
-ball = model.particle("ball", mass=0.4)
+ball = model.particle("ball", mass=0.4, draw=disc(radius))
 
 model.contact("plate", model.ground, ball, direction=(0, 1), free_length=radius,
               restitution=restitution)  # fmt: skip

@@ -27,14 +27,15 @@ _STORE = f"{GROUP}/zarr.json"  # the file that a store has which `save` wrote, a
 
 def check_place(path: Path) -> None:
     """Refuse a file that cannot be written, before any time is spent on its contents."""
-    if path.is_dir() and path.suffix != ".zarr":
+    ending = path.suffix.lower()
+    if path.is_dir() and ending != ".zarr":
         raise InputError(f"{path} is a folder; name a file in it, such as {path / 'run.nc'}.")
-    if path.suffix not in _FORMATS:
+    if ending not in _FORMATS:
         raise InputError(
             f"{path}: a result is saved as {', '.join(_FORMATS)}, not as "
             f"{path.suffix or 'a file without ending'!r}. Change the ending."
         )
-    if path.suffix == ".zarr":
+    if ending == ".zarr":
         require_replaceable(path, _STORE)
     folder = path.resolve().parent
     if not folder.is_dir():
@@ -47,13 +48,13 @@ def check_place(path: Path) -> None:
             f"{path}: nothing can be written in the folder {folder} ({error.strerror}). "
             f"Choose another one."
         ) from error
-    extra = _FORMATS[path.suffix].extra
-    for library in _FORMATS[path.suffix].libraries:
+    extra = _FORMATS[ending].extra
+    for library in _FORMATS[ending].libraries:
         try:
             import_module(library)
         except ImportError as error:
             raise InputError(
-                f"{path}: writing {path.suffix} needs the library {library}, which cannot be "
+                f"{path}: writing {ending} needs the library {library}, which cannot be "
                 f"imported ({error}). Run pip install 'linkwright[{extra}]', in the checkout "
                 f"pip install '.[{extra}]', or save as .csv."
             ) from error
@@ -62,9 +63,9 @@ def check_place(path: Path) -> None:
 def save(result: Result, path: Path) -> Path:
     """Write `result` by the ending of `path`; a file of that name is replaced at the end."""
     check_place(path)
-    store = path.suffix == ".zarr"
-    with whole_folder(path, _STORE) if store else whole_file(path) as temporary:
-        _FORMATS[path.suffix].write(result, temporary)
+    ending = path.suffix.lower()
+    with whole_folder(path, _STORE) if ending == ".zarr" else whole_file(path) as temporary:
+        _FORMATS[ending].write(result, temporary)
     return path
 
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from codegen.drawing.moved_places import with_numbers
 from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture, Symbol
+from codegen.drawing.place_shifts import with_numbers
 from codegen.errors import InputError
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.picture import Geometry, geometry

@@ -9,7 +9,7 @@ from codegen.drawing.figure import figure
 from codegen.drawing.force_arrows import Reactions
 from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture
-from codegen.drawing.shapes import Drive, Reaction
+from codegen.drawing.shapes import ContactSide, Drive, Reaction
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.picture import geometry
 from runtime.mechanism.sibling_scenes import sibling_named
@@ -46,7 +46,7 @@ def draw_result(result: "Result", t: float | None, **drawing: Any) -> "Figure":
 
 
 def _reactions(one: "Result", picture: Picture) -> Reactions:
-    """What joints and drivers exert at the first instant, as far as the scene has it."""
+    """What joints, drivers and contacts exert at the first instant, as far as the scene has it."""
     rows = {row.name: k for k, row in enumerate(one.description.reactions)}
     found = {}
     for symbol in picture.symbols:
@@ -59,4 +59,8 @@ def _reactions(one: "Result", picture: Picture) -> Reactions:
                     for name in names
                 ]
                 found[symbol.element] = (values[0], values[1], values[2])
+        elif isinstance(symbol.shape, ContactSide):
+            name = f"{symbol.element}.{symbol.shape.force}"
+            if name in rows:
+                found[name] = (float(one.samples.reaction[0, rows[name]]), 0.0, 0.0)
     return found

@@ -244,7 +244,7 @@ def test_pictures_and_pages(root: Path, tmp_path: Path) -> None:
     text = page([ledger])
     assert text.count("<svg") == 1
     assert "stands for body" in text
-    for name in ("a.png", "a.svg", "a.html"):
+    for name in ("a.png", "a.svg", "a.html", "b.PNG", "b.HTML"):
         arguments = ["explain", "slider_crank", "--scene", "compressor", "--no-measure"]
         answer = CliRunner().invoke(app, [*arguments, "--out", str(tmp_path / name)])
         assert answer.exit_code == 0

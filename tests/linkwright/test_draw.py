@@ -53,6 +53,13 @@ def test_at_an_instant(folder: Path) -> None:
     assert "--guesses with --t" in done.stderr
 
 
+def test_endings_in_capitals(folder: Path) -> None:
+    (folder / "machine.py").write_text(text_of("pendulum", "machine"))
+    for name, start in (("A.PNG", b"\x89PNG"), ("B.Svg", b"<?xml"), ("C.PDF", b"%PDF")):
+        assert run("machine.py", "--out", name).exit_code == 0
+        assert (folder / name).read_bytes().startswith(start)
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

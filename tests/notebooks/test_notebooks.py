@@ -1,4 +1,7 @@
-"""Every notebook runs from top to bottom in an empty folder."""
+"""A notebook runs from top to bottom in an empty folder.
+
+`make docs` runs all of them, and fails where one raises or shows no picture.
+"""
 
 import shutil
 from pathlib import Path
@@ -10,9 +13,8 @@ from nbclient import NotebookClient
 FOLDER = Path(__file__).parent.parent.parent / "notebooks"
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(path.name for path in FOLDER.glob("*.ipynb")))
-def test_notebook_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_notebook_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    name = "compressor.ipynb"
     monkeypatch.delenv("MPLBACKEND", raising=False)  # pictures go into the notebook
     shutil.copy(FOLDER / name, tmp_path)
     notebook = nbformat.read(tmp_path / name, as_version=4)

@@ -80,3 +80,20 @@ def test_what_pages_build_does_not_make_them_run_anew(monkeypatch: pytest.Monkey
     assert not is_companion(ROOT / "generated" / "methods" / "dopri5.py")
     assert COMPANIONS
     assert all(is_companion(companion_path(module, kind.name)) for kind in COMPANIONS)
+
+
+def test_a_notebook_without_a_picture_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("sphinx")
+    from docutils import nodes
+    from docutils.frontend import get_default_settings
+    from docutils.parsers.rst import Parser
+    from docutils.utils import new_document
+
+    monkeypatch.syspath_prepend(DOCS / "_extensions")
+    from notebook_pictures import shows_a_picture
+
+    page = new_document("page", get_default_settings(Parser))
+    page += nodes.image(uri="../logo.svg")
+    assert not shows_a_picture(page)
+    page += nodes.container("", nodes.image(uri="_build/jupyter_execute/0123.png"))
+    assert shows_a_picture(page)

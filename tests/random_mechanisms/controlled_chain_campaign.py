@@ -31,13 +31,23 @@ INSTANT = 1e-6  # s: of changes and ends
 SAMPLES = 17
 
 
+def instants(chain: ControlledChain) -> Any:
+    """The samples of a run."""
+    return np.linspace(chain.begin, chain.end, SAMPLES)
+
+
+def reference(chain: ControlledChain) -> Motion:
+    """The motion by dense matrices, at the samples of a run."""
+    return ControlledMotion(chain).run(instants(chain))
+
+
 def judge(
     chain: ControlledChain, folder: Path, methods: Sequence[str],
-    formulations: Sequence[str] = FORMULATIONS,
+    formulations: Sequence[str] = FORMULATIONS, motion: Motion | None = None,
 ) -> list[str]:  # fmt: skip
-    """Build a chain, run it and compare it; what differs, in words."""
-    times = np.linspace(chain.begin, chain.end, SAMPLES)
-    motion = ControlledMotion(chain).run(times)
+    """Build a chain, run it and compare it with `reference(chain)`; what differs, in words."""
+    times = instants(chain)
+    motion = motion or reference(chain)
     found = []
     machine = load(chain.model(), folder=folder)
     for method in methods:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.random_mechanisms.controlled_chain_campaign import judge
+from tests.random_mechanisms.controlled_chain_campaign import judge, reference
 from tests.random_mechanisms.controlled_chain_motion import ControlledMotion
 from tests.random_mechanisms.controlled_chains import Lock, controlled_chain
 
@@ -18,9 +18,9 @@ SEEDS = {37: ["release"], 41: ["engage", "release", "unlock"], 77: [], 102: ["en
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_controlled_chain_moves_as_its_equations_say(seed: int, tmp_path: Path) -> None:
     chain = controlled_chain(seed)
-    motion = ControlledMotion(chain).run(np.array([chain.begin, chain.end]))
+    motion = reference(chain)
     assert [word for _, word in motion.changes] == SEEDS[seed]
-    assert judge(chain, tmp_path, ("dop853",)) == []
+    assert judge(chain, tmp_path, ("dop853",), motion=motion) == []
 
 
 def test_the_reference_keeps_its_joints_closed_and_its_energy() -> None:

@@ -11,6 +11,7 @@ from codegen.drawing import shapes
 from codegen.elements.forces.scalar_measures import rim_travel
 from codegen.elements.forces.spring_damper_contact import GapSprings
 from codegen.elements.joints.carrier import WheelPair
+from codegen.elements.joints.gear import toothed_wheels
 from codegen.elements.registry import element
 
 
@@ -71,5 +72,4 @@ class GearWithBacklash(WheelPair, GapSprings):
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
         """Two toothed wheels."""
-        wheels = (self.i, self.radius_i), (self.j, self.radius_j)
-        return tuple(shapes.Wheel(at, radius, toothed=True) for at, radius in wheels)
+        return toothed_wheels((self.i, self.radius_i), (self.j, self.radius_j))

@@ -39,6 +39,7 @@ class RigidContact(Effect):
     on: tuple[Body, ...]
     typical_force: sympy.Expr | None = None
     unit: str = "m"  # of the gap: "m", "rad", or none where it is not known
+    limits: tuple[sympy.Expr, ...] = ()  # of a stop: what is left before each of its limits
 
     def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
         """The reaction F0, where the gap is not open: it pushes."""
@@ -74,5 +75,9 @@ class RigidContact(Effect):
         return sympy.Float(GRAVITY) * (sympy.Add(*masses) if masses else sympy.S.One)
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
-        """The bodies that touch."""
-        return (shapes.Contact(self.on),)
+        """The bodies that touch, and the gap between them, or those of a stop."""
+        if self.unit != "m":
+            return (shapes.Contact(self.on),)
+        is_stop = bool(self.limits)
+        gaps = self.limits or (self.gap,)
+        return tuple(shapes.Contact(self.on, gap=gap, is_stop=is_stop) for gap in gaps)

@@ -159,5 +159,5 @@ class Contact(GapSprings):
         )
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
-        """The bodies that touch."""
-        return (shapes.Contact(self.on),)
+        """The bodies that touch, and the gap between them."""
+        return (shapes.Contact(self.on, gap=self.gap),)

@@ -7,7 +7,7 @@ from codegen.declare.element import label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
 from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.drawing import shapes
-from codegen.elements.forces.spring_damper_contact import GapSprings
+from codegen.elements.forces.spring_damper_contact import SIDES, GapSprings
 from codegen.elements.registry import element
 
 
@@ -59,8 +59,14 @@ class Stop(GapSprings):
         return (*limit_conditions(self.lower, self.upper), *stiffness, *damping)
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
-        """The bodies that touch."""
-        return (shapes.Contact(self.on),)
+        """The bodies that touch at each limit; an angle has no place where it stops."""
+        if self.unit != "m":
+            return (shapes.Contact(self.on),)
+        forces = SIDES if len(self.gaps) > 1 else ("force",)  # components of the force in N
+        return tuple(
+            shapes.Contact(self.on, gap=gap, force=force, is_stop=True)
+            for force, gap in zip(forces, self.gaps, strict=True)
+        )
 
 
 def stop_problems(

@@ -1,6 +1,7 @@
 """Gear set: two gears roll on each other's pitch circles (Haug, section 3.4)."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import sympy
 
@@ -105,8 +106,12 @@ class Gear(Constraint):
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
         """Two toothed wheels."""
-        wheels = (self.i, self.radius_i), (self.j, self.radius_j)
-        return tuple(shapes.Wheel(at, radius, toothed=True) for at, radius in wheels)
+        return toothed_wheels((self.i, self.radius_i), (self.j, self.radius_j))
+
+
+def toothed_wheels(*wheels: tuple[Any, sympy.Expr]) -> tuple[shapes.Shape, ...]:
+    """What gears look like: their points or bodies, and radii."""
+    return tuple(shapes.Wheel(at, radius, toothed=True) for at, radius in wheels)
 
 
 def find_carrier(

@@ -10,9 +10,11 @@ from codegen.derive.scene_picture import (
     PlaneCurve,
     ScenePicture,
     Scoped,
+    Slope,
 )
 from codegen.drawing.layout import BodyLayout, Layout, ShapeLayout
 from codegen.drawing.shapes import Place
+from codegen.lower.differentiation.gradient import Slopes
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Program, storing
 from codegen.lower.scene_graph import SceneGraph
@@ -73,7 +75,13 @@ class _Lowering:
         translate, value = self.translate, expression
         if isinstance(expression, Scoped):
             translate, value = translate.scoped(expression.bindings), expression.expression
+        elif isinstance(expression, Slope):
+            value = expression.expression
         number = translate(value)
+        for q in expression.by if isinstance(expression, Slope) else ():
+            along = translate.environment[q]
+            slopes = Slopes(self.graph, [along]).gradient({number: self.graph.one})
+            number = slopes.get(along, self.graph.zero)
         self.values.append(number)
         self.notes.append(note)
         return len(self.values) - 1
@@ -97,7 +105,7 @@ class _Lowering:
                 return "curve", (value.body, self._curve(note, value))
             case bool() | str() | None:
                 return "word", value
-            case tuple() if not isinstance(value, Scoped):
+            case tuple() if not isinstance(value, Scoped | Slope):
                 return "bodies", tuple(body.number for body in value)
         return "number", self._slot(value, note)
 

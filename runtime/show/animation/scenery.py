@@ -6,10 +6,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from codegen.drawing.contact_points import sides_of
 from codegen.drawing.moving_strokes import SPRING
 from codegen.drawing.rigid_strokes import rigid_strokes
-from codegen.drawing.shapes import Place, Spring
-from codegen.drawing.spring_lines import spring_parts
+from codegen.drawing.shapes import Belt, ContactSide, Place, SpiralSpring, Spring
+from codegen.drawing.spring_lines import spring_parts, torsion_parts
+from codegen.drawing.wheel_lines import belt_parts
+from runtime.show.animation.contacts import contact_numbers, moving_surfaces
 from runtime.show.animation.payload import Arrays
 from runtime.show.pictures import Pictures
 
@@ -23,7 +26,12 @@ def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
     picture = pictures.picture
     poses, active = pictures.poses, pictures.active
     moving: list[list[dict[str, Any]]] = [[] for _ in picture.symbols]
-    for (number, path), values in pictures.moving.items():
+    sides = {number: side for number, _, side in sides_of(picture)}
+    numbers = {key: v for key, v in pictures.moving.items() if key[0] not in sides}
+    for number, side in sides.items():
+        for name, values in contact_numbers(pictures, number, side).items():
+            numbers[number, name] = values
+    for (number, path), values in numbers.items():
         if np.isfinite(values).any():
             moving[number].append({"path": path.split("."), "values": arrays.add(values)})
     places = _moving_places(pictures)
@@ -46,7 +54,9 @@ def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
                 "element": picture.symbols[number].element,
                 "type": picture.symbols[number].kind,
                 "role": picture.symbols[number].role,
-                "shape": _shape(picture.symbols[number].shape),
+                "shape": _side(sides[number])
+                if number in sides
+                else _shape(picture.symbols[number].shape),
                 **_lines(picture.symbols[number].shape),
                 "moving": moving[number],
                 **({"acts": active[number]} if number in active else {}),
@@ -64,8 +74,27 @@ def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
             }
             for stroke in rigid_strokes(picture, poses[:: 1 + len(poses) // _POSES])
             if np.isfinite(stroke.points).all()
+        ]
+        + [
+            {
+                "style": stroke.style,
+                "body": 0,
+                "element": stroke.element,
+                "closed": False,
+                "points": arrays.add(stroke.points),
+                "shift": frame,
+            }
+            for surface in moving_surfaces(pictures)
+            for frame in ([arrays.add(values) for values in surface.poses.T],)
+            for stroke in surface.strokes
         ],
     }
+
+
+def _side(side: ContactSide) -> dict[str, Any]:
+    """A side of a contact, whose place and slopes move."""
+    kept = {"kind": side.kind, "body": int(side.body), "force": side.force}
+    return {**kept, **dict.fromkeys(("x", "y", "gx", "gy", "gap"), 0.0)}
 
 
 def _angle(values: FloatArray, arrays: Arrays) -> tuple[int, ...]:
@@ -103,10 +132,16 @@ def _shift(by: tuple[FloatArray, FloatArray] | None, arrays: Arrays) -> dict[str
 
 
 def _lines(shape: Any) -> dict[str, Any]:
-    """The lines of a spring in s, from 0 to 1 along it, and n, in half widths across it."""
-    if not isinstance(shape, Spring):
-        return {}
-    parts = spring_parts(shape.elastic, shape.damper, shape.actuator)
+    """The lines of springs, torsion springs and belts, which the page places at each instant."""
+    match shape:
+        case Spring():
+            parts = spring_parts(shape.elastic, shape.damper, shape.actuator)
+        case SpiralSpring():
+            parts = torsion_parts(shape.elastic, shape.damper, shape.actuator)
+        case Belt():
+            parts = [("belt", belt_parts(shape.crossed))]
+        case _:
+            return {}
     return {"lines": [[style, points.tolist()] for style, points in parts]}
 
 

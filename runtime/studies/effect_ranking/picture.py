@@ -23,7 +23,7 @@ COLOURS = {
 
 def check_place(path: Path) -> None:
     """Refuse an ending that is no picture's, or a place in no folder, before anything runs."""
-    if path.suffix not in ENDINGS:
+    if path.suffix.lower() not in ENDINGS:
         raise InputError(f"--out {path}: a picture ends in {', '.join(ENDINGS)}.")
     check_parent(path)
 

@@ -12,7 +12,7 @@ from codegen.drawing.colors import DARK, LIGHT
 from codegen.drawing.figure import PictureArtist, figure
 from codegen.drawing.force_arrows import force_strokes
 from codegen.drawing.label_placement import Label, place_labels, samples
-from codegen.drawing.names import engineering
+from codegen.drawing.label_texts import engineering
 from codegen.drawing.picture import Picture, Symbol
 from codegen.drawing.shapes import Drive, Place, Reaction
 from tests.codegen.drawing.hand_drawn_pictures import slider_crank

@@ -28,11 +28,13 @@ OF_KIND = {
     "revolute-translational": "slot", "rolling disc": "wheel, rack", "screw": "slide",
     "translational": "slide", "weld": "fixing", "distance driver": "spring", "driver": "drive",
     "point driver": "drive", "relative driver": "drive", "translation driver": "drive",
-    "bushing": "spring", "clearance joint": "bearing", "contact": "contact",
+    "bushing": "spring", "clearance joint": "bearing",
+    "contact": "contact, contact side, contact side",
     "dry friction": "", "elastic belt": "wheel, wheel, belt", "force": "force",
     "friction": "", "gear with backlash": "wheel, wheel", "generalized force": "",
     "gravity": "gravity", "line force": "spring", "motor": "spiral spring",
-    "one-way clutch": "spiral spring", "potential": "", "rigid contact": "contact",
+    "one-way clutch": "spiral spring", "potential": "",
+    "rigid contact": "contact, contact side, contact side",
     "spring": "spring", "stop": "contact", "torque": "torque", "torsion spring": "spiral spring",
 }  # fmt: skip
 
@@ -56,7 +58,7 @@ def test_each_kind_has_its_shapes(kind: str) -> None:
     for shape in found:
         for field in fields(shape):
             value = getattr(shape, field.name)
-            assert isinstance(value, float | int | bool | Place | tuple | None), field.name
+            assert isinstance(value, float | int | bool | str | Place | tuple | None), field.name
         assert all(0 <= place.body < len(picture.bodies) for place in places(shape))
 
 

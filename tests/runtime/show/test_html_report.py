@@ -79,6 +79,13 @@ def test_the_command_line_picks_the_analysis(tmp_path: Path) -> None:
         )
         assert done.exit_code == 0, done.output
         assert words in out.read_text()
+    out = tmp_path / "RUN.HTML"
+    for command in (["report"], ["kinematics", "--t-end", "1"]):
+        words = [*command, "slider_crank", "--scene", "kinematics", "--out", str(out)]
+        done = CliRunner().invoke(app, words)
+        assert done.exit_code == 0, done.output
+        assert out.read_text().startswith("<!doctype html>")
+        out.unlink()
     done = CliRunner().invoke(app, ["report", "slider_crank", "--out", str(tmp_path / "a.pdf")])
     assert done.exit_code == 2
     assert "a report is an .html page" in done.output

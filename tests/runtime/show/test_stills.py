@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from codegen import Model
 from codegen.drawing.figure import figure
-from codegen.drawing.names import engineering
+from codegen.drawing.label_texts import engineering
 from codegen.errors import InputError, ModelError
 from codegen.model_file import read_model
 from codegen.picture_at_start import picture_at_start

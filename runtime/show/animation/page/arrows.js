@@ -13,7 +13,8 @@ const CUT = 5; // px, half length of the strokes across an arrow that is cut
 /** The arrows of a scene: {node, largest, update(camera, shown …)}; `largest` may be set. */
 export function drawArrows(scene) {
   const node = svg("g", { class: "arrows" });
-  const kinds = { force: applied, "opposite force": applied, reaction, torque, drive, spring: tension, "spiral spring": torsion };
+  const kinds = { force: applied, "opposite force": applied, reaction, torque, drive, spring: tension, "spiral spring": torsion,
+    "contact side": push };
   const arrows = scene.symbols.flatMap((symbol) => {
     const sources = kinds[symbol.shape.kind]?.(symbol, scene) ?? [];
     return sources.map((source) => ({ symbol, ...source, ...parts(node, symbol, source) }));
@@ -77,6 +78,22 @@ function tension(symbol, scene) {
     },
     label: (now) => `${element} on ${scene.bodies[at.body].name}: ${withUnit(sizeOf(now), "N")}`,
   }));
+}
+
+/** The force of a contact on a body at the place where it touches, along the gap, where the run has it. */
+function push(symbol, scene) {
+  const { shape, element } = symbol;
+  const series = scene.byName.get(`${element}.${shape.force}`);
+  if (!series) return [];
+  return [{
+    kind: "reaction",
+    unit: "N",
+    now: () => {
+      const force = mixed(series.values, scene.at);
+      return { x: shape.x, y: shape.y, fx: force * shape.gx, fy: force * shape.gy };
+    },
+    label: (now) => `${element} on ${scene.bodies[shape.body].name}: ${withUnit(sizeOf(now), "N")}`,
+  }];
 }
 
 /** What a torsion spring exerts on its first body, where the run has it. */

@@ -39,6 +39,12 @@ export function poseOf(body, at) {
   return { x, y, phi, c: Math.cos(phi), s: Math.sin(phi) };
 }
 
+/** How far a stroke has moved within its body, and turned: a pose like that of a body. */
+export function shiftOf([x, y, turn], at) {
+  const phi = turn ? mixed(turn, at) : 0;
+  return { x: mixed(x, at), y: mixed(y, at), phi, c: Math.cos(phi), s: Math.sin(phi) };
+}
+
 /** A place of a body in global axes, m. */
 export function inWorld(poses, place) {
   const pose = poses[place.body];

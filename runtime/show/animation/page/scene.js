@@ -1,10 +1,10 @@
 // A run as a scene: its bodies and symbols at one instant, and what holds over all instants.
 
 import { placesOf } from "./strokes.js";
-import { angles, inWorld, instants, locate, poseOf, refresh } from "./poses.js";
+import { angles, inWorld, instants, locate, poseOf, refresh, shiftOf } from "./poses.js";
 
 const SURVEYED = 240; // instants at which extents are taken
-const LENGTHS = new Set(["x", "y", "radius", "radius_i", "radius_j", "clearance"]);
+const LENGTHS = new Set(["x", "y", "radius", "radius_i", "radius_j", "clearance", "gap"]);
 const LARGEST_TURN = 0.3; // rad between samples, above which the nearer one is shown
 
 function pairs(numbers, unit) {
@@ -74,7 +74,7 @@ export class Scene {
     this.strokes = run.strokes.map((stroke) => ({
       ...stroke,
       points: pairs(arrays[stroke.points], unit),
-      shift: stroke.shift?.map((k) => divided(arrays[k], unit)),
+      shift: stroke.shift?.map((k, part) => (part < 2 ? divided(arrays[k], unit) : arrays[k])),
     }));
     this.series = run.series.map((one) => ({ ...one, values: arrays[one.values] }));
     this.byName = new Map(this.series.map((one) => [one.name, one]));
@@ -142,8 +142,12 @@ export class Scene {
       this.bodies.forEach(({ outlines }, body) => {
         for (const [x, y] of outlines.flat()) add(inWorld(this.poses, { body, x, y }));
       });
-      for (const { body, points } of this.strokes) {
-        for (const { x, y } of points) add(inWorld(this.poses, { body, x, y }));
+      for (const { body, points, shift } of this.strokes) {
+        const frame = shift ? [shiftOf(shift, this.at)] : [];
+        for (const point of points) {
+          const place = frame.length ? inWorld(frame, { body: 0, ...point }) : point;
+          add(inWorld(this.poses, { ...place, body }));
+        }
       }
       for (const { shape } of this.symbols) {
         if (["force", "opposite force", "torque", "reaction", "gravity"].includes(shape.kind)) continue;

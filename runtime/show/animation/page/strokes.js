@@ -1,7 +1,7 @@
 // Bodies, and all lines that are fixed in them: pins, supports, guides, wheels, racks, profiles.
 // codegen/drawing/rigid_strokes.py made the lines; figures have the same ones.
 
-import { mixed } from "./poses.js";
+import { shiftOf } from "./poses.js";
 import { place, svg, through } from "./signs.js";
 
 const LAYERS = { hatch: "ground", rail: "ground", support: "ground", hub: "joints", pin: "joints", fixing: "joints",
@@ -28,7 +28,10 @@ export function drawBodies(scene) {
       const own = moved.filter(({ node: one }) => node.contains(one));
       const update = () => {
         place(node, scene.poses[body], scene.poses[body].phi);
-        for (const { node: one, shift: [x, y] } of own) place(one, { x: mixed(x, scene.at), y: mixed(y, scene.at) });
+        for (const { node: one, shift } of own) {
+          const now = shiftOf(shift, scene.at);
+          place(one, now, now.phi);
+        }
       };
       return { layer, node, update };
     });

@@ -1,99 +1,50 @@
-"""Names, dimensions and scales in a figure, placed so that they do not overlap."""
+"""The texts of a picture: what names bodies, joints and forces, and where each may stand."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from codegen.drawing import shapes
 from codegen.drawing.colors import Palette
+from codegen.drawing.contact_surfaces import Surface, surfaces
 from codegen.drawing.force_arrows import WIDE, Reactions, drawn_loads, force_strokes
 from codegen.drawing.gear_meshing import meshing
 from codegen.drawing.guides_and_racks import guide_ends, guide_of, rail_offset
-from codegen.drawing.label_placement import Label, place_labels, samples
 from codegen.drawing.moving_strokes import gap_of
 from codegen.drawing.picture import Picture, Symbol
 from codegen.drawing.polygons import FloatArray, area, circle, contains, placed, unit
 from codegen.drawing.rigid_strokes import rail
-from codegen.drawing.signs import ARROW, ROUND, Dimension
+from codegen.drawing.signs import ARROW, ROUND
 from codegen.drawing.sizes_and_held_places import PIN
 from codegen.drawing.strokes import Stroke
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 JOINT_SIZE, BODY_SIZE, OTHER_SIZE, NUMBER_SIZE = 9.5, 8.5, 8.0, 7.5  # layout: letters, in points
-SAMPLE = 3.0  # layout: distance of the samples of lines that names avoid, in points
 MOST_NAMES = 40  # layout: more than these cover the picture; bodies alone have theirs then
 MOST_AT_ONE_PLACE = 3  # layout: names of joints at one place
-Box = tuple[FloatArray, tuple[float, float]]  # centre and size of a text, in points
+LabelText = tuple[str, FloatArray, float, dict[str, Any]]
+"""A text, places (k, 2) beside which it may stand, the room about these, in m, and its style."""
 
 
-def draw_names(
-    axes: "Axes", picture: Picture, lines: list[FloatArray], boxes: list[Box], colors: Palette,
-    reactions: Reactions | None = None, values: bool = False,
-) -> None:  # fmt: skip
-    """Write the names of bodies, joints, drivers and forces beside them.
+def label_texts(
+    picture: Picture, colors: Palette, reactions: Reactions | None = None, values: bool = False
+) -> list[LabelText]:
+    """The names of bodies, joints, drivers and forces, and how far open joints are apart.
 
     Parameters
     ----------
-    lines
-        All lines of the picture in the global frame, m, which names avoid.
-    boxes
-        Texts that stand already.
     values
         Whether forces have their sizes behind their names.
     """
     others = _others(picture, colors, reactions, values)
     told = {text.partition(", ")[0] for text, *_ in others} if values else set[str]()
-    wanted = [*_joints(picture, colors, told), *_bodies(picture, colors), *others,
-              *_gaps(picture, colors)]  # fmt: skip
-    if not wanted:
-        return
+    bodies, gaps = _bodies(picture, colors), _gaps(picture, colors)
+    wanted = [*_joints(picture, colors, told), *bodies, *others, *gaps]
     if len(wanted) > MOST_NAMES:  # of a long chain of alike parts, say: bodies are enough
-        wanted = [*_bodies(picture, colors), *_gaps(picture, colors)]
-    points = 72.0 / axes.figure.dpi
-
-    def to_points(at: FloatArray) -> FloatArray:
-        return np.asarray(axes.transData.transform(np.atleast_2d(at))) * points
-
-    labels, texts = [], []
-    for text, anchors, room, style in wanted:
-        artist = axes.text(0, 0, text, ha="center", va="center", zorder=8, **style)
-        extent = artist.get_window_extent()
-        size = extent.width * points, extent.height * points
-        distance = room * float(np.hypot(*(to_points(np.array([1.0, 0.0])) - to_points(
-            np.array([0.0, 0.0])))[0]))  # fmt: skip
-        labels.append(Label(to_points(anchors), size, distance + 2.0))
-        texts.append(artist)
-    inside = axes.get_window_extent()
-    bounds = (
-        points * inside.x0, points * inside.y0, points * inside.x1, points * inside.y1
-    )  # fmt: skip
-    obstacles = [samples([to_points(line) for line in lines], SAMPLE)]
-    obstacles += [_filled(box) for box in boxes]
-    placed_at = place_labels(labels, np.concatenate(obstacles), bounds)
-    back = axes.transData.inverted()
-    for artist, spot in zip(texts, placed_at, strict=True):
-        artist.set_position(tuple(back.transform(spot.center / points)))
-        if spot.is_far:
-            ends = np.array([spot.center, spot.anchor])
-            axes.plot(*back.transform(ends / points).T, color=artist.get_color(), linewidth=0.5,
-                      alpha=0.6, zorder=7)  # fmt: skip
-        artist.set_bbox({"facecolor": colors.background, "alpha": 0.72, "edgecolor": "none",
-                         "boxstyle": "round,pad=0.08"})  # fmt: skip
+        return [*bodies, *gaps]
+    return wanted
 
 
-def _filled(box: Box) -> FloatArray:
-    """Samples all over a text, so that no name covers it."""
-    center, size = box
-    x, y = (np.arange(-s / 2, s / 2 + 1, 2.0) for s in size)
-    return np.asarray(center + np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2))
-
-
-Wanted = tuple[str, FloatArray, float, dict[str, Any]]
-
-
-def _joints(picture: Picture, colors: Palette, told: set[str]) -> list[Wanted]:
+def _joints(picture: Picture, colors: Palette, told: set[str]) -> list[LabelText]:
     """Names of joints, those at one place together; without those that a force names."""
     style = {"fontsize": JOINT_SIZE, "color": colors.ink, "fontstyle": "italic"}
     places: list[tuple[FloatArray, list[str]]] = []
@@ -163,7 +114,7 @@ def _pitch_point(picture: Picture, element: str, wheel: shapes.Wheel) -> FloatAr
     return None
 
 
-def _bodies(picture: Picture, colors: Palette) -> list[Wanted]:
+def _bodies(picture: Picture, colors: Palette) -> list[LabelText]:
     """Names of bodies, in their colours."""
     found = []
     for number, body in enumerate(picture.bodies):
@@ -201,7 +152,7 @@ def _along(polygon: FloatArray) -> FloatArray:
 
 def _others(
     picture: Picture, colors: Palette, reactions: Reactions | None, values: bool
-) -> list[Wanted]:
+) -> list[LabelText]:
     """Names of drivers, springs and forces, those of forces with their sizes where wanted."""
     size = picture.size
     found = _valued(picture, colors, reactions) if values else []
@@ -226,10 +177,20 @@ def _others(
                 room = WIDE * ROUND * size
         if at is not None:
             found.append((text, at, room, {"fontsize": OTHER_SIZE, "color": color}))
+    if not values:
+        style = {"fontsize": OTHER_SIZE, "color": colors.joint}
+        found += [(one.element, _ends(one), 0.0, style) for fixed in (True, False)
+                  for one in surfaces(picture, fixed)]  # fmt: skip
     return found
 
 
-def _valued(picture: Picture, colors: Palette, reactions: Reactions | None) -> list[Wanted]:
+def _ends(surface: Surface) -> FloatArray:
+    """Places at the ends of a surface, below it, (2, 2), m."""
+    reach = 0.85 * surface.half * surface.along
+    return np.array([surface.middle + reach, surface.middle - reach])
+
+
+def _valued(picture: Picture, colors: Palette, reactions: Reactions | None) -> list[LabelText]:
     """What acts on which body, with its size."""
     shades = {"force": colors.force, "reaction": colors.reaction, "torque": colors.torque}
     return [
@@ -243,7 +204,7 @@ def _valued(picture: Picture, colors: Palette, reactions: Reactions | None) -> l
     ]
 
 
-def _gaps(picture: Picture, colors: Palette) -> list[Wanted]:
+def _gaps(picture: Picture, colors: Palette) -> list[LabelText]:
     """How far the places of joints are apart that are not closed."""
     style = {"fontsize": NUMBER_SIZE, "color": colors.bad}
     found = []
@@ -266,40 +227,3 @@ def engineering(value: float, unit: str) -> str:
         if abs(value) >= factor:
             return f"{value / factor:.3g} {prefix}{unit}"
     return f"{value:.3g} {unit}"
-
-
-def draw_dimensions(axes: "Axes", measured: list[Dimension], colors: Palette) -> list[Box]:
-    """Write the distances along dimension lines, readable from below and from the right."""
-    boxes = []
-    for _, middle, angle, distance in measured:
-        degrees = (np.degrees(angle) + 90.0) % 180.0 - 90.0
-        text = axes.text(
-            float(middle[0]), float(middle[1]), f"{distance:.4g}",
-            ha="center", va="center", rotation=degrees, zorder=8,
-            fontsize=NUMBER_SIZE, color=colors.ink,
-            bbox={"facecolor": colors.background, "edgecolor": "none", "pad": 0.6},
-        )  # fmt: skip
-        boxes.append(_box(axes, text))
-    return boxes
-
-
-def draw_scale(axes: "Axes", scale: float, size: float, colors: Palette) -> list[Box]:
-    """The scale of the forces, m/N: a bar in the lower right corner for a round force."""
-    exact = 0.2 * size / scale
-    power = 10.0 ** np.floor(np.log10(exact))
-    value = power * max(m for m in (1, 2, 5) if m * power <= exact * (1 + 1e-9))
-    right, bottom = axes.get_xlim()[1], axes.get_ylim()[0]
-    x = np.array([right - 0.03 * size - value * scale, right - 0.03 * size])
-    y = bottom + 0.03 * size
-    axes.plot(x, [y, y], "|-", color=colors.force, linewidth=1.4, markersize=6, zorder=8,
-              solid_capstyle="butt")  # fmt: skip
-    text = axes.text(x.mean(), y + 0.015 * size, engineering(value, "N"), ha="center", va="bottom",
-                     fontsize=NUMBER_SIZE, color=colors.force, zorder=8)  # fmt: skip
-    return [_box(axes, text)]
-
-
-def _box(axes: "Axes", text: Any) -> Box:
-    points = 72.0 / axes.figure.dpi
-    extent = text.get_window_extent()
-    center = np.array([(extent.x0 + extent.x1) / 2, (extent.y0 + extent.y1) / 2]) * points
-    return center, (extent.width * points, extent.height * points)

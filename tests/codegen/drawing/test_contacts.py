@@ -1,0 +1,174 @@
+"""Contacts in pictures: where a body touches, and the surfaces of the ground."""
+
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from codegen import Model, disc, rectangle, t
+from codegen.declare.body import Body
+from codegen.drawing.contact_points import sides_of, touch_now
+from codegen.drawing.contact_surfaces import surfaces
+from codegen.drawing.moving_strokes import moving_strokes
+from codegen.drawing.picture import Picture
+from codegen.drawing.rigid_strokes import rigid_strokes
+from codegen.model_file import read_model
+from codegen.picture_at_start import picture_at_start
+
+SLOPE = 0.4
+
+
+def drawn(model: Model, body: Body, *contacts: str, x: float = 0.0, y: float = 1.0,
+          phi: float = 0.3) -> Picture:  # fmt: skip
+    start = {body.x: x, body.y: y, body.vx: 0.0, body.vy: 0.0}
+    if body.turns:
+        start |= {body.phi: phi, body.omega: 0.0}
+    model.scene("falling", contacts, start=start)
+    return picture_at_start(model)
+
+
+def touching(picture: Picture, element: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    (side,) = (side for _, symbol, side in sides_of(picture) if symbol.element == element)
+    found = touch_now(picture, side)
+    return found.point[0], found.surface[0], found.normal[0]
+
+
+def test_a_ball_touches_a_plate_with_its_lowest_point() -> None:
+    model = Model("ball")
+    ball = model.particle("ball", 1.0, draw=disc(0.1))
+    model.contact("plate", model.ground, ball, direction=(0, 1), free_length=0.1, restitution=0.5)
+    picture = drawn(model, ball, "plate", x=0.7)
+    point, surface, normal = touching(picture, "plate")
+    assert_allclose(point, [0.7, 0.9], atol=1e-12)
+    assert_allclose(surface, [0.7, 0.0], atol=1e-12)
+    assert_allclose(normal, [0.0, 1.0])
+    (plane,) = surfaces(picture, fixed=True)
+    assert plane.element == "plate"
+    assert_allclose(plane.middle, surface, atol=1e-12)
+    lines = [s for s in rigid_strokes(picture) if s.element == "plate"]
+    assert [s.style for s in lines[:2]] == ["rail", "hatch"]
+    assert_allclose(lines[0].points[:, 1], 0.0, atol=1e-12)
+    assert all(np.all(s.points[:, 1] < 1e-12) for s in lines)  # the ground is below
+    assert not moving_strokes(picture)
+
+
+@pytest.mark.parametrize("phi", [0.3, 2.0, -2.5])
+def test_a_corner_of_a_box_touches_a_slope_wherever_it_is(phi: float) -> None:
+    model = Model("box")
+    box = model.body("box", 1.0, 0.1, draw=rectangle(0.3, 0.2))
+    corner = box.at(-0.15, -0.1)
+    gap = -sin(SLOPE) * corner.x + cos(SLOPE) * corner.y
+    model.contact("edge", gap=gap, stiffness=1e4, may_pull=False)
+    picture = drawn(model, box, "edge", x=0.2, y=0.6, phi=phi)
+    point, surface, normal = touching(picture, "edge")
+    place = [0.2 - 0.15 * cos(phi) + 0.1 * sin(phi), 0.6 - 0.15 * sin(phi) - 0.1 * cos(phi)]
+    assert_allclose(point, place, atol=1e-12)
+    assert_allclose(normal, [-sin(SLOPE), cos(SLOPE)], atol=1e-12)
+    assert surface @ normal == pytest.approx(0.0, abs=1e-12)
+
+
+def test_two_ends_of_a_rod_share_one_floor() -> None:
+    """Without an outline the rod is a bar from end to end, with round ends that touch."""
+    model = Model("rod")
+    rod = model.body("rod", 1.0, 1 / 12)
+    for name, x in (("left", -0.5), ("right", 0.5)):
+        model.contact(name, gap=rod.at(x, 0).y, restitution=0.5)
+    picture = drawn(model, rod, "left", "right", phi=0.5)
+    (floor,) = surfaces(picture, fixed=True)
+    ends = np.array([touching(picture, name)[0] for name in ("left", "right")])
+    (outline,) = picture.bodies[1].outlines
+    corners = np.array(outline)
+    half = np.ptp(corners[:, 1]) / 2
+    assert_allclose(np.abs(corners[:, 0]).max(), 0.5 + half, rtol=1e-9)
+    assert_allclose(floor.middle, [0.0, -half], atol=2e-2 * half)
+    assert floor.half > 0.5 * cos(0.5)
+    assert_allclose(ends[:, 0], [-0.5 * cos(0.5), 0.5 * cos(0.5)], atol=1e-12)
+
+
+def test_an_eccentric_disc_touches_below_its_own_centre() -> None:
+    model = Model("cam")
+    cam = model.body("cam", 1.0, 0.1, draw=disc(0.2, center=(0.05, 0)))
+    model.contact("floor", gap=cam.at(0.05, 0).y - 0.2, restitution=0.5)
+    point, surface, _ = touching(drawn(model, cam, "floor", phi=1.1), "floor")
+    depth = 0.2 * cos(pi / 64)  # of a polygon within the circle, at most
+    assert point[0] == pytest.approx(0.05 * cos(1.1), abs=1e-12)
+    assert point[1] == pytest.approx(1.0 + 0.05 * sin(1.1) - depth, abs=1e-3)
+    assert surface[1] == pytest.approx(0.0, abs=1e-3)
+
+
+MACHINES = [("models/quarter_car.py", "bump"), ("models/hard/contact_follower.py", "touching"),
+            ("models/valve_lifter.py", "free_follower"),
+            ("models/hard/bouncing_ball.py", "shaken")]  # fmt: skip
+
+
+@pytest.mark.parametrize(("path", "scene"), MACHINES)
+def test_the_drawn_force_is_the_force_of_the_equations(path: str, scene: str) -> None:
+    """A force G at the place where it is drawn has the moment ∂g/∂φ about the body's origin."""
+    picture = picture_at_start(read_model(path).model, scene)
+    found = sides_of(picture)
+    assert found
+    for _, _, side in found:
+        at = touch_now(picture, side).point[0] - picture.poses[side.body, :2]
+        assert at[0] * side.gy - at[1] * side.gx == pytest.approx(side.turn, abs=1e-12)
+
+
+def test_the_road_of_a_car_is_at_its_height() -> None:
+    picture = picture_at_start(read_model("models/quarter_car.py").model, "bump")
+    assert not surfaces(picture, fixed=True)
+    (road,) = surfaces(picture, fixed=False)
+    assert road.element == "tyre"
+    corners = 0.3 * (1 - cos(pi / 64))  # by how much the wheel's polygon is within its circle
+    assert 0.0 <= road.middle[1] <= corners
+    assert {s.style for s in moving_strokes(picture) if s.element == "tyre"} == {"rail", "hatch"}
+
+
+@pytest.mark.parametrize("law", [{"stiffness": 1e4}, {"restitution": 0.5}])
+def test_stops_of_a_slide_have_plates_where_the_block_ends(law: dict[str, float]) -> None:
+    model = Model("slide")
+    block = model.body("block", 1.0, 0.1)
+    guide = model.translational("guide", model.ground, block, axis=(1, 0))
+    model.stop("ends", guide, lower=-0.4, upper=0.6, **law)
+    model.scene("sliding", ["ends"], start={block.x: 0.1, block.vx: 0.0})
+    picture = picture_at_start(model)
+    half = max(x for outline in picture.bodies[1].outlines for x, _ in outline)
+    lower, upper = surfaces(picture, fixed=True)
+    assert_allclose(lower.middle, [-0.4 - half, 0.0], atol=1e-12)
+    assert_allclose(upper.middle, [0.6 + half, 0.0], atol=1e-12)
+    assert_allclose([lower.normal, upper.normal], [[1.0, 0.0], [-1.0, 0.0]], atol=1e-12)
+
+
+def test_contacts_without_a_surface() -> None:
+    """A stop of an angle has no place; two bodies that move have sides alone; a far one is none."""
+    model = Model("none")
+    one, two = (model.particle(name, 1.0, draw=disc(0.1)) for name in ("one", "two"))
+    wheel = model.body("wheel", 1.0, 0.1)
+    pin = model.revolute("pin", model.ground, wheel)
+    model.stop("turn", pin, lower=-1.0, upper=1.0, stiffness=10.0)
+    model.contact("hit", one, two, free_length=0.2, restitution=0.5)
+    model.contact("sky", gap=1e4 - one.y, restitution=0.5)
+    start = {one.x: 1.0, one.y: 0.0, two.x: 2.0, two.y: 0.0}
+    rates = {one.vx: 0.0, one.vy: 0.0, two.vx: 0.0, two.vy: 0.0, wheel.phi: 0.0, wheel.omega: 0.0}
+    model.scene("all", ["turn", "hit", "sky"], start=start | rates)
+    picture = picture_at_start(model)
+    names = [(symbol.element, picture.bodies[side.body].name) for _, symbol, side in
+             sides_of(picture)]  # fmt: skip
+    assert names == [("hit", "one"), ("hit", "two"), ("sky", "one")]
+    assert surfaces(picture, fixed=True) == surfaces(picture, fixed=False) == []
+    for side, x in zip([side for _, _, side in sides_of(picture)][:2], (1.1, 1.9), strict=True):
+        assert_allclose(touch_now(picture, side).point[0], [x, 0.0], atol=1e-3)
+
+
+def test_a_wall_that_moves_is_no_part_of_the_ground_at_rest() -> None:
+    model = Model("shaker")
+    ball = model.particle("ball", 1.0, draw=disc(0.1))
+    model.contact("wall", gap=ball.x - 0.1 - 0.3 * t, restitution=0.5)
+    picture = drawn(model, ball, "wall", x=1.0)
+    assert not surfaces(picture, fixed=True)
+    (wall,) = surfaces(picture, fixed=False)
+    assert_allclose(wall.middle, [0.0, 1.0], atol=1e-12)
+    motion = np.repeat(picture.poses[None], 3, axis=0)
+    motion[:, 1, :2] = [[0.2, 1.0], [0.1, 3.0], [1.0, 9.0]]  # at last far from the wall
+    (long,) = surfaces(picture, fixed=False, motion=motion)
+    assert_allclose(long.middle, [0.0, 2.0], atol=1e-12)
+    assert long.half == pytest.approx(wall.half + 1.0)

@@ -1,0 +1,132 @@
+"""Contacts of runs: surfaces that move as the gap says, forces where bodies touch."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from codegen import Model, disc
+from codegen.drawing.contact_points import sides_of
+from codegen.drawing.force_arrows import loads
+from codegen.drawing.moving_strokes import moving_strokes
+from runtime import load
+from runtime.show.animation.contacts import contact_numbers, moving_surfaces
+from runtime.show.movie import frames_of
+from runtime.show.pictures import pictures
+from runtime.show.still import _reactions
+from tests.runtime.show.animation.conftest import Open
+
+
+@pytest.fixture(scope="module")
+def car() -> Any:
+    machine = load("quarter_car", "bump")
+    return machine.simulate(0.4, 81, start=machine.equilibrium(), progress=False)
+
+
+@pytest.fixture(scope="module")
+def ball() -> Any:
+    return load("hard/bouncing_ball", "dropped").simulate(2.0, 401, progress=False)
+
+
+def test_the_road_passes_below_the_car(car: Any) -> None:
+    """Its height is that of the wheel's lowest point less the gap, at all instants."""
+    shown = pictures(car)
+    (road,) = moving_surfaces(shown)
+    height = car.q("upright.y") - 0.3 - car.gap("tyre")
+    assert np.ptp(height) == pytest.approx(0.06, abs=1e-4)  # the bump
+    corners = 0.3 * (1 - np.cos(np.pi / 64))  # by how much the wheel's polygon is within its circle
+    assert np.all(np.abs(road.poses[:, 1] - height) <= corners)
+    assert_allclose(road.poses[:, 2], 0.0, atol=1e-12)
+    assert [stroke.style for stroke in road.strokes[:2]] == ["rail", "hatch"]
+    # and so it does in the frames of a movie
+    for frame, y in list(zip(frames_of(shown), road.poses[:, 1], strict=True))[::20]:
+        rail = next(s for s in moving_strokes(frame) if s.style == "rail")
+        assert_allclose(rail.points[:, 1], y, atol=1e-9)
+
+
+def test_the_force_of_a_tyre_acts_where_it_touches(car: Any) -> None:
+    one = car.at(0.2)
+    picture = pictures(one).picture
+    (load_,) = (row for row in loads(picture, _reactions(one, picture)) if
+                row.symbol.element == "tyre")  # fmt: skip
+    assert load_.label == "tyre on upright"
+    assert load_.style == "reaction"
+    assert_allclose(load_.force, [0.0, one.force("tyre")[0]])
+    assert load_.force[1] > 1000.0
+    wheel = np.array([one.q("upright.x")[0], one.q("upright.y")[0]])
+    assert_allclose(load_.at - wheel, [0.0, -0.3], atol=1e-3)
+
+
+def test_the_plate_carries_the_weight_of_the_ball(ball: Any) -> None:
+    one = ball.at(1.9)
+    picture = pictures(one).picture
+    (weight,) = loads(picture, _reactions(one, picture))
+    assert_allclose(weight.force, [0.0, 0.4 * 9.81], rtol=1e-9)
+    assert_allclose(weight.at, [0.0, 0.0], atol=1e-6)
+    texts = {text.get_text() for text in ball.draw(1.9, forces=True).axes[0].texts}
+    assert "plate on ball: 3.92 N" in texts
+
+
+def test_numbers_of_a_contact_over_time(ball: Any) -> None:
+    shown = pictures(ball)
+    ((number, _, side),) = sides_of(shown.picture)
+    found = contact_numbers(shown, number, side)
+    assert_allclose(found["gap"], ball.q("ball.y") - 0.1, atol=1e-12)
+    assert_allclose(found["y"], found["gap"], atol=1e-9)
+    assert_allclose([found["gx"], found["gy"]], [0 * ball.t, 0 * ball.t + 1], atol=0)
+    assert not moving_surfaces(shown)
+
+
+def test_a_page_shows_the_force_and_the_impact_where_they_are(
+    show: Open, ball: Any, tmp_path: Path
+) -> None:
+    path = tmp_path / "ball.html"
+    ball.animate(file=path)
+    page = show(path)
+    page.evaluate("player.clock.seek(1.9)")
+    page.get_by_label("reactions").check()
+    assert page.locator(".arrow-text:visible").all_text_contents() == ["plate on ball: 3.924 N"]
+    scene = "player.scenes[0]"
+    (first, *_) = (event.time for event in ball.events if event.word == "strikes" or event.what)
+    page.evaluate(f"player.clock.seek({first + 0.1})")
+    ring = page.locator(".flash:not([hidden])")
+    assert ring.count() == 1
+    x, y = (float(part) for part in ring.get_attribute("transform")[10:].split(")")[0].split())
+    assert abs(x) < 1e-6
+    assert abs(y) < 1e-3  # on the plate, from which the ball has gone
+    assert page.evaluate(f"{scene}.poses[1].y") > 0.15
+    page.evaluate(f"player.clock.seek({first - 1e-3})")
+    assert ring.count() == 0
+
+
+def test_a_page_moves_the_road(show: Open, car: Any, tmp_path: Path) -> None:
+    path = tmp_path / "car.html"
+    car.animate(file=path)
+    page = show(path)
+    rail = ".ground [data-element=tyre]:has(.rail)"
+    heights = []
+    for t in (0.0, 2.75 / 12, 0.4):
+        page.evaluate(f"player.clock.seek({t})")
+        text = page.locator(rail).get_attribute("transform")
+        heights.append(float(text[10:].split(")")[0].split()[1]))
+    assert heights == pytest.approx([0.0, 0.06, 0.0], abs=1e-3)
+
+
+def test_both_limits_of_a_stop_flash_where_they_are_hit(show: Open, tmp_path: Path) -> None:
+    model = Model("shuttle")
+    block = model.body("block", 1.0, 0.1, draw=disc(0.05))
+    guide = model.translational("guide", model.ground, block, axis=(1, 0))
+    model.stop("ends", guide, lower=-0.5, upper=0.5, stiffness=1e5)
+    model.scene("running", ["ends"], start={block.x: 0.0, block.vx: 1.0})
+    machine = load(model, generated=tmp_path)
+    run = machine.simulate(2.0, 201, progress=False)
+    run.animate(file=tmp_path / "run.html")
+    page = show(tmp_path / "run.html")
+    places = []
+    for t in (0.6, 1.6):
+        page.evaluate(f"player.clock.seek({t})")
+        text = page.locator(".flash:not([hidden])").get_attribute("transform")
+        places.append(float(text[10:].split()[0]))
+    assert places == pytest.approx([0.55, -0.55], abs=0.01)
