@@ -220,7 +220,7 @@ def _joined(mechanism: "Mechanism", saved: dict[str, Any], own: bool) -> "Result
     from runtime.core.outcomes import Outcome
     from runtime.dynamics.joined_results import joined
     from runtime.mechanism.sibling_scenes import sibling
-    from runtime.results.kept_instants import keep
+    from runtime.results.result_restriction import keep
 
     results, changes = [], saved["motion"]["changes"]
     for part, change in zip(saved["motion"]["parts"], [None, *changes], strict=True):

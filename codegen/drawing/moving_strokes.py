@@ -8,9 +8,9 @@ from codegen.drawing import shapes
 from codegen.drawing.contact_surfaces import surface_lines, surfaces
 from codegen.drawing.guides_and_racks import guide_of
 from codegen.drawing.picture import Picture, Symbol
-from codegen.drawing.polygons import FloatArray, arc, circle, placed
+from codegen.drawing.polygons import FloatArray, placed
 from codegen.drawing.sizes_and_held_places import PIN
-from codegen.drawing.spring_lines import spiral, spring_lines
+from codegen.drawing.spring_lines import spring_lines, torsion_lines, torsion_parts
 from codegen.drawing.strokes import Stroke
 from codegen.drawing.wheel_lines import belt_line
 
@@ -66,17 +66,10 @@ def _moving(picture: Picture, symbol: Symbol) -> Iterator[tuple[str, FloatArray,
 def _torsion(
     picture: Picture, shape: shapes.SpiralSpring
 ) -> Iterator[tuple[str, FloatArray, bool]]:
-    size = picture.size
     center = np.array(picture.position(shape.j))
     start, end = picture.poses[shape.i.body, 2], picture.poses[shape.j.body, 2]
-    if shape.elastic:
-        yield "spring", spiral(center, 1.8 * PIN * size, 4.4 * PIN * size, start, end), False
-    if shape.damper:
-        for radius in (3.2, 4.6):
-            yield "damper", arc(center, radius * PIN * size, end + 0.6, 2.2), False
-    if shape.actuator:
-        half = 3.1 * PIN * size
-        yield "actuator", circle(center, half), True
+    for style, points in torsion_parts(shape.elastic, shape.damper, shape.actuator):
+        yield style, torsion_lines(center, PIN * picture.size, start, end, points), False
 
 
 def gap_of(picture: Picture, symbol: Symbol) -> FloatArray | None:

@@ -17,6 +17,11 @@ from codegen.drawing.polygons import FloatArray, normal, unit
 COILS = 6  # layout: teeth of a zigzag
 BESIDE = 2.4  # layout: distance of parallel parts, in half widths
 SPIRAL_TURNS = 2.25  # layout: turns of a torsion spring that is not wound up
+SPIRAL_POINTS = 160  # layout: of a torsion spring
+SPIRAL = (1.8, 4.4)  # layout: inner and outer radius of a torsion spring, in pins
+ROUND_CUPS = (3.2, 4.6)  # layout: radii of the arcs of a torsion damper, in pins
+ROUND_DAMPER = (0.6, 2.2)  # layout: where its arcs begin, from x' of body j, and their sweep, rad
+ROUND_MOTOR = 3.1  # layout: radius of the circle of a motor, in pins
 
 
 def spring_lines(
@@ -98,15 +103,35 @@ def _cylinder(parallel: bool) -> Lines:
     ]
 
 
-def spiral(center: FloatArray, inner: float, outer: float, start: float, end: float) -> FloatArray:
-    """The polyline (k, 2) of a torsion spring about a centre.
+def torsion_parts(elastic: bool, damper: bool, actuator: bool) -> list[tuple[str, FloatArray]]:
+    """Style and lines (k, 3) of a torsion spring, damper and motor, about their pin.
 
-    It runs from the radius `inner`, which turns with body i, at the angle `start`, to `outer` at
-    `end` of body j, both in rad and not reduced to one turn, so that the spring winds up and
-    unwinds as the bodies turn.
+    A point has its radius in pins and its angle φ_i + w (φ_j - φ_i) + ψ, given as w and ψ, rad. The
+    spiral runs from body i, inside, to body j, and winds up and unwinds as the bodies turn; angles
+    are not reduced to one turn.
     """
-    sweep = 2 * np.pi * SPIRAL_TURNS + (end - start)
-    count = max(24, int(abs(sweep) / (2 * np.pi) * 32))
-    x = np.linspace(0, 1, count)
-    angles, radii = start + sweep * x, inner + (outer - inner) * x
-    return np.asarray(center + radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1))
+    x = np.linspace(0.0, 1.0, SPIRAL_POINTS)
+    found = []
+    if elastic:
+        first, last = SPIRAL
+        lines = [first + (last - first) * x, x, 2 * np.pi * SPIRAL_TURNS * x]
+        found.append(("spring", np.stack(lines, axis=1)))
+    if damper:
+        start, sweep = ROUND_DAMPER
+        for radius in ROUND_CUPS:
+            lines = [0 * x + radius, 0 * x + 1, start + sweep * x]
+            found.append(("damper", np.stack(lines, axis=1)))
+    if actuator:
+        lines = [0 * x + ROUND_MOTOR, 0 * x + 1, 2 * np.pi * x]
+        found.append(("actuator", np.stack(lines, axis=1)))
+    return found
+
+
+def torsion_lines(
+    center: FloatArray, pin: float, start: float, end: float, points: FloatArray
+) -> FloatArray:
+    """A line of `torsion_parts` about a centre, (k, 2), m, for angles φ_i and φ_j in rad."""
+    radius, share, offset = points.T
+    angles = start + share * (end - start) + offset
+    around = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return np.asarray(center + pin * radius[:, None] * around)

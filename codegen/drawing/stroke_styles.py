@@ -43,6 +43,23 @@ _LAYER = {
     "hub": JOINT, "pin": JOINT, "fixing": JOINT,
 }  # fmt: skip
 
+LAYER_NAMES = {
+    GROUND: "ground", BEHIND: "bodies", BODY: "bodies", BETWEEN: "between", JOINT: "joints",
+    SIGN: "extras",
+}  # fmt: skip
+"""The layers of a page, in which springs lie above bodies."""
+_DEPTH = {"gear": 0, "ring": 0, "slot": 2}  # among the strokes of a body; 1 for all others
+
+
+def layer_name(style: str) -> str:
+    """The layer of a page that has the strokes of a style."""
+    return LAYER_NAMES[_LAYER.get(style, SIGN)]
+
+
+def depth(style: str) -> int:
+    """The place of a style among the strokes of a body, the lowest at the back."""
+    return _DEPTH.get(style, 1)
+
 
 def pen(style: str, body: int, colors: Palette) -> Pen:
     """The pen for a stroke of a body, whose number picks the colours."""
@@ -116,8 +133,7 @@ def painted(picture: Picture, strokes: tuple[Stroke, ...], colors: Palette) -> l
         outlines = [Stroke("body", number, points, True) for points in polygons]
         layers[BODY] += [Painted(one, Pen("", line, 2.2)) for one in outlines]
         layers[BODY] += [Painted(one, Pen(fill, "", 0.0)) for one in outlines]
-        order = {"gear": 0, "ring": 0, "slot": 2}
-        layers[BODY] += sorted(own.get(number, []), key=lambda one: order.get(one.stroke.style, 1))
+        layers[BODY] += sorted(own.get(number, []), key=lambda one: depth(one.stroke.style))
     return [one for layer in layers for one in layer]
 
 

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from codegen.drawing.polygons import FloatArray, arc, normal, unit
+from codegen.drawing.polygons import FloatArray, normal, unit
 
 LEAST_TEETH, MOST_TEETH = 10, 18  # layout: of the smallest gear of a picture
 ADDENDUM, DEDENDUM = 0.9, 1.1  # layout: tooth above and below the pitch circle, in modules
 BACK = 2.6  # layout: depth of a rack below its pitch line, in modules
+BELT_POINTS = 49  # layout: of the arc of a belt on a wheel
 CREST, ROOT = 0.22, 0.34  # layout: half widths of a tooth at its crest and root, in pitches
 
 
@@ -112,13 +113,24 @@ def belt_line(
     heading = float(np.arctan2(d[1], d[0]))
     cosine = (radius_i + (radius_j if crossed else -radius_j)) / distance if distance > 0 else 0.0
     beta = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
-    round_i = arc(i, radius_i, heading + beta, 2 * np.pi - 2 * beta)
+    wheel, share, offset = belt_parts(crossed).T
+    angles = heading + share * beta + offset
+    radii = np.where(wheel > 0, radius_j, radius_i)
+    around = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return np.asarray(np.where(wheel[:, None] > 0, j, i) + radii[:, None] * around)
+
+
+def belt_parts(crossed: bool) -> FloatArray:
+    """The points of a belt, (k, 3): the wheel, 0 or 1, and a and ψ of its angle δ + a β + ψ, rad.
+
+    δ is the angle of the line of centres, and β as in `belt_line`.
+    """
+    s = np.linspace(0.0, 1.0, BELT_POINTS)
+    on_i = np.stack([0 * s, 1 - 2 * s, 2 * np.pi * s], axis=1)
+    on_j = np.stack([0 * s + 1, 2 * s - 1, 0 * s], axis=1)
     if crossed:
-        sweep = -(2 * np.pi - 2 * beta)
-        round_j = arc(j, radius_j, heading + np.pi - beta, sweep)
-    else:
-        round_j = arc(j, radius_j, heading - beta, 2 * beta)
-    return np.concatenate([round_i, round_j, round_i[:1]])
+        on_j[:, 2] = np.pi * (1 - 2 * s)
+    return np.concatenate([on_i, on_j, on_i[:1]])
 
 
 def spoke(center: FloatArray, radius: float) -> FloatArray:

@@ -1,8 +1,7 @@
 """A case: model, scene, values and settings of a run as data, from a file and into one."""
 
 import os
-from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,10 +11,10 @@ from codegen.object_display import html_of
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class, immutable, named_attributes
 from codegen.whole_files import whole_file
-from runtime.cases.document import ENDINGS, Entry, entry_of, place, read_document
+from runtime.cases.document import ENDINGS, Entry, entry_of, errors_at, place, read_document
 from runtime.cases.fields import FORMAT, RUN, case_record
-from runtime.cases.machine_values import run_words, values_of
-from runtime.cases.writing import text_of
+from runtime.cases.machine_values import arguments_of, values_of
+from runtime.cases.serialization import text_of
 from runtime.core.analysis_names import ANALYSES
 
 if TYPE_CHECKING:
@@ -171,7 +170,7 @@ class Case:
             return self.model_path, self.scene
         from codegen.scene_data import scene_of_data
 
-        with self._errors_at_scene():
+        with errors_at(place(self._file or "Case", self._entry.value["scene"].line)):
             return scene_of_data(self.model_path, entry_of(self.scene).plain())
 
     def machine(self, *, generated: str | os.PathLike[str] | None = None) -> "Machine":
@@ -214,7 +213,7 @@ class Case:
         if self.analysis == "equilibrium" and given.pop("start", None):
             note("start", "an equilibrium has no start values; give them as guess.")
         found: dict[str, Any] = values_of(machine.description, given, note)
-        found |= run_words(machine.description, self.run, note)
+        found |= arguments_of(machine.description, self.run, note)
         if problems:
             raise InputError(problems)
         return found
@@ -249,9 +248,6 @@ class Case:
             line = line if entry is None else entry.line
         return f"{place(self._file or 'Case', line)}, {where}"
 
-    def _errors_at_scene(self) -> AbstractContextManager[None]:
-        return _errors_at(place(self._file or "Case", self._entry.value["scene"].line))
-
     def __repr__(self) -> str:
         """The case as its YAML or JSON has it."""
         return (
@@ -261,16 +257,6 @@ class Case:
     def _repr_html_(self) -> str:
         """The case for notebooks."""
         return html_of("\n".join(f"{k}: {shown(v)}" for k, v in self.data.items()))
-
-
-@contextmanager
-def _errors_at(where: str) -> Iterator[None]:
-    """Let errors of ours begin with a place."""
-    try:
-        yield
-    except InputError as error:
-        error.locate(where)
-        raise
 
 
 def _fill(case: Case, entry: Entry, file: Path | None, folder: Path) -> None:

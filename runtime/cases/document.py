@@ -7,7 +7,8 @@ and a key that stands twice is refused.
 
 import json
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache
 from os import fspath
 from pathlib import Path
@@ -234,3 +235,13 @@ _SCALARS: dict[str, Callable[[str], Any]] = {
     "int": int,
     "float": float,
 }
+
+
+@contextmanager
+def errors_at(where: str) -> Iterator[None]:
+    """Let errors of ours begin with a place."""
+    try:
+        yield
+    except InputError as error:
+        error.locate(where)
+        raise

@@ -3,7 +3,7 @@
 from typing import Any
 
 from runtime.cases.document import Entry
-from runtime.cases.kinds import (
+from runtime.cases.schema_types import (
     CONDITION,
     FLAG,
     NUMBER,
@@ -21,6 +21,7 @@ from runtime.cases.kinds import (
     count,
 )
 from runtime.core.analysis_names import ANALYSES
+from runtime.integrate.simulation_options import OPTIONS
 
 FORMAT = "linkwright case 1"
 """The format and its version."""
@@ -74,32 +75,15 @@ class _Instants:
         return {"anyOf": [self.number.schema(), *_INSTANTS.schema()["anyOf"]]}
 
 
-_T_END = Field(SECONDS, "Last instant, s.")
-_T_EVAL = Field(_Instants(), "Number of output instants, the instants, or steps.")
-_T_START = Field(SECONDS, "First instant, s.")
+_KINDS: dict[str, Kind] = {
+    "number": NUMBER, "seconds": SECONDS, "count": count(1), "text": TEXT, "names": _NAMES,
+    "conditions": MapOf(CONDITION), "instants": _Instants(),
+}  # fmt: skip
+_SIMULATION = {option.name: Field(_KINDS[option.kind], option.about) for option in OPTIONS}
 
 RUN = {
-    "simulate": Record(
-        {
-            "t_end": _T_END,
-            "t_eval": _T_EVAL,
-            "t_start": _T_START,
-            "accuracy": Field(NUMBER, "Relative global error that the result may have."),
-            "quantities": Field(_NAMES, "Series whose error is meant."),
-            "method": Field(TEXT, "Integration method."),
-            "rtol": Field(NUMBER, "Relative tolerance of a step."),
-            "atol": Field(NUMBER, "Absolute tolerance of a step, SI units."),
-            "formulation": Field(TEXT, "cartesian or reduced."),
-            "correction": Field(TEXT, "Return onto the constraints."),
-            "time_scale": Field(SECONDS, "Time of Baumgarte's accelerations, s."),
-            "first_step": Field(SECONDS, "Length of the first step, s."),
-            "max_step": Field(SECONDS, "Longest step, s."),
-            "max_steps": Field(count(1), "Trial steps."),
-            "max_bytes": Field(count(1), "Bytes of recorded states."),
-            "until": Field(MapOf(CONDITION), "Name: condition on a series; ends the run."),
-        }
-    ),
-    "kinematics": Record({"t_end": _T_END, "t_eval": _T_EVAL, "t_start": _T_START}),
+    "simulate": Record(_SIMULATION),
+    "kinematics": Record({name: _SIMULATION[name] for name in ("t_end", "t_eval", "t_start")}),
     "equilibrium": Record(
         {
             "method": Field(choice(("energy", "settling")), "How the position is searched for."),

@@ -5,6 +5,7 @@ from typing import Any
 
 from codegen.condition_texts import read_condition
 from codegen.quantities import QuantityError, number_in
+from runtime.integrate.simulation_options import OPTIONS
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
 
@@ -40,7 +41,7 @@ def values_of(
     return found
 
 
-def run_words(description: Description, run: Mapping[str, Any], note: Note) -> dict[str, Any]:
+def arguments_of(description: Description, run: Mapping[str, Any], note: Note) -> dict[str, Any]:
     """The words of an analysis; seconds are numbers, conditions as `Machine.simulate` has them."""
     words = dict[str, Any]()
     for name, value in run.items():
@@ -55,7 +56,7 @@ def run_words(description: Description, run: Mapping[str, Any], note: Note) -> d
     return words
 
 
-SECONDS_WORDS = {"t_end", "t_start", "time_scale", "first_step", "max_step", "t"}
+SECONDS_WORDS = {"t", *(option.name for option in OPTIONS if option.kind == "seconds")}
 """Words that are times, s."""
 
 

@@ -3,63 +3,42 @@
 from collections.abc import Callable
 from functools import wraps
 from inspect import Parameter, signature
+from operator import attrgetter
 from typing import Annotated, Any
 
 from codegen.condition_texts import read_condition
 from codegen.errors import InputError
 from codegen.quantities import QuantityError
 from runtime.cli.common import option
-from runtime.integrate.method import METHODS, alternatives
+from runtime.integrate.simulation_options import OPTIONS, SimulationOption
+
+_TYPES: dict[str, Any] = {
+    "number": float | None, "seconds": float | None, "count": int | None, "text": str | None,
+    "names": list[str] | None, "conditions": list[str] | None,
+}  # fmt: skip
+_OF_SEVERAL = (
+    "With --accuracy: a series whose error counts; all coordinates and velocities unless given."
+)
+_CONDITION = (
+    '"NAME: SERIES > VALUE", or with <: the run ends where this begins to hold; again for more.'
+)
+_SINGULAR = {"quantities": ("quantity", _OF_SEVERAL), "until": ("until", _CONDITION)}
+"""Options that are given once a value, with another name or text."""
 
 
-def _options(
-    accuracy: Annotated[
-        float | None,
-        option("Relative global error that the result may have, in place of tolerances; the "
-               "program chooses whatever is not given."),
-    ] = None,
-    quantity: Annotated[
-        list[str] | None,
-        option("With --accuracy: a series whose error counts; all coordinates and velocities "
-               "unless given."),
-    ] = None,
-    method: Annotated[
-        str | None, option(f"Integration method: {alternatives(METHODS)}; dop853 unless given.")
-    ] = None,
-    rtol: Annotated[
-        float | None, option("Relative tolerance of a step; 1e-8 unless given.")
-    ] = None,
-    atol: Annotated[float | None, option("Absolute tolerance in SI units.")] = None,
-    correction: Annotated[
-        str, option("Return onto the constraints: step, stage, projection, baumgarte or hybrid.")
-    ] = "step",
-    time_scale: Annotated[
-        float | None, option("Time of Baumgarte's accelerations in s; a thousandth of the run "
-                             "unless given.")
-    ] = None,
-    formulation: Annotated[
-        str | None,
-        option("Coordinates that are integrated: cartesian (all of them; unless given) or reduced "
-               "(those that no constraint determines)."),
-    ] = None,
-    first_step: Annotated[
-        float | None, option("Length of the first step in s; chosen unless given.")
-    ] = None,
-    max_step: Annotated[float | None, option("Longest step in s; none unless given.")] = None,
-    until: Annotated[
-        list[str] | None,
-        option('"NAME: SERIES > VALUE", or with <: the run ends where this begins to hold; again '
-               "for more."),
-    ] = None,
-    max_steps: Annotated[
-        int | None, option("Trial steps, 100 million unless given; steps that get ever shorter end "
-                           "the run before, unless given.", min=1)
-    ] = None,
-) -> None:  # fmt: skip
-    """Words of `Machine.simulate` but instants and guesses; `quantity` is `quantities`."""
+def _parameter(of: SimulationOption) -> Parameter:
+    """An option as typer takes it."""
+    name, about = _SINGULAR.get(of.name, (of.name, of.about))
+    kind = str if of.default is not None else _TYPES[of.kind]
+    least = {"min": 1} if of.kind == "count" else {}
+    annotated: Any = Annotated
+    return Parameter(
+        name, Parameter.KEYWORD_ONLY, default=of.default,
+        annotation=annotated[kind, option(about, **least)],
+    )  # fmt: skip
 
 
-_PARAMETERS = signature(_options).parameters
+_PARAMETERS = {one.name: one for one in map(_parameter, filter(attrgetter("of_commands"), OPTIONS))}
 
 
 def with_run_options(
@@ -78,7 +57,6 @@ def with_run_options(
     own = [p for p in about.parameters.values() if p.kind is not Parameter.VAR_KEYWORD]
     left_out = {*about.parameters, *without}
     more = [p for p in _PARAMETERS.values() if p.name not in left_out]
-    more = [p.replace(kind=Parameter.KEYWORD_ONLY) for p in more]
     own = [p.replace(kind=Parameter.KEYWORD_ONLY) for p in own]
     taking.__signature__ = about.replace(parameters=[*own, *more])  # type: ignore[attr-defined]
     kinds = {p.name: p.annotation for p in (*own, *more)}

@@ -11,10 +11,10 @@ from codegen.object_display import counted
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
 from runtime.results.discrete_state import DiscreteState
-from runtime.results.kept_instants import keep
 from runtime.results.motion_at_instants import Motion
 from runtime.results.reconnection import Reconnection, sentences
 from runtime.results.result import Result
+from runtime.results.result_restriction import keep
 from runtime.results.samples import Samples
 from runtime.results.saved_result import saved_fields
 

@@ -23,9 +23,9 @@ from runtime.dynamics.simulation import simulate
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import bar
 from runtime.results.assembled_state import State
-from runtime.results.kept_instants import keep
 from runtime.results.reconnection import Reconnection
 from runtime.results.result import Result
+from runtime.results.result_restriction import keep
 
 Resumable = SimulatedMotion | JoinedMotion
 

@@ -90,23 +90,13 @@ def save_movie(
     if ending == ".gif":
         rate = gif_rate(rate)
     pace = speed or usual_speed(last - first)
-    count = max(2, round((last - first) / pace * rate) + 1)
-    if count > MOST_FRAMES:
-        raise InputError(
-            f"{file.name}: {count} frames, from {first:.6g} s to {last:.6g} s at speed={pace:.6g} "
-            f"and {rate:.4g} frames a second; the most are {MOST_FRAMES}. Give a higher speed=, or "
-            "a shorter span=."
-        )
+    count = _frame_count(file, (first, last), pace, rate)
     instants = np.linspace(first, last, count)
     drawn = frames_of(pictures_at(result, instants))
     movie = MovieFigure(drawn, wide)
+    if ending == ".gif":
+        _require_memory(file, count, movie.size)
     writer = _video if ending == ".mp4" else _gif
-    if ending == ".gif" and count * movie.size[0] * movie.size[1] > _GIF_BYTES:
-        raise InputError(
-            f"{file.name}: {count} frames of {movie.size[0]} by {movie.size[1]} pixels are more "
-            f"than the {_GIF_BYTES >> 20} MiB that a .gif may take of the memory. Give a smaller "
-            "width=, a lower frames_per_second=, a higher speed=, or write an .mp4."
-        )
     with (
         bar(f"drawing {file.name}", progress) as report,
         whole_file(file) as target,
@@ -116,6 +106,29 @@ def save_movie(
             paint(movie.pixels(frame, _clock(float(t), pace)))
             report((k + 1) / count)
     return file
+
+
+def _frame_count(file: Path, span: tuple[float, float], speed: float, rate: float) -> int:
+    """Number of frames, ends included; InputError if there are too many."""
+    first, last = span
+    count = max(2, round((last - first) / speed * rate) + 1)
+    if count > MOST_FRAMES:
+        raise InputError(
+            f"{file.name}: {count} frames, from {first:.6g} s to {last:.6g} s at speed={speed:.6g} "
+            f"and {rate:.4g} frames a second; the most are {MOST_FRAMES}. Give a higher speed=, or "
+            "a shorter span=."
+        )
+    return count
+
+
+def _require_memory(file: Path, count: int, size: tuple[int, int]) -> None:
+    """Refuse a .gif whose frames, of so many pixels each, would take too much memory."""
+    if count * size[0] * size[1] > _GIF_BYTES:
+        raise InputError(
+            f"{file.name}: {count} frames of {size[0]} by {size[1]} pixels are more than the "
+            f"{_GIF_BYTES >> 20} MiB that a .gif may take of the memory. Give a smaller width=, a "
+            "lower frames_per_second=, a higher speed=, or write an .mp4."
+        )
 
 
 def usual_speed(duration: float) -> float:

@@ -15,9 +15,12 @@ from runtime.machine_facade import Machine
 from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Function, declared_unit
-from runtime.studies.run_words import read_words, refuse_run_words
 from runtime.studies.scene_loading import analysis_of, require_time_span
 from runtime.studies.series_by_name import own_name, series_names, unknown_series
+from runtime.studies.simulation_arguments import (
+    read_simulation_arguments,
+    refuse_simulation_arguments,
+)
 from runtime.sweeps.block import companions_of
 from runtime.sweeps.column_names import name_problems
 from runtime.sweeps.design import Design
@@ -80,9 +83,9 @@ def attempt(problems: list[str], read: Callable[[], Answer]) -> Answer | None:
 
 def _words(machine: Machine, kind: str, settings: Mapping[str, Any]) -> dict[str, Any]:
     """The options of a simulation that are given; refused where nothing is integrated."""
-    words = read_words(machine, settings)
+    words = read_simulation_arguments(machine, settings)
     if kind in ANALYSES and kind != "simulate":
-        refuse_run_words(words, machine.mechanism.title, analysis_title(kind))
+        refuse_simulation_arguments(words, machine.mechanism.title, analysis_title(kind))
     return words
 
 

@@ -14,7 +14,7 @@ from runtime.machine_facade import Machine
 from runtime.machine_loading import load
 from runtime.studies import scene_loading
 from runtime.studies.effect_ranking.quantity import Function
-from runtime.studies.run_words import takes_run_words
+from runtime.studies.simulation_arguments import takes_simulation_arguments
 from runtime.sweeps import store
 from runtime.sweeps.design import NOTHING, Design, design_of, given_design, in_declared_units
 from runtime.sweeps.execution import begin_store, execute, job_of, require_same, store_lock
@@ -76,7 +76,7 @@ def _quantities(value: Any) -> dict[str, str | Function]:
     scheduler=readers.optional(readers.text("the address of a Dask scheduler")),
     resume=readers.flag, progress=readers.flag,
 )  # fmt: skip
-@takes_run_words()
+@takes_simulation_arguments()
 def sweep(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     over: "Over | xr.Dataset", quantities: "Sequence[str] | Mapping[str, str | Function]",

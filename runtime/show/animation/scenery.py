@@ -9,8 +9,10 @@ import numpy.typing as npt
 from codegen.drawing.contact_points import sides_of
 from codegen.drawing.moving_strokes import SPRING
 from codegen.drawing.rigid_strokes import rigid_strokes
-from codegen.drawing.shapes import ContactSide, Place, Spring
-from codegen.drawing.spring_lines import spring_parts
+from codegen.drawing.shapes import Belt, ContactSide, Place, SpiralSpring, Spring
+from codegen.drawing.spring_lines import spring_parts, torsion_parts
+from codegen.drawing.stroke_styles import depth, layer_name
+from codegen.drawing.wheel_lines import belt_parts
 from runtime.show.animation.contacts import contact_numbers, moving_surfaces
 from runtime.show.animation.payload import Arrays
 from runtime.show.pictures import Pictures
@@ -65,6 +67,8 @@ def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
         "strokes": [
             {
                 "style": stroke.style,
+                "layer": layer_name(stroke.style),
+                "depth": depth(stroke.style),
                 "body": stroke.body,
                 "element": stroke.element,
                 "closed": stroke.closed,
@@ -77,6 +81,8 @@ def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
         + [
             {
                 "style": stroke.style,
+                "layer": layer_name(stroke.style),
+                "depth": depth(stroke.style),
                 "body": 0,
                 "element": stroke.element,
                 "closed": False,
@@ -131,10 +137,16 @@ def _shift(by: tuple[FloatArray, FloatArray] | None, arrays: Arrays) -> dict[str
 
 
 def _lines(shape: Any) -> dict[str, Any]:
-    """The lines of a spring in s, from 0 to 1 along it, and n, in half widths across it."""
-    if not isinstance(shape, Spring):
-        return {}
-    parts = spring_parts(shape.elastic, shape.damper, shape.actuator)
+    """The lines of springs, torsion springs and belts, which the page places at each instant."""
+    match shape:
+        case Spring():
+            parts = spring_parts(shape.elastic, shape.damper, shape.actuator)
+        case SpiralSpring():
+            parts = torsion_parts(shape.elastic, shape.damper, shape.actuator)
+        case Belt():
+            parts = [("belt", belt_parts(shape.crossed))]
+        case _:
+            return {}
     return {"lines": [[style, points.tolist()] for style, points in parts]}
 
 

@@ -15,7 +15,7 @@ from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.method import IMPLICIT, LEADING
 from runtime.integrate.problem import Correction, Formulation
 from runtime.integrate.trajectory import Trajectory
-from runtime.studies.accuracy_target.compared_runs import Run
+from runtime.studies.accuracy_target.run_pair import Run
 
 WIDE = 1e-3  # measured: rtol of the second run over that of the first
 _STIFF = 0.03  # measured: the same with an implicit method

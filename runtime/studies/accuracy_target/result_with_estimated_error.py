@@ -8,11 +8,11 @@ from codegen.errors import AnalysisError
 from runtime.core.outcomes import Outcome
 from runtime.core.unit_roundoff import EPS
 from runtime.results.accuracy_target_record import Estimate, ReachedAccuracy
-from runtime.results.kept_instants import end_after
 from runtime.results.result import Result
+from runtime.results.result_restriction import end_after
 from runtime.studies.accuracy_target import run_difference
-from runtime.studies.accuracy_target.compared_runs import Pair, Run
 from runtime.studies.accuracy_target.run_difference import Difference, Quantities
+from runtime.studies.accuracy_target.run_pair import Pair, Run
 
 
 def with_accuracy(

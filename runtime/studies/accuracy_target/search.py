@@ -43,9 +43,9 @@ from runtime.studies.accuracy_target.choice_of_coordinates import (
     Choices,
     second_ratio,
 )
-from runtime.studies.accuracy_target.compared_runs import Pair, Run, compare
 from runtime.studies.accuracy_target.result_with_estimated_error import with_accuracy
 from runtime.studies.accuracy_target.run_difference import Quantities
+from runtime.studies.accuracy_target.run_pair import Pair, Run, compare
 from runtime.studies.accuracy_target.runs_with_reconnections import run_with_reconnections
 from runtime.studies.ends_and_reconnections import own_instants
 from runtime.studies.series_by_name import require_numbers

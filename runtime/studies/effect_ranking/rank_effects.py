@@ -22,8 +22,12 @@ from runtime.studies.effect_ranking import trial_and_comparison
 from runtime.studies.effect_ranking.quantity import Function, parse_quantity
 from runtime.studies.effect_ranking.ranking import Matters, Proposal, Row, Verdict
 from runtime.studies.effect_ranking.trial_and_comparison import Comparison, Plan, Trial
-from runtime.studies.run_words import read_words, refuse_run_words, takes_run_words
 from runtime.studies.scene_loading import LEFT_OUT, analysis_of
+from runtime.studies.simulation_arguments import (
+    read_simulation_arguments,
+    refuse_simulation_arguments,
+    takes_simulation_arguments,
+)
 from runtime.studies.timing import Stopwatch, take_turns
 
 if TYPE_CHECKING:
@@ -42,7 +46,7 @@ SECONDS = 3.0  # measured: wall-clock time for all rounds
     rtol=readers.number("a number"), points=readers.count(-(2**62)),
     rounds=readers.optional(readers.count(-(2**62))),
 )  # fmt: skip
-@takes_run_words()
+@takes_simulation_arguments()
 def matters(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     asked: str | Function, t_end: float | None = None, t_start: float = 0.0,
@@ -108,9 +112,9 @@ def matters(
     if kind != "equilibrium":
         end = scene_loading.require_time_span(machine, t_start, t_end)
     _require_start(machine, kind, guess, start, parameters, t_start)
-    words = read_words(machine, run)
+    words = read_simulation_arguments(machine, run)
     if kind != "simulate":
-        refuse_run_words(words, title, analysis_title(kind))
+        refuse_simulation_arguments(words, title, analysis_title(kind))
     values = dict(parameters or {}), dict(guess or {}), dict(start or {})
     span = float(t_start), float(end)
     plan = Plan(quantity, kind, *span, points, rtol, method, formulation, *values, words)

@@ -18,9 +18,9 @@ from runtime.machine_facade import Machine
 from runtime.results.result import Result
 from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue, jumps
 from runtime.studies.effect_ranking.ranking import Costs, Row, Verdict
-from runtime.studies.run_words import words_for
 from runtime.studies.scene_loading import LEFT_OUT, Source, known_values
 from runtime.studies.series_by_name import FloatArray
+from runtime.studies.simulation_arguments import arguments_of_variant
 from runtime.studies.timing import Stopwatch, processor_time
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class Plan:
         values["progress"] = False
         if self.analysis == "simulate":
             values |= {"t_start": self.t_start, "method": self.method, "rtol": rtol}
-            values |= words_for(machine, self.words) | {"formulation": self.formulation}
+            values |= arguments_of_variant(machine, self.words) | {"formulation": self.formulation}
             if (atol := self.words.get("atol")) is not None:
                 values["atol"] = atol * (rtol / self.rtol)
             return machine.simulate(self.t_end, instants, **values)

@@ -17,8 +17,11 @@ from runtime.machine_facade import Machine
 from runtime.mechanism.table_rows import unknown
 from runtime.results.assembled_state import Assembly
 from runtime.studies import scene_loading, series_by_name
-from runtime.studies.run_words import read_words, takes_run_words
 from runtime.studies.series_by_name import FloatArray
+from runtime.studies.simulation_arguments import (
+    read_simulation_arguments,
+    takes_simulation_arguments,
+)
 from runtime.studies.work_precision import diagram, reference_solution
 from runtime.studies.work_precision.build_costs import build_costs
 from runtime.studies.work_precision.diagram import Choice, Line, Setting, WorkPrecision
@@ -50,7 +53,7 @@ QUICK_REPEATS = 3, 0.01  # measured: the same of a quick study
     limit=readers.number("a finite number of seconds"), steps=readers.count(-(2**62)),
     **dict.fromkeys(("modelling", "quick"), readers.flag),
 )  # fmt: skip
-@takes_run_words("correction")
+@takes_simulation_arguments("correction")
 def accuracy(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     quantities: Sequence[str] = (), t_end: float | None = None, t_start: float = 0.0,
@@ -116,7 +119,7 @@ def accuracy(
     others = _other_models(source, modelling, beside)
     given = guess or {}, start or {}
     begin = _assemble_with_freedom(machine, *given, parameters, t_start)
-    words = read_words(machine, run)
+    words = read_simulation_arguments(machine, run)
     values = dict(parameters or {})
     runner = Runner(machine, begin, instants, values, float(limit), int(steps), words)
     progress(

@@ -15,8 +15,8 @@ from runtime.dynamics.output_conditions import read_conditions, simulate_until
 from runtime.machine_facade import Machine
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
-from runtime.studies.run_words import words_for
 from runtime.studies.series_by_name import FloatArray
+from runtime.studies.simulation_arguments import arguments_of_variant
 from runtime.studies.timing import Stopwatch, TimeLimit, take_turns
 from runtime.studies.work_precision.diagram import Setting
 
@@ -48,7 +48,7 @@ class Runner:
         others = any(row.reconnects for row in self.machine.description.watched)
         for _ in range(2 if others else 1):  # in the first run scenes that follow may be built
             limit = TimeLimit(self.limit)
-            words = words_for(self.machine, self.words)
+            words = arguments_of_variant(self.machine, self.words)
             until = words.pop("until", None)
             given = {
                 "t_end": float(self.instants[-1]), "t_eval": self.instants, "rtol": rtol,

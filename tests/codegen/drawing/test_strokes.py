@@ -42,11 +42,15 @@ def test_springs_dampers_and_actuators_reach_from_end_to_end(
 
 
 def test_a_torsion_spring_winds_up() -> None:
-    turned = [spring_lines.spiral(np.zeros(2), 0.1, 0.3, 0.0, end) for end in (0.0, 1.0, 2 * np.pi)]
-    for line, end in zip(turned, (0.0, 1.0, 0.0), strict=True):
-        assert line[0] == pytest.approx([0.1, 0.0])
+    ((style, points),) = spring_lines.torsion_parts(True, False, False)
+    assert style == "spring"
+    ends = (0.0, 1.0, 2 * np.pi)
+    turned = [spring_lines.torsion_lines(np.zeros(2), 0.1, 0.0, end, points) for end in ends]
+    inner, outer = (0.1 * pins for pins in spring_lines.SPIRAL)
+    for line, end in zip(turned, ends, strict=True):
+        assert line[0] == pytest.approx([inner, 0.0])
         angle = end + 2 * np.pi * spring_lines.SPIRAL_TURNS
-        assert line[-1] == pytest.approx([0.3 * np.cos(angle), 0.3 * np.sin(angle)])
+        assert line[-1] == pytest.approx([outer * np.cos(angle), outer * np.sin(angle)])
     turns = [np.sum(np.hypot(*np.diff(line, axis=0).T)) for line in turned]
     assert turns == sorted(turns)
 

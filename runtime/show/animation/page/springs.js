@@ -18,25 +18,21 @@ export function springSymbol(shape, scene, lines) {
   return { node, update };
 }
 
-/** A spiral that winds with the angle between its bodies. */
-export function spiralSymbol(shape, scene) {
-  const kind = shape.elastic ? "spring" : shape.damper ? "damper" : "actuator";
-  const path = svg("path", { class: kind });
-  const node = svg("g", {}, path);
+/** Torsion springs, dampers and motors about a pin; codegen/drawing/spring_lines.py has their lines. */
+export function spiralSymbol(shape, scene, lines) {
+  const paths = lines.map(([style]) => svg("path", { class: style }));
+  const node = svg("g", {}, ...paths);
   const update = () => {
-    const at = inWorld(scene.poses, shape.j);
-    const from = scene.poses[shape.i.body].phi;
-    const wound = scene.poses[shape.j.body].phi - from;
-    const turns = 2.5 * 2 * Math.PI + Math.max(Math.min(wound, 12), -12);
-    const points = Array.from({ length: 60 }, (_, k) => {
-      const share = k / 59;
-      const radius = (1.8 + 2.6 * share) * scene.u;
-      const angle = from + wound - turns * share;
-      return { x: at.x + radius * Math.cos(angle), y: at.y + radius * Math.sin(angle) };
-    });
-    path.setAttribute("d", through(points));
+    const center = inWorld(scene.poses, shape.j);
+    const [from, to] = [scene.poses[shape.i.body].phi, scene.poses[shape.j.body].phi];
+    const at = ([pins, share, offset]) => around(center, pins * scene.u, from + share * (to - from) + offset);
+    paths.forEach((path, k) => path.setAttribute("d", through(lines[k][1].map(at))));
   };
   return { node, update };
+}
+
+function around({ x, y }, radius, angle) {
+  return { x: x + radius * Math.cos(angle), y: y + radius * Math.sin(angle) };
 }
 
 /** A massless rod; its pins are fixed in the bodies that they hold. */
@@ -50,30 +46,19 @@ export function rodSymbol(shape, scene) {
   return { node, update };
 }
 
-/** A belt round two wheels: two tangents and an arc on each wheel. */
-export function beltSymbol(shape, scene) {
+/** A belt round two wheels; codegen/drawing/wheel_lines.py has its points and the angle β. */
+export function beltSymbol(shape, scene, [[, points]]) {
   const path = svg("path", { class: "belt" });
   const node = svg("g", {}, path);
+  const radii = [Math.abs(shape.radius_i), Math.abs(shape.radius_j)];
   const update = () => {
-    const [a, b] = [inWorld(scene.poses, shape.i), inWorld(scene.poses, shape.j)];
-    path.setAttribute("d", beltLine(a, b, shape.radius_i, shape.radius_j, shape.crossed));
+    const centers = [inWorld(scene.poses, shape.i), inWorld(scene.poses, shape.j)];
+    const [dx, dy] = [centers[1].x - centers[0].x, centers[1].y - centers[0].y];
+    const cosine = (radii[0] + (shape.crossed ? radii[1] : -radii[1])) / (Math.hypot(dx, dy) || Infinity);
+    const beta = Math.acos(Math.max(-1, Math.min(1, cosine)));
+    const heading = Math.atan2(dy, dx);
+    const at = ([wheel, share, offset]) => around(centers[wheel], radii[wheel], heading + share * beta + offset);
+    path.setAttribute("d", through(points.map(at)));
   };
   return { node, update };
-}
-
-function beltLine(a, b, radiusA, radiusB, crossed) {
-  const distance = Math.hypot(b.x - a.x, b.y - a.y);
-  const along = Math.atan2(b.y - a.y, b.x - a.x);
-  const sum = crossed ? radiusA + radiusB : radiusA - radiusB;
-  const lean = Math.acos(Math.max(-1, Math.min(1, sum / Math.max(distance, 1e-12))));
-  const at = (center, radius, angle) =>
-    `${center.x + radius * Math.cos(angle)} ${center.y + radius * Math.sin(angle)}`;
-  const flip = crossed ? Math.PI : 0;
-  const wrapA = 2 * (Math.PI - lean) > Math.PI ? 1 : 0;
-  const wrapB = crossed ? wrapA : 2 * lean > Math.PI ? 1 : 0;
-  return (
-    `M${at(a, radiusA, along + lean)}L${at(b, radiusB, along + lean + flip)}` +
-    `A${radiusB} ${radiusB} 0 ${wrapB} ${crossed ? 1 : 0} ${at(b, radiusB, along - lean + flip)}` +
-    `L${at(a, radiusA, along - lean)}A${radiusA} ${radiusA} 0 ${wrapA} 0 ${at(a, radiusA, along + lean)}`
-  );
 }

@@ -4,9 +4,6 @@
 import { shiftOf } from "./poses.js";
 import { place, svg, through } from "./signs.js";
 
-const LAYERS = { hatch: "ground", rail: "ground", support: "ground", hub: "joints", pin: "joints", fixing: "joints",
-  hole: "joints", mark: "joints", "bracket-support": "joints", "bracket-rail": "joints", "bracket-hatch": "joints" };
-const ORDER = { gear: 0, ring: 0, slot: 2 };
 const GRASP = 0.028; // of the machine's size: how near to a pin a click is one on it
 
 /** The nodes of all bodies by layer, each {layer, node, update}; the largest bodies at the back. */
@@ -14,12 +11,12 @@ export function drawBodies(scene) {
   const sizes = scene.bodies.map((_, body) => area(scene, body));
   const order = scene.bodies.map((_, body) => body).toSorted((a, b) => sizes[b] - sizes[a]);
   return order.flatMap((body) => {
-    const parts = { ground: [], bodies: outlined(scene.bodies[body]), joints: [] };
+    const parts = { ground: [], bodies: outlined(scene.bodies[body]), between: [], joints: [] };
     const strokes = scene.strokes.filter((stroke) => stroke.body === body);
-    strokes.sort((a, b) => (ORDER[a.style] ?? 1) - (ORDER[b.style] ?? 1));
+    strokes.sort((a, b) => a.depth - b.depth);
     for (const stroke of strokes) {
       stroke.node = drawStroke(scene, stroke);
-      parts[LAYERS[stroke.style] ?? "bodies"].push(stroke.node);
+      parts[stroke.layer].push(stroke.node);
     }
     const moved = strokes.filter(({ shift }) => shift);
     return Object.entries(parts).filter(([, nodes]) => nodes.length).map(([layer, nodes]) => {
@@ -47,13 +44,13 @@ function outlined(body) {
   return [svg("g", {}, title, ...edges, ...insides)];
 }
 
-function drawStroke(scene, { style, element, closed, points }) {
+function drawStroke(scene, { style, layer, element, closed, points }) {
   const node = svg("g", { class: "stroke" }, svg("path", { class: style, d: through(points, closed) }));
   if (!element) return node;
   node.dataset.element = element;
   const known = scene.symbols.find((symbol) => symbol.element === element);
   node.append(svg("title", {}, known ? `${element}, ${known.type}` : element));
-  if (LAYERS[style] === "joints") {
+  if (layer === "joints" || layer === "between") {
     const [x, y] = ["x", "y"].map((c) => points.reduce((sum, p) => sum + p[c], 0) / points.length);
     node.append(svg("circle", { class: "grasp", cx: x, cy: y, r: GRASP * scene.size }));
   }

@@ -1,4 +1,4 @@
-"""A part of a result: some of its instants, and what happened about them."""
+"""Restriction of a result to some of its instants, and what happened about them."""
 
 import numpy as np
 import numpy.typing as npt

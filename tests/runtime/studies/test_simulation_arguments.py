@@ -8,9 +8,10 @@ import pytest
 
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
+from runtime.integrate.simulation_options import OPTIONS
 from runtime.machine_facade import Machine
 from runtime.studies.effect_ranking import matters
-from runtime.studies.run_words import takes_run_words
+from runtime.studies.simulation_arguments import takes_simulation_arguments
 from runtime.studies.work_precision import accuracy
 
 
@@ -98,7 +99,16 @@ def test_new_words_of_simulate_follow() -> None:
     def study(model: str, **run: object) -> None:
         """Nothing."""
 
-    words = list(signature(takes_run_words("correction")(study)).parameters)
+    words = list(signature(takes_simulation_arguments("correction")(study)).parameters)
     assert words[0] == "model"
     assert {"atol", "controllers", "until", "max_bytes"} <= {*words}
     assert not {"correction", "t_end", "rtol", "progress", "run"} & {*words}
+
+
+def test_options_are_the_words_of_simulate() -> None:
+    words = dict(signature(Machine.simulate).parameters)
+    for name in ("self", "parameters", "guess", "start", "controllers", "progress"):
+        del words[name]
+    assert {*words} == {option.name for option in OPTIONS}
+    shared = {option.name: option.default for option in OPTIONS if option.of_commands}
+    assert shared == {name: words[name].default for name in shared}

@@ -1,4 +1,4 @@
-"""Runs that are compared, and pairs of them: the instants at which they are, and what they show.
+"""A run, and a pair of runs: the instants at which they are compared, and what that shows.
 
 Runs that a condition ends have ends of their own. These are compared with each other, as are the
 instants at which joints come and go: each is a quantity, with an error of its own.
