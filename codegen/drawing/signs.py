@@ -144,7 +144,8 @@ def dimension_lines(picture: Picture) -> list[Dimension]:
         placed(np.array(outline), picture.poses[k])
         for k, body in enumerate(picture.bodies) for outline in body.outlines
     ] or [picture.poses[:, :2]])  # fmt: skip
-    middle, found = points.mean(axis=0), []
+    middle = points.mean(axis=0)
+    found: list[Dimension] = []
     for body, local, distance in dimensions(picture):
         a, b = placed(local, picture.poses[body])
         across = normal(unit(b - a))
