@@ -18,6 +18,8 @@ ROUND = 0.062  # layout: radius of a round arrow
 FRAME = 0.075  # layout: length of the axes of a body's frame
 MOST_EDGES = 4  # layout: edges of a body that are measured
 BESIDE = 0.07  # layout: distance of a dimension line from what it measures
+LEVELS = (1.0, 1.8, 2.6)  # layout: the same in its own units, the first that is free
+APART = 0.045  # layout: least distance of dimension lines from each other
 
 
 def driver_strokes(picture: Picture) -> tuple[Stroke, ...]:
@@ -120,20 +122,40 @@ class Dimension(NamedTuple):
     distance: float
 
 
+def _is_clear(line: FloatArray, found: list[Dimension], size: float) -> bool:
+    """Whether a line (2, 2) keeps its distance from all dimension lines."""
+    x = np.linspace(0.0, 1.0, 21)[:, None]
+    own = line[0] + x * (line[1] - line[0])
+    for other in found:
+        start, end = other.strokes[0].points
+        points = start + x * (end - start)
+        if np.hypot(*(own[:, None] - points[None]).transpose(2, 0, 1)).min() < APART * size:
+            return False
+    return True
+
+
 def dimension_lines(picture: Picture) -> list[Dimension]:
-    """Dimension lines of all bodies, on the side that is farther from the middle of the picture."""
+    """Dimension lines of all bodies, on the side that is farther from the middle of the picture.
+
+    A line that would meet an earlier one lies on the other side, or farther away.
+    """
     size = picture.size
     points = np.concatenate([
         placed(np.array(outline), picture.poses[k])
         for k, body in enumerate(picture.bodies) for outline in body.outlines
     ] or [picture.poses[:, :2]])  # fmt: skip
-    middle, found = points.mean(axis=0), []
+    middle = points.mean(axis=0)
+    found: list[Dimension] = []
     for body, local, distance in dimensions(picture):
         a, b = placed(local, picture.poses[body])
         across = normal(unit(b - a))
         outward = 1.0 if float(((a + b) / 2 - middle) @ across) >= 0 else -1.0
-        shift = outward * BESIDE * size * across
-        line = np.array([a + shift, b + shift])
+        places = [
+            np.array([a, b]) + way * BESIDE * size * across
+            for way in (outward * side * level for level in LEVELS for side in (1.0, -1.0))
+        ]
+        line = next((one for one in places if _is_clear(one, found, size)), places[0])
+        shift = line[0] - a
         inset = min(0.6 * HEAD * size, 0.3 * distance)
         strokes = [Stroke("dimension", 0, line)]
         for end, way in ((line[0], a - b), (line[1], b - a)):

@@ -8,6 +8,7 @@ from matplotlib.collections import PathCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
+from codegen import Model
 from codegen.drawing.colors import DARK, LIGHT
 from codegen.drawing.figure import PictureArtist, figure
 from codegen.drawing.force_arrows import force_strokes
@@ -15,6 +16,8 @@ from codegen.drawing.label_placement import Label, place_labels, samples
 from codegen.drawing.label_texts import engineering
 from codegen.drawing.picture import Picture, Symbol
 from codegen.drawing.shapes import Drive, Place, Reaction
+from codegen.drawing.signs import dimension_lines
+from codegen.picture_at_start import picture_at_start
 from tests.codegen.drawing.hand_drawn_pictures import slider_crank
 
 
@@ -139,3 +142,19 @@ def test_labels_keep_off_lines_and_each_other() -> None:
 )
 def test_engineering_prefixes(value: float, text: str) -> None:
     assert engineering(value, "N") == text
+
+
+def test_dimension_lines_keep_apart() -> None:
+    """Three equal bars on one line: dimension lines in one place would cover each other."""
+    model = Model("bars")
+    for k in range(3):
+        bar = model.body(f"bar_{k}", 1.0, 1.0)
+        model.revolute(f"A_{k}", model.ground.at(0, 0), bar.at(0, 0))
+        model.spring(f"S_{k}", model.ground.at(0, 1), bar.at(1, 0), 1.0, free_length=1.0)
+    model.scene("level", ["S_0", "S_1", "S_2"])
+    picture = picture_at_start(model)
+    lines = [line.strokes[0].points for line in dimension_lines(picture) if line.distance == 1.0]
+    level = [points[:, 1] for points in lines if abs(points[0, 1] - points[1, 1]) < 1e-9]
+    assert len(level) == 3
+    heights = np.sort([y[0] for y in level])
+    assert np.diff(heights).min() > 0.04 * picture.size
