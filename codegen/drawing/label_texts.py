@@ -153,7 +153,7 @@ def _along(polygon: FloatArray) -> FloatArray:
 def _others(
     picture: Picture, colors: Palette, reactions: Reactions | None, values: bool
 ) -> list[LabelText]:
-    """Names of drivers, springs and forces, those of forces with their sizes where wanted."""
+    """Names of drivers, springs, tracked points and forces; sizes of forces where wanted."""
     size = picture.size
     found = _valued(picture, colors, reactions) if values else []
     arrows = {s.element: s for s in force_strokes(picture) if s.style in ("force", "torque")}
@@ -167,6 +167,9 @@ def _others(
             case shapes.Spring():
                 i, j = (np.array(picture.position(p)) for p in (symbol.shape.i, symbol.shape.j))
                 color, at, room = colors.spring, np.array([(i + j) / 2]), 0.02 * size
+            case shapes.Trace():
+                color, at = colors.joint, np.array([picture.position(symbol.shape.at)])
+                room = PIN * size
             case shapes.SpiralSpring():
                 color, at = colors.spring, np.array([picture.position(symbol.shape.j)])
                 room = 0.05 * size

@@ -4,6 +4,7 @@ A generated module has the layout as plain tuples, and the kernel `picture` writ
 that a picture of any instant and any parameters needs neither the model nor SymPy.
 """
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any, NamedTuple
@@ -20,6 +21,10 @@ KINDS: dict[str, type[Shape]] = {
     cls.kind: cls for cls in vars(shapes).values()
     if isinstance(cls, type) and issubclass(cls, Shape) and cls is not Shape
 }  # fmt: skip
+# A digest of the kinds and their fields: a module with another one was written by another version.
+VERSION = hashlib.sha256(
+    repr([(kind, [f.name for f in fields(cls)]) for kind, cls in KINDS.items()]).encode()
+).hexdigest()[:16]
 
 
 class BodyLayout(NamedTuple):

@@ -128,7 +128,7 @@ def _rigid(
         case shapes.Profile():
             points = np.array([place[1:] for place in shape.curve], dtype=float)
             yield "profile", shape.curve[0].body, points, is_closed(points)
-        case shapes.Mark():
+        case shapes.Mark() | shapes.Trace():
             center, arm = np.array(shape.at[1:]), 0.6 * PIN * size
             for way in ([1.0, 1.0], [1.0, -1.0]):
                 tip = arm * np.array(way)

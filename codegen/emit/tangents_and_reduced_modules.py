@@ -6,6 +6,7 @@ Each carries the SHA-256 of the text of the scene's own module: with another one
 from collections.abc import Mapping
 from typing import Any
 
+from codegen.drawing.layout import VERSION
 from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.module import Origin, assemble_module, operation_table
 from codegen.emit.readable_formula import formula
@@ -59,7 +60,9 @@ def picture_text(lowered: Lowered, picture: LoweredPicture, origin: Origin, modu
         "there, curves the points of curves. SI units.",
     )
     layout = picture.layout
-    tables = {"BODIES": plain(layout.bodies), "SHAPES": plain(layout.shapes)}
+    tables = {
+        "LAYOUT": VERSION, "BODIES": plain(layout.bodies), "SHAPES": plain(layout.shapes),
+    }  # fmt: skip
     arguments = Arguments.of(lowered.description)
     return _companion_text(lowered, picture.program, origin, module, about, tables, arguments)
 

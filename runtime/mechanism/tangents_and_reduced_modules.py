@@ -10,6 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
+from codegen.drawing.layout import VERSION
 from codegen.errors import AnalysisError, SupersededError
 from codegen.generated_module_signature_and_import import (
     check_signature,
@@ -31,7 +32,7 @@ _CONTENTS = {
 # What each has to define: without it, an older generator wrote the file.
 _DEFINES = {
     "tangents": "def accelerations_tangent(", "reduced": "def reduced_mass(",
-    "picture": "def picture(",
+    "picture": f'LAYOUT = "{VERSION}"',
 }  # fmt: skip
 
 

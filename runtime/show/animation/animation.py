@@ -95,7 +95,7 @@ class Animation:
     def __repr__(self) -> str:
         """Title and runs."""
         runs = f": {', '.join(self.labels)}" if len(self.labels) > 1 else ""
-        return f"Animation of {self.title}{runs}"
+        return f"Animation of {self.title}{runs}; .save('FILE.html') writes it as a page"
 
     def _repr_html_(self) -> str:
         """The page in a frame, for notebooks."""

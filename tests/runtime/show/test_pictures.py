@@ -1,12 +1,15 @@
 """Pictures of results: joints at all instants, reactions where they act, joints that go."""
 
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from codegen import Model, t
+from codegen.drawing.layout import VERSION
 from codegen.drawing.picture import Picture
 from codegen.drawing.shapes import Pin, Place, Reaction, Rod
 from codegen.model_file import read_model
@@ -100,6 +103,22 @@ def test_the_picture_before_the_build_is_that_of_the_built_machine() -> None:
     for one, other in zip(before.symbols, after.picture.symbols, strict=True):
         if isinstance(one.shape, Pin) and isinstance(other.shape, Pin):
             assert_allclose([*one.shape.i, *one.shape.j], [*other.shape.i, *other.shape.j])
+
+
+def test_a_picture_module_of_another_version_is_built_anew(tmp_path: Path) -> None:
+    model = Model("turned")
+    crank = model.body("crank")
+    model.revolute("hinge", model.ground.at(0, 0), crank.at(-1, 0))
+    model.driver("motor", crank.phi, t)
+    model.scene("turning", drivers=["motor"], analysis="kinematics")
+    result = load(model, folder=tmp_path).kinematics(1.0)
+    (first, *_) = pictures(result).picture.symbols
+    (place,) = tmp_path.rglob("*__picture.py")
+    text = place.read_text()
+    other = text.replace(f'LAYOUT = "{VERSION}"', 'LAYOUT = "0"').replace("('i', ", "('old', ")
+    place.write_text(other)
+    assert pictures(result).picture.symbols[0] == first
+    assert place.read_text() == text
 
 
 def test_applied_forces_follow_the_motion() -> None:

@@ -4,6 +4,7 @@ import { inflated } from "./data.js";
 import { mixed } from "./poses.js";
 import { short } from "./signs.js";
 
+const ROUNDING = 1e-12; // of the largest value of a curve: what is nearer to 0 is shown as 0
 const TEXTS = 120; // ms between changes of the numbers in legends
 const SIDEWAYS = 8; // px that a finger moves along a curve before it moves the time
 const DEFAULTS = [
@@ -231,6 +232,10 @@ class Panel {
     this.cursor.style.transform = `translate(${left + share * width}px, ${top}px)`;
     this.cursor.style.height = `${height}px`;
     if (!withText) return;
-    for (const { value, series, scene } of this.lines) value.textContent = short(mixed(series.values, scene.at));
+    for (const line of this.lines) {
+      line.largest ??= line.series.values.reduce((size, one) => Math.max(size, Math.abs(one)), 0);
+      const now = mixed(line.series.values, line.scene.at);
+      line.value.textContent = short(Math.abs(now) < ROUNDING * line.largest ? 0 : now);
+    }
   }
 }

@@ -1,4 +1,4 @@
-// Names of joints beside their symbols, in px above the machine.
+// Names of joints and of tracked points beside their symbols, in px above the machine.
 
 import { cornersOf } from "./labels.js";
 import { acts, inWorld } from "./poses.js";
@@ -12,7 +12,8 @@ export function drawNames(scene) {
   const node = svg("g", { class: "names" });
   const named = new Map();
   for (const symbol of scene.symbols) {
-    const [place] = symbol.role === "joint" ? placesOf(symbol.shape).toReversed() : [];
+    const isNamed = symbol.role === "joint" || symbol.shape.kind === "trace";
+    const [place] = isNamed ? placesOf(symbol.shape).toReversed() : [];
     if (!place || named.has(symbol.element) || symbol.shape.kind === "reaction") continue;
     const text = svg("text");
     text.textContent = symbol.element;
