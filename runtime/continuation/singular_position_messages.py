@@ -89,11 +89,11 @@ def lock_up(equations: Equations, found: SingularPosition) -> str:
     drivers = found.drivers or equations.description.drivers
     return (
         f"Locked up at t = {found.time:.12g} s: driver {', '.join(drivers)} cannot go on, "
-        f"joints {', '.join(found.joints)} stand in the way (smallest singular value of Phi_q "
-        f"{found.singular_value:.1e}; the part {found.drift:.2g} of the drivers' motion is one "
-        f"that no velocities give). With the drivers at rest the machine could move by "
-        f"{found.free}. Velocities grow without bound there. Change the dimensions or the range "
-        f"of the driver, or drive one of these coordinates."
+        f"joints {', '.join(found.joints)} stand in the way. Change the dimensions or "
+        f"the range of the driver, or drive another coordinate: with the drivers at rest the "
+        f"machine could move by {found.free}. (Velocities grow without bound there. "
+        f"Smallest singular value of Phi_q: {found.singular_value:.1e}; share of the drivers' "
+        f"motion that no velocities give: {found.drift:.2g}.)"
     )
 
 
