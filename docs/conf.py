@@ -1,6 +1,7 @@
 """Sphinx builds the site from this folder: `make docs`, into docs/_build/html."""
 
 import hashlib
+import os
 import shutil
 import sys
 from importlib.metadata import version as version_of
@@ -15,6 +16,8 @@ DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parent
 BUILD = DOCS / "_build"
 sys.path.insert(0, str(DOCS / "_extensions"))
+# Notebooks show figures by the backend of IPython, which one from outside would replace.
+os.environ.pop("MPLBACKEND", None)
 
 project = "Linkwright"
 author = "The Linkwright authors"
