@@ -83,7 +83,9 @@ def kill(*pids: int) -> int:
 
 
 def _service(command: list[str], log: BinaryIO) -> "subprocess.Popen[bytes]":
-    return subprocess.Popen(command, cwd=ROOT, stdout=log, stderr=log)
+    # As docs/how-to/sweeps.md advises: Dask's sampler takes 5 % of the processor of each worker.
+    environment = {**os.environ, "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False"}
+    return subprocess.Popen(command, cwd=ROOT, stdout=log, stderr=log, env=environment)
 
 
 @contextmanager
