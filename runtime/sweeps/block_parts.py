@@ -53,16 +53,14 @@ def write_part(
     file, runs = part_file(path, block), sorted(rows)
     arrays = _with_runs(store.arrays_of(request, [rows[run] for run in runs]), runs)
     texts = json.dumps([arrays[name].tolist() for name in _TEXTS]).encode()
-    plain = {f"a{k}": arrays[name] for k, name in enumerate(_numbers(request))}
-    mark = np.uint64(store.mark_of(arrays, store.seal_of(about)))
+    plain: dict[str, Any] = {f"a{k}": arrays[name] for k, name in enumerate(_numbers(request))}
+    plain |= {RUN: arrays[RUN], "texts": np.frombuffer(texts, np.uint8)}
+    plain[_MARK] = np.uint64(store.mark_of(arrays, store.seal_of(about)))
     file.parent.mkdir(exist_ok=True)
     temporary = file.with_name(f".{uuid.uuid4().hex}")
     try:
         with temporary.open("wb") as written:
-            np.savez(
-                written, allow_pickle=False, **plain, texts=np.frombuffer(texts, np.uint8),
-                **{RUN: arrays[RUN], _MARK: mark},
-            )  # fmt: skip
+            np.savez(written, **plain)
             written.flush()
             os.fsync(written.fileno())  # the name must not reach the disk before the content
         temporary.replace(file)
