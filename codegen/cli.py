@@ -153,6 +153,8 @@ def build(
                     check=check, progress=progress,
                 )  # fmt: skip
         except InputError as error:
+            if len(model) > 1:
+                error.locate(str(one))
             problems += error.problems
             continue
         reports.append(report)

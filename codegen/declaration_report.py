@@ -10,7 +10,7 @@ from typing import Any
 
 from codegen.check.assembly import Assembly, assemble_at_start
 from codegen.check.declaration import check_model, check_scene
-from codegen.check.joint_places import bodies_held_at_one_point, one_joint_bodies
+from codegen.check.joint_places import joints_at_one_point, one_joint_bodies
 from codegen.derive.equations import Equations
 from codegen.driver import translate, valid_scenes, with_settings, without_overridden
 from codegen.errors import FAILURES, LinkwrightError, SceneError
@@ -127,8 +127,8 @@ def check_declaration(
                 problems += filter(None, (facts.assembly.problem,))
         except LinkwrightError as error:
             problems += error.problems
-    if problems:
-        problems += bodies_held_at_one_point(declared)
+    if any(facts.assembly.problem for facts in scenes):
+        problems += joints_at_one_point(declared)
     complete = scene is None and not problems
     unused = _unused(declared, scenes) if complete else {}
     return DeclarationReport(declared.name, tuple(dict.fromkeys(problems)), tuple(scenes), unused)

@@ -20,13 +20,17 @@ _types: Any = types
 _OPERANDS = (_types.Number, _types.Boolean, _types.Array)
 _INDEXED = (operator.getitem, operator.setitem)
 
-_usual: Any = _Function.get_call_type
+_NEEDED = ("get_call_type", "get_impl_key")
+_usual: Any = getattr(_Function, "get_call_type", None)
 _known: dict[tuple[Any, ...], Any] = {}  # (operation, context, types of operands) → signature
 
 
 @contextmanager
 def remembered_operation_types() -> Iterator[None]:
     """Within the block, numba finds the type of an operation once for the same operands."""
+    if not all(hasattr(_Function, name) for name in _NEEDED):
+        yield  # another version of numba: without, kernels compile as fast as it can
+        return
     before, _Function.get_call_type = _Function.get_call_type, _get_call_type
     try:
         yield

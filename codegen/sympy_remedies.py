@@ -5,22 +5,32 @@ import traceback
 
 from codegen.plain_values import one_line
 
-_CALLED = re.compile(r"\b(math|np|numpy)\.(\w+)\(")
+_CALL = re.compile(r"\b(math|np|numpy)\.(\w+)\(")
 _UFUNC = re.compile(r"has no callable (\w+) method|ufunc '(\w+)'")
-_SPELLED = {
-    **{f"arc{name}": f"a{name}" for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "tan2")},
-    "fabs": "Abs",
-    "abs": "Abs",
-    "absolute": "Abs",
-    "maximum": "Max",
-    "minimum": "Min",
-    "where": "Piecewise",
-    "heaviside": "Heaviside",
-    "fmod": "Mod",
-    "mod": "Mod",
-    "ceil": "ceiling",
+_SAME = (
+    "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh",
+    "atanh", "exp", "log", "sqrt", "sign", "floor", "erf", "gamma", "factorial",
+)  # fmt: skip
+_IN_SYMPY = {
+    **{name: f"sympy.{name}" for name in _SAME},
+    **{f"arc{name[1:]}": f"sympy.{name}" for name in _SAME if name.startswith("a")},
+    **dict.fromkeys(("fabs", "abs", "absolute"), "sympy.Abs"),
+    "maximum": "sympy.Max",
+    "minimum": "sympy.Min",
+    "where": "sympy.Piecewise",
+    "heaviside": "sympy.Heaviside",
+    **dict.fromkeys(("fmod", "mod", "remainder"), "sympy.Mod"),
+    "ceil": "sympy.ceiling",
+    **dict.fromkeys(("pow", "power"), "x**y"),
+    "square": "x**2",
+    "hypot": "sympy.sqrt(x**2 + y**2)",
+    "log10": "sympy.log(x, 10)",
+    "log2": "sympy.log(x, 2)",
+    **dict.fromkeys(("radians", "deg2rad"), "sympy.rad"),
+    **dict.fromkeys(("degrees", "rad2deg"), "sympy.deg"),
+    "clip": "sympy.Max and sympy.Min",
 }
-"""Functions of math and NumPy that SymPy spells in another way."""
+"""Functions of math and NumPy → what an expression is written with."""
 
 
 def sympy_remedy(error: BaseException) -> str:
@@ -36,18 +46,18 @@ def sympy_remedy(error: BaseException) -> str:
             "Min of coordinates and parameters"
         )
     lines = [frame.line or "" for frame in traceback.extract_tb(error.__traceback__)]
-    called = [found.groups() for line in lines if (found := _CALLED.search(line))]
-    package, name = called[-1] if called else ("", "")
+    calls = [call for line in lines for call in _CALL.findall(line)]
+    ufunc = _UFUNC.search(text)
     if type(error) is AttributeError:  # NumPy asks an expression for methods of its names
-        if not name or f"object has no attribute '{name}'" not in text:
+        calls = [call for call in calls if f"object has no attribute '{call[1]}'" in text]
+        if not calls:
             return ""
-    elif "Cannot convert" not in text and "ufunc" not in text:
+    elif ufunc is not None and "NoneType" not in text:  # NumPy names its function
+        name = ufunc[1] or ufunc[2]
+        calls = [call for call in calls if call[1] == name] or [("numpy", name)]
+    elif "Cannot convert" not in text:
         return ""
-    elif not name and (asked := _UFUNC.search(text)):
-        package, name = "numpy", asked[1] or asked[2]
-    if not name:
+    package, name = calls[-1] if calls else ("", "")
+    if name not in _IN_SYMPY:
         return "math, NumPy and float() need numbers: use functions of sympy, such as sympy.sin"
-    return (
-        f"math and NumPy need numbers: use sympy.{_SPELLED.get(name, name)} in place of "
-        f"{package}.{name}"
-    )
+    return f"math and NumPy need numbers: use {_IN_SYMPY[name]} in place of {package}.{name}"

@@ -1,6 +1,7 @@
 """Sphinx builds the site from this folder: `make docs`, into docs/_build/html."""
 
 import hashlib
+import os
 import shutil
 import sys
 from importlib.metadata import version as version_of
@@ -15,6 +16,8 @@ DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parent
 BUILD = DOCS / "_build"
 sys.path.insert(0, str(DOCS / "_extensions"))
+# Notebooks show figures by the backend of IPython, which one from outside would replace.
+os.environ.pop("MPLBACKEND", None)
 
 project = "Linkwright"
 author = "The Linkwright authors"
@@ -46,6 +49,9 @@ nitpicky = True
 default_role = "code"
 
 
+PROGRAMS = (".py", ".js", ".css", ".html")  # endings of what makes numbers, figures and players
+
+
 def is_companion(path: Path) -> bool:
     """Whether a file is a companion of a generated module: it follows from that module.
 
@@ -59,11 +65,13 @@ def is_companion(path: Path) -> bool:
 def digest_of_the_source() -> str:
     """A hash of all that the numbers of the site depend on but the pages themselves."""
     digest = hashlib.sha256()
-    for folder in ("codegen", "generated", "linkwright", "models", "runtime"):
-        for path in sorted((ROOT / folder).rglob("*.py")):
-            if ".numba" not in path.name and not is_companion(path):
-                digest.update(str(path.relative_to(ROOT)).encode())
-                digest.update(path.read_bytes())
+    folders = ("codegen", "docs/_extensions", "generated", "linkwright", "models", "runtime")
+    found = (path for folder in folders for path in (ROOT / folder).rglob("*"))
+    of_programs = (p for p in found if p.suffix in PROGRAMS and not is_companion(p))
+    for path in (ROOT / "constraints.txt", *sorted(of_programs)):
+        if ".numba" not in path.name:
+            digest.update(str(path.relative_to(ROOT)).encode())
+            digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
 

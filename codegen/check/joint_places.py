@@ -24,7 +24,7 @@ def one_joint_bodies(model: Model, left_out: Sequence[str]) -> tuple[tuple[str, 
     )
 
 
-def bodies_held_at_one_point(model: Model) -> tuple[str, ...]:
+def joints_at_one_point(model: Model) -> tuple[str, ...]:
     """A sentence for each body that several joints hold, all at the same point of it."""
     found = []
     for body, joints in _joints_of_bodies(model, ()):
@@ -53,5 +53,5 @@ def _places(model: Model, joint: str, body: Body) -> Iterator[tuple[float, float
     for point in vars(model.joints[joint]).values():
         if isinstance(point, Point) and point.body is body:
             x, y = (value.subs(model.defaults) for value in point.place)
-            if x.is_number and y.is_number:
+            if x.is_finite and x.is_real and y.is_finite and y.is_real:
                 yield float(x), float(y)

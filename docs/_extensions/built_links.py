@@ -44,7 +44,7 @@ def broken_links(site: Path) -> list[str]:
     """
     files = [path for path in sorted(site.rglob("*.html")) if path.parent != site / "_static"]
     pages = {path: Page(path.read_text(encoding="utf-8")) for path in files}
-    told = []
+    problems = []
     for path, page in pages.items():
         for link in sorted(set(page.links)):
             parts = urlsplit(link)
@@ -54,10 +54,12 @@ def broken_links(site: Path) -> list[str]:
             target = path if not parts.path else place / "index.html" if place.is_dir() else place
             anchor = unquote(parts.fragment)
             if not target.is_file():
-                told.append(f"{path.relative_to(site)} links to {link}: there is no such file")
+                problems.append(f"{path.relative_to(site)} links to {link}: there is no such file")
             elif anchor and target in pages and anchor not in pages[target].anchors:
-                told.append(f"{path.relative_to(site)} links to {link}: there is no such anchor")
-    return told
+                problems.append(
+                    f"{path.relative_to(site)} links to {link}: there is no such anchor"
+                )
+    return problems
 
 
 def check(app: "Sphinx", error: Exception | None) -> None:

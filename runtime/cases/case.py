@@ -140,7 +140,7 @@ class Case:
         """
         given = readers.read_arguments("Case.save", {"path": readers.path}, {"path": path})
         file: Path = given["path"]
-        if file.suffix not in ENDINGS:
+        if file.suffix.lower() not in ENDINGS:
             raise InputError(f"{file}: a case is saved as {', '.join(ENDINGS)}.")
         content = self.data
         if _is_path(self.model) and not Path(self.model).is_absolute():

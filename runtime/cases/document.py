@@ -59,7 +59,7 @@ class _ContentError(Exception):
 
 def read_document(path: Path) -> Entry:
     """The entries of a file; InputError says its line where something is wrong."""
-    if path.suffix not in ENDINGS:
+    if path.suffix.lower() not in ENDINGS:
         raise InputError(f"{path}: a case is a file ending in {', '.join(ENDINGS)}.")
     try:
         with path.open("rb") as file:
@@ -72,7 +72,7 @@ def read_document(path: Path) -> Entry:
     except UnicodeDecodeError as error:
         raise InputError(f"{path} is no text in UTF-8 ({error.reason}).") from error
     try:
-        return _of_json(text) if path.suffix == ".json" else _of_yaml(path, text)
+        return _of_json(text) if path.suffix.lower() == ".json" else _of_yaml(path, text)
     except _ContentError as error:
         raise InputError(f"{place(path, error.line)}: {error}") from error
     except RecursionError as error:

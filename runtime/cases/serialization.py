@@ -12,7 +12,7 @@ _WIDTH = 100  # layout: characters of a line
 
 def text_of(data: dict[str, Any], path: Path) -> str:
     """The document by the ending of `path`, its keys in their order."""
-    if path.suffix == ".json":
+    if path.suffix.lower() == ".json":
         return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     written: str = yaml_module(path).dump(
         data, Dumper=_dumper(), sort_keys=False, allow_unicode=True, width=_WIDTH

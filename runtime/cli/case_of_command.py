@@ -35,7 +35,7 @@ _in_force: ContextVar[_InForce | None] = ContextVar("case of the command", defau
 def read_case(context: typer.Context, model: str | None) -> str | None:
     """Let a case that is named in place of a model say the options that are not given."""
     _in_force.set(None)
-    if model is None or not model.endswith(_ENDINGS) or context.resilient_parsing:
+    if model is None or not model.lower().endswith(_ENDINGS) or context.resilient_parsing:
         return model
     from runtime.cases.case import load_case
     from runtime.cli.common import exit_on_error

@@ -1,4 +1,4 @@
-"""Options of a simulation: the words of `Machine.simulate` as data, for cases and commands.
+"""Options of a simulation: the arguments of `Machine.simulate` as data, for cases and commands.
 
 Their meaning in full is in the documentation of `Machine.simulate`.
 """

@@ -10,7 +10,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from codegen.drawing.layout import VERSION
 from codegen.errors import AnalysisError, SupersededError
 from codegen.generated_module_signature_and_import import (
     check_signature,
@@ -28,11 +27,6 @@ Kind = Literal["tangents", "reduced", "picture"]
 _BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
 _CONTENTS = {
     "tangents": "derivatives", "reduced": "reduced equations", "picture": "picture",
-}  # fmt: skip
-# What each has to define: without it, an older generator wrote the file.
-_DEFINES = {
-    "tangents": "def accelerations_tangent(", "reduced": "def reduced_mass(",
-    "picture": f'LAYOUT = "{VERSION}"',
 }  # fmt: skip
 
 
@@ -91,7 +85,16 @@ def _text(origin: Origin, kind: Kind) -> str | None:
     text = read_generated(place)
     belongs = _BELONGS.search(text)
     current = belongs is not None and belongs.group(1) == origin.digest
-    return text if current and _DEFINES[kind] in text else None
+    return text if current and _required_text(kind) in text else None
+
+
+def _required_text(kind: Kind) -> str:
+    """What the file of a companion has to contain: without it, another generator wrote it."""
+    if kind == "picture":
+        from codegen.drawing.layout import VERSION
+
+        return f'LAYOUT = "{VERSION}"'
+    return {"tangents": "def accelerations_tangent(", "reduced": "def reduced_mass("}[kind]
 
 
 def _command(origin: Origin, kind: Kind) -> str:

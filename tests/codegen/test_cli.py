@@ -111,6 +111,10 @@ def test_several_models_and_all_that_is_wrong_with_them(
         str(missing),
     ):
         assert words in answer.stderr.replace("\n", "")
+    heavy = tmp_path / "heavy.py"
+    heavy.write_text(model.read_text().replace("mass=m", "mass=-1.0"))
+    answer = run("build", heavy, model, "--check")
+    assert f"error: {heavy}: " in answer.stderr.replace("\n", "")
     built = json.loads(run("build", other, model, "--json").stdout)
     assert [Path(s["path"]).name for s in built["scenes"]] == ["other__swing.py", "clock__swing.py"]
     assert run("build", other, model, "--check").exit_code == 0

@@ -121,6 +121,15 @@ def test_a_point_with_a_wrong_sign_is_named() -> None:
     assert not any("at one point" in text for text in other)
 
 
+def test_a_place_that_is_no_number_hides_no_problem() -> None:
+    model = linkage(crank=9.0)
+    nothing = model.parameter("nothing", 0.0)
+    body = model.body("hanging", mass=1.0, inertia=1.0)
+    for name in ("E", "F"):
+        model.revolute(name, model.ground.at(0, 0), body.at(1 / nothing, 0))
+    assert check_declaration(model).problems
+
+
 def test_a_forgotten_joint_leaves_a_body_on_one_joint() -> None:
     assert all(scene.one_joint == () for scene in check_declaration(linkage()).scenes)
     report = check_declaration(linkage(closed=False))

@@ -24,16 +24,16 @@ INDICES = (types.int64, types.literal(2), types.uint64)
 @pytest.fixture
 def questions(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """What numba is asked while nothing is known."""
-    asked = []
+    queries = list[Any]()
     usual = numba_operation_types._usual
 
     def ask(operation: Any, context: Any, args: Any, kws: Any) -> Any:
-        asked.append((operation.typing_key, args))
+        queries.append((operation.typing_key, args))
         return usual(operation, context, args, kws)
 
     monkeypatch.setattr(numba_operation_types, "_usual", ask)
     monkeypatch.setattr(numba_operation_types, "_known", {})
-    return asked
+    return queries
 
 
 def signature(operation: Callable[..., Any], *kinds: Any) -> str:
@@ -65,11 +65,11 @@ def test_types_and_errors_are_those_of_numba(questions: list[Any]) -> None:
     assert not questions
     with remembered_operation_types():
         assert [found(call) for call in CALLS] == plain
-        asked = len(questions)
-        assert 0 < asked < len(CALLS)  # one index stands for the other
+        count = len(questions)
+        assert 0 < count < len(CALLS)  # one index stands for the other
         assert [found(call) for call in CALLS] == plain
     # What is known is not asked for; an error is.
-    assert len(questions) - asked == sum(not typed for typed, _ in plain)
+    assert len(questions) - count == sum(not typed for typed, _ in plain)
 
 
 def test_a_second_function_asks_for_nothing_that_the_first_has_found(questions: list[Any]) -> None:
@@ -82,9 +82,9 @@ def test_a_second_function_asks_for_nothing_that_the_first_has_found(questions: 
 
     with remembered_operation_types():
         for function in (first, second):
-            asked = len(questions)
+            count = len(questions)
             njit("void(f8[::1], f8[::1])", cache=False)(function)
-    assert 0 < asked == len(questions)
+    assert 0 < count == len(questions)
     out = np.zeros(4)
     with remembered_operation_types():
         njit("void(f8[::1], f8[::1])", cache=False)(second)(np.arange(8.0), out)

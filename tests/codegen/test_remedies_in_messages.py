@@ -40,6 +40,10 @@ model.torque("t", b, {})
         ("np.arctan2(b.x, b.y)", "use sympy.atan2 in place of np.arctan2."),
         ("np.sqrt(b.phi)", "use sympy.sqrt in place of np.sqrt."),
         ("math.fabs(b.x + b.y)", "use sympy.Abs in place of math.fabs."),
+        ("np.cos(1.0) + np.sin(b.phi)", "use sympy.sin in place of np.sin."),
+        ("np.hypot(b.x, b.y)", "use sympy.sqrt(x**2 + y**2) in place of np.hypot."),
+        ("np.log10(2 + b.x)", "use sympy.log(x, 10) in place of np.log10."),
+        ("np.nextafter(b.x, b.y)", "use functions of sympy, such as sympy.sin."),
         ("float(2 * b.phi)", "use functions of sympy, such as sympy.sin."),
         ("max(2 * b.phi, 1)", "use sympy.Piecewise, And, Or, Max and Min of coordinates"),
         ("1 if 0 < b.phi < 1 else 2", "use sympy.Piecewise, And, Or, Max and Min of coordinates"),
@@ -55,9 +59,10 @@ def test_functions_of_math_and_numpy_name_those_of_sympy(
     assert remedy in str(caught.value)
 
 
-def test_other_type_errors_have_no_remedy(tmp_path: Path) -> None:
+@pytest.mark.parametrize("value", ["'a' + 1", "np.sin(None)"])
+def test_other_type_errors_have_no_remedy(tmp_path: Path, value: str) -> None:
     path = tmp_path / "machine.py"
-    path.write_text(DECLARED.format("'a' + 1"), encoding="utf-8")
+    path.write_text(DECLARED.format(value), encoding="utf-8")
     with pytest.raises(ModelFileError) as caught:
         execute_model_file(path)
     assert "sympy" not in str(caught.value)
