@@ -15,7 +15,7 @@ from runtime import load
 from runtime.results.result import Result
 from runtime.show import movie
 from runtime.show.movie import frames_of, save_movie, usual_speed
-from runtime.show.pictures import pictures
+from runtime.show.pictures import pictures, pictures_at
 
 
 @pytest.fixture(scope="module")
@@ -50,8 +50,9 @@ def test_an_svg_has_several_positions(run: Result, tmp_path: Path) -> None:
 
 
 def test_frames_differ_by_the_poses_alone(run: Result) -> None:
-    frames = frames_of(pictures(run.at([0.0, 0.4])))
-    figure = MovieFigure(frames, 320)
+    shown = pictures_at(run, [0.0, 0.4])
+    frames = frames_of(shown)
+    figure = MovieFigure(frames, 320, shown.motion)
     width, height = figure.size
     assert width == 320
     assert height % 2 == 0
@@ -62,7 +63,8 @@ def test_frames_differ_by_the_poses_alone(run: Result) -> None:
 
 
 def test_positions_grow_stronger(run: Result) -> None:
-    figure = phase_figure(frames_of(pictures(run.at([0.0, 0.2, 0.4]))))
+    shown = pictures_at(run, [0.0, 0.2, 0.4])
+    figure = phase_figure(frames_of(shown), shown.motion)
     edges = [c.get_edgecolors() for c in figure.axes[0].collections]
     shades = [float(colors[colors[:, 3] > 0, :3].min()) for colors in edges]
     assert shades == sorted(shades, reverse=True)
