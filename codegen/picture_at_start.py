@@ -13,7 +13,7 @@ from codegen.drawing.layout import SAMPLES
 from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture
 from codegen.driver import valid_scenes, with_settings
-from codegen.lower.interpreter import evaluate
+from codegen.lower.interpreter import FAILURES, evaluate
 from codegen.lower.kernels.picture_kernels import CURVES, NAME, lower_picture
 from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.poses_near_start import FloatArray, Poses
@@ -75,11 +75,12 @@ def picture_at_start(
     picture = lower_picture(lowered)
     values = [value for _, value, *_ in lowered.description.parameters]
     still: dict[str, Any] = {"q": q.tolist(), "v": [0.0] * len(q), "p": values}
-    numbers = evaluate(picture.program, NAME, {"t": 0.0, **still})["out"]
+    numbers = evaluate(picture.program, NAME, {"t": 0.0, **still}, failures=FAILURES)["out"]
     flat = np.array([_real(numbers[k]) for k in range(len(numbers))])
     curves = np.zeros((picture.layout.curves, SAMPLES, 2))
     for k, alpha in enumerate(np.linspace(0.0, 2.0 * np.pi, SAMPLES) if len(curves) else ()):
-        points = evaluate(picture.program, CURVES, {"t": float(alpha), **still})["out"]
+        inputs = {"t": float(alpha), **still}
+        points = evaluate(picture.program, CURVES, inputs, failures=FAILURES)["out"]
         row = np.array([_real(points[slot]) for slot in range(len(points))])
         curves[:, k, :] = row.reshape(-1, 2)
     drawn = picture.layout.picture(flat, list[FloatArray](curves))

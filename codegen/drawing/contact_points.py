@@ -11,10 +11,11 @@ from typing import NamedTuple
 import numpy as np
 
 from codegen.drawing.picture import Outline, Picture, Symbol
-from codegen.drawing.polygons import FloatArray, contains, in_frame
+from codegen.drawing.polygons import FloatArray, contains, distance_to_edge, in_frame
 from codegen.drawing.shapes import ContactSide
 
 SLOPES = ("gap", "gx", "gy", "turn", "bend", "third")
+GREATEST_GAP = 20.0  # layout: typical lengths from a body up to a surface that is drawn
 ROUNDING = 1e-9  # accuracy: of a contact's arms; a centre of curvature that moves less is fixed
 
 
@@ -104,16 +105,8 @@ def reach_of_outlines(
 
 def _depth(outlines: tuple[Outline, ...], at: FloatArray) -> float:
     """How far a place (2,) of a body is within an outline, m, at most; 0 on the edge or outside."""
-    found = 0.0
-    for outline in outlines:
-        corners = np.array(outline, dtype=float)
-        if contains(corners, at):
-            edges = np.roll(corners, -1, axis=0) - corners
-            squares = np.maximum(np.sum(edges**2, axis=1), np.finfo(float).tiny)
-            share = np.clip(np.sum((at - corners) * edges, axis=1) / squares, 0.0, 1.0)
-            feet = corners + share[:, None] * edges
-            found = max(found, float(np.hypot(*(feet - at).T).min()))
-    return found
+    polygons = [np.array(outline, dtype=float) for outline in outlines]
+    return max((distance_to_edge(one, at) for one in polygons if contains(one, at)), default=0.0)
 
 
 class Touch(NamedTuple):
@@ -132,10 +125,29 @@ def touch(outlines: tuple[Outline, ...], slopes: FloatArray, poses: FloatArray) 
     return Touch(point, point - line.gap[:, None] * line.normal, line.normal)
 
 
-def touch_now(picture: Picture, side: ContactSide) -> Touch:
+def touch_of_side(picture: Picture, side: ContactSide) -> Touch:
     """The same at the instant of a picture, whose bodies have their outlines; k = 1."""
     body = picture.bodies[side.body]
     return touch(body.outlines, slopes_of(side), picture.poses[side.body][None])
+
+
+def heights(picture: Picture, side: ContactSide, motion: FloatArray | None = None) -> FloatArray:
+    """The gap of a side over the poses of a motion (instants, bodies, 3), (k,), m.
+
+    A level side has its slopes at all poses; of others, and without a motion, it is the gap at the
+    instant of the picture, (1,). The body's turning is left out.
+    """
+    pose = picture.poses[side.body]
+    line = contact_line(slopes_of(side), pose[None])
+    if motion is None or not side.is_level:
+        return line.gap
+    return np.asarray(line.gap + (motion[:, side.body, :2] - pose[:2]) @ line.normal[0])
+
+
+def is_far(gaps: FloatArray, size: float) -> bool:
+    """Whether a body is never near a surface, by its gaps, m, for a typical length, m."""
+    known = np.abs(gaps[np.isfinite(gaps)])
+    return float(known.min(initial=np.inf)) > GREATEST_GAP * size
 
 
 def sides_of(picture: Picture) -> list[tuple[int, Symbol, ContactSide]]:

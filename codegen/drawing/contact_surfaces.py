@@ -5,17 +5,16 @@ from typing import NamedTuple
 import numpy as np
 
 from codegen.drawing.arrow_lines import hatching
-from codegen.drawing.contact_points import sides_of, touch_now
+from codegen.drawing.contact_points import heights, is_far, sides_of, touch_of_side
 from codegen.drawing.picture import Picture
 from codegen.drawing.polygons import FloatArray, placed
 from codegen.drawing.shapes import ContactSide
 from codegen.drawing.sizes_and_held_places import BLOCK, HATCH, SAME
 
 HALF = 0.24  # layout: half length of a surface under a body that stays, in typical lengths
-BESIDE = 0.75  # layout: the same over the width of the body, at least
+WIDTH_SHARE = 0.75  # layout: the same over the width of the body, at least
 PLATE = 1.5  # layout: half length of a stop's plate over the half width of a block
-NEAR = 0.5  # layout: typical lengths above a surface within which a body makes it longer
-FARTHEST = 10.0  # layout: typical lengths between a body and a surface that is drawn
+REACH = 0.5  # layout: typical lengths above a surface within which a body makes it longer
 
 Line = tuple[str, FloatArray]
 """Style and points (k, 2) of a stroke."""
@@ -57,29 +56,29 @@ def surfaces(picture: Picture, fixed: bool, motion: FloatArray | None = None) ->
     found: list[Surface] = []
     for _, symbol, side in sides_of(picture):
         if side.is_grounded and side.is_fixed == fixed:
-            one = surface_now(picture, symbol.element, side, motion)
+            one = surface_of_side(picture, symbol.element, side, motion)
             if one is not None:
                 found = _joined(found, one, picture.size)
     return found
 
 
-def surface_now(
+def surface_of_side(
     picture: Picture, element: str, side: ContactSide, motion: FloatArray | None = None
 ) -> Surface | None:
-    """The surface of one side at the instant of a picture; None where none is near."""
-    (point,), (at,), (normal,) = touch_now(picture, side)
+    """The surface of one side at the instant of a picture; None where none is ever near."""
+    (point,), (at,), (normal,) = touch_of_side(picture, side)
     if not np.all(np.isfinite([point, at, normal])):
         return None
-    if np.hypot(*(at - point)) > FARTHEST * picture.size:
+    gaps = heights(picture, side, motion)
+    if is_far(gaps, picture.size):
         return None
     if side.is_stop:
         return Surface(element, at, normal, PLATE * BLOCK[1] * picture.size)
     along, middle = np.array([normal[1], -normal[0]]), at
-    half = max(HALF * picture.size, BESIDE * _width(picture, side.body, along))
+    half = max(HALF * picture.size, WIDTH_SHARE * _width(picture, side.body, along))
     if side.is_level and motion is not None:
         poses = motion[:, side.body]
-        height = (poses[:, :2] - picture.poses[side.body, :2] + point - at) @ normal
-        near = poses[np.abs(height) <= NEAR * picture.size]
+        near = poses[np.abs(gaps) <= REACH * picture.size]
         first, last = _travel(near if len(near) else picture.poses[[side.body]], along)
         shift = (first + last) / 2 - float(picture.poses[side.body, :2] @ along)
         middle, half = at + shift * along, half + (last - first) / 2

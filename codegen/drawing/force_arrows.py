@@ -7,7 +7,7 @@ import numpy as np
 
 from codegen.drawing import shapes
 from codegen.drawing.arrow_lines import round_arrow, straight_arrow
-from codegen.drawing.contact_points import touch_now
+from codegen.drawing.contact_points import sides_of, touch_of_side
 from codegen.drawing.picture import Picture, Symbol
 from codegen.drawing.polygons import FloatArray, normal, placed, unit
 from codegen.drawing.signs import ARROW, HEAD, ROUND, arrow, turned
@@ -49,14 +49,30 @@ class Load(NamedTuple):
 
 def loads(picture: Picture, reactions: Reactions | None = None) -> list[Load]:
     """All that act, that are finite, and not 0 beside the largest of their unit."""
+    farther = _farther_sides(picture)
     found = [
         load
-        for symbol in picture.symbols
+        for number, symbol in enumerate(picture.symbols)
+        if number not in farther
         for load in _loads(picture, symbol, (reactions or {}).get(_key(symbol)))
         if np.isfinite(load.size) and np.isfinite(load.at).all()
     ]
     least = {word: VANISHING * largest(found, word) for word in ("N", "N m")}
     return [load for load in found if load.size > least[load.unit]]
+
+
+def _farther_sides(picture: Picture) -> set[int]:
+    """Numbers of the sides that share their force with one of the same body and a smaller gap.
+
+    A rigid stop has one force for both of its limits, of which the nearer exerts it.
+    """
+    nearest: dict[tuple[str, str, int], tuple[float, int]] = {}
+    sides = sides_of(picture)
+    for number, symbol, side in sides:
+        key = symbol.element, side.force, int(side.body)
+        gap = float(side.gap) if np.isfinite(side.gap) else np.inf
+        nearest[key] = min(nearest.get(key, (np.inf, number)), (gap, number))
+    return {number for number, *_ in sides} - {number for _, number in nearest.values()}
 
 
 def largest(found: list[Load], unit_: str) -> float:
@@ -99,7 +115,9 @@ def _loads(
         case shapes.ContactSide() if reaction is not None:
             label = f"{element} on {picture.bodies[shape.body].name}"
             force = reaction[0] * np.array([shape.gx, shape.gy], dtype=float)
-            yield Load(symbol, "reaction", label, touch_now(picture, shape).point[0], force, 0.0)
+            yield Load(
+                symbol, "reaction", label, touch_of_side(picture, shape).point[0], force, 0.0
+            )
         case shapes.Drive() if reaction is not None:
             label = f"{element} on {picture.bodies[shape.j.body].name}"
             at = np.array(picture.position(shape.j))

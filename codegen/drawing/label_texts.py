@@ -36,20 +36,20 @@ def label_texts(
         Whether forces have their sizes behind their names.
     """
     others = _others(picture, colors, reactions, values)
-    told = {text.partition(", ")[0] for text, *_ in others} if values else set[str]()
+    forces = {text.partition(", ")[0] for text, *_ in others} if values else set[str]()
     bodies, gaps = _bodies(picture, colors), _gaps(picture, colors)
-    wanted = [*_joints(picture, colors, told), *bodies, *others, *gaps]
+    wanted = [*_joints(picture, colors, forces), *bodies, *others, *gaps]
     if len(wanted) > MOST_NAMES:  # of a long chain of alike parts, say: bodies are enough
         return [*bodies, *gaps]
     return wanted
 
 
-def _joints(picture: Picture, colors: Palette, told: set[str]) -> list[LabelText]:
+def _joints(picture: Picture, colors: Palette, forces: set[str]) -> list[LabelText]:
     """Names of joints, those at one place together; without those that a force names."""
     style = {"fontsize": JOINT_SIZE, "color": colors.ink, "fontstyle": "italic"}
     places: list[tuple[FloatArray, list[str]]] = []
     for symbol in picture.symbols:
-        if symbol.role != "joint" or symbol.element in told:
+        if symbol.role != "joint" or symbol.element in forces:
             continue
         at = _anchor(picture, symbol)
         if at is None:

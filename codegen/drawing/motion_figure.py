@@ -48,17 +48,26 @@ def view(frames: Sequence[Frame], artist: PictureArtist) -> tuple[FloatArray, Fl
 class MovieFigure:
     """A figure whose frames are drawn on one background.
 
+    Parameters
+    ----------
+    frames, width
+        Pictures one after the other; pixels.
+    motion
+        Poses of the motion of which the frames are a part, (instants, bodies, 3): guides and
+        surfaces are as long as it needs.
+
     Attributes
     ----------
     size
         Width and height in pixels, both even, as video codecs want them.
     """
 
-    def __init__(self, frames: Sequence[Frame], width: int, colors: Palette = LIGHT) -> None:
+    def __init__(
+        self, frames: Sequence[Frame], width: int, motion: FloatArray, colors: Palette = LIGHT
+    ) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
 
         first = frames[0]
-        motion = np.array([frame.poses for frame in frames])
         self.colors = colors
         self.motion = motion
         self.artists: dict[tuple[tuple[str, str], ...], PictureArtist] = {}
@@ -72,7 +81,7 @@ class MovieFigure:
         self.axes = self.figure.add_axes(fractions)
         prepare_axes(self.axes, low, high, colors)
         self.axes.set_title(first.title, color=colors.ink, fontsize=10.5)
-        for stroke in trace_strokes(first, motion):
+        for stroke in trace_strokes(first, np.array([frame.poses for frame in frames])):
             self.axes.plot(*stroke.points.T, color=colors.trace, linewidth=0.9, zorder=1.5)
         self.clock = self.axes.text(0.99, 1.015, "", transform=self.axes.transAxes, ha="right",
                                     fontsize=9, color=colors.muted, animated=True)  # fmt: skip
@@ -119,11 +128,13 @@ def _shape(
     return (width, height), axes
 
 
-def phase_figure(frames: Sequence[Frame], colors: Palette = LIGHT) -> "Figure":
-    """Several positions of a motion over each other, the first pale and the last with names."""
+def phase_figure(frames: Sequence[Frame], motion: FloatArray, colors: Palette = LIGHT) -> "Figure":
+    """Several positions of a motion over each other, the first pale and the last with names.
+
+    `motion` as for `MovieFigure`.
+    """
     from codegen.drawing.figure import inches
 
-    motion = np.array([frame.poses for frame in frames])
     artists = [PictureArtist(frame, motion, colors, gaps=False) for frame in frames]
     low, high = view(frames, artists[-1])
     result = new_figure("picture", *inches(high - low), facecolor=colors.background)

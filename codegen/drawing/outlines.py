@@ -40,7 +40,7 @@ from codegen.drawing.sizes_and_held_places import (
 
 def complete_picture(picture: Picture, motion: FloatArray | None = None) -> Picture:
     """The picture with its size, and with outlines of all bodies; `motion` as for these."""
-    sized = replace(picture, size=typical_length(picture))
+    sized = replace(picture, size=typical_length(picture, motion))
     return replace(sized, bodies=derived_outlines(sized, motion))
 
 

@@ -17,9 +17,9 @@ ARROW = 0.15  # layout: length of an arrow that is not to scale
 ROUND = 0.062  # layout: radius of a round arrow
 FRAME = 0.075  # layout: length of the axes of a body's frame
 MOST_EDGES = 4  # layout: edges of a body that are measured
-BESIDE = 0.07  # layout: distance of a dimension line from what it measures
-LEVELS = (1.0, 1.8, 2.6)  # layout: the same in its own units, the first that is free
-APART = 0.045  # layout: least distance of dimension lines from each other
+OFFSET = 0.07  # layout: distance of a dimension line from what it measures
+OFFSET_LEVELS = (1.0, 1.8, 2.6)  # layout: multiples of it, of which the first free one is taken
+CLEARANCE = 0.045  # layout: least distance of dimension lines from each other
 
 
 def driver_strokes(picture: Picture) -> tuple[Stroke, ...]:
@@ -129,7 +129,7 @@ def _is_clear(line: FloatArray, found: list[Dimension], size: float) -> bool:
     for other in found:
         start, end = other.strokes[0].points
         points = start + x * (end - start)
-        if np.hypot(*(own[:, None] - points[None]).transpose(2, 0, 1)).min() < APART * size:
+        if np.hypot(*(own[:, None] - points[None]).transpose(2, 0, 1)).min() < CLEARANCE * size:
             return False
     return True
 
@@ -151,8 +151,8 @@ def dimension_lines(picture: Picture) -> list[Dimension]:
         across = normal(unit(b - a))
         outward = 1.0 if float(((a + b) / 2 - middle) @ across) >= 0 else -1.0
         places = [
-            np.array([a, b]) + way * BESIDE * size * across
-            for way in (outward * side * level for level in LEVELS for side in (1.0, -1.0))
+            np.array([a, b]) + way * OFFSET * size * across
+            for way in (outward * side * level for level in OFFSET_LEVELS for side in (1.0, -1.0))
         ]
         line = next((one for one in places if _is_clear(one, found, size)), places[0])
         shift = line[0] - a

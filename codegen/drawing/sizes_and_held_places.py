@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from codegen.drawing.contact_points import contact_line, sides_of, slopes_of
+from codegen.drawing.contact_points import contact_line, heights, is_far, sides_of, slopes_of
 from codegen.drawing.picture import Picture, places
 from codegen.drawing.polygons import FloatArray, distinct, in_frame, placed
 from codegen.drawing.shapes import (
@@ -35,15 +35,15 @@ BOB = 0.036  # layout: radius of the disc at a centre of mass
 PARTICLE = 0.026  # layout: radius of a body that nothing holds
 SAME = 2e-3  # layout: places nearer than this are one
 HATCH = 0.0155  # layout: distance of the strokes of a hatching
-ROOM = 5.0  # layout: how often the size of all else a gap of a contact is that counts
 _HOLDING = (Pin, Rod, Fixing, Bearing, Spring, Mark, Force, Trace)
 
 
-def typical_length(picture: Picture) -> float:
+def typical_length(picture: Picture, motion: FloatArray | None = None) -> float:
     """The diagonal of the box about all places of the shapes and the bodies' origins, m.
 
     Wheels count with their circles. The length is 1 m where everything is at one place. Origins
-    count only where no element holds the body, or one: a centre of mass may be far away.
+    count only where no element holds the body, or one: a centre of mass may be far away. Surfaces
+    of contacts count where a body comes near, over the poses of a motion (instants, bodies, 3).
     """
     points = [picture.position(at) for symbol in picture.symbols for at in places(symbol.shape)]
     for symbol in picture.symbols:
@@ -61,7 +61,7 @@ def typical_length(picture: Picture) -> float:
     length = _diagonal(points)
     for _, _, side in sides_of(picture):
         line = contact_line(slopes_of(side), picture.poses[side.body][None])
-        near = length == 0.0 or bool(np.all(np.abs(line.gap) <= ROOM * length))
+        near = length == 0.0 or not is_far(heights(picture, side, motion), length)
         if side.is_grounded and near:
             points += [
                 tuple(line.center[0]),

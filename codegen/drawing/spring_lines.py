@@ -15,7 +15,7 @@ import numpy as np
 from codegen.drawing.polygons import FloatArray, normal, unit
 
 COILS = 6  # layout: teeth of a zigzag
-BESIDE = 2.4  # layout: distance of parallel parts, in half widths
+SPACING = 2.4  # layout: distance of parallel parts, in half widths
 SPIRAL_TURNS = 2.25  # layout: turns of a torsion spring that is not wound up
 SPIRAL_POINTS = 160  # layout: of a torsion spring
 SPIRAL = (1.8, 4.4)  # layout: inner and outer radius of a torsion spring, in pins
@@ -52,7 +52,7 @@ def spring_parts(
         )
         if wanted
     ]
-    offsets = BESIDE * (np.arange(len(parts)) - (len(parts) - 1) / 2)
+    offsets = SPACING * (np.arange(len(parts)) - (len(parts) - 1) / 2)
     result = [
         (style, np.array(points, dtype=float) + np.array([0.0, offset]))
         for (style, lines), offset in zip(parts, offsets, strict=True)

@@ -44,15 +44,20 @@ ARITHMETIC: dict[Op, Callable[..., Any]] = {
 NO_FORCES: Mapping[int, float] = defaultdict(float)
 
 
+FAILURES = (ZeroDivisionError, OverflowError, ValueError)
+"""What Python raises where an operation has no value at its operands."""
+
+
 def evaluate(
-    program: Program, name: str, arguments: Mapping[str, Any], functions: ModuleType = cmath
-) -> dict[str, dict[int, Any]]:
+    program: Program, name: str, arguments: Mapping[str, Any], functions: ModuleType = cmath,
+    failures: tuple[type[Exception], ...] = (),
+) -> dict[str, dict[int, Any]]:  # fmt: skip
     """Outputs of the kernel `name`: array → slot → number.
 
     Of the arguments ``t`` is a number, the other inputs are sequences. ``p`` may hold the declared
     parameters only: what follows from them is computed here. ``stiction``, the forces of frictions
     that stick, is needed by modes of 2 alone. `functions` brings sin, cos …: `cmath`, `math` or an
-    mpmath context.
+    mpmath context. An operation that raises one of `failures` yields NaN.
     """
     (kernel,) = (k for k in program.kernels if k.name == name)
     known: dict[int, Any] = {}
@@ -72,7 +77,10 @@ def evaluate(
                 known[number] = arguments["modes"][literal]
             case _:
                 function = ARITHMETIC.get(value.op) or getattr(functions, value.op.value)
-                known[number] = function(*operands)
+                try:
+                    known[number] = function(*operands)
+                except failures:
+                    known[number] = math.nan
     outputs: dict[str, dict[int, Any]] = {}
     for out in kernel.outputs:
         outputs.setdefault(out.array, {})[out.slot] = known[out.value]

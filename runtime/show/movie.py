@@ -85,15 +85,17 @@ def save_movie(
     if ending == ".svg":
         instants = np.linspace(first, last, PHASES)
         with whole_file(file) as target:
-            save_figure(phase_figure(frames_of(pictures_at(result, instants))), target)
+            shown = pictures_at(result, instants)
+            save_figure(phase_figure(frames_of(shown), shown.motion), target)
         return file
     if ending == ".gif":
         rate = gif_rate(rate)
     pace = speed or usual_speed(last - first)
     count = _frame_count(file, (first, last), pace, rate)
     instants = np.linspace(first, last, count)
-    drawn = frames_of(pictures_at(result, instants))
-    movie = MovieFigure(drawn, wide)
+    shown = pictures_at(result, instants)
+    drawn = frames_of(shown)
+    movie = MovieFigure(drawn, wide, shown.motion)
     if ending == ".gif":
         _require_memory(file, count, movie.size)
     writer = _video if ending == ".mp4" else _gif

@@ -39,6 +39,8 @@ class Pictures:
     active
         Index of a symbol → spans of time, s, in which it acts, of those that come or go; the end
         of a span is not a part of it.
+    motion
+        Poses of the whole run, for the lengths of guides and surfaces; of a whole run its `poses`.
     """
 
     t: FloatArray
@@ -46,6 +48,7 @@ class Pictures:
     poses: FloatArray
     moving: dict[tuple[int, str], FloatArray]
     active: dict[int, tuple[tuple[float, float], ...]]
+    motion: FloatArray
 
     def at(self, instant: int) -> Picture:
         """The picture of an instant, with the numbers that its shapes have there."""
@@ -78,29 +81,42 @@ def pictures(result: "Result") -> Pictures:
     found = [_of_span(result, known, rows) for known, rows in spans]
     first = found[0].layout.picture(found[0].numbers[0], found[0].curves)
     poses = np.concatenate([one.layout.poses(one.numbers) for one in found])
-    known, numbers, active = _joined(found, spans, result.t)
-    moving = {key: values for key, values in numbers.items() if _varies(values)}
+    known, numbers, undefined, active = _joined(found, spans, result.t)
+    moving = {key: values for key, values in numbers.items() if _varies(values, key in undefined)}
     picture = complete_picture(replace(first, symbols=known), poses)
-    return Pictures(result.t, picture, poses, moving, active)
+    return Pictures(result.t, picture, poses, moving, active, poses)
 
 
 def pictures_at(result: "Result", instants: float | FloatArray) -> Pictures:
-    """The pictures of a result at other instants, s, with the outlines of the whole run.
-
-    A body keeps its outline where a joint that held it has been released, and guides their length.
+    """The pictures of a result at other instants, s, as `pictures_of_part` has them.
 
     Raises
     ------
     InputError
         As `pictures`; and if an instant is outside the result.
     """
-    whole, some = pictures(result).picture, pictures(result.at(instants))
-    return replace(some, picture=replace(some.picture, bodies=whole.bodies, size=whole.size))
+    return pictures_of_part(result, result.at(instants))
 
 
-def _varies(values: FloatArray) -> bool:
-    known = values[~np.isnan(values)]
-    return len(known) > 0 and float(np.ptp(known)) > 0.0
+def pictures_of_part(result: "Result", part: "Result") -> Pictures:
+    """The pictures of a part of a result, with outlines, size and motion of the whole.
+
+    A body keeps its outline where a joint that held it has been released, and guides their length.
+
+    Raises
+    ------
+    InputError
+        As `pictures`.
+    """
+    whole, some = pictures(result), pictures(part)
+    picture = replace(some.picture, bodies=whole.picture.bodies, size=whole.picture.size)
+    return replace(some, picture=picture, motion=whole.motion)
+
+
+def _varies(values: FloatArray, is_undefined: bool) -> bool:
+    """Whether a number takes several values, or one, and at some instants none."""
+    known = values[np.isfinite(values)]
+    return len(known) > 0 and (is_undefined or float(np.ptp(known)) > 0.0)
 
 
 def _spans(result: "Result", mechanism: Mechanism) -> list[tuple[Mechanism, slice]]:
@@ -131,12 +147,17 @@ def _joined(
 ) -> tuple[
     tuple[Symbol, ...],
     dict[tuple[int, str], FloatArray],
+    set[tuple[int, str]],
     dict[int, tuple[tuple[float, float], ...]],
 ]:
-    """The symbols of all spans, their numbers over time, and when those act that come or go."""
+    """The symbols of all spans, their numbers over time, and when those act that come or go.
+
+    The set has the numbers that have no value at some instant at which their symbol acts.
+    """
     names: dict[tuple[str, str, int], int] = {}
     symbols: list[Symbol] = []
     numbers: dict[tuple[int, str], FloatArray] = {}
+    undefined: set[tuple[int, str]] = set()
     acts: dict[int, list[tuple[float, float]]] = {}
     for one, (_, rows) in zip(found, spans, strict=True):
         drawn = one.layout.picture(one.numbers[0], one.curves)
@@ -152,5 +173,7 @@ def _joined(
             for field, slot in one.layout.slots(k).items():
                 values = numbers.setdefault((index, field), np.full(len(t), np.nan))
                 values[rows] = one.numbers[:, slot]
+                if not np.isfinite(values[rows]).all():
+                    undefined.add((index, field))
     active = {k: tuple(spells) for k, spells in acts.items() if len(spells) < len(spans)}
-    return tuple(symbols), numbers, active
+    return tuple(symbols), numbers, undefined, active

@@ -13,7 +13,7 @@ from codegen.drawing.shapes import ContactSide, Drive, Reaction
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.picture import geometry
 from runtime.mechanism.sibling_scenes import sibling_named
-from runtime.show.pictures import pictures, pictures_at
+from runtime.show.pictures import pictures, pictures_of_part
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,11 +37,10 @@ def draw_state(
 
 def draw_result(result: "Result", t: float | None, **drawing: Any) -> "Figure":
     """Draw a result at an instant, with the reactions there if forces are wanted."""
-    whole = pictures(result)
-    drawn = whole if t is None else pictures_at(result, t)
     one = result if t is None else result.at(t)
+    drawn = pictures(result) if t is None else pictures_of_part(result, one)
     return figure(
-        drawn.picture, **drawing, reactions=_reactions(one, drawn.picture), motion=whole.poses
+        drawn.picture, **drawing, reactions=_reactions(one, drawn.picture), motion=drawn.motion
     )
 
 

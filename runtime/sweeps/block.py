@@ -18,7 +18,7 @@ from runtime.machine_facade import Machine
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import describe
 from runtime.mechanism.tangents_and_reduced_modules import Origin
-from runtime.sweeps import store
+from runtime.sweeps import block_parts, store
 from runtime.sweeps.journal import TRIES, WRITING, Journal
 from runtime.sweeps.member_run import KILLED, REPEATED, Row, evaluate_member, without_run
 from runtime.sweeps.programs import require_programs
@@ -48,7 +48,7 @@ class BlockReport(NamedTuple):
     overhead: float  # s of the processor in loading, journals and writing
 
 
-SAVE_SECONDS = 30.0  # safety: s of work in a block after which its rows so far are written
+SAVE_SECONDS = 30.0  # safety: s of work in a block after which its rows so far are saved
 _loaded: dict[str, Machine] = {}  # of this process, by the identity of the store
 _alone = threading.Lock()  # of this process, which a cluster may give several threads
 
@@ -118,7 +118,10 @@ def _run_block(job: Job, block: int) -> BlockReport:
     with journal:
         group = store.reopen(Path(job.store), job.identity)  # it may be another one by now
         request, runs = job.request, store.layout_of(group).runs_of(block)
-        earlier = _to_keep(store.rows_made(group, request, runs))
+        about = store.about_of(group)
+        there = store.rows_made(group, request, runs)
+        there |= block_parts.read_part(Path(job.store), about, request, block)
+        earlier = _to_keep({run: row for run, row in there.items() if run in runs})
         trials = {run: row for run, row in job.trials.items() if run in runs}
         part = _Part(job, group, block, runs, _to_keep(trials) | earlier)
         machine, simulation = load_job(job), 0.0
@@ -130,13 +133,13 @@ def _run_block(job: Job, block: int) -> BlockReport:
                 continue
             if part.is_due:
                 journal.note(WRITING)
-                part.write()
+                part.save()
             journal.note(run)
             start = time.thread_time()  # of this task alone: Dask's other threads are no simulation
             part.rows[run], _ = evaluate_member(machine, request, point)
             simulation += time.thread_time() - start
         journal.note(WRITING)
-        part.write(last=True)
+        part.finish()
     overhead = time.process_time() - began - simulation
     return BlockReport(block, len(runs) - len(earlier), simulation, overhead)
 
@@ -147,7 +150,7 @@ def _to_keep(rows: Mapping[int, Row]) -> dict[int, Row]:
 
 
 class _Part:
-    """The rows of a block that are there, written now and then where runs are slow."""
+    """The rows of a block that are there, written beside it now and then where runs are slow."""
 
     def __init__(
         self, job: Job, group: store.Group, block: int, runs: range, rows: dict[int, Row]
@@ -162,15 +165,30 @@ class _Part:
         waiting = len(self.rows) > self.count
         return waiting and time.monotonic() - self.written > SAVE_SECONDS
 
-    def write(self, *, last: bool = False) -> None:
-        """Write the rows; but for the last time, where no other process has written the block."""
+    def save(self) -> None:
+        """Write the rows so far beside the block, unless another process has written it."""
         self.written, self.count = time.monotonic(), len(self.rows)
-        if not last and store.mark_there(self.group, self.block) != self.mark:
-            return
-        nothing = without_run(self.job.request, "", "")
-        rows = [self.rows.get(run, nothing) for run in self.runs]
-        path, identity = Path(self.job.store), self.job.identity
-        self.mark = store.write_block(path, identity, self.job.request, self.runs, rows)
+        if store.mark_there(self.group, self.block) == self.mark:
+            self._write_part()
+
+    def finish(self) -> None:
+        """Write the block, now that all its rows are there.
+
+        While a block that was written before is replaced, its rows stand beside it.
+        """
+        path, request = Path(self.job.store), self.job.request
+        if store.mark_there(self.group, self.block):
+            self._write_part()
+        rows = [self.rows[run] for run in self.runs]
+        store.write_block(path, self.job.identity, request, self.runs, rows)
+        block_parts.remove_part(path, request, self.block)
+
+    def _write_part(self) -> None:
+        """Write the rows, and those that another process has written beside the block."""
+        path, request = Path(self.job.store), self.job.request
+        about = store.about_of(store.reopen(path, self.job.identity))
+        others = block_parts.read_part(path, about, request, self.block)
+        block_parts.write_part(path, about, request, self.block, others | self.rows)
 
 
 def _killed(times: int) -> str:

@@ -8,6 +8,7 @@ import math
 import queue
 import time
 import warnings
+from contextlib import suppress
 from typing import Any
 
 from codegen.errors import InputError, LinkwrightError
@@ -50,9 +51,17 @@ class ClusterWorkers:
             ) from error
         client: Any = distributed.Client  # which has no types
         self.address = address
+        self.client: Any = None
         try:
-            self.client: Any = client(address, timeout=_PATIENCE, set_as_default=False)
-        except (OSError, ValueError, TypeError) as error:
+            self.client = client(address, timeout=_PATIENCE, set_as_default=False)
+            self.first = [
+                self.client.submit(import_programs, workers=[worker], pure=False)
+                for worker in self.client.nthreads()
+            ]
+        except Exception as error:
+            if self.client is not None:
+                with suppress(Exception):
+                    self.client.close(timeout=_PATIENCE)
             raise InputError(
                 f"No Dask scheduler answers at {address} ({error}). Start one, dask scheduler, and "
                 "give the address that it prints (--scheduler tcp://HOST:8786)."
@@ -61,10 +70,6 @@ class ClusterWorkers:
         self.times: dict[int, int] = {}
         self.futures: dict[int, Any] = {}
         self.last_worker = time.monotonic()  # when the cluster had a worker last; inf: said already
-        self.first = [
-            self.client.submit(import_programs, workers=[worker], pure=False)
-            for worker in self.client.nthreads()
-        ]
 
     def take(self, job: Job) -> None:
         """Make blocks of this job from now on."""

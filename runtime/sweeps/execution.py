@@ -20,6 +20,7 @@ from runtime.machine_facade import Machine
 from runtime.progress_bar import Progress, bar
 from runtime.sweeps import store
 from runtime.sweeps.block import BlockReport, Job
+from runtime.sweeps.block_parts import remove_parts
 from runtime.sweeps.design import Design
 from runtime.sweeps.journal import clear_journals, working_folder
 from runtime.sweeps.local_workers import LocalWorkers, ThisProcess, available_cores
@@ -162,7 +163,7 @@ def execute(
         expected = about["seconds"] * min(len(blocks) * layout.block, layout.runs)
         executor = _executor(job, expected, len(blocks), workers, cluster)
         if not isinstance(executor, ThisProcess):  # while others work: a study needs it at the end
-            threading.Thread(target=import_module, args=("xarray",)).start()
+            threading.Thread(target=_import_ahead, args=("xarray",), daemon=True).start()
         with _advice(path, layout):
             try:
                 with bar(title, progress) as report:
@@ -172,12 +173,20 @@ def execute(
                     executor.close()
             _require_rows(path, [one.block for one in reports])
         stopped = len(reports) < len(blocks)
+        if not stopped:
+            remove_parts(path)
         signals.answered = stopped
     return Execution(
         sum(one.runs for one in reports), time.perf_counter() - began,
         sum(one.simulation for one in reports), sum(one.overhead for one in reports), len(reports),
         executor.replaced, stopped,
     )  # fmt: skip
+
+
+def _import_ahead(name: str) -> None:
+    """Import a library in a thread; who needs it later says why that fails."""
+    with suppress(Exception):
+        import_module(name)
 
 
 @contextmanager

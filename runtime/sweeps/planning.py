@@ -140,6 +140,8 @@ class Estimate(NamedTuple):
     seconds: float  # of the processor, a run
     columns: Columns
     rows: Mapping[int, Row]  # of these members, which need not be run again
+    simulation: float  # s of the processor in these members, as runs take it that load nothing
+    overhead: float  # s of the processor in loading and compiling for them
 
 
 def estimate_of(machine: Machine, request: Request, design: Design) -> Estimate:
@@ -172,7 +174,10 @@ def estimate_of(machine: Machine, request: Request, design: Design) -> Estimate:
     series = {name: kept.get(name, "") for name in request.keep}
     if sum(row.series.nbytes for row in rows.values()) > _MOST_BYTES:
         rows = {}
-    return Estimate(seconds, Columns(factors, quantities, series), rows)
+    simulation = min(seconds * len(times), sum(times))
+    return Estimate(
+        seconds, Columns(factors, quantities, series), rows, simulation, sum(times) - simulation
+    )  # fmt: skip
 
 
 def _declared(machine: Machine, given: str | Function) -> str | None:

@@ -1,6 +1,7 @@
 """A sweep: its design is checked, its machine built, one run measured, and its blocks are made."""
 
 import os
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
@@ -20,7 +21,7 @@ from runtime.sweeps.design import NOTHING, Design, design_of, given_design, in_d
 from runtime.sweeps.execution import begin_store, execute, job_of, require_same, store_lock
 from runtime.sweeps.factors import read_factors
 from runtime.sweeps.member_run import REPEATED, Row
-from runtime.sweeps.planning import attempt, estimate_of, factor_unit, plan_of
+from runtime.sweeps.planning import Estimate, attempt, estimate_of, factor_unit, plan_of
 from runtime.sweeps.request import Request
 from runtime.sweeps.study import Study
 
@@ -161,6 +162,8 @@ def sweep(
     problems = list[str]()
     design = attempt(problems, lambda: _design(over, sample, count, seed))
     attempt(problems, lambda: _require_place(path, resume=resume))
+    if path.exists() and not resume:  # nothing is loaded or compiled for a store that stays
+        raise InputError(problems)
     machine = attempt(problems, lambda: load(model, scene, folder=folder, generated=generated))
     if machine is None:
         raise InputError(problems)
@@ -186,7 +189,9 @@ def _study(
 ) -> Study:  # fmt: skip
     """The study of a request: its store, which is created or goes on, and the runs it lacks."""
     trials: Mapping[int, Row] = {}
-    blocks = None
+    blocks: list[int] | None = None
+    estimate: Estimate | None = None
+    began = time.perf_counter()
     if path.exists():
         require_same(path, request, design)
         blocks = store.unfinished(store.open_group(path), repeated=REPEATED)
@@ -198,11 +203,18 @@ def _study(
             begin_store(path, request, design, estimate, workers)
             trials, blocks = estimate.rows, [*range(store.layout_of(store.open_group(path)).blocks)]
         elif any(row.reconnects for row in machine.mechanism.description.watched):
-            trials = estimate_of(machine, request, design).rows  # build the scenes that are reached
+            estimate = estimate_of(machine, request, design)  # builds the scenes that are reached
+            trials = estimate.rows
         execution = execute(
             job_of(path, machine, request, design, trials), blocks, workers=workers,
             cluster=cluster, progress=progress, title=f"sweep of {machine.mechanism.title}",
         )  # fmt: skip
+    if estimate is not None:  # the members that were run beforehand are runs of the sweep
+        execution = execution._replace(
+            seconds=time.perf_counter() - began,
+            simulation=execution.simulation + estimate.simulation,
+            overhead=execution.overhead + estimate.overhead,
+        )
     return Study(path, machine, request, execution)
 
 

@@ -73,8 +73,9 @@ def sentences_of(study: "Study", execution: "Execution | None") -> Iterator[str]
 
 
 def _time(execution: "Execution") -> str:
-    whole = execution.simulation + execution.overhead
-    share = f"{execution.simulation / whole:.1%} of the workers' processor time is simulation"
     lost = f"; {counted(execution.replaced, 'lost worker')} replaced" if execution.replaced else ""
     made = f"{counted(execution.runs, 'run')} in {execution.seconds:.1f} s"
-    return f"{made}; {share}{lost}" if execution.simulation else f"{made}{lost}"
+    if not execution.simulation:  # of blocks whose runs were all made before
+        return f"{made}{lost}"
+    share = execution.simulation / (execution.simulation + execution.overhead)
+    return f"{made}; {share:.1%} of the processor time is simulation{lost}"

@@ -1,10 +1,9 @@
 """The Zarr store of a sweep: its blocks, and what is done.
 
 A block of runs is one chunk of each array, so that no two tasks write one file; Zarr replaces each
-file whole. A block's mark is written last: a hash of its rows, by which rows that a crash of the
-machine has damaged are found as well. Each row has an outcome, which is empty until its run is
-made: a block of slow runs is written several times, and goes on where it was. Nothing depends on
-when, where or how often a block is made.
+file whole. A block is written once all its runs are made, its mark last: a hash of its rows, by
+which rows that a crash of the machine has damaged are found as well. Nothing of a block counts
+without its mark. Nothing depends on when, where or how often a block is made.
 A store has an identity, by which a task that is late finds that another one lies at its path.
 """
 
@@ -49,9 +48,9 @@ def require_zarr() -> Any:
 def write_block(
     path: Path, identity: str, request: Request, runs: range, rows: Sequence[Row]
 ) -> int:
-    """Write the rows of a block, those of runs not yet made among them, and then its mark.
+    """Write the rows of a block, its outcomes behind all others, and then its mark.
 
-    What an earlier process has left of the block is removed first, the mark before the rows.
+    What an earlier process has left of the block is removed first, in the opposite order.
 
     Raises
     ------
@@ -61,13 +60,19 @@ def write_block(
     group = reopen(path, identity)
     region, about = slice(runs.start, runs.stop), about_of(group)
     block, arrays = runs.start // about["block"], arrays_of(request, rows)
-    for name in (DONE, *arrays):
-        _remove_chunk(path / stored_name(name) / "c" / str(block))
+    for place in chunks_of(path, request, block):
+        _remove_chunk(place)
     for name, values in arrays.items():
         group[stored_name(name)][region] = values
-    mark = mark_of(arrays, _seal(about))
+    mark = mark_of(arrays, seal_of(about))
     group[DONE][block] = mark
     return mark
+
+
+def chunks_of(path: Path, request: Request, block: int) -> list[Path]:
+    """Where the chunks of a block lie, in the order in which they are removed."""
+    names = (DONE, *reversed(arrays_of(request, ())))
+    return [path / stored_name(name) / "c" / str(block) for name in names]
 
 
 def _remove_chunk(place: Path) -> None:
@@ -79,17 +84,17 @@ def _remove_chunk(place: Path) -> None:
 
 
 def arrays_of(request: Request, rows: Sequence[Row]) -> dict[str, npt.NDArray[Any]]:
-    """The arrays of a block, by name."""
-    quantities = np.array([row.quantities for row in rows]).reshape(len(rows), -1)
+    """The arrays of a block, by name, in the order in which they are written: outcomes last."""
     text = np.dtypes.StringDType()
     arrays: dict[str, npt.NDArray[Any]] = {
-        name: quantities[:, k] for k, (name, _) in enumerate(request.quantities)
+        name: np.array([row.quantities[k] for row in rows], dtype=float)
+        for k, (name, _) in enumerate(request.quantities)
     }
-    arrays[OUTCOME] = np.array([row.outcome for row in rows], dtype=text)
-    arrays[MESSAGE] = np.array([row.message for row in rows], dtype=text)
-    arrays[LAST] = np.array([row.t_last for row in rows])
     for k, name in enumerate(request.keep):
         arrays[name] = np.array([row.series[k] for row in rows])
+    arrays[LAST] = np.array([row.t_last for row in rows])
+    arrays[MESSAGE] = np.array([row.message for row in rows], dtype=text)
+    arrays[OUTCOME] = np.array([row.outcome for row in rows], dtype=text)
     return arrays
 
 
@@ -106,7 +111,7 @@ def mark_of(arrays: Mapping[str, npt.NDArray[Any]], seal: str) -> int:
     return int.from_bytes(found.digest(), "little") or 1
 
 
-def _seal(about: Mapping[str, Any]) -> str:
+def seal_of(about: Mapping[str, Any]) -> str:
     """What tells the blocks of this store from those of all others."""
     return f"{about['identity']} {about['digest']}"
 
@@ -193,32 +198,45 @@ def unfinished(
 ) -> list[int]:
     """Those of the blocks whose mark is missing, cannot be read, or is not that of their rows.
 
-    A block of which a run is not made, or has one of the outcomes `repeated`, is one of them.
+    A block of which a run has one of the outcomes `repeated` is one of them.
     """
-    about, layout, without = about_of(group), layout_of(group), {"", *repeated}
+    about, layout, again = about_of(group), layout_of(group), {*repeated}
     found = range(layout.blocks) if blocks is None else blocks
     arrays = ((block, _arrays(group, about, layout.runs_of(block))) for block in found)
     return [
         block for block, there in arrays
-        if there is None or not without.isdisjoint(map(str, there[OUTCOME].tolist()))
+        if there is None or not again.isdisjoint(map(str, there[OUTCOME].tolist()))
     ]  # fmt: skip
 
 
 def rows_made(group: Group, request: Request, runs: range) -> dict[int, Row]:
-    """Run → row of those runs of a block that an earlier task has made."""
+    """Run → row of a block that is written; nothing of one that is not."""
     arrays = _arrays(group, about_of(group), runs)
-    if arrays is None:
-        return {}
+    return {} if arrays is None else rows_of(arrays, request, runs)
+
+
+def rows_of(
+    arrays: Mapping[str, npt.NDArray[Any]], request: Request, runs: Sequence[int]
+) -> dict[int, Row]:
+    """Run → row of arrays that have a row for each of these runs."""
     found, names = dict[int, Row](), [name for name, _ in request.quantities]
     for k, run in enumerate(runs):
         texts = (str(arrays[OUTCOME][k]), str(arrays[MESSAGE][k]))
         quantities = np.array([arrays[name][k] for name in names])
         series = np.array([arrays[name][k] for name in request.keep])
-        if texts[0]:
-            found[run] = Row(
-                quantities, *texts, float(arrays[LAST][k]), series.reshape(-1, request.points)
-            )
+        last = float(arrays[LAST][k])
+        found[run] = Row(quantities, *texts, last, series.reshape(-1, request.points))
     return found
+
+
+def runs_written(group: Group) -> npt.NDArray[np.bool_]:
+    """Whether the block of each run is written, (runs,)."""
+    layout = layout_of(group)
+    try:
+        marks = np.asarray(group[DONE][:])
+    except (OSError, ValueError, RuntimeError, TypeError):
+        marks = np.array([mark_there(group, block) for block in range(layout.blocks)])
+    return np.repeat(marks != 0, layout.block)[: layout.runs]
 
 
 def mark_there(group: Group, block: int) -> int:
@@ -242,4 +260,4 @@ def _arrays(
         arrays = {name: group[stored_name(name)][region] for name in names}
     except (OSError, ValueError, RuntimeError, TypeError):
         return None
-    return arrays if mark == mark_of(arrays, _seal(about)) else None
+    return arrays if mark == mark_of(arrays, seal_of(about)) else None

@@ -51,7 +51,7 @@ class Study:
     ) -> None:  # fmt: skip
         self.path, self._machine, self._request = path, machine, request
         self._execution = execution
-        group = store.open_group(path)
+        self._group = group = store.open_group(path)
         self._about = store.about_of(group)
         self.factors: tuple[str, ...] = tuple(self._about["design"]["names"])
         self.quantities: tuple[str, ...] = tuple(self._about["quantities"])
@@ -69,8 +69,14 @@ class Study:
             {columns.stored_name(name): name for name in (*self.quantities, *self.series)}
         )
         whole = [str(name) for name in found.data_vars if name not in self.series]
+        written = store.runs_written(self._group)  # rows without a mark may be halves
+        nothing = {columns.OUTCOME: "", columns.MESSAGE: ""}
         try:
-            found = found.assign({name: found[name].load() for name in whole})
+            for name in whole:
+                column = found[name].load()
+                if name not in self.factors:
+                    column.values[~written] = nothing.get(name, np.nan)
+                found = found.assign({name: column})
         except (OSError, ValueError, RuntimeError) as error:  # a file that is cut short
             raise InputError(
                 f"{self.path} has rows that cannot be read ({type(error).__name__}: {error}). "

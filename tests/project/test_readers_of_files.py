@@ -19,6 +19,7 @@ PERMITTED = {
     "codegen/numba_cache.py": {"pickle.loads"},  # of the user's own cache folder
     "codegen/reference/examples.py": {"exec"},  # the examples of elements, from their classes
     "runtime/results/packed_values.py": {"np.load"},  # with allow_pickle=False
+    "runtime/sweeps/block_parts.py": {"np.load"},  # with allow_pickle=False
     "runtime/sweeps/dask_cluster.py": {"pickle.loads"},  # of the scheduler, which sends programs
     "runtime/sweeps/local_workers.py": {"pickle.load"},  # of processes that the sweep has started
     "runtime/sweeps/worker_process.py": {"pickle.load"},  # of the sweep that has started it

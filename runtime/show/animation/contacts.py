@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.drawing.contact_points import SLOPES, Touch, sides_of, touch
-from codegen.drawing.contact_surfaces import Surface, surface_lines, surface_now
+from codegen.drawing.contact_surfaces import Surface, surface_lines, surface_of_side
 from codegen.drawing.shapes import ContactSide
 from codegen.drawing.strokes import Stroke
 from runtime.show.pictures import Pictures
@@ -34,11 +34,17 @@ def moving_surfaces(pictures: Pictures) -> list[MovingSurface]:
     for number, symbol, side in sides_of(picture):
         if not side.is_grounded or side.is_fixed:
             continue
-        one = surface_now(picture, symbol.element, side, pictures.poses)
+        slopes, met = _touch(pictures, number, side)
+        known = np.flatnonzero(np.isfinite(met.surface).all(axis=1))
+        if not len(known):
+            continue
+        near = pictures.at(int(known[np.argmin(np.abs(slopes[known, 0]))]))
+        nearest = next(other for k, _, other in sides_of(near) if k == number)
+        one = surface_of_side(near, symbol.element, nearest, pictures.poses)
         if one is None:
             continue
-        _, met = _touch(pictures, number, side)
-        angle = np.unwrap(np.arctan2(met.normal[:, 1], met.normal[:, 0])) - np.pi / 2
+        angle = np.arctan2(met.normal[:, 1], met.normal[:, 0]) - np.pi / 2
+        angle[known] = np.unwrap(angle[known])
         middle = met.surface
         if side.is_level and not side.is_stop:
             middle = middle + np.outer((one.middle - middle) @ one.along, one.along)

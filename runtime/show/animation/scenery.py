@@ -36,7 +36,11 @@ def scenery(pictures: Pictures, arrays: Arrays) -> dict[str, Any]:
         if np.isfinite(values).any():
             moving[number].append({"path": path.split("."), "values": arrays.add(values)})
     places = _moving_places(pictures)
-    kept = [number for number, one in enumerate(picture.symbols) if _is_finite(one.shape)]
+    kept = [
+        number
+        for number, one in enumerate(picture.symbols)
+        if (np.isfinite(numbers[number, "x"]).any() if number in sides else _is_finite(one.shape))
+    ]
     return {
         "size": float(picture.size),
         "spring": SPRING,

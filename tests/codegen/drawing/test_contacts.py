@@ -5,12 +5,15 @@ from math import cos, pi, sin
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from sympy import sqrt
 
 from codegen import Model, disc, rectangle, t
 from codegen.declare.body import Body
-from codegen.drawing.contact_points import sides_of, touch_now
+from codegen.drawing.contact_points import sides_of, touch_of_side
 from codegen.drawing.contact_surfaces import surfaces
+from codegen.drawing.force_arrows import loads
 from codegen.drawing.moving_strokes import moving_strokes
+from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture
 from codegen.drawing.rigid_strokes import rigid_strokes
 from codegen.model_file import read_model
@@ -30,7 +33,7 @@ def drawn(model: Model, body: Body, *contacts: str, x: float = 0.0, y: float = 1
 
 def touching(picture: Picture, element: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     (side,) = (side for _, symbol, side in sides_of(picture) if symbol.element == element)
-    found = touch_now(picture, side)
+    found = touch_of_side(picture, side)
     return found.point[0], found.surface[0], found.normal[0]
 
 
@@ -97,6 +100,73 @@ def test_an_eccentric_disc_touches_below_its_own_centre() -> None:
     assert surface[1] == pytest.approx(0.0, abs=1e-3)
 
 
+def two_balls(**law: float | bool) -> Model:
+    model = Model("two_balls")
+    one, two = (model.particle(name, 1.0, draw=disc(0.1)) for name in ("one", "two"))
+    model.contact("hit", one, two, free_length=0.2, **law)
+    model.scene("s", ["hit"])
+    return model
+
+
+def bowl() -> Model:
+    model = Model("bowl")
+    ball = model.particle("ball", 1.0, draw=disc(0.1))
+    model.contact("bowl", gap=2 - sqrt(ball.x**2 + ball.y**2), restitution=0.5)
+    model.scene("s", ["bowl"])
+    return model
+
+
+@pytest.mark.parametrize(
+    "model", [two_balls(restitution=0.5), two_balls(stiffness=1e4, may_pull=False), bowl()]
+)
+def test_a_gap_without_slopes_at_the_start_has_no_place(model: Model) -> None:
+    """A distance has none where it is zero; all else of the picture is drawn."""
+    picture = picture_at_start(model)
+    sides = [side for _, _, side in sides_of(picture)]
+    assert sides
+    assert all(np.isnan(side.gx) for side in sides)
+    assert all(np.isnan(touch_of_side(picture, side).point).all() for side in sides)
+    assert surfaces(picture, fixed=True) == surfaces(picture, fixed=False) == []
+    assert np.isfinite(picture.poses).all()
+    names = {text.get_text() for text in model.draw(forces=True).axes[0].texts}
+    assert {body.name for body in picture.bodies[1:]} <= names
+
+
+def test_a_surface_is_near_where_the_motion_comes_near_it() -> None:
+    model = Model("fall")
+    ball = model.particle("ball", 1.0, draw=disc(0.1))
+    model.contact("plate", gap=ball.y - 0.1, restitution=0.5)
+    for height in (3.0, 1e3):
+        start = {ball.x: 0.0, ball.vx: 0.0, ball.y: height, ball.vy: 0.0}
+        model.scene(f"from_{height:.0f}", ["plate"], start=start)
+    low, far = (picture_at_start(model, scene) for scene in ("from_3", "from_1000"))
+    assert low.size == pytest.approx(3.1, abs=0.1)
+    (plane,) = surfaces(low, fixed=True)
+    assert_allclose(plane.middle, [0.0, 0.0], atol=1e-12)
+    assert surfaces(far, fixed=True) == []
+    assert far.size == pytest.approx(0.2 * 2**0.5, rel=1e-2)
+    motion = np.repeat(far.poses[None], 3, axis=0)
+    motion[:, 1, 1] = [1e3, 0.1, 50.0]
+    seen = complete_picture(far, motion)
+    assert seen.size == pytest.approx(1e3, rel=1e-2)
+    (plane,) = surfaces(far, fixed=True, motion=motion)
+    assert_allclose(plane.middle, [0.0, 0.0], atol=1e-9)
+
+
+@pytest.mark.parametrize(("x", "way"), [(-0.4, 1.0), (0.6, -1.0)])
+def test_the_limit_that_is_hit_exerts_the_force_of_a_rigid_stop(x: float, way: float) -> None:
+    model = Model("slide")
+    block = model.body("block", 1.0, 0.1, draw=rectangle(0.1, 0.1))
+    guide = model.translational("guide", model.ground, block, axis=(1, 0))
+    model.stop("ends", guide, lower=-0.4, upper=0.6, restitution=0.5)
+    model.scene("sliding", ["ends"], start={block.x: x, block.vx: 0.0})
+    picture = picture_at_start(model)
+    assert len(sides_of(picture)) == 2
+    (load,) = loads(picture, {"ends.force": (7.0, 0.0, 0.0)})
+    assert_allclose(load.force, [7.0 * way, 0.0])
+    assert_allclose(load.at, [x - 0.05 * way, 0.0], atol=1e-12)
+
+
 MACHINES = [("models/quarter_car.py", "bump"), ("models/hard/contact_follower.py", "touching"),
             ("models/valve_lifter.py", "free_follower"),
             ("models/hard/bouncing_ball.py", "shaken")]  # fmt: skip
@@ -109,7 +179,7 @@ def test_the_drawn_force_is_the_force_of_the_equations(path: str, scene: str) ->
     found = sides_of(picture)
     assert found
     for _, _, side in found:
-        at = touch_now(picture, side).point[0] - picture.poses[side.body, :2]
+        at = touch_of_side(picture, side).point[0] - picture.poses[side.body, :2]
         assert at[0] * side.gy - at[1] * side.gx == pytest.approx(side.turn, abs=1e-12)
 
 
@@ -156,7 +226,7 @@ def test_contacts_without_a_surface() -> None:
     assert names == [("hit", "one"), ("hit", "two"), ("sky", "one")]
     assert surfaces(picture, fixed=True) == surfaces(picture, fixed=False) == []
     for side, x in zip([side for _, _, side in sides_of(picture)][:2], (1.1, 1.9), strict=True):
-        assert_allclose(touch_now(picture, side).point[0], [x, 0.0], atol=1e-3)
+        assert_allclose(touch_of_side(picture, side).point[0], [x, 0.0], atol=1e-3)
 
 
 def test_a_wall_that_moves_is_no_part_of_the_ground_at_rest() -> None:

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from codegen.drawing.figure import PictureArtist
 from codegen.drawing.motion_figure import MovieFigure, phase_figure, without
 from codegen.errors import InputError
 from runtime import load
 from runtime.results.result import Result
 from runtime.show import movie
 from runtime.show.movie import frames_of, save_movie, usual_speed
-from runtime.show.pictures import pictures
+from runtime.show.pictures import pictures, pictures_at
 
 
 @pytest.fixture(scope="module")
@@ -50,8 +51,9 @@ def test_an_svg_has_several_positions(run: Result, tmp_path: Path) -> None:
 
 
 def test_frames_differ_by_the_poses_alone(run: Result) -> None:
-    frames = frames_of(pictures(run.at([0.0, 0.4])))
-    figure = MovieFigure(frames, 320)
+    shown = pictures_at(run, [0.0, 0.4])
+    frames = frames_of(shown)
+    figure = MovieFigure(frames, 320, shown.motion)
     width, height = figure.size
     assert width == 320
     assert height % 2 == 0
@@ -61,8 +63,35 @@ def test_frames_differ_by_the_poses_alone(run: Result) -> None:
     assert np.array_equal(figure.pixels(frames[0], "").astype(int), first)
 
 
+def test_a_movie_of_a_span_has_the_guides_of_the_whole_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The compressor's slider sees more of its guide in the whole run than in a hundredth of it."""
+    result = load("slider_crank", "compressor").simulate(1.0, 101, progress=False)
+    made: list[MovieFigure] = []
+
+    class Kept(MovieFigure):
+        def __init__(self, *arguments: Any) -> None:
+            super().__init__(*arguments)
+            made.append(self)
+
+    monkeypatch.setattr(movie, "MovieFigure", Kept)
+    save_movie(result, tmp_path / "run.gif", width=320, span=(0.0, 0.01), progress=False)
+    lengths = []
+    (figure,) = made
+    frame = frames_of(pictures_at(result, [0.0]))[0]
+    own = PictureArtist(frame, pictures(result).poses), PictureArtist(frame, frame.poses[None])
+    for artist in (*figure.artists.values(), *own):
+        rails = [stroke.points for stroke in artist.rigid if stroke.style == "rail"]
+        lengths.append(max(float(np.ptp(rail[:, 0])) for rail in rails))
+    in_movie, in_run, at_start = lengths
+    assert in_movie == pytest.approx(in_run)
+    assert in_movie > 1.1 * at_start
+
+
 def test_positions_grow_stronger(run: Result) -> None:
-    figure = phase_figure(frames_of(pictures(run.at([0.0, 0.2, 0.4]))))
+    shown = pictures_at(run, [0.0, 0.2, 0.4])
+    figure = phase_figure(frames_of(shown), shown.motion)
     edges = [c.get_edgecolors() for c in figure.axes[0].collections]
     shades = [float(colors[colors[:, 3] > 0, :3].min()) for colors in edges]
     assert shades == sorted(shades, reverse=True)

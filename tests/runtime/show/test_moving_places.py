@@ -37,8 +37,9 @@ def test_walls_go_with_the_ends_of_springs() -> None:
 
 
 def test_a_movie_has_one_artist_for_all_frames() -> None:
-    frames = frames_of(spring_on_a_shaker(np.linspace(0.0, 3.0, 4)))
-    movie = MovieFigure(frames, 300)
+    shown = spring_on_a_shaker(np.linspace(0.0, 3.0, 4))
+    frames = frames_of(shown)
+    movie = MovieFigure(frames, 300, shown.motion)
     pixels = [movie.pixels(frame, "").astype(int).copy() for frame in frames]
     assert len(movie.artists) == 1
     assert np.count_nonzero(pixels[1] - pixels[0]) > 50

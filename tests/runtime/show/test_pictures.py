@@ -154,6 +154,14 @@ def test_a_body_keeps_its_outline_and_size_when_a_joint_is_released() -> None:
     assert {s.element for s in whole.symbols} - {s.element for s in late.symbols} == {"sling"}
 
 
+def test_a_part_of_a_run_has_the_motion_of_the_whole() -> None:
+    result = load("trebuchet", "throw").simulate(1.0, 51, progress=False)
+    whole, short = pictures(result), pictures_at(result, np.array([0.2, 0.25]))
+    assert short.poses.shape == (2, *whole.poses.shape[1:])
+    assert np.array_equal(short.motion, whole.poses)
+    assert np.array_equal(whole.motion, whole.poses)
+
+
 def test_an_equilibrium_is_one_picture() -> None:
     rest = load("slider_crank", "gravity_equilibrium").equilibrium(progress=False)
     drawn = pictures(rest)

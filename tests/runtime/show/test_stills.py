@@ -155,3 +155,16 @@ def test_a_declaration_that_is_wrong_says_so() -> None:
     model.revolute("A", model.ground.at(0, 0), model.ground.at(1, 1))
     with pytest.raises(ModelError, match="A"):
         model.draw()
+
+
+def test_a_still_evaluates_its_instant_once(result: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[float] = []
+    at = type(result).at
+
+    def counted(self: Any, t: float) -> Any:
+        asked.append(t)
+        return at(self, t)
+
+    monkeypatch.setattr(type(result), "at", counted)
+    result.draw(0.2, forces=True)
+    assert asked == [0.2]

@@ -129,25 +129,6 @@ def test_slow_runs_share_blocks_where_they_are_many() -> None:
     assert block_size(10**6, 60.0, 4, 8) == 10**6 // MOST_BLOCKS
 
 
-def test_a_block_of_which_some_runs_are_made(path: Path) -> None:
-    group, asked, runs = store.open_group(path), request(("J1",)), range(3, 6)
-    part = rows(3)
-    part[1] = part[1]._replace(outcome="")
-    store.write_block(path, identity(path), asked, runs, part)
-    assert store.unfinished(group) == [1]
-    made = store.rows_made(group, asked, runs)
-    assert [*made] == [3, 5]
-    for k in (0, 2):
-        ours, theirs = made[3 + k], part[k]
-        assert ours.outcome == theirs.outcome
-        assert (ours.quantities == theirs.quantities).all()
-        assert (ours.series == theirs.series).all()
-        assert (ours.message, ours.t_last) == (theirs.message, theirs.t_last)
-    assert load_study(path).outcomes == {"OK": 6, "NOT RUN": 1}
-    (path / "message" / "c" / "1").unlink()
-    assert store.rows_made(group, asked, runs) == {}
-
-
 @pytest.mark.parametrize(
     ("names", "message"),
     [

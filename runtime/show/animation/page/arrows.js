@@ -85,11 +85,14 @@ function push(symbol, scene) {
   const { shape, element } = symbol;
   const series = scene.byName.get(`${element}.${shape.force}`);
   if (!series) return [];
+  const others = scene.symbols.filter(({ element: name, shape: other }) =>
+    name === element && other !== shape && other.kind === shape.kind && other.body === shape.body && other.force === shape.force);
   return [{
     kind: "reaction",
     unit: "N",
     now: () => {
-      const force = mixed(series.values, scene.at);
+      const isNearest = others.every(({ shape: other }) => !(other.gap < shape.gap)); // of a stop with two limits and one force
+      const force = isNearest ? mixed(series.values, scene.at) : 0;
       return { x: shape.x, y: shape.y, fx: force * shape.gx, fy: force * shape.gy };
     },
     label: (now) => `${element} on ${scene.bodies[shape.body].name}: ${withUnit(sizeOf(now), "N")}`,

@@ -27,7 +27,7 @@ def crank_pictures(
     symbols += [Symbol(f"E{k}", "own", "force", shape) for k, shape in enumerate(shapes, 1)]
     bodies = (BodyPicture("ground", True), BodyPicture("crank"))
     picture = complete_picture(Picture("crank", bodies, poses[0], tuple(symbols), 1.0), poses)
-    return Pictures(t, picture, poses, moving or {}, {})
+    return Pictures(t, picture, poses, moving or {}, {}, poses)
 
 
 def page_of(path: Path, *drawn: Pictures, labels: tuple[str, ...] = ("",), **more: Any) -> Path:

@@ -6,13 +6,17 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from sympy import Piecewise, sqrt
 
-from codegen import Model, disc
+from codegen import Model, disc, t
 from codegen.drawing.contact_points import sides_of
+from codegen.drawing.contact_surfaces import surfaces
 from codegen.drawing.force_arrows import loads
 from codegen.drawing.moving_strokes import moving_strokes
 from runtime import load
 from runtime.show.animation.contacts import contact_numbers, moving_surfaces
+from runtime.show.animation.payload import Arrays
+from runtime.show.animation.scenery import scenery
 from runtime.show.movie import frames_of
 from runtime.show.pictures import pictures
 from runtime.show.still import _reactions
@@ -107,8 +111,8 @@ def test_a_page_moves_the_road(show: Open, car: Any, tmp_path: Path) -> None:
     page = show(path)
     rail = ".ground [data-element=tyre]:has(.rail)"
     heights = []
-    for t in (0.0, 2.75 / 12, 0.4):
-        page.evaluate(f"player.clock.seek({t})")
+    for instant in (0.0, 2.75 / 12, 0.4):
+        page.evaluate(f"player.clock.seek({instant})")
         text = page.locator(rail).get_attribute("transform")
         heights.append(float(text[10:].split(")")[0].split()[1]))
     assert heights == pytest.approx([0.0, 0.06, 0.0], abs=1e-3)
@@ -125,8 +129,75 @@ def test_both_limits_of_a_stop_flash_where_they_are_hit(show: Open, tmp_path: Pa
     run.animate(file=tmp_path / "run.html")
     page = show(tmp_path / "run.html")
     places = []
-    for t in (0.6, 1.6):
-        page.evaluate(f"player.clock.seek({t})")
+    for instant in (0.6, 1.6):
+        page.evaluate(f"player.clock.seek({instant})")
         text = page.locator(".flash:not([hidden])").get_attribute("transform")
         places.append(float(text[10:].split()[0]))
     assert places == pytest.approx([0.55, -0.55], abs=0.01)
+
+
+def test_a_rigid_stop_pushes_at_the_limit_that_is_hit_alone(show: Open, tmp_path: Path) -> None:
+    """A force turns the block against one limit, and then against the other."""
+    model = Model("shuttle")
+    block = model.body("block", 1.0, 0.1, draw=disc(0.05))
+    guide = model.translational("guide", model.ground, block, axis=(1, 0))
+    model.stop("ends", guide, lower=-0.5, upper=0.5, restitution=0.0)
+    model.force("push", block, fx=Piecewise((3.0, t < 2.0), (-3.0, True)))
+    model.scene("running", ["ends", "push"], start={block.x: 0.0, block.vx: 0.0})
+    run = load(model, generated=tmp_path).simulate(4.0, 401, progress=False)
+    run.animate(file=tmp_path / "run.html")
+    page = show(tmp_path / "run.html")
+    page.get_by_label("reactions").check()
+    for instant, x, force in ((1.8, 0.55, -3.0), (3.8, -0.55, 3.0)):
+        one = run.at(instant)
+        picture = pictures(one).picture
+        (push,) = (row for row in loads(picture, _reactions(one, picture)) if
+                   row.symbol.element == "ends")  # fmt: skip
+        assert_allclose(push.force, [force, 0.0], rtol=1e-6)
+        assert_allclose(push.at, [x, 0.0], atol=1e-3)
+        page.evaluate(f"player.clock.seek({instant})")
+        texts = page.locator(".arrow-text:visible").all_text_contents()
+        assert [text for text in texts if text.startswith("ends")] == ["ends on block: 3.000 N"]
+
+
+def test_a_ball_that_starts_at_the_centre_of_a_bowl(tmp_path: Path) -> None:
+    """Its gap has no slopes there; later the surface of the bowl is below it, without a turn."""
+    model = Model("bowl", gravity=(0, -9.81))
+    ball = model.particle("ball", 1.0, draw=disc(0.1))
+    model.contact("bowl", gap=2 - sqrt(ball.x**2 + ball.y**2), stiffness=1e4, may_pull=False)
+    start = {ball.x: 0.0, ball.y: 0.0, ball.vx: 0.0, ball.vy: 0.0}
+    model.scene("falling", ["gravity", "bowl"], start=start)
+    shown = pictures(load(model, generated=tmp_path).simulate(0.5, 51, progress=False))
+    ((number, _, side),) = sides_of(shown.picture)
+    assert np.isnan(side.gy)
+    found = contact_numbers(shown, number, side)
+    assert np.isnan(found["gy"][0])
+    assert_allclose(found["gy"][1:], 1.0)
+    (surface,) = moving_surfaces(shown)
+    assert_allclose(surface.poses[1:, :2], [[0.0, -2.0]] * 50, atol=0.11)
+    assert_allclose(surface.poses[1:, 2], 0.0, atol=1e-12)
+    arrays = Arrays()
+    symbols = scenery(shown, arrays)["symbols"]
+    (symbol,) = (one for one in symbols if one["shape"]["kind"] == "contact side")
+    assert {tuple(row["path"]) for row in symbol["moving"]} >= {("x",), ("y",), ("gy",)}
+
+
+@pytest.mark.parametrize("height", [3.0, 30.0])
+def test_a_ball_from_high_above_falls_on_a_plate(tmp_path: Path, height: float) -> None:
+    model = Model("fall", gravity=(0, -9.81))
+    ball = model.particle("ball", 1.0, draw=disc(0.1))
+    model.contact("plate", gap=ball.y - 0.1, restitution=0.5)
+    model.contact("table", gap=ball.y - 0.1 - 0.01 * t, restitution=0.5)
+    start = {ball.x: 0.0, ball.y: height, ball.vx: 0.0, ball.vy: 0.0}
+    for name in ("plate", "table"):
+        model.scene(name, ["gravity", name], start=start)
+    runs = [
+        load(model, name, generated=tmp_path).simulate(0.6 * height**0.5, 101, progress=False)
+        for name in ("plate", "table")
+    ]
+    still, moves = map(pictures, runs)
+    assert still.picture.size == pytest.approx(np.hypot(0.2, height), rel=1e-3)
+    (plate,) = surfaces(still.picture, fixed=True, motion=still.motion)
+    assert_allclose(plate.middle, [0.0, 0.0], atol=1e-9)
+    (table,) = moving_surfaces(moves)
+    assert_allclose(table.poses[:, 1], 0.01 * runs[1].t, atol=1e-9)

@@ -41,7 +41,7 @@ def chain_page() -> str:
     run = {
         "label": "", "title": "chain", "outcome": "OK", "message": "", "failed": False,
         "t": arrays.add_exactly(t), "series": [], "groups": [], "events": [],
-        **scenery(Pictures(t, picture, poses, {}, {}), arrays),
+        **scenery(Pictures(t, picture, poses, {}, {}, poses), arrays),
     }  # fmt: skip
     return page_text("chain", block({"runs": [run]}, arrays))
 
