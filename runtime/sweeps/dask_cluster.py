@@ -25,7 +25,7 @@ def import_programs() -> None:
     """Import in a worker what its first block needs, while the sweep is planned."""
     from importlib import import_module
 
-    for name in ("runtime.sweeps.block", "runtime.dynamics.connected_simulation"):
+    for name in ("runtime.sweeps.block", "runtime.dynamics.connected_simulation", "zarr"):
         import_module(name)
 
 
