@@ -128,7 +128,7 @@ def check_declaration(
         except LinkwrightError as error:
             problems += error.problems
     if any(facts.assembly.problem for facts in scenes):
-        problems += joints_at_one_point(declared)
+        problems = [*joints_at_one_point(declared), *problems]
     complete = scene is None and not problems
     unused = _unused(declared, scenes) if complete else {}
     return DeclarationReport(declared.name, tuple(dict.fromkeys(problems)), tuple(scenes), unused)

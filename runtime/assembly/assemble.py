@@ -141,7 +141,8 @@ def _contradiction(
     return AssemblyError(
         f"{task.equations.description.title}: the fixed start {fault}. Start says "
         f"{', '.join(said)}; with these {misses}. "
-        "Make one of them a guess (guess=), or correct its value."
+        "Make one of them a guess (guess=), or correct its value. Where a point of a joint may be "
+        "wrong, `linkwright check` looks for it, and `linkwright draw` shows the gaps."
     )
 
 

@@ -112,7 +112,7 @@ def test_a_driver_out_of_reach() -> None:
 
 
 def test_a_point_with_a_wrong_sign_is_named() -> None:
-    *open_joints, hint = check_declaration(linkage(rocker_end=-1.25)).problems
+    hint, *open_joints = check_declaration(linkage(rocker_end=-1.25)).problems
     assert all("scene 'free'" in text or "scene 'driven'" in text for text in open_joints)
     assert len(open_joints) == 2
     assert hint.startswith("Joints C and D hold body 'rocker' at one point, (-1.25, 0): ")
