@@ -167,9 +167,9 @@ def test_the_limit_that_is_hit_exerts_the_force_of_a_rigid_stop(x: float, way: f
     assert_allclose(load.at, [x - 0.05 * way, 0.0], atol=1e-12)
 
 
-MACHINES = [("models/quarter_car.py", "bump"), ("models/hard/contact_follower.py", "touching"),
-            ("models/valve_lifter.py", "free_follower"),
-            ("models/hard/bouncing_ball.py", "shaken")]  # fmt: skip
+MACHINES = [("quarter_car", "bump"), ("hard/contact_follower", "touching"),
+            ("valve_lifter", "free_follower"),
+            ("hard/bouncing_ball", "shaken")]  # fmt: skip
 
 
 @pytest.mark.parametrize(("path", "scene"), MACHINES)
@@ -184,7 +184,7 @@ def test_the_drawn_force_is_the_force_of_the_equations(path: str, scene: str) ->
 
 
 def test_the_road_of_a_car_is_at_its_height() -> None:
-    picture = picture_at_start(read_model("models/quarter_car.py").model, "bump")
+    picture = picture_at_start(read_model("quarter_car").model, "bump")
     assert not surfaces(picture, fixed=True)
     (road,) = surfaces(picture, fixed=False)
     assert road.element == "tyre"
