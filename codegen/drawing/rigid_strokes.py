@@ -32,7 +32,7 @@ from codegen.drawing.polygons import (
     rounded_hull,
     unit,
 )  # fmt: skip
-from codegen.drawing.sizes_and_held_places import HATCH, PIN, SAME, SLOT, held_places
+from codegen.drawing.sizes_and_held_places import HATCH, PIN, SAME, SLOT, circles_of, held_places
 from codegen.drawing.strokes import Stroke
 from codegen.drawing.wheel_lines import gear_profile, rack_profile, spoke
 
@@ -150,10 +150,12 @@ def _covers(picture: Picture, place: shapes.Place) -> bool:
     """Whether a support below a pin of a body would be hidden behind it in all its positions."""
     at, needed = np.array(place[1:], dtype=float), 1.2 * SUPPORT * picture.size
     outlines = [np.array(outline) for outline in picture.bodies[place.body].outlines]
-    for symbol in picture.symbols:
-        if isinstance(symbol.shape, shapes.Wheel) and symbol.shape.center.body == place.body:
-            center, radius = np.array(symbol.shape.center[1:]), abs(float(symbol.shape.radius))
-            outlines.append(circle(center, radius))
+    outlines += [
+        circle(np.array(center[1:]), radius)
+        for symbol in picture.symbols
+        for center, radius in circles_of(symbol.shape)
+        if center.body == place.body
+    ]
     return any(
         contains(outline, at) and distance_to_edge(outline, at) > needed
         for outline in outlines
