@@ -27,6 +27,10 @@ from runtime.sweeps.store import layout_of, open_group, unfinished
 
 ROOT = Path(__file__).resolve().parent.parent
 MODES = ("worker", "scheduler", "whole")
+SETTINGS = {  # as docs/how-to/sweeps.md advises: they take 5 % and 3 % of each worker's processor
+    "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False",
+    "DASK_DISTRIBUTED__ADMIN__TICK__INTERVAL": "1s",
+}
 COMPARED = ("outcome", "message", "t_last")
 
 
@@ -83,9 +87,9 @@ def kill(*pids: int) -> int:
 
 
 def _service(command: list[str], log: BinaryIO) -> "subprocess.Popen[bytes]":
-    # As docs/how-to/sweeps.md advises: Dask's sampler takes 5 % of the processor of each worker.
-    environment = {**os.environ, "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False"}
-    return subprocess.Popen(command, cwd=ROOT, stdout=log, stderr=log, env=environment)
+    return subprocess.Popen(
+        command, cwd=ROOT, stdout=log, stderr=log, env={**os.environ, **SETTINGS}
+    )
 
 
 @contextmanager
