@@ -5,6 +5,7 @@ import numpy as np
 from codegen.drawing.polygons import FloatArray, arc, normal, unit
 
 HEAD = 0.36  # layout: half width of an arrow's head over its length
+_ON_LINE = 1e-6  # accuracy: of a stroke's place, in spacings
 
 
 def head(tip: FloatArray, direction: FloatArray, length: float) -> FloatArray:
@@ -37,10 +38,16 @@ def round_arrow(
 
 
 def hatching(start: FloatArray, end: FloatArray, side: float, spacing: float) -> list[FloatArray]:
-    """Strokes (2, 2) of the ground along a line, on its left (`side` 1) or right (-1)."""
+    """Strokes (2, 2) of the ground along a line, on its left (`side` 1) or right (-1).
+
+    They begin at multiples of the spacing from the origin, so that those of lines that lie on one
+    another coincide.
+    """
     along = unit(end - start)
-    reach = float(np.hypot(*(end - start)))
     lean = (side * normal(along) - along) * spacing
-    count = max(1, round(reach / spacing))
-    feet = start + np.outer((np.arange(count) + 1) * reach / count, along)
+    first, last = float(start @ along) / spacing, float(end @ along) / spacing
+    marks = np.arange(np.floor(first + _ON_LINE) + 1, np.floor(last + _ON_LINE) + 1) * spacing
+    if not len(marks):
+        marks = np.array([last * spacing])
+    feet = start + np.outer(marks - float(start @ along), along)
     return [np.array([foot, foot + lean]) for foot in feet]

@@ -120,12 +120,13 @@ def block_half_length(picture: Picture, guide: Guide) -> float:
 def guide_ends(picture: Picture, guide: Guide, motion: FloatArray | None) -> FloatArray:
     """Where a guide begins and ends, in the frame of its body, shape (2, 2), m.
 
-    It covers the travel of its block and the other places of its body that lie on the same line;
-    without a motion it is longer than the block by its own length and more.
+    It covers the travel of its block, which it exceeds so that one sees it, and the other places of
+    its body that lie on the same line; without a motion it is longer than the block by its own
+    length and more.
     """
     size = picture.size
     first, last = guide.travel(picture, motion)
-    room = (BLOCK[0] if motion is not None else 0.22) * size
+    room = (1.6 * BLOCK[0] if motion is not None else 0.22) * size
     first, last = first - room, last + room
     if guide.body:
         held = held_places(picture, guide.body) - guide.origin

@@ -147,8 +147,8 @@ def _pin(picture: Picture, *ends: shapes.Place) -> Iterator[Line]:
 
 
 def _covers(picture: Picture, place: shapes.Place) -> bool:
-    """Whether a support below a pin of a body would be hidden behind it in all its positions."""
-    at, needed = np.array(place[1:], dtype=float), 1.2 * SUPPORT * picture.size
+    """Whether a body hides more than half of a support below its pin in all its positions."""
+    at, needed = np.array(place[1:], dtype=float), 0.6 * SUPPORT * picture.size
     outlines = [np.array(outline) for outline in picture.bodies[place.body].outlines]
     outlines += [
         circle(np.array(center[1:]), radius)

@@ -147,7 +147,7 @@ def test_the_ground_is_hatched_at_a_pin_and_along_a_guide() -> None:
 def test_a_support_stands_before_a_wheel_that_would_hide_it() -> None:
     pin = ("A", "joint", Pin(Place(0, 0.0, 0.0), Place(1, 0.0, 0.0)))
     far = ("far", "force", Force(Place(0, 1.0, 0.0), 0.0, 0.0))
-    for radius, style in ((0.3, "bracket-support"), (0.02, "support")):
+    for radius, style in ((0.3, "bracket-support"), (0.035, "bracket-support"), (0.02, "support")):
         wheel = ("wheel", "joint", Wheel(Place(1, 0.0, 0.0), radius, True))
         strokes = rigid_strokes(complete_picture(picture(["gear"], [(0, 0, 0)], [pin, far, wheel])))
         assert [s.style for s in strokes if s.style.endswith("support")] == [style]
@@ -198,3 +198,15 @@ def test_arrows_end_at_their_tips() -> None:
     assert tip[0] == pytest.approx([0.0, -1.0])
     assert arc[0] == pytest.approx([1.0, 0.0])
     assert len(arrow_lines.hatching(np.zeros(2), np.array([1.0, 0.0]), 1.0, 0.1)) == 10
+
+
+def test_the_hatchings_of_lines_that_lie_on_one_another_coincide() -> None:
+    def feet(first: float, last: float) -> set[float]:
+        line = np.array([[first, 2.0], [last, 2.0]])
+        strokes = arrow_lines.hatching(line[0], line[1], -1.0, 0.1)
+        return {round(float(stroke[0, 0]), 9) for stroke in strokes}
+
+    one, other = feet(-0.234, 0.5), feet(0.03, 1.07)
+    assert {x for x in one if x > 0.03} == {x for x in other if x <= 0.5}
+    assert len(one | other) == 13
+    assert len(feet(0.01, 0.02)) == 1
