@@ -38,6 +38,7 @@ from filelock import FileLock
 from numba.core import dispatcher, event
 from numba.core.bytecode import FunctionIdentity
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
+from numba.core.compiler_lock import global_compiler_lock
 
 from codegen.damaged_byte_code import CacheWarning
 from codegen.numba_operation_types import remembered_operation_types
@@ -53,7 +54,6 @@ _FORMAT = b"sealed machine code, kernels without entries\n"  # every file begins
 _OURS = "lw"  # code: in a file's name, pendulum.masses-12.py311.lw.nbi; the longest has 253 letters
 _SEAL = hashlib.sha256().digest_size
 _WAIT = 0.5  # safety: s, for other writers of a folder, who need some milliseconds each
-_one_at_a_time = threading.RLock()
 _noted: set[str] = set()  # folders with a note
 
 
@@ -75,7 +75,7 @@ def checked_caches() -> Iterator[None]:
     abort the process.
     """
     listening = _events.install_listener("numba:compile", _LISTENER)
-    with _one_at_a_time, listening, remembered_operation_types():
+    with global_compiler_lock, listening, remembered_operation_types():
         usual, _numba.FunctionCache = _numba.FunctionCache, _checked
         try:
             yield

@@ -22,7 +22,7 @@ from pathlib import Path
 from codegen.errors import InputError
 from codegen.library_layout import LIBRARY, methods_folder
 from codegen.termination_signals import take_over
-from runtime.core.jit import ROOMS
+from runtime.core.jit import ROOMS, compile_functions, prepare
 from runtime.integrate.method import GENERATED, METHODS, REGISTER, find_method
 
 _PROCESSES = 4  # safety: each takes half a GB
@@ -114,11 +114,14 @@ def _end_with_parent(parent: int) -> None:
 
 
 def _compile(module: str) -> None:
-    """Import a module; a method is loaded as runs load it."""
+    """Compile the functions of a module; a method is loaded as runs load it."""
     if module in _METHOD_OF:
-        find_method(_METHOD_OF[module])
+        method = find_method(_METHOD_OF[module])
+        for part in vars(method).values():
+            prepare(part)
     else:
         import_module(module)
+    compile_functions(module)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """How the runtime's own loops are compiled: once, for explicit signatures, and kept on disk.
 
-Three things here work round numba as it is.
+Four things here work round numba as it is.
 
 A cached function is taken for fresh as long as its *own* file is unchanged, although it contains
 what it calls. So the cache of every function is stamped with the hash of all files of the runtime
@@ -13,6 +13,10 @@ it is run (`codegen.numba_cache`).
 A function that is handed to compiled code as an argument costs about 0.1 ms a call, in which numba
 looks up its address. So addresses are looked up once and handed over as integers, and `at` turns
 them back into functions inside.
+
+Numba compiles or loads a function with an explicit signature when its module is imported. Here that
+waits until somebody calls the function, asks for its address or compiles what calls it: a run loads
+two thirds of what it imports.
 """
 
 import hashlib
@@ -20,6 +24,7 @@ from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, TypeVar, cast
+from weakref import WeakSet
 
 import numpy as np
 import numpy.typing as npt
@@ -52,12 +57,12 @@ def compiled(signature: Any) -> Callable[[F], F]:
 
     Nothing counts references: arrays belong to the caller, and what makes one does not compile.
     """
-    return _for(signature, _BARE)
+    return lambda function: _lazy(function, signature, _BARE, _Locked)
 
 
 def allocating(signature: Any) -> Callable[[F], F]:
     """As `compiled`, for what makes arrays of its own: no part of the loop over steps."""
-    return _for(signature, _COUNTED)
+    return lambda function: _lazy(function, signature, _COUNTED, _Locked)
 
 
 def addressed(signature: Any) -> Callable[[F], F]:
@@ -65,13 +70,7 @@ def addressed(signature: Any) -> Callable[[F], F]:
 
     Without a way in from Python it compiles in two thirds of the time, and loads in half.
     """
-
-    def decorate(function: F) -> F:
-        dispatcher: Any = _for(signature, {**_BARE, **_INSIDE})(function)
-        dispatcher.__class__ = _Addressed
-        return cast(F, dispatcher)
-
-    return decorate
+    return lambda function: _lazy(function, signature, {**_BARE, **_INSIDE}, _Addressed)
 
 
 class _Locked(_Dispatcher):  # type: ignore[misc]
@@ -103,6 +102,54 @@ class _Addressed(_Locked):
             f"{self.py_func.__module__}.{self.__name__} is called by compiled code alone: "
             "call it from a function of your own that numba compiles."
         )
+
+
+class _Lazy(_Locked):
+    """A function that is compiled, or loaded, when it is first needed.
+
+    Attributes
+    ----------
+    signature
+        The only one that it gets.
+    prepared
+        Its class from then on.
+    """
+
+    signature: Any
+    prepared: type[_Locked]
+
+    def prepare(self) -> None:
+        """Compile or load it, unless another thread has done so."""
+        with checked_caches():
+            if not self.overloads:
+                self.compile(self.signature)
+                self.disable_compile()
+            self.__class__ = self.prepared
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        self.prepare()
+        return self(*arguments, **named)
+
+    def get_call_template(self, arguments: Any, named: Any) -> Any:
+        """The function as what compiled code calls, which is compiled now."""
+        self.prepare()
+        return self.get_call_template(arguments, named)
+
+
+_lazy_functions: "WeakSet[_Lazy]" = WeakSet()
+
+
+def compile_functions(module: str) -> None:
+    """Compile or load the functions of a module that wait to be needed."""
+    for function in [*_lazy_functions]:
+        if function.__module__ == module:
+            prepare(function)
+
+
+def prepare(function: Any) -> None:
+    """Compile or load a function that waits to be needed."""
+    if isinstance(function, _Lazy):
+        function.prepare()
 
 
 def inner(function: F) -> F:
@@ -155,19 +202,17 @@ def at(function_type: types.FunctionType, slot: int) -> Callable[[Any], Any]:
 
 
 def _address(function: Any) -> int:
+    prepare(function)
     (result,) = function.overloads.values()
     return int(result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
 
 
-def _for(signature: Any, options: dict[str, Any]) -> Callable[[F], F]:
-    def decorate(function: F) -> F:
-        dispatcher: Any = _cached(function, **options)
-        with checked_caches():
-            dispatcher.compile(signature)
-        dispatcher.disable_compile()
-        return cast(F, dispatcher)
-
-    return decorate
+def _lazy(function: F, signature: Any, options: dict[str, Any], prepared: type[_Locked]) -> F:
+    dispatcher: Any = _cached(function, **options)
+    dispatcher.signature, dispatcher.prepared = signature, prepared
+    dispatcher.__class__ = _Lazy
+    _lazy_functions.add(dispatcher)
+    return cast(F, dispatcher)
 
 
 def _cached(function: Any, **options: Any) -> Any:

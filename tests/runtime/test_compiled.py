@@ -2,7 +2,7 @@
 
 import re
 from pathlib import Path
-from threading import Thread
+from threading import Barrier, Thread
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,15 @@ from numba import types
 import runtime.core.jit
 from runtime.core import workspace_rows
 from runtime.core.function_table_layout import TableLayout
-from runtime.core.jit import ADDRESSES, addressed, addresses, at, compiled, inner
+from runtime.core.jit import (
+    ADDRESSES,
+    addressed,
+    addresses,
+    at,
+    compile_functions,
+    compiled,
+    inner,
+)
 
 F8 = types.float64
 BINARY = types.FunctionType(F8(F8, F8))
@@ -70,9 +78,62 @@ def test_a_function_waits_for_the_process_that_compiles_it() -> None:
 
 
 def test_a_new_table_compiles_nothing() -> None:
+    both(addresses((times, times)), 1.0, 1.0)
     before = len(both.signatures)
     both(addresses((plus, plus)), 1.0, 1.0)
     assert len(both.signatures) == before == 1
+
+
+def _negative(a: float) -> float:
+    return -a
+
+
+def test_a_function_is_compiled_when_it_is_first_called() -> None:
+    function: Any = compiled(F8(F8))(_negative)
+    assert not function.overloads
+    assert function(3) == -3.0  # a whole number as well
+    assert list(function.overloads) == [(F8,)]
+    with pytest.raises(TypeError, match="No matching definition"):
+        function("three")
+
+
+def test_a_function_is_compiled_when_compiled_code_calls_it_or_needs_its_address() -> None:
+    called, needed = (compiled(F8(F8))(_negative) for _ in range(2))
+
+    def twice(a: float) -> float:
+        return called(called(a)) + 1.0
+
+    assert compiled(F8(F8))(twice)(2.0) == 3.0
+    assert len(called.signatures) == 1  # type: ignore[attr-defined]
+    assert not needed.overloads  # type: ignore[attr-defined]
+    assert addresses([needed])[0] != 0
+    assert len(needed.signatures) == 1  # type: ignore[attr-defined]
+
+
+def test_threads_that_call_a_function_at_once_compile_it_once() -> None:
+    function: Any = compiled(F8(F8))(_negative)
+    answers: list[float] = []
+    start = Barrier(8)
+
+    def call() -> None:
+        start.wait()
+        answers.append(function(1.0))
+
+    threads = [Thread(target=call) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert answers == [-1.0] * 8
+    assert len(function.overloads) == 1
+
+
+def test_the_functions_of_a_module_are_compiled_together() -> None:
+    mine, other = (compiled(F8(F8))(_negative) for _ in range(2))
+    other.__module__ = "elsewhere"
+    compile_functions(__name__)
+    assert mine.overloads  # type: ignore[attr-defined]
+    assert not other.overloads  # type: ignore[attr-defined]
 
 
 def test_every_file_with_compiled_code_counts_in_the_stamp() -> None:
