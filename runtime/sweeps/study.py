@@ -62,17 +62,16 @@ class Study:
         """All runs as a dataset in memory, but for the kept series, which are read when used."""
         import xarray as xr
 
-        found: xr.Dataset = xr.open_zarr(
-            self.path, consolidated=False, chunks=None, zarr_format=3
-        ).drop_vars(columns.DONE)  # fmt: skip
-        found = found.rename(
-            {columns.stored_name(name): name for name in (*self.quantities, *self.series)}
-        )
-        whole = [str(name) for name in found.data_vars if name not in self.series]
         written = store.runs_written(self._group)  # rows without a mark may be halves
         nothing = {columns.OUTCOME: "", columns.MESSAGE: ""}
         try:
-            for name in whole:
+            found: xr.Dataset = xr.open_zarr(
+                self.path, consolidated=False, chunks=None, zarr_format=3
+            ).drop_vars(columns.DONE)  # fmt: skip
+            found = found.rename(
+                {columns.stored_name(name): name for name in (*self.quantities, *self.series)}
+            )
+            for name in [str(name) for name in found.data_vars if name not in self.series]:
                 column = found[name].load()
                 if name not in self.factors:
                     column.values[~written] = nothing.get(name, np.nan)
