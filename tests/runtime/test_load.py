@@ -114,10 +114,11 @@ def test_module_that_does_not_load_says_why(place: Path) -> None:
 
 def test_new_process_takes_kernels_from_the_cache(pendulum: Machine, workshop: Path) -> None:
     script = (
-        "import json, sys; from runtime import load\n"
+        "import json, sys; from runtime import load; from runtime.core.jit import prepare\n"
         f"machine = load('rod_pendulum', folder={str(workshop)!r})\n"
         "kernels = machine.kernels\n"
         "names = ('accelerations', 'correction', 'switching')\n"
+        "for name in names: prepare(getattr(kernels, name))\n"
         "stats = [getattr(kernels, name).stats for name in names]\n"
         "hits = [sum(s.cache_hits.values()) for s in stats]\n"
         "misses = [sum(s.cache_misses.values()) for s in stats]\n"

@@ -163,7 +163,8 @@ def test_t_eval_outside_the_run_is_refused():
 
 def test_a_new_process_loads_from_disk(root):
     code = (
-        "import time, numba; from runtime.integrate import run, loop\n"
+        "from runtime.core.jit import prepare; from runtime.integrate import loop\n"
+        "prepare(loop.advance)\n"
         "assert not sum(loop.advance.stats.cache_misses.values())\n"
         "print(sum(loop.advance.stats.cache_hits.values()))"
     )
