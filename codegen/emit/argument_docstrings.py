@@ -37,6 +37,10 @@ class Arguments:
         units = tuple(dict.fromkeys(unit for *_, unit in description.coordinates))
         return cls(len(description.parameters) + more, sizes, units)
 
+    def slots(self, program: Program) -> dict[int, int]:
+        """Constant → its slot in ``p``."""
+        return {number: self.declared + k for k, number in enumerate(program.constants)}
+
     def lines(self, program: Program, kernel: Kernel) -> Iterator[str]:
         """What a kernel reads, writes and returns; nothing where no sizes are known."""
         if not self.sizes:

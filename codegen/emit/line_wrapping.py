@@ -50,10 +50,10 @@ def wrap_pieces(head: str, pieces: Sequence[str], end: str) -> Iterator[str]:
         yield line
         return
     indent = head[: len(head) - len(head.lstrip())]
-    yield from (head, *_filled(pieces, f"{indent}    "), f"{indent}{end}")
+    yield from (head, *filled(pieces, f"{indent}    "), f"{indent}{end}")
 
 
-def _filled(pieces: Iterable[str], indent: str) -> list[str]:
+def filled(pieces: Iterable[str], indent: str) -> list[str]:
     """Lines of pieces, none of which is broken."""
     lines: list[str] = []
     for piece in pieces:
@@ -78,7 +78,7 @@ def assignment(name: str, value: Any) -> list[str]:
     if len(line) <= PAGE:
         return [line]
     if all(isinstance(item, int) for item in value):
-        rows = _filled((f"{item}," for item in value), "    ")
+        rows = filled((f"{item}," for item in value), "    ")
         return [f"{name} = (", "    # fmt: off", *rows, "    # fmt: on", ")"]
     return [f"{name} = (", *(line for item in value for line in _row(item)), ")"]
 

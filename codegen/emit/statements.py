@@ -1,0 +1,236 @@
+"""The values of a kernel → statements: lines that compute them, in branches where choices are."""
+
+import builtins
+from collections.abc import Iterable, Iterator, Mapping
+
+from codegen.emit.line_wrapping import (
+    PAGE,
+    comments,
+    identifier,
+    literal,
+    prose,
+    wrap_pieces,
+    wrap_statement,
+)
+from codegen.emit.placement import Path, Placement
+from codegen.emit.sincos_function import NAME as SIN_COS
+from codegen.emit.solution_step_order_and_names import BESIDE_ELEMENTS, PREFIXES
+from codegen.lower.graph import SUMS
+from codegen.lower.program import LEAVES, Kernel, Lookup, Op, Program
+
+NOTHING, EITHER, BOTH, NEGATION, SUM, PRODUCT, SIGN = range(7)
+"""How tightly a piece of text holds together; looser pieces inside tighter ones take brackets."""
+
+UNARY = {Op.NOT: ("not ", NEGATION, NEGATION), Op.NEG: ("-", SUM, SIGN)}
+BINARY = {
+    Op.ADD: ("+", SUM, 1),
+    Op.SUB: ("-", SUM, 1),
+    Op.MUL: ("*", PRODUCT, 1),
+    Op.DIV: ("/", PRODUCT, 1),
+    Op.AND: ("and", BOTH, 0),
+    Op.OR: ("or", EITHER, 0),
+    Op.LESS: ("<", NEGATION, 1),
+}
+ARGUMENTS = "t q v p w a g dq dv nu phi lam out rate gamma low high Q modes values"
+WORDS = "math numba and or not if else return in is for def pass del as WEAK_PIVOT OPTIONS"
+RESERVED = {*f"{ARGUMENTS} {WORDS} {SIN_COS}".split(), *dir(builtins)}
+"""Names that no value may take: those of any kernel's arguments, of the language and the module."""
+
+
+class Scope:
+    """The names of a function: each is taken once."""
+
+    def __init__(self, arguments: Iterable[str]) -> None:
+        self._taken = {*RESERVED, *arguments}
+        self.counts: dict[str, int] = {}
+
+    def unused(self, name: str) -> str:
+        """The name, with a mark behind it where it is taken."""
+        while name in self._taken:
+            name += "_"
+        self._taken.add(name)
+        return identifier(name)
+
+    def counted(self, stem: str) -> str:
+        """The stem with the next number that makes it a name of its own."""
+        while True:
+            self.counts[stem] = self.counts.get(stem, 0) + 1
+            if (name := f"{stem}_{self.counts[stem]}") not in self._taken:
+                return self.unused(name)
+
+
+class Statements:
+    """Writes the values of one kernel, `depth` levels inside a function.
+
+    What the kernel reads has its name in `names` before the first line is written.
+    """
+
+    def __init__(
+        self, program: Program, kernel: Kernel, scope: Scope, lookups: Mapping[Lookup, str],
+        depth: int = 1,
+    ) -> None:  # fmt: skip
+        self.program, self.kernel, self.scope, self.depth = program, kernel, scope, depth
+        self.plan, self.values = Placement(program, kernel), program.values
+        self.constants: Mapping[int, int] = {}  # values that are read from `p` → their slots there
+        self.names: dict[int, str] = {}
+        self._lookups = lookups
+        self._step = -1
+
+    def statements(self) -> Iterator[str]:
+        """All lines that compute values."""
+        yield from self._angles()
+        yield from self._block((), self.depth)
+
+    def _angles(self) -> Iterator[str]:
+        """Sines and cosines of what is given: no element's own, they stand above all headings."""
+        for number in self.plan.numbers:
+            value, outside = self.values[number], self.plan.home[number] == ()
+            given = value.op in (Op.SIN, Op.COS) and value.args[0] in self.names
+            if given and outside and self._has_line(number):
+                yield from self._line(number, self.depth)
+
+    def _has_line(self, number: int) -> bool:
+        """Whether a value has a line of its own, and not written yet."""
+        leaf = self.values[number].op in LEAVES or number in self.constants
+        return not (leaf or number in self.plan.inlined or number in self.names)
+
+    def _line(self, number: int, depth: int) -> Iterator[str]:
+        """The line, or the lines, that compute a value."""
+        value, indent = self.values[number], "    " * depth
+        if number in self.plan.pairs:
+            yield from self._pair(number, indent)
+        elif value.op is Op.SELECT:
+            self.names[number] = self._name(number)
+            yield from self._choice(number, self.names[number], depth)
+        else:
+            text = self._expression(number)
+            self.names[number] = self._name(number)
+            yield from wrap_statement(f"{indent}{self.names[number]} = ", text)
+
+    def _block(self, path: Path, depth: int) -> Iterator[str]:
+        serves = None
+        indent = "    " * depth
+        for number in self.plan.numbers:
+            value = self.values[number]
+            if self.plan.home[number] != path or not self._has_line(number):
+                continue
+            if depth == self.depth and number in self.plan.steps:
+                yield from self._titles(self.plan.steps[number])
+                serves = None
+            elif depth == self.depth and value.serves != serves:
+                serves = value.serves
+                yield f"{indent}# {prose(BESIDE_ELEMENTS.get(serves, serves))}"
+            yield from self._line(number, depth)
+
+    def _titles(self, step: int) -> Iterator[str]:
+        """A comment on the steps of the solution up to this one."""
+        busy = set(self.plan.steps.values())
+        titles = enumerate(self.kernel.steps[: step + 1])
+        new = ((k, title) for k, title in titles if k > self._step)
+        always = ("Eliminate", "Solve")
+        yield from comments(
+            [prose(title) for k, title in new if k in busy or title.startswith(always)]
+        )
+        self._step = max(step, self._step)
+
+    def _pair(self, number: int, indent: str) -> Iterator[str]:
+        """The line that takes sine and cosine of an angle."""
+        both = sorted((number, self.plan.pairs[number]), key=lambda k: self.values[k].op is Op.COS)
+        angle = self._text(self.values[number].args[0], NOTHING)
+        for one in both:
+            self.names[one] = self._name(one)
+        sine, cosine = (self.names[one] for one in both)
+        yield from wrap_pieces(f"{indent}{sine}, {cosine} = {SIN_COS}(", [angle], ")")
+
+    def _choice(self, number: int, name: str, depth: int) -> Iterator[str]:
+        """Lines that set `name` to the value of a choice."""
+        condition, first, last = self.values[number].args
+        path, indent = self.plan.home[number], "    " * depth
+        test = self._text(condition, NOTHING)
+        (yes_before, yes), (no_before, no) = (
+            self._side(branch, (*path, (number, side)), name, depth + 1)
+            for side, branch in ((True, first), (False, last))
+        )
+        if not yes_before and not no_before and len(yes) == len(no) == 1:
+            one, other = (line.partition(" = ")[2] for line in (*yes, *no))
+            one = f"({one})" if self._is_nested_choice(first) else one
+            short = f"{indent}{name} = {one} if {test} else {other}"
+            if len(short) <= PAGE:
+                yield short
+                return
+        yield f"{indent}if {test}:"
+        yield from (*yes_before, *yes)
+        if self._is_nested_choice(last) and not no_before and no[0].strip().startswith("if "):
+            yield f"{indent}el{no[0].strip()}"
+            yield from (line.removeprefix("    ") for line in no[1:])
+        else:
+            yield f"{indent}else:"
+            yield from (*no_before, *no)
+
+    def _side(self, number: int, path: Path, name: str, depth: int) -> tuple[list[str], list[str]]:
+        """One side of a choice: the lines that it needs first, and those that set `name`."""
+        before = list(self._block(path, depth))
+        if self._is_nested_choice(number):
+            return before, list(self._choice(number, name, depth))
+        text = self._text(number, NOTHING)
+        return before, list(wrap_statement(f"{'    ' * depth}{name} = ", text))
+
+    def _is_nested_choice(self, number: int) -> bool:
+        """Whether a side of a choice is a further choice, with the same name to set."""
+        return self.values[number].op is Op.SELECT and number in self.plan.inlined
+
+    # -- expressions -------------------------------------------------------------------------
+
+    def _text(self, number: int, outer: int) -> str:
+        if number in self.names:
+            return self.names[number]
+        if number in self.plan.inlined or self.values[number].op is Op.CONST:
+            return self._expression(number, outer)
+        raise KeyError(f"value {number} of kernel {self.kernel.name} is used before it is computed")
+
+    def _expression(self, number: int, outer: int = NOTHING) -> str:
+        value = self.values[number]
+        if value.op is Op.CONST:
+            text = literal(value.literal)
+            level = SUM if text.startswith("-") else SIGN
+        elif value.op is Op.NOT and self._is_inlined_sliding(value.args[0]):
+            mode = self.values[value.args[0]].args[0]
+            text, level = f"{self._text(mode, SIGN)} != 2", NEGATION
+        elif value.op in UNARY:
+            word, level, inner = UNARY[value.op]
+            text = f"{word}{self._text(value.args[0], inner)}"
+        elif value.op is Op.SLIDING:
+            text, level = f"{self._text(value.args[0], SIGN)} == 2", NEGATION
+        elif value.op is Op.FLOOR:  # of the type of its argument, unlike math.floor
+            text, level = f"{self._text(value.args[0], PRODUCT)} // 1.0", PRODUCT
+        elif value.op in BINARY:
+            sign, level, tighter = BINARY[value.op]
+            a, b = value.args
+            if value.op is Op.ADD and self._is_sum(b) and not self._is_sum(a):
+                a, b = b, a  # the same sum without brackets
+            text = f"{self._text(a, level)} {sign} {self._text(b, level + tighter)}"
+        else:
+            arguments = ", ".join(self._text(a, NOTHING) for a in value.args)
+            function = f"math.{value.op.value}"
+            if isinstance(value.literal, Lookup):
+                function = self._lookups[value.literal]
+            text, level = f"{function}({arguments})", SIGN
+        return f"({text})" if level < outer else text
+
+    def _is_inlined_sliding(self, number: int) -> bool:
+        return number not in self.names and self.values[number].op is Op.SLIDING
+
+    def _is_sum(self, number: int) -> bool:
+        return number in self.plan.inlined and self.values[number].op in SUMS
+
+    # -- names -------------------------------------------------------------------------------
+
+    def _name(self, number: int) -> str:
+        value, counts = self.values[number], self.scope.counts
+        if number in self.plan.names:  # with a number behind it: an entry that changes again
+            name = self.plan.names[number]
+            counts[name] = counts.get(name, 0) + 1
+            return self.scope.unused(name if counts[name] == 1 else f"{name}_{counts[name]}")
+        if value.op in (Op.SIN, Op.COS) and value.args[0] in self.names:
+            return self.scope.unused(f"{value.op.value}_{self.names[value.args[0]]}")
+        return self.scope.counted(PREFIXES.get(value.serves, value.serves))

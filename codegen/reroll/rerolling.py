@@ -1,0 +1,352 @@
+"""A kernel's values → parts: repeats become loops, what their turns take becomes operands."""
+
+from collections.abc import Mapping, Sequence as List
+from typing import NamedTuple
+
+import numpy as np
+
+from codegen.lower.program import Input, Kernel, Label, Op, Output, Program, Value
+from codegen.reroll.parts import (
+    Carried,
+    Entries,
+    Numbers,
+    Operand,
+    Part,
+    RolledKernel,
+    Slots,
+    Store,
+    Watch,
+)
+from codegen.reroll.repetition import Stretch, stretches
+from codegen.reroll.sequence import NUMBER, TIME, Sequence
+
+
+class Outside(NamedTuple):
+    """A column of operands that are no values of the same turn: one value a turn."""
+
+    numbers: tuple[int, ...]
+
+
+class FromTurnBefore(NamedTuple):
+    """A column of operands that are the value at `position` of the turn before; `first` before."""
+
+    position: int
+    first: int
+
+
+Column = int | Outside | FromTurnBefore
+"""A column of operands: a position in the body, or what comes from outside."""
+
+
+def reroll(
+    program: Program, kernel: Kernel, constants: Mapping[int, int], base: int
+) -> RolledKernel:
+    """The kernel in parts.
+
+    Parameters
+    ----------
+    program, kernel
+        The kernel, and the program of its values.
+    constants
+        Value → slot in ``p``, of those that the kernel reads there instead of computing them.
+    base
+        The first slot of the workspace in ``p``.
+    """
+    return _Rerolling(program, kernel, constants, base).rolled()
+
+
+class _Rerolling:
+    """The stretches of a kernel, the operands of their bodies, and the workspace."""
+
+    def __init__(
+        self, program: Program, kernel: Kernel, constants: Mapping[int, int], base: int
+    ) -> None:
+        self.kernel, self.values, self.base = kernel, program.values, base
+        self.sequence = seq = Sequence(program, kernel, constants)
+        self.stretches = _merged(stretches(seq.codes, seq.crossings()))
+        while any(crossed := [self._crossed_turns(s) for s in self.stretches]):
+            cut = [_without(s, turns) for s, turns in zip(self.stretches, crossed, strict=True)]
+            self.stretches = _merged([piece for pieces in cut for piece in pieces])
+        self.columns = [self._columns(s) for s in self.stretches]
+        self.needed = np.zeros(len(self.values), dtype=bool)  # values with a slot in the workspace
+        self.slots: dict[int, int] = {}
+        self.labels = {label.value: label for label in kernel.labels}
+
+    # -- columns of operands -----------------------------------------------------------------
+
+    def _turns(self, s: Stretch) -> Slots:
+        """Places of the operations, shape (count, period)."""
+        return np.arange(s.start, s.end).reshape(s.count, s.period)
+
+    def _crossed_turns(self, s: Stretch) -> list[int]:
+        """Turns in which an operand is of the same turn that in others is not.
+
+        What a turn takes is loaded before it computes anything, so that such a turn stands by
+        itself. Columns of truth values and others are no columns either.
+        """
+        if s.count == 1:
+            return []
+        found: set[int] = set()
+        for column in self._operand_columns(s):
+            if not isinstance(self._kind(s, column), Outside):
+                continue
+            places = self.sequence.place[column]
+            begins = s.start + s.period * np.arange(s.count)
+            found |= set(np.flatnonzero(places >= begins).tolist())
+            if len({self._sort(n) for n in column.tolist()}) > 1:
+                found |= set(range(s.count))
+        return sorted(found)
+
+    def _sort(self, number: int) -> str:
+        """What kind of number a value is in the text."""
+        home = self.sequence.home(number)
+        if home == "modes":
+            return home
+        return "logical" if self.sequence.is_logical(number) else "float"
+
+    def _operand_columns(self, s: Stretch) -> List[Slots]:
+        rows = self.sequence.operands[s.start : s.end].reshape(s.count, s.period, -1)
+        return [
+            rows[:, j, k]
+            for j in range(s.period)
+            for k in range(rows.shape[2])
+            if rows[0, j, k] >= 0
+        ]
+
+    def _kind(self, s: Stretch, column: Slots) -> Column:
+        places = self.sequence.place[column]
+        begins = s.start + s.period * np.arange(s.count)
+        position = int(places[0]) - s.start
+        if 0 <= position < s.period and np.array_equal(places, begins + position):
+            return position
+        if s.count > 1 and not self.sequence.is_logical(int(column[0])):
+            position = int(places[1]) - s.start
+            before = begins[:-1] + position
+            if 0 <= position < s.period and np.array_equal(places[1:], before):
+                return FromTurnBefore(position, int(column[0]))
+        return Outside(tuple(column.tolist()))
+
+    def _columns(self, s: Stretch) -> List[List[Column]]:
+        """Of each operation of the body, where its operands come from."""
+        rows = self.sequence.operands[s.start : s.end].reshape(s.count, s.period, -1)
+        return [
+            [self._kind(s, rows[:, j, k]) for k in range(rows.shape[2]) if rows[0, j, k] >= 0]
+            for j in range(s.period)
+        ]
+
+    # -- workspace ---------------------------------------------------------------------------
+
+    def _need(self, *numbers: int) -> None:
+        """Ask for slots of values that are computed."""
+        self.needed[list(numbers)] = True
+
+    def _ask_for_slots(self, outputs: List[Output]) -> None:
+        """Note every value that another part, a check or an output reads."""
+        home = self.sequence.home
+        for columns in self.columns:
+            for column in (c for row in columns for c in row):
+                if isinstance(column, FromTurnBefore):
+                    if home(column.first) == "":
+                        self._need(column.first)
+                elif isinstance(column, Outside):
+                    homes = {home(n) or "p" for n in column.numbers}
+                    if len(homes) > 1:
+                        self._need(*(n for n in column.numbers if home(n) != "p"))
+                    else:
+                        self._need(*(n for n in column.numbers if home(n) == ""))
+        for check in self.kernel.checks:
+            self._need(check.pivot, check.reference)
+        self._need(*(out.value for out in outputs if home(out.value) == ""))
+
+    def _assign_slots(self) -> None:
+        """Slots turn by turn, so that what a turn writes stands together."""
+        numbers, free = self.sequence.numbers, self.base
+        for s in self.stretches:
+            turns = numbers[self._turns(s)]
+            stored = turns[:, self.needed[turns].any(axis=0)]
+            self.slots |= zip(stored.ravel().tolist(), range(free, free + stored.size))
+            free += stored.size
+        leaves = [k for k in np.flatnonzero(self.needed).tolist() if k not in self.slots]
+        self.slots |= {k: free + i for i, k in enumerate(leaves)}
+        self.leaves = leaves
+        self.workspace = free + len(leaves) - self.base
+
+    # -- parts -------------------------------------------------------------------------------
+
+    def rolled(self) -> RolledKernel:
+        """The parts, the checks and what is returned."""
+        written = [out for out in self.kernel.outputs if out.array != "return"]
+        stores, others = self._stores_of_bodies(written)
+        (returned,) = [o for o in self.kernel.outputs if o.array == "return"] or [None]
+        self._ask_for_slots([*others, *([returned] if returned else [])])
+        self._assign_slots()
+        copies = [(k, "p", self.slots[k]) for k in self.leaves]
+        parts = self._copies(copies)
+        for s, columns, own in zip(self.stretches, self.columns, stores, strict=True):
+            parts.append(self._part(s, columns, own))
+        parts += self._copies([(out.value, out.array, out.slot) for out in others])
+        result = None
+        if returned:
+            result = self._first(returned.value)
+        return RolledKernel(tuple(parts), self._watch(), result, self.workspace)
+
+    def _stores_of_bodies(
+        self, outputs: List[Output]
+    ) -> tuple[list[list[Store]], list[Output]]:
+        """Stretch by stretch the outputs that each of its turns has, and the other outputs."""
+        of: dict[int, list[Output]] = {}
+        for out in outputs:
+            of.setdefault(out.value, []).append(out)
+        found = []
+        for s in self.stretches:
+            stores = []
+            turns = self.sequence.numbers[self._turns(s)]
+            for position, column in enumerate(turns.T.tolist()):
+                while all(of.get(k) for k in column):
+                    outs = [of[k][0] for k in column]
+                    if len({out.array for out in outs}) > 1:
+                        break
+                    slots = np.array([of[k].pop(0).slot for k in column])
+                    stores.append(Store(outs[0].array, slots, position))
+            found.append(stores)
+        return found, [out for outs in of.values() for out in outs]
+
+    def _copies(self, copies: List[tuple[int, str, int]]) -> list[Part]:
+        """Parts that copy leaves, or values of the workspace, to (array, slot)."""
+        groups: dict[tuple[str, str], list[tuple[int, int]]] = {}
+        for number, array, slot in copies:
+            from_ = self.sequence.home(number) or "p"
+            groups.setdefault((from_, array), []).append((number, slot))
+        parts = []
+        for (_, array), pairs in groups.items():
+            numbers, slots = zip(*sorted(pairs, key=lambda pair: pair[1]), strict=True)
+            body = (Value(Op.INPUT, literal=Input("", 0, "x")),)
+            store = Store(array, np.array(slots), 0)
+            parts.append(Part(len(slots), body, (self._operand(numbers),), (store,)))
+        return parts
+
+    def _first(self, number: int) -> Entries | float:
+        """Where a value stands, for one that is read once."""
+        (home, *_) = (self.sequence.home(number),)
+        if home == NUMBER:
+            return float(self.values[number].literal)  # type: ignore[arg-type]
+        operand = self._operand((number,))
+        assert isinstance(operand, Entries)
+        return operand
+
+    def _operand(self, numbers: tuple[int, ...]) -> Entries | Numbers:
+        """The operand that is these values, turn after turn."""
+        seq = self.sequence
+        homes = [seq.home(n) or "p" for n in numbers]
+        if len(set(homes)) == 1 and homes[0] == NUMBER:
+            return np.array([self.values[n].literal for n in numbers], dtype=np.float64)
+        if len(set(homes)) == 1:
+            array = homes[0]
+            slots = [self.slots[n] if seq.home(n) == "" else seq.slot(n) for n in numbers]
+        else:
+            array = "p"
+            slots = [seq.slot(n) if seq.home(n) == "p" else self.slots[n] for n in numbers]
+        logical = seq.home(numbers[0]) == "" and seq.is_logical(numbers[0])
+        return Entries(array, np.array(slots), logical)
+
+    def _part(self, s: Stretch, columns: List[List[Column]], stores: List[Store]) -> Part:
+        turns = self.sequence.numbers[self._turns(s)]
+        sample = turns[min(1, s.count - 1)].tolist()  # the turn after which things are called
+        names: dict[Column | int, int] = {}  # column → its place among the leaves
+        leaves: list[Value] = []
+        operands: list[Operand] = []
+
+        def leaf(column: Outside | FromTurnBefore) -> None:
+            if column in names:
+                return
+            names[column] = len(leaves)
+            if isinstance(column, Outside) and len(set(column.numbers)) == 1:
+                value = self.values[column.numbers[0]]
+                if value.op is Op.CONST or self.sequence.home(column.numbers[0]) == TIME:
+                    leaves.append(value)
+                    return
+            inside = column.first if isinstance(column, FromTurnBefore) else None
+            number = inside if inside is not None else column.numbers[min(1, s.count - 1)]  # type: ignore[union-attr]
+            if isinstance(column, FromTurnBefore):
+                number = int(turns[0, column.position])
+            leaves.append(Value(Op.INPUT, literal=Input("", len(operands), self._name(number))))
+            if isinstance(column, FromTurnBefore):
+                operands.append(Carried(column.position, self._first(column.first)))
+            else:
+                operands.append(self._operand(column.numbers))
+
+        for row in columns:
+            for column in row:
+                if not isinstance(column, int):
+                    leaf(column)
+        shift = len(leaves)
+        body = list(leaves)
+        for number, row in zip(sample, columns, strict=True):
+            args = tuple(c + shift if isinstance(c, int) else names[c] for c in row)
+            value = self.values[number]
+            body.append(Value(value.op, args, value.literal, value.serves))
+        moved = (
+            Carried(o.value + shift, o.first) if isinstance(o, Carried) else o for o in operands
+        )
+        kept = [Store(st.array, st.slots, st.value + shift) for st in stores]
+        for position, column in enumerate(turns.T):
+            if int(column[0]) in self.slots:
+                slots = np.array([self.slots[k] for k in column.tolist()])
+                kept.append(Store("p", slots, position + shift))
+        labels = tuple(
+            Label(position + shift, self.labels[number].name)
+            for position, number in enumerate(sample)
+            if number in self.labels
+        )
+        span = tuple(self._served(turn) for turn in (turns[0].tolist(), turns[-1].tolist()))
+        return Part(s.count, tuple(body), tuple(moved), tuple(kept), labels, span)  # type: ignore[arg-type]
+
+    def _served(self, numbers: List[int]) -> str:
+        return next((v.serves for k in numbers if (v := self.values[k]).serves), "")
+
+    def _name(self, number: int) -> str:
+        """What an operand is called: as an input, or as the value of another part."""
+        literal = self.values[number].literal
+        if isinstance(literal, Input):
+            return literal.name
+        if number in self.labels:
+            return self.labels[number].name
+        return ""
+
+    def _watch(self) -> Watch | None:
+        checks = self.kernel.checks
+        if not self.kernel.watched:
+            return None
+        return Watch(
+            np.array([self._slot(check.pivot) for check in checks], dtype=np.int64),
+            np.array([self._slot(check.reference) for check in checks], dtype=np.int64),
+            np.array([check.part for check in checks]),
+            np.array([1 + check.constraint for check in checks], dtype=np.int64),
+        )
+
+    def _slot(self, number: int) -> int:
+        constants = self.sequence.constants
+        return constants[number] if number in constants else self.slots[number]
+
+
+def _merged(found: List[Stretch]) -> list[Stretch]:
+    """Stretches in order, neighbours without repetition made one."""
+    merged: list[Stretch] = []
+    for s in found:
+        if merged and s.count == 1 == merged[-1].count:
+            merged[-1] = Stretch(merged[-1].start, s.end - merged[-1].start, 1)
+        else:
+            merged.append(s)
+    return merged
+
+
+def _without(s: Stretch, turns: List[int]) -> list[Stretch]:
+    """The stretch cut so that these turns stand by themselves."""
+    pieces, begin = [], 0
+    for turn in [*turns, s.count]:
+        if turn > begin:
+            pieces.append(Stretch(s.start + begin * s.period, s.period, turn - begin))
+        if turn < s.count:
+            pieces.append(Stretch(s.start + turn * s.period, s.period, 1))
+        begin = turn + 1
+    return pieces

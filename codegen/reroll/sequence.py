@@ -1,0 +1,102 @@
+"""The values of a kernel as arrays: operations in the order of evaluation, and what they take."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from codegen.lower.program import COMMUTATIVE, LEAVES, LOGICAL, Input, Kernel, Lookup, Op, Program
+from codegen.reroll.parts import Slots
+
+OPERANDS = 3  # layout: of an operation at the most
+_CODES = {op: k for k, op in enumerate(Op)}
+NUMBER, TIME = "number", "t"
+"""Where a leaf stands that is in no array."""
+
+
+class Sequence:
+    """The operations of a kernel, and the leaves of its values.
+
+    Attributes
+    ----------
+    numbers
+        Of the values that are computed, in order, shape (k,).
+    operands
+        Numbers of the values that each takes, shape (k, 3), -1 where there is none. Those of sums
+        and products stand in the order in which they are computed, leaves first.
+    codes
+        Equal for operations of one kind, shape (k,).
+    place
+        Value → its place among the computed, -1 for leaves; shape (all values,).
+    """
+
+    def __init__(self, program: Program, kernel: Kernel, constants: Mapping[int, int]) -> None:
+        """`constants`: value → slot in ``p``, of those that the kernel reads there."""
+        self.program, self.constants = program, constants
+        values = program.values
+        reachable = program.reachable(kernel)
+        computed = [k for k in reachable if values[k].op not in LEAVES and k not in constants]
+        self.numbers = np.array(computed, dtype=np.int64)
+        self.place = np.full(len(values), -1, dtype=np.int64)
+        self.place[self.numbers] = np.arange(len(computed))
+        lookups: dict[Lookup, int] = {}
+        codes = []
+        for k in computed:
+            code, literal = _CODES[values[k].op], values[k].literal
+            if isinstance(literal, Lookup):
+                code = len(_CODES) + lookups.setdefault(literal, len(lookups))
+            codes.append(code)
+        self.codes = np.array(codes, dtype=np.int64)
+        self.operands = np.full((len(computed), OPERANDS), -1, dtype=np.int64)
+        for row, k in zip(self.operands, computed, strict=True):
+            args = values[k].args
+            row[: len(args)] = args
+        self._order_commutative(computed)
+
+    def _order_commutative(self, computed: list[int]) -> None:
+        values, operands = self.program.values, self.operands
+        rows = np.array([values[k].op in COMMUTATIVE for k in computed], dtype=bool)
+        first, second = operands[rows, 0], operands[rows, 1]
+        places = self.place[first], self.place[second]
+        swap = places[0] > places[1]
+        both = (places[0] < 0) & (places[1] < 0)
+        for k in np.flatnonzero(both):
+            one, other = int(first[k]), int(second[k])
+            swap[k] = (self.home(one), one) > (self.home(other), other)
+        operands[rows, 0] = np.where(swap, second, first)
+        operands[rows, 1] = np.where(swap, first, second)
+
+    def home(self, number: int) -> str:
+        """The array in which a leaf stands, or where else; "" for a value that is computed."""
+        if number in self.constants:
+            return "p"
+        value = self.program.values[number]
+        if value.op is Op.CONST:
+            return NUMBER
+        if value.op is Op.MODE:
+            return "modes"
+        return value.literal.array if isinstance(value.literal, Input) else ""
+
+    def slot(self, number: int) -> int:
+        """The slot of a leaf in its array."""
+        if number in self.constants:
+            return self.constants[number]
+        literal = self.program.values[number].literal
+        return literal.slot if isinstance(literal, Input) else int(literal)  # type: ignore[arg-type]
+
+    def is_logical(self, number: int) -> bool:
+        """Whether a value is true or false."""
+        return self.program.values[number].op in LOGICAL
+
+    def crossings(self) -> Slots:
+        """How many values are alive before each operation, shape (k + 1,)."""
+        count = len(self.numbers)
+        last = np.arange(count)  # place of the last use
+        for column in self.operands.T:
+            users = np.flatnonzero(column >= 0)
+            sources = self.place[column[users]]
+            inner = sources >= 0
+            np.maximum.at(last, sources[inner], users[inner])
+        change = np.zeros(count + 2, dtype=np.int64)
+        change[1 : count + 1] += 1  # alive from behind its own place
+        np.subtract.at(change, last + 1, 1)
+        return np.cumsum(change)[: count + 1]
