@@ -23,6 +23,17 @@ class KernelText(Statements):
         slots = arguments.slots(program)
         self.constants = {n: slots[n] for n in self.plan.numbers if n in self.plan.hoisted}
 
+    workspace = 0  # slots behind the constants in ``p`` that it writes
+
+    @property
+    def has_pairs(self) -> bool:
+        """Whether it takes sine and cosine together."""
+        return bool(self.plan.pairs)
+
+    def table_lines(self) -> list[str]:
+        """The tables that the function reads: none."""
+        return []
+
     def lines(self) -> list[str]:
         """The function, line by line."""
         return [

@@ -5,11 +5,11 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from codegen.emit.argument_docstrings import Arguments
-from codegen.emit.kernel import KernelText
 from codegen.emit.line_wrapping import assignment, checked, literal, prose, quantity
 from codegen.emit.readable_formula import folded_numbers, formula
 from codegen.emit.sincos_function import FUNCTION
 from codegen.emit.table_lookup import lookups, spline_lines
+from codegen.emit.unrolling import Unroll, kernel_text
 from codegen.generated_module_signature_and_import import MARK, UNSIGNED, signed
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Pattern
@@ -31,6 +31,7 @@ class Origin:
     declaration: str  # SHA-256 of the declaration
     command: str  # builds the module again
     engine: str = ""  # name and version of the library that derived the equations
+    unroll: Unroll = "auto"  # whether kernels are written out, or in loops over tables
 
 
 def module_text(lowered: Lowered, origin: Origin) -> str:
@@ -45,6 +46,9 @@ def assemble_module(
     arguments: Arguments,
 ) -> str:  # fmt: skip
     """A module from its parts: provenance, docstring, tables, kernels; signed."""
+    texts = [kernel_text(program, kernel, arguments, origin.unroll) for kernel in program.kernels]
+    tables_of_loops = [line for text in texts for line in text.table_lines()]
+    workspace = max(text.workspace for text in texts) if texts else 0
     weak = [f"WEAK_PIVOT = {literal(program.weak_pivot)}"]
     generator = " with ".join(filter(None, (origin.generator, origin.engine)))
     lines = [
@@ -56,17 +60,18 @@ def assemble_module(
         "import math  # noqa: F401",
         "",
         "import numba",
-        *(["import numpy as np"] if lookups(program) else []),
+        *(["import numpy as np"] if lookups(program) or tables_of_loops else []),
         "",
         *(line for name, value in tables.items() for line in assignment(name, value)),
+        *([f"WORKSPACE = {workspace}"] if workspace else []),
         "",
         *folded_numbers(program),
         *(weak if any(kernel.watched for kernel in program.kernels) else []),
         f"OPTIONS = {OPTIONS}",
     ]
     lines += spline_lines(program)
-    texts = [KernelText(program, kernel, arguments) for kernel in program.kernels]
-    if any(text.plan.pairs for text in texts):
+    lines += ["", *tables_of_loops] if tables_of_loops else []
+    if any(text.has_pairs for text in texts):
         lines += ["", *FUNCTION.rstrip().split("\n")]
     for text in texts:
         lines += ["", "", *text.lines()]

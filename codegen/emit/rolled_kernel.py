@@ -10,8 +10,17 @@ from codegen.emit.line_wrapping import filled, literal, prose, wrap_statement
 from codegen.emit.solution_step_order_and_names import PREFIXES
 from codegen.emit.statements import NOTHING, Scope, Statements
 from codegen.emit.table_lookup import lookups
-from codegen.lower.program import LOGICAL, Input, Kernel, Lookup, Output, Program, Value
-from codegen.reroll.parts import Carried, Entries, Numbers, Part, RolledKernel, Slots, Watch
+from codegen.lower.program import LOGICAL, Input, Kernel, Lookup, Output, Program
+from codegen.reroll.parts import (
+    Carried,
+    Entries,
+    Numbers,
+    Operand,
+    Part,
+    RolledKernel,
+    Slots,
+    Watch,
+)
 
 COUNTER = "k"
 
@@ -54,6 +63,7 @@ class RolledKernelText:
         self.program, self.kernel, self.rolled = program, kernel, rolled
         self.arguments, self._lookups = arguments, lookups(program)
         self.tables: list[Table] = []
+        self.workspace = rolled.workspace  # slots behind the constants in ``p`` that it writes
         self.has_pairs = False  # whether it takes sine and cosine together
         scope = Scope([*kernel.arguments, *self._lookups.values(), COUNTER])
         self._body = [line for part in rolled.parts for line in self._part(part, scope)]
@@ -110,12 +120,13 @@ class PartText(Statements):
         own = Kernel(kernel.name, "", (), outputs, labels=part.labels)
         program = Program(part.body, (own,), (), 0.0)
         super().__init__(program, own, scope, names, 1 if part.count == 1 else 2)
+        self._places: dict[int, int] = {}  # operand → its place in the body
         self._indices = table("uint32")
         self._numbers = table("float64")
 
     def lines(self) -> Iterator[str]:
         """The part, line by line."""
-        before, inside = [], []
+        before, inside = list[tuple[str, Operand]](), list[tuple[str, Operand]]()
         for number, value in enumerate(self.part.body):
             if not isinstance(value.literal, Input):
                 continue
@@ -123,6 +134,7 @@ class PartText(Statements):
                 self.names[number] = "t"
                 continue
             operand = self.part.operands[value.literal.slot]
+            self._places[value.literal.slot] = number
             name = self.names[number] = self._called(number, value.literal.name)
             fixed = isinstance(operand, Carried) or is_fixed(operand)
             (before if fixed else inside).append((name, operand))
@@ -139,13 +151,12 @@ class PartText(Statements):
         yield from (f"{indent}{name} = {text()}" for name, text in heads)
         yield from self.statements()
         for (array, _), slot, store in zip(stores, slots, self.part.stores, strict=True):
-            value = self._text(store.value, NOTHING)
+            text = self._text(store.value, NOTHING)
             if self.values[store.value].op in LOGICAL:
-                value = f"1.0 if {value} else 0.0"
-            yield from wrap_statement(f"{indent}{array}[{slot()}] = ", value)
+                text = f"1.0 if {text} else 0.0"
+            yield from wrap_statement(f"{indent}{array}[{slot()}] = ", text)
         if self._kept:
-            places = {v.literal.slot: k for k, v in enumerate(self.part.body) if is_operand(v)}
-            left = ", ".join(self.names[places[k]] for k, _ in self._kept)
+            left = ", ".join(self.names[self._places[k]] for k, _ in self._kept)
             right = ", ".join(self._text(o.value, NOTHING) for _, o in self._kept)
             yield from wrap_statement(f"{indent}{left} = ", right)
 
@@ -179,11 +190,6 @@ class PartText(Statements):
 
 Text = Callable[[], str]
 """A piece of text that is known once all columns of the tables are."""
-
-
-def is_operand(value: Value) -> bool:
-    """Whether a value of a body is an operand."""
-    return isinstance(value.literal, Input) and value.literal.array == ""
 
 
 def is_fixed(operand: Entries | Numbers) -> bool:

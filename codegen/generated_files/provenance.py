@@ -9,6 +9,7 @@ import sympy
 from codegen.derive.equations import Equations
 from codegen.emit.line_wrapping import literal
 from codegen.emit.module import Origin
+from codegen.emit.unrolling import Unroll
 from codegen.library_layout import LIBRARY, models_folder
 from codegen.model_file import ModelFile
 
@@ -31,7 +32,7 @@ def file_name(stem: str, equations: Equations, settings: Mapping[str, float]) ->
 
 def origin(
     generator: str, file: ModelFile, equations: Equations, path: Path,
-    settings: Mapping[str, float], more: str = "",
+    settings: Mapping[str, float], more: str = "", unroll: Unroll = "auto",
 ) -> Origin:  # fmt: skip
     """Provenance, with paths relative to the folder that holds the folder of generated files.
 
@@ -46,6 +47,7 @@ def origin(
     options = (
         "".join(f" --set {name}={literal(value)}" for name, value in sorted(settings.items()))
         + more
+        + (f" --unroll {unroll}" if unroll != "auto" else "")
     )
     varied = equations.scene.root is not None  # by without() or with_(): not declared in a file
     scene = equations.scene.expression if varied else f"'{equations.scene.name}'"
@@ -53,7 +55,7 @@ def origin(
     if named and not varied:
         command = f"python -m codegen build {named[0][0]} --scene {equations.scene.name}{options}"
     engine = f"SymPy {sympy.__version__}"
-    return Origin(generator, tuple(named), fingerprint(equations), command, engine)
+    return Origin(generator, tuple(named), fingerprint(equations), command, engine, unroll)
 
 
 _SCENE = (

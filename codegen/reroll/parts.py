@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from codegen.lower.program import Check, Label, Output, Value
+from codegen.lower.program import Label, Value
 
 Slots = npt.NDArray[np.int64]
 Numbers = npt.NDArray[np.float64]
@@ -75,7 +75,7 @@ class RolledKernel:
 
     parts: tuple[Part, ...]
     watch: Watch | None
-    result: Entries | None  # what the kernel returns, where it returns a number
+    result: Entries | float | None  # what the kernel returns, where it returns a number
     workspace: int  # slots of ``p`` behind the constants that it writes
 
     @property

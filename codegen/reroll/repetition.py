@@ -18,16 +18,16 @@ LEAST_SAVING = 12  # measured: operations that a loop must save, what it costs i
 
 
 class Stretch(NamedTuple):
-    """`count` times `period` codes from `start` on; straight ones have the count 1."""
+    """`turns` times `period` codes from `start` on; straight ones have one turn."""
 
     start: int
     period: int
-    count: int
+    turns: int
 
     @property
     def end(self) -> int:
         """The first code behind it."""
-        return self.start + self.period * self.count
+        return self.start + self.period * self.turns
 
 
 def stretches(codes: Codes, crossings: Codes) -> tuple[Stretch, ...]:

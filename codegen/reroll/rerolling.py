@@ -1,6 +1,7 @@
 """A kernel's values → parts: repeats become loops, what their turns take becomes operands."""
 
-from collections.abc import Mapping, Sequence as List
+from collections.abc import Mapping
+from collections.abc import Sequence as List
 from typing import NamedTuple
 
 import numpy as np
@@ -75,26 +76,32 @@ class _Rerolling:
     # -- columns of operands -----------------------------------------------------------------
 
     def _turns(self, s: Stretch) -> Slots:
-        """Places of the operations, shape (count, period)."""
-        return np.arange(s.start, s.end).reshape(s.count, s.period)
+        """Places of the operations, shape (turns, period)."""
+        return np.arange(s.start, s.end).reshape(s.turns, s.period)
 
     def _crossed_turns(self, s: Stretch) -> list[int]:
-        """Turns in which an operand is of the same turn that in others is not.
+        """Turns that stand by themselves, for an operand of theirs comes from elsewhere.
 
-        What a turn takes is loaded before it computes anything, so that such a turn stands by
-        itself. Columns of truth values and others are no columns either.
+        What a turn takes is loaded before it computes anything. An operand that some turns compute
+        themselves and others do not is no column: the fewer turns are written out. Neither do truth
+        values and numbers stand in one column.
         """
-        if s.count == 1:
+        if s.turns == 1:
             return []
         found: set[int] = set()
+        begins = s.start + s.period * np.arange(s.turns)
         for column in self._operand_columns(s):
             if not isinstance(self._kind(s, column), Outside):
                 continue
-            places = self.sequence.place[column]
-            begins = s.start + s.period * np.arange(s.count)
-            found |= set(np.flatnonzero(places >= begins).tolist())
+            places = self.sequence.place[column] - begins
+            within = places >= 0
+            if within.any():
+                place = int(np.bincount(places[within]).argmax())
+                same = places == place
+                few = ~same if 2 * np.count_nonzero(same) > s.turns else within
+                found |= set(np.flatnonzero(few).tolist())
             if len({self._sort(n) for n in column.tolist()}) > 1:
-                found |= set(range(s.count))
+                found |= set(range(s.turns))
         return sorted(found)
 
     def _sort(self, number: int) -> str:
@@ -105,7 +112,7 @@ class _Rerolling:
         return "logical" if self.sequence.is_logical(number) else "float"
 
     def _operand_columns(self, s: Stretch) -> List[Slots]:
-        rows = self.sequence.operands[s.start : s.end].reshape(s.count, s.period, -1)
+        rows = self.sequence.operands[s.start : s.end].reshape(s.turns, s.period, -1)
         return [
             rows[:, j, k]
             for j in range(s.period)
@@ -115,11 +122,11 @@ class _Rerolling:
 
     def _kind(self, s: Stretch, column: Slots) -> Column:
         places = self.sequence.place[column]
-        begins = s.start + s.period * np.arange(s.count)
+        begins = s.start + s.period * np.arange(s.turns)
         position = int(places[0]) - s.start
         if 0 <= position < s.period and np.array_equal(places, begins + position):
             return position
-        if s.count > 1 and not self.sequence.is_logical(int(column[0])):
+        if s.turns > 1 and not self.sequence.is_logical(int(column[0])):
             position = int(places[1]) - s.start
             before = begins[:-1] + position
             if 0 <= position < s.period and np.array_equal(places[1:], before):
@@ -128,7 +135,7 @@ class _Rerolling:
 
     def _columns(self, s: Stretch) -> List[List[Column]]:
         """Of each operation of the body, where its operands come from."""
-        rows = self.sequence.operands[s.start : s.end].reshape(s.count, s.period, -1)
+        rows = self.sequence.operands[s.start : s.end].reshape(s.turns, s.period, -1)
         return [
             [self._kind(s, rows[:, j, k]) for k in range(rows.shape[2]) if rows[0, j, k] >= 0]
             for j in range(s.period)
@@ -164,7 +171,7 @@ class _Rerolling:
         for s in self.stretches:
             turns = numbers[self._turns(s)]
             stored = turns[:, self.needed[turns].any(axis=0)]
-            self.slots |= zip(stored.ravel().tolist(), range(free, free + stored.size))
+            self.slots |= zip(stored.ravel().tolist(), range(free, free + stored.size), strict=True)
             free += stored.size
         leaves = [k for k in np.flatnonzero(self.needed).tolist() if k not in self.slots]
         self.slots |= {k: free + i for i, k in enumerate(leaves)}
@@ -177,22 +184,18 @@ class _Rerolling:
         """The parts, the checks and what is returned."""
         written = [out for out in self.kernel.outputs if out.array != "return"]
         stores, others = self._stores_of_bodies(written)
-        (returned,) = [o for o in self.kernel.outputs if o.array == "return"] or [None]
-        self._ask_for_slots([*others, *([returned] if returned else [])])
+        returned = [out for out in self.kernel.outputs if out.array == "return"]
+        self._ask_for_slots([*others, *returned])
         self._assign_slots()
         copies = [(k, "p", self.slots[k]) for k in self.leaves]
         parts = self._copies(copies)
         for s, columns, own in zip(self.stretches, self.columns, stores, strict=True):
             parts.append(self._part(s, columns, own))
         parts += self._copies([(out.value, out.array, out.slot) for out in others])
-        result = None
-        if returned:
-            result = self._first(returned.value)
+        result = self._first(returned[0].value) if returned else None
         return RolledKernel(tuple(parts), self._watch(), result, self.workspace)
 
-    def _stores_of_bodies(
-        self, outputs: List[Output]
-    ) -> tuple[list[list[Store]], list[Output]]:
+    def _stores_of_bodies(self, outputs: List[Output]) -> tuple[list[list[Store]], list[Output]]:
         """Stretch by stretch the outputs that each of its turns has, and the other outputs."""
         of: dict[int, list[Output]] = {}
         for out in outputs:
@@ -227,8 +230,7 @@ class _Rerolling:
 
     def _first(self, number: int) -> Entries | float:
         """Where a value stands, for one that is read once."""
-        (home, *_) = (self.sequence.home(number),)
-        if home == NUMBER:
+        if self.sequence.home(number) == NUMBER:
             return float(self.values[number].literal)  # type: ignore[arg-type]
         operand = self._operand((number,))
         assert isinstance(operand, Entries)
@@ -251,7 +253,7 @@ class _Rerolling:
 
     def _part(self, s: Stretch, columns: List[List[Column]], stores: List[Store]) -> Part:
         turns = self.sequence.numbers[self._turns(s)]
-        sample = turns[min(1, s.count - 1)].tolist()  # the turn after which things are called
+        sample = turns[min(1, s.turns - 1)].tolist()  # the turn after which things are called
         names: dict[Column | int, int] = {}  # column → its place among the leaves
         leaves: list[Value] = []
         operands: list[Operand] = []
@@ -266,7 +268,7 @@ class _Rerolling:
                     leaves.append(value)
                     return
             inside = column.first if isinstance(column, FromTurnBefore) else None
-            number = inside if inside is not None else column.numbers[min(1, s.count - 1)]  # type: ignore[union-attr]
+            number = inside if inside is not None else column.numbers[min(1, s.turns - 1)]  # type: ignore[union-attr]
             if isinstance(column, FromTurnBefore):
                 number = int(turns[0, column.position])
             leaves.append(Value(Op.INPUT, literal=Input("", len(operands), self._name(number))))
@@ -299,7 +301,7 @@ class _Rerolling:
             if number in self.labels
         )
         span = tuple(self._served(turn) for turn in (turns[0].tolist(), turns[-1].tolist()))
-        return Part(s.count, tuple(body), tuple(moved), tuple(kept), labels, span)  # type: ignore[arg-type]
+        return Part(s.turns, tuple(body), tuple(moved), tuple(kept), labels, span)  # type: ignore[arg-type]
 
     def _served(self, numbers: List[int]) -> str:
         return next((v.serves for k in numbers if (v := self.values[k]).serves), "")
@@ -333,7 +335,7 @@ def _merged(found: List[Stretch]) -> list[Stretch]:
     """Stretches in order, neighbours without repetition made one."""
     merged: list[Stretch] = []
     for s in found:
-        if merged and s.count == 1 == merged[-1].count:
+        if merged and s.turns == 1 == merged[-1].turns:
             merged[-1] = Stretch(merged[-1].start, s.end - merged[-1].start, 1)
         else:
             merged.append(s)
@@ -343,10 +345,10 @@ def _merged(found: List[Stretch]) -> list[Stretch]:
 def _without(s: Stretch, turns: List[int]) -> list[Stretch]:
     """The stretch cut so that these turns stand by themselves."""
     pieces, begin = [], 0
-    for turn in [*turns, s.count]:
+    for turn in [*turns, s.turns]:
         if turn > begin:
             pieces.append(Stretch(s.start + begin * s.period, s.period, turn - begin))
-        if turn < s.count:
+        if turn < s.turns:
             pieces.append(Stretch(s.start + turn * s.period, s.period, 1))
         begin = turn + 1
     return pieces

@@ -111,7 +111,7 @@ def _depend_on_multipliers(description: Description, kernels: Kernels) -> bool:
     sources = {row.name for row in description.powers}
     if any(row.element in sources for row in description.constraints):
         return True
-    p = np.zeros(len(table) + len(description.constants))
+    p = np.zeros(description.parameter_slots)
     p[: len(table)] = [row.default for row in table]
     kernels.constants(p)
     q, v = np.full(n, 0.7), np.linspace(1.0, 2.0, n)

@@ -79,11 +79,17 @@ class Description(NamedTuple):
     triggers: tuple[int, ...] = ()  # of each the condition that renews it, -1: a clock
     watched: Table[Watched] = Table()  # conditions that a run watches
     controllers: tuple[str, ...] = ()  # those among them whose samples a run brings
+    workspace: int = 0  # entries of `p` behind the constants that kernels write
 
     @property
     def title(self) -> str:
         """`model/scene`, as messages name it."""
         return f"{self.model}/{self.scene}"
+
+    @property
+    def parameter_slots(self) -> int:
+        """Length of `p`: parameters, the constants behind them, and the workspace of kernels."""
+        return len(self.parameters) + len(self.constants) + self.workspace
 
     def need_masses(self, asked: str, instead: str = "") -> str:
         """Sentences on what needs masses and forces, in a scene without, and how to have it."""

@@ -119,5 +119,6 @@ def gather_reduced(module: ModuleType, description: Description) -> Reduced:
         reduced_mass=module.reduced_mass, kept=kept,
         closures=tuple(module.CLOSURES), angles=angles, branches=tuple(module.BRANCHES),
         jacobian=(rows, columns), mass=(mass_rows, mass_columns),
-        slots=len(description.parameters) + len(module.BRANCHES) + len(module.CONSTANTS),
+        slots=len(description.parameters) + len(module.BRANCHES) + len(module.CONSTANTS)
+        + getattr(module, "WORKSPACE", 0),
     )  # fmt: skip

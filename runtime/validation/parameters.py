@@ -18,7 +18,7 @@ def parameter_values(
     check(mechanism, parameters=overrides)
     description = mechanism.description
     table = description.parameters
-    values = np.zeros(len(table) + len(description.constants))
+    values = np.zeros(description.parameter_slots)
     values[: len(table)] = [row.default for row in table]
     problems = []
     for name, value in (overrides or {}).items():
