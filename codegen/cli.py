@@ -5,6 +5,7 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
+from enum import Enum
 from functools import cache, wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -46,6 +47,14 @@ def escaped(text: str) -> str:
 def option(text: str, *names: str, **more: Any) -> Any:
     """An option of a command, with its help."""
     return typer.Option(*names, help=text, **more)
+
+
+class Unroll(Enum):
+    """Whether kernels are written out."""
+
+    AUTO = "auto"
+    ALWAYS = "always"
+    NEVER = "never"
 
 
 ModelArgument = Annotated[
@@ -136,12 +145,18 @@ def build(
                "files of their own; without this option only existing ones are updated.",
                "--reduced"),
     ] = False,
+    unroll: Annotated[
+        Unroll,
+        option("Write kernels out, operation by operation: always; never, loops over tables "
+               "where something repeats; auto, loops in long kernels."),
+    ] = Unroll.AUTO,
     check: CheckOption = False, as_json: JsonOption = False,
 ) -> None:  # fmt: skip
     """Derive, lower, emit and compile the kernels of the scenes of a model, or of several."""
     from codegen.driver import build as run
 
     options = f"{f' --out {out}' if out else ''}{' --tangents' * tangents}{' --reduced' * reduced}"
+    options += f" --unroll {unroll.value}" if unroll is not Unroll.AUTO else ""
     values = parse_settings(settings or [])
     reports: list[BuildReport] = []
     problems = list[str]()
@@ -150,7 +165,7 @@ def build(
             with progress_shown() as progress:
                 report = run(
                     one, scene, out, settings=values, tangents=tangents, reduced=reduced,
-                    check=check, progress=progress,
+                    check=check, unroll=unroll.value, progress=progress,
                 )  # fmt: skip
         except InputError as error:
             if len(model) > 1:

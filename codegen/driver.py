@@ -16,6 +16,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
+from typing import get_args
 
 import codegen
 from codegen import argument_readers as readers
@@ -26,7 +27,15 @@ from codegen.declare.return_values.calls import memoize_methods
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.emit.module import module_text, operation_table
-from codegen.errors import FAILURES, LinkwrightError, ModelError, ParameterError, SceneError
+from codegen.emit.unrolling import Unroll
+from codegen.errors import (
+    FAILURES,
+    InputError,
+    LinkwrightError,
+    ModelError,
+    ParameterError,
+    SceneError,
+)
 from codegen.generated_files.build_report import BuildReport, report
 from codegen.generated_files.companions import COMPANIONS
 from codegen.generated_files.generated_file import Clock, File, Progress
@@ -45,7 +54,7 @@ GENERATOR = f"linkwright {codegen.__version__}"
 @readers.reads(
     model=readers.model, scene=readers.optional(readers.scenes),
     out=readers.optional(readers.path), settings=readers.optional(readers.values('{"J1": 900.0}')),
-    progress=readers.reporter,
+    progress=readers.reporter, unroll=readers.text("give 'auto', 'always' or 'never'."),
     **dict.fromkeys(("tangents", "reduced", "picture", "check", "compile"), readers.flag),
 )  # fmt: skip
 def build(
@@ -53,6 +62,7 @@ def build(
     out: str | Path | None = None, *, settings: Mapping[str, float] | None = None,
     tangents: bool = False, reduced: bool = False, picture: bool = False, check: bool = False,
     compile: bool = True,  # noqa: A002 (what it does)
+    unroll: Unroll = "auto",
     progress: Progress = lambda message: None,
 ) -> BuildReport:  # fmt: skip
     """Generate and compile the kernels of a model's scenes.
@@ -79,6 +89,9 @@ def build(
         Write nothing; report the files that are missing or out of date.
     compile
         Compile now, so that the first run finds machine code in the cache.
+    unroll
+        Whether kernels are written out, operation by operation: ``"always"``, ``"never"``, where
+        repeats become loops over tables of indices, or ``"auto"``, where long kernels do.
     progress
         Receives a line at the beginning of every stage; what it raises is passed on at the end.
 
@@ -103,15 +116,18 @@ def build(
             check,
             compile,
             announce,
+            unroll,
         )
 
 
 def _build(
     model: str | Path | Model, scene: str | Scene | Sequence[str | Scene] | None,
     out: str | Path | None, settings: Mapping[str, float], requested: Mapping[str, bool],
-    check: bool, compiled: bool, progress: Progress,
+    check: bool, compiled: bool, progress: Progress, unroll: Unroll,
 ) -> BuildReport:  # fmt: skip
     """All stages, from the file that is read to the machine code."""
+    if unroll not in get_args(Unroll):
+        raise InputError(f"unroll is {shown(unroll)}; give 'auto', 'always' or 'never'.")
     progress("reading the model")
     started = perf_counter()
     file = read_model(model)
@@ -127,7 +143,7 @@ def _build(
         if requested[kind.name]:
             kind.refuse(declared.name, [e for e, *_ in prepared], named=scene is not None)
     files = [
-        _emit(file, equations, lowered, clock, folder, settings, requested)
+        _emit(file, equations, lowered, clock, folder, settings, requested, unroll)
         for equations, lowered, _, clock in prepared
     ]
     every = [f for main in files for f in (main, *main.companions.values())]
@@ -146,16 +162,20 @@ def _build(
 
 def _emit(
     file: ModelFile, equations: Equations, lowered: Lowered, clock: Clock, folder: Path,
-    settings: Mapping[str, float], requested: Mapping[str, bool],
+    settings: Mapping[str, float], requested: Mapping[str, bool], unroll: Unroll,
 ) -> File:  # fmt: skip
     """The file of a scene, with those companions that are requested or exist."""
     path = folder / file_name(file.stem, equations, settings)
     with clock("emit"):
-        text = module_text(lowered, origin(GENERATOR, file, equations, path, settings))
+        text = module_text(
+            lowered, origin(GENERATOR, file, equations, path, settings, unroll=unroll)
+        )
     main = File(path, text, clock, dict(operation_table(lowered.program)))
     for kind in COMPANIONS:
         if kind.is_due(equations, path, requested[kind.name]):
-            provenance = origin(GENERATOR, file, equations, path, settings, f" --{kind.name}")
+            provenance = origin(
+                GENERATOR, file, equations, path, settings, f" --{kind.name}", unroll
+            )
             main.companions[kind.name] = kind.file(lowered, provenance, main)
     return main
 

@@ -4,6 +4,7 @@ Each carries the SHA-256 of the text of the scene's own module: with another one
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from codegen.drawing.layout import VERSION
@@ -64,6 +65,8 @@ def picture_text(lowered: Lowered, picture: LoweredPicture, origin: Origin, modu
         "LAYOUT": VERSION, "BODIES": plain(layout.bodies), "SHAPES": plain(layout.shapes),
     }  # fmt: skip
     arguments = Arguments.of(lowered.description)
+    # Behind the parameters stand the scene's constants, which are none of the picture's.
+    origin = replace(origin, unroll="always")
     return _companion_text(lowered, picture.program, origin, module, about, tables, arguments)
 
 

@@ -84,10 +84,11 @@ class CartesianCoordinates(Coordinates):
             self.correction = projection_only(ready.mechanism, begin, method, correction)
         else:
             self.mechanism = suited_to_masses(ready.mechanism, begin.t, begin.q, ready.p)
-        self.system = self.mechanism.system
+        self.system, self.p = self.mechanism.system, ready.p
         self.spreads = np.zeros(len(self.mechanism.description.switches))
         if method in IMPLICIT:
             self.system = replace(self.system, **self.mechanism.tangents._asdict())
+            self.p = self.mechanism.for_tangents(ready.p)
         mass = Equations(ready.mechanism, ready.p).mass(begin.q)
         self.mobility = _compressed(_mobility(mass, ready.sizes), ready.sizes)
 
@@ -99,7 +100,7 @@ class CartesianCoordinates(Coordinates):
             ready.t_end,
             q,
             v,
-            ready.p,
+            self.p,
             self.mobility,
             ready.sizes,
             self.spreads,

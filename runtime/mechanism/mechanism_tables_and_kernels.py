@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import numpy.typing as npt
@@ -86,7 +87,16 @@ class Mechanism:
                 f"{self.title} is kinematic: no masses move in it, so there are no accelerations "
                 "under forces to differentiate. Load a scene with masses."
             )
-        return gather_tangents(load_companion(self.origin, "tangents", self.title, self.path))
+        return gather_tangents(self._tangents_module)
+
+    @cached_property
+    def _tangents_module(self) -> ModuleType:
+        return load_companion(self.origin, "tangents", self.title, self.path)
+
+    def for_tangents(self, p: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """``p`` with the workspace that the derivatives need, which may be larger."""
+        own, needed = self.description.workspace, getattr(self._tangents_module, "WORKSPACE", 0)
+        return np.append(p, np.zeros(needed - own)) if needed > own else p
 
     @cached_property
     def reduced(self) -> Reduced:
