@@ -107,6 +107,9 @@ class Body(Pose):
         """
         block = self.mass_matrix.items()
         entries = {pair: plain_expression(m) for pair, m in block if m is not None}
+        moving = {*self.coordinates, *(q.rate for q in self.coordinates)}
+        if all(isinstance(m, sympy.Expr) and not m.free_symbols & moving for m in entries.values()):
+            return {}
         kinetic = sympy.Add(
             *(m * a.rate * b.rate / (2 if a == b else 1) for (a, b), m in entries.items())
         )

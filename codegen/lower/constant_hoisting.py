@@ -1,7 +1,6 @@
 """Constant hoisting: values of parameters alone move into a kernel that runs once a run."""
 
 from collections import Counter
-from dataclasses import replace
 
 from codegen.lower.graph import Graph
 from codegen.lower.program import Input, Kernel, Op, Output, Program, Value
@@ -60,5 +59,5 @@ def orient_differences(graph: Graph, kernels: tuple[Kernel, ...]) -> tuple[Value
     for number in sorted(reachable):
         value = values[number]
         if value.op is Op.NEG and values[value.args[0]].op is Op.SUB and uses[value.args[0]] == 1:
-            values[number] = replace(value, op=Op.SUB, args=values[value.args[0]].args[::-1])
+            values[number] = value._replace(op=Op.SUB, args=values[value.args[0]].args[::-1])
     return tuple(values)

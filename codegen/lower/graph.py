@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import AbstractContextManager, suppress
+from contextlib import suppress
 from functools import reduce
 
 from codegen.lower.program import Lookup, Op
-from codegen.lower.value_numbering import Numbering
+from codegen.lower.value_numbering import Numbering, Setting
 from codegen.piecewise_cubic import Table
 
 ODD = frozenset({Op.SIN, Op.TAN, Op.ASIN, Op.ATAN, Op.SINH, Op.TANH})
@@ -23,23 +23,22 @@ class Graph(Numbering):
 
     _cancelling = False
 
-    def cancelling(self, on: bool = True) -> AbstractContextManager[None]:
+    def cancelling(self, on: bool = True) -> Setting:
         """Sums that are formed inside leave out a term that they would add and take back.
 
         Where the sum with that term is needed as well this may cost more than it saves.
         """
-        return self._during(_cancelling=on)
+        return Setting(self, "_cancelling", on)
 
     # -- arithmetic --------------------------------------------------------------------------
 
     def neg(self, a: int) -> int:
         """-a."""
+        number = self.floats[a]
+        if number is not None:
+            return self.constant(-number)
         value = self.values[a]
-        if value.op is Op.CONST:
-            return self.constant(-self.number(a))  # type: ignore[operator]
-        if value.op is Op.NEG:
-            return value.args[0]
-        return self._add(Op.NEG, (a,))
+        return value.args[0] if value.op is Op.NEG else self._add(Op.NEG, (a,))
 
     def add(self, a: int, b: int) -> int:
         """a + b."""
@@ -51,7 +50,7 @@ class Graph(Numbering):
 
     def _sum(self, a: int, b: int, sign: int) -> int:
         """a ± b, signs of its terms moved into the operation or outside."""
-        x, y = self.number(a), self.number(b)
+        x, y = self.floats[a], self.floats[b]
         if x is not None and y is not None:
             return self.constant(x + sign * y, "+" if sign > 0 else "-", x, y)
         if y == 0.0:
@@ -60,25 +59,25 @@ class Graph(Numbering):
             return b if sign > 0 else self.neg(b)
         if a == b and sign < 0:
             return self.zero
-        if self._is_negative(b) and not (x or 0.0) < 0.0:
+        first, second = self.values[a].op, self.values[b].op
+        if (second is Op.NEG if y is None else y < 0.0) and not (x is not None and x < 0.0):
             return self._sum(a, self.neg(b), -sign)
-        if self._is_negative(a):
+        if first is Op.NEG if x is None else x < 0.0:
             opposite = self._sum(b, self.neg(a), -sign)
             return opposite if sign > 0 else self.neg(opposite)
-        for shorter in (self._merge_choices(a, b, sign), self._cancelled(a, b, sign)):
-            if shorter is not None:
-                return shorter
+        if first is second is Op.SELECT and (one := self._merge_choices(a, b, sign)) is not None:
+            return one
+        if self._cancelling and (shorter := self._cancelled(a, b, sign)) is not None:
+            return shorter
         if sign > 0:
             return self._add(Op.ADD, (a, b))
-        known = ((Op.SUB, pair, None) in self._numbers for pair in ((a, b), (b, a)))
-        if tuple(known) == (False, True):
+        numbers = self._numbers
+        if (Op.SUB, (b, a), None) in numbers and (Op.SUB, (a, b), None) not in numbers:
             return self.neg(self._add(Op.SUB, (b, a)))
         return self._add(Op.SUB, (a, b))
 
     def _merge_choices(self, a: int, b: int, sign: int) -> int | None:
         """The sum of two choices by one condition that are zero on the same side, as one choice."""
-        if not self.values[a].op is self.values[b].op is Op.SELECT:
-            return None
         (condition, *one), (other, *two) = self.values[a].args, self.values[b].args
         for k in (0, 1):
             if condition == other and one[k] == two[k] == self.zero:
@@ -89,56 +88,72 @@ class Graph(Numbering):
 
     def _cancelled(self, a: int, b: int, sign: int) -> int | None:
         """a ± b without a term that one adds and the other takes back; None where there is none."""
-        opposite = {(term, -sign * s) for term, s in self._terms(b)} if self._cancelling else set()
-        for term, s in self._terms(a) if opposite else ():
+        opposite = {(term, -sign * s) for term, s in self._terms(b)}
+        for term, s in self._terms(a):
             if (term, s) in opposite:
                 rest = self._without(a, term, s), self._without(b, term, -sign * s)
                 return self.add(*rest) if sign > 0 else self.sub(*rest)
         return None
 
-    def _terms(self, a: int, sign: int = 1) -> Iterator[tuple[int, int]]:
-        """The terms of a sum, each with its sign."""
-        value = self.values[a]
-        if value.op not in SUMS:
-            yield a, sign
-            return
-        for argument, outside in zip(value.args, SUMS[value.op], strict=True):
-            yield from self._terms(argument, sign * outside)
+    def _terms(self, a: int) -> Iterator[tuple[int, int]]:
+        """The terms of a sum, each with its sign, from the left."""
+        values, stack = self.values, [(a, 1)]
+        while stack:
+            number, sign = stack.pop()
+            value = values[number]
+            if value.op is Op.ADD:
+                one, other = value.args
+                stack += (other, sign), (one, sign)
+            elif value.op is Op.SUB:
+                one, other = value.args
+                stack += (other, -sign), (one, sign)
+            elif value.op is Op.NEG:
+                stack.append((value.args[0], -sign))
+            else:
+                yield number, sign
 
     def _without(self, a: int, term: int, sign: int) -> int:
         """A sum without one of its terms."""
-        value = self.values[a]
-        if value.op is Op.NEG:
-            return self.neg(self._without(value.args[0], term, -sign))
-        if value.op not in SUMS:
-            return self.zero
-        x, y = value.args
-        combine = self.add if value.op is Op.ADD else self.sub
-        if (term, sign) in self._terms(x):
-            return combine(self._without(x, term, sign), y)
-        return combine(x, self._without(y, term, sign * SUMS[value.op][1]))
+        path: list[tuple[int, bool]] = []  # sums from `a` down to the term, and which side it is on
+        while (value := self.values[a]).op in SUMS:
+            first = value.op is Op.NEG or (term, sign) in self._terms(value.args[0])
+            path.append((a, first))
+            a = value.args[0 if first else 1]
+            sign = sign if value.op is Op.ADD or (first and value.op is Op.SUB) else -sign
+        rest = self.zero
+        for number, first in reversed(path):
+            op, args = self.values[number].op, self.values[number].args
+            if op is Op.NEG:
+                rest = self.neg(rest)
+            else:
+                pair = (rest, args[1]) if first else (args[0], rest)
+                rest = self.add(*pair) if op is Op.ADD else self.sub(*pair)
+        return rest
 
     def mul(self, a: int, b: int) -> int:
         """a b; a structural zero annihilates, a sign moves outside."""
-        x, y = self.number(a), self.number(b)
-        if x is not None and y is not None:
-            return self.constant(x * y, "*", x, y)
+        x, y = self.floats[a], self.floats[b]
         if y is not None:
-            a, b, x = b, a, y
+            if x is not None:
+                return self.constant(x * y, "*", x, y)
+            a, b, x, y = b, a, y, None
         if x == 0.0:
             return self.zero
         if x == 1.0:
             return b
-        for one, other in ((a, b), (b, a)):
-            if self._is_negative(one):
-                return self.neg(self.mul(self.neg(one), other))
-        if x is not None and self.values[b].op is Op.MUL:
+        first, second = self.values[a].op, self.values[b].op
+        if first is Op.NEG if x is None else x < 0.0:
+            return self.neg(self.mul(self.neg(a), b))
+        if second is Op.NEG:
+            return self.neg(self.mul(self.neg(b), a))
+        if x is not None and second is Op.MUL:
             for inner, rest in (pair := self.values[b].args, pair[::-1]):
-                if (z := self.number(inner)) is not None:
+                if (z := self.floats[inner]) is not None:
                     return self.mul(self.constant(x * z, "*", x, z), rest)
-        for one, other in ((a, b), (b, a)):
-            if (inside := self._move_into_choice(one, other)) is not None:
-                return inside
+        if first is Op.SELECT or second is Op.SELECT:
+            for one, other in ((a, b), (b, a)):
+                if (inside := self._move_into_choice(one, other)) is not None:
+                    return inside
         return self._add(Op.MUL, (a, b))
 
     def _move_into_choice(self, choice: int, factor: int) -> int | None:

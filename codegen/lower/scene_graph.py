@@ -59,6 +59,7 @@ class SceneGraph:
         self.columns = {q: k for k, q in enumerate(equations.coordinates)}
         self.w = self._inputs("w", [f"w_{name}" for name in self.names])
         self.q = self._inputs("q", self.names)
+        self._column_of = {q: k for k, q in enumerate(self.q)}
         self.v = self._inputs("v", self.rates)
         self.lam = self._inputs("lam", [f"lambda_{name}" for name in self.rows])
         self.time = graph.input("t", 0, "t")
@@ -146,9 +147,9 @@ class SceneGraph:
         """Add Φ, Φ_q, ν and γ of one constraint."""
         graph, resting = self.graph, self.equations.scene.analysis == "equilibrium"
         slopes = self.slopes.gradient({phi: graph.one})
-        for k, q in enumerate(self.q):
-            if q in slopes:
-                self.jacobian[len(self.phi), k] = slopes[q]
+        for q, slope in slopes.items():
+            if q != self.time:
+                self.jacobian[len(self.phi), self._column_of[q]] = slope
         self.nu.append(graph.neg(slopes.get(self.time, graph.zero)))
         # at rest γ vanishes
         bend = graph.zero if resting else self.motion.jet(phi).second.scaled(-1.0).value()
@@ -245,8 +246,10 @@ class SceneGraph:
     def _gather(self, totals: list[int], weights: dict[int, int]) -> None:
         """Add Σ weight ∂value/∂q to the totals, one a coordinate."""
         slopes = self.slopes.gradient(weights)
-        for k, q in enumerate(self.q):
-            totals[k] = self.graph.add(totals[k], slopes.get(q, self.graph.zero))
+        for q, slope in slopes.items():  # in the order of the coordinates
+            if q != self.time:
+                k = self._column_of[q]
+                totals[k] = self.graph.add(totals[k], slope)
 
     def _friction(self, name: str, terms: FrictionTerms) -> None:
         """Add a friction: its force from the multipliers as inputs, its power, and its equation."""

@@ -5,6 +5,7 @@ positions, velocities), so that as much as possible is known before a run, and p
 s'_x cos φ that occur in Φ, Φ_q and γ come out as one value.
 """
 
+from collections import ChainMap
 from collections.abc import Mapping, Sequence
 from functools import partial, reduce
 from typing import Any
@@ -27,7 +28,7 @@ from codegen.derive.piecewise_conditions import (
 from codegen.derive.switching_functions import Switch, find_switch
 from codegen.errors import FAILURES, LinkwrightError, ModelError
 from codegen.lower.graph import Graph
-from codegen.lower.program import ELEMENTARY, Input, Op
+from codegen.lower.program import ELEMENTARY, Input, Op, dependencies
 from codegen.public_callables import unreadable
 from codegen.real_range import constant_value, powers_with_number_outside
 
@@ -58,18 +59,25 @@ class Translator:
         switches: Sequence[Switch] | None,
         compares: bool = False,
     ) -> None:
-        self.graph, self.environment, self.switches = graph, dict(environment), switches
+        self.graph, self.switches = graph, switches
+        self.environment = ChainMap(dict(environment))
         self._compares = compares  # whether a condition that no switch has is compared
         self._known: dict[sympy.Basic, int] = {}
         self._ranks: dict[int, int] = {}
 
     def scoped(self, bindings: Mapping[sympy.Expr, sympy.Expr | int]) -> "Translator":
         """A translator that knows an element's placeholders in addition to the model's symbols."""
-        inner = Translator(self.graph, self.environment, self.switches, self._compares)
+        inner = Translator(self.graph, {}, self.switches, self._compares)
+        inner.environment = self._own_environment().new_child()
         for place, meaning in bindings.items():
             inner.environment[place] = meaning if isinstance(meaning, int) else self(meaning)
         inner._known = {place: inner.environment[place] for place in bindings}
         return inner
+
+    def _own_environment(self) -> ChainMap[sympy.Expr, int]:
+        """The environment in two dictionaries at the most."""
+        own = self.environment
+        return own if len(own.maps) < 2 else ChainMap(dict(own))
 
     @property
     def comparing(self) -> "Translator":
@@ -129,7 +137,7 @@ class Translator:
         groups: dict[tuple[bool, int], list[int]] = {}
         for number in self._in_order(terms):
             angle = self._angle(number)
-            key = (False, graph.movers[number]) if angle is None else (True, angle)
+            key = (False, graph.movers(number)) if angle is None else (True, angle)
             groups.setdefault(key, []).append(number)
         return graph.total([graph.total(group) for group in groups.values()])
 
@@ -228,13 +236,18 @@ class Translator:
 
     def _in_order(self, numbers: list[int]) -> list[int]:
         """By how often the values change, by what moves them, by number: by the declaration."""
-        return sorted(numbers, key=lambda n: (self._rank(n), self.graph.movers[n], n))
+        return sorted(numbers, key=lambda n: (self._rank(n), self.graph.movers(n), n))
 
     def _rank(self, number: int) -> int:
-        if number not in self._ranks:
-            value = self.graph.values[number]
-            rank = 0 if value.op is Op.CONST else max(map(self._rank, value.args), default=2)
-            if isinstance(value.literal, Input):
-                rank = RANKS[value.literal.array]
-            self._ranks[number] = rank
-        return self._ranks[number]
+        values, ranks = self.graph.values, self._ranks
+        if number not in ranks:
+            for k in sorted(dependencies(values, [number], ranks)):
+                if k in ranks:
+                    continue
+                literal = values[k].literal
+                if isinstance(literal, Input):
+                    ranks[k] = RANKS[literal.array]
+                else:
+                    inner = [ranks[a] for a in values[k].args]
+                    ranks[k] = 0 if values[k].op is Op.CONST else max(inner, default=2)
+        return ranks[number]

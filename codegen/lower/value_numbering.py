@@ -1,14 +1,13 @@
 """Value numbering: leaves and operations, each once, and the inputs that each depends on."""
 
 import math
-from collections.abc import Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Iterable
 from functools import reduce
 from operator import or_
 from typing import Self
 
 from codegen.errors import ModelError
-from codegen.lower.program import COMMUTATIVE, Folded, Input, Literal, Op, Value
+from codegen.lower.program import COMMUTATIVE, Folded, Input, Literal, Op, Value, dependencies
 
 
 class Numbering:
@@ -17,8 +16,11 @@ class Numbering:
     def __init__(self) -> None:
         self.values: list[Value] = []  # in order of their numbers
         self.settled: list[bool] = []  # whether numbers and parameters alone determine a value
-        # for each value, the inputs but parameters that it depends on, as bits of `place_of`
-        self.movers: list[int] = []
+        self.floats: list[float | None] = []  # the number that a value is, None: known in a run
+        # for values that were asked for, the inputs but parameters that each depends on, as bits of
+        # `place_of`; equal sets are one object
+        self._movers: dict[int, int] = {}
+        self._sets: dict[int, int] = {}
         self._places: dict[int, int] = {}
         self._numbers: dict[tuple[Op, tuple[int, ...], object], int] = {}
         self.serves = ""
@@ -31,47 +33,57 @@ class Numbering:
         """A graph that goes on from the values of a program, under the numbers that they have."""
         graph = cls()
         for value in values:
-            with graph.serving(value.serves):
-                graph._add(value.op, value.args, value.literal, value.origin)
+            graph.serves = value.serves
+            graph._add(value.op, value.args, value.literal, value.origin)
+        graph.serves = ""
         return graph
 
-    @contextmanager
-    def _during(self, **settings: object) -> Iterator[None]:
-        """Attributes with other values inside."""
-        before = {name: getattr(self, name) for name in settings}
-        vars(self).update(settings)
-        try:
-            yield
-        finally:
-            vars(self).update(before)
-
-    def serving(self, name: str) -> AbstractContextManager[None]:
+    def serving(self, name: str) -> "Setting":
         """Values first needed inside are credited to `name`."""
-        return self._during(serves=name)
+        return Setting(self, "serves", name)
 
     def _add(
         self, op: Op, args: tuple[int, ...], literal: Literal = None, origin: Folded | None = None
     ) -> int:
-        if op in COMMUTATIVE:
-            args = tuple(sorted(args))
+        if op in COMMUTATIVE and args[0] > args[1]:
+            args = args[::-1]
         key = (op, args, literal)
-        if key not in self._numbers:
-            self._numbers[key] = len(self.values)
-            self.values.append(Value(op, args, literal, self.serves, origin))
-            self.settled.append(
-                literal.array == "p"
-                if isinstance(literal, Input)
-                else op is not Op.MODE and all(self.settled[a] for a in args)
-            )
-            moves = reduce(or_, (self.movers[a] for a in args), 0)
-            if isinstance(literal, Input) and not self.settled[-1]:
-                moves = 1 << self.place_of(self._numbers[key])
-            self.movers.append(moves)
-        return self._numbers[key]
+        known = self._numbers.get(key)
+        if known is not None:
+            return known
+        number = self._numbers[key] = len(self.values)
+        self.values.append(Value(op, args, literal, self.serves, origin))
+        self.floats.append(literal if op is Op.CONST else None)  # type: ignore[arg-type]
+        settled = self.settled
+        if isinstance(literal, Input):
+            settled.append(literal.array == "p")
+            if not settled[number]:
+                self.place_of(number)
+        else:
+            settled.append(op is not Op.MODE and all(settled[a] for a in args))
+        return number
 
     def place_of(self, number: int) -> int:
         """The bit of an input in `movers`."""
         return self._places.setdefault(number, len(self._places))
+
+    def movers(self, number: int) -> int:
+        """The inputs but parameters that a value depends on, as bits of `place_of`."""
+        known = self._movers
+        if number not in known:
+            for k in sorted(dependencies(self.values, [number], known)):
+                if k not in known:
+                    known[k] = self._moved_by(k)
+        return known[number]
+
+    def _moved_by(self, number: int) -> int:
+        """The movers of a value whose arguments' are known."""
+        value, settled = self.values[number], self.settled[number]
+        if isinstance(value.literal, Input):
+            moves = 0 if settled else 1 << self.place_of(number)
+        else:
+            moves = reduce(or_, [self._movers[a] for a in value.args], 0)
+        return self._sets.setdefault(moves, moves)
 
     # -- leaves ------------------------------------------------------------------------------
 
@@ -107,5 +119,20 @@ class Numbering:
 
     def number(self, a: int) -> float | None:
         """The number that `a` is, or None if it is only known at run time."""
-        value = self.values[a]
-        return value.literal if value.op is Op.CONST else None  # type: ignore[return-value]
+        return self.floats[a]
+
+
+class Setting:
+    """An attribute of a graph with another value inside."""
+
+    __slots__ = ("_before", "_graph", "_name", "_value")
+
+    def __init__(self, graph: Numbering, name: str, value: object) -> None:
+        self._graph, self._name, self._value = graph, name, value
+
+    def __enter__(self) -> None:
+        self._before = getattr(self._graph, self._name)
+        setattr(self._graph, self._name, self._value)
+
+    def __exit__(self, *failure: object) -> None:
+        setattr(self._graph, self._name, self._before)

@@ -43,7 +43,9 @@ class Direction:
         """Both derivatives of a value."""
         if number not in self._known:
             values = self.graph.values
-            for k in sorted(dependencies(values, [number], self._known) - self._known.keys()):
+            for k in sorted(dependencies(values, [number], self._known)):
+                if k in self._known:
+                    continue
                 with self.graph.serving(values[k].serves):
                     self._known[k] = self._differentiate(k)
         return self._known[number]

@@ -28,14 +28,14 @@ class Slopes:
     def __init__(self, graph: Graph, inputs: Iterable[int]) -> None:
         self.graph = graph
         self.inputs = frozenset(inputs)
-        self._bits = {1 << graph.place_of(k): k for k in self.inputs}
-        self._all = sum(self._bits)
-        self._alone = {k: Direction(graph, {k: graph.one}, order=1) for k in self.inputs}
+        self._by_place = {graph.place_of(k): k for k in self.inputs}
+        self._all = sum(1 << place for place in self._by_place)
+        self._alone: dict[int, Direction] = {}  # input → the derivatives by it, where one is needed
 
     def gradient(self, weights: Mapping[int, int]) -> dict[int, int]:
         """Input → Σ weight ∂value/∂input, where it is not zero; `weights` maps value → weight."""
         graph = self.graph
-        slopes = dict.fromkeys(sorted(self.inputs), Parts(graph, {}))
+        slopes, nothing = dict[int, Parts](), Parts(graph, {})
         queue: dict[int, Parts] = {}
         for number, weight in weights.items():
             self._accumulate(queue, number, Parts.of(graph, weight))
@@ -47,18 +47,23 @@ class Slopes:
                 if self._has_cheap_slopes(number):
                     for mover in self._movers(number):
                         leaf = self._leaf(share.single(), number, mover)
-                        slopes[mover] = slopes[mover].plus(leaf)
+                        slopes[mover] = slopes.get(mover, nothing).plus(leaf)
                 elif graph.values[number].op is Op.SELECT and self._may_lack_slope(number):
                     for mover, slope in self._choice_slopes(number).items():
-                        slopes[mover] = slopes[mover].plus(share.times(slope))
+                        slopes[mover] = slopes.get(mover, nothing).plus(share.times(slope))
                 else:
                     self._back(queue, number, share.single())
-        totals = {k: parts.value() for k, parts in slopes.items() if parts}
+        totals = {k: slopes[k].value() for k in sorted(slopes) if slopes[k]}
         return {k: total for k, total in totals.items() if total != graph.zero}
 
     def _movers(self, number: int) -> list[int]:
         """The inputs by which a value moves, in their order."""
-        return [k for bit, k in sorted(self._bits.items()) if bit & self.graph.movers[number]]
+        found, left = list[int](), self.graph.movers(number) & self._all
+        while left:
+            place = left.bit_length() - 1
+            found.append(self._by_place[place])
+            left ^= 1 << place
+        return found[::-1]
 
     def _has_cheap_slopes(self, number: int) -> bool:
         """Whether the walk back ends here, for the slopes are there or as cheap.
@@ -67,7 +72,7 @@ class Slopes:
         of theirs and of sines, as the components of a vector that turns twice.
         """
         graph = self.graph
-        movers = graph.movers[number] & self._all
+        movers = graph.movers(number) & self._all
         if movers & (movers - 1) == 0:
             return True
         two = movers.bit_count() == 2 and graph.values[number].op in (Op.ADD, Op.SUB)
@@ -97,7 +102,7 @@ class Slopes:
         }
 
     def _accumulate(self, queue: dict[int, Parts], number: int, share: Parts) -> None:
-        if self.graph.movers[number] & self._all:
+        if self.graph.movers(number) & self._all:
             before = queue.get(number)
             queue[number] = share if before is None else before.plus(share)
 
@@ -106,6 +111,8 @@ class Slopes:
         if number == mover:
             return share
         graph = self.graph
+        if mover not in self._alone:
+            self._alone[mover] = Direction(graph, {mover: graph.one}, order=1)
         slope = self._alone[mover].jet(number).first.plain()
         if not slope:
             return slope
@@ -160,7 +167,7 @@ class Slopes:
                     self._accumulate(queue, side, Parts(graph, chosen))
             case _:
                 for arg, slope in zip(value.args, slopes_of(graph, number), strict=True):
-                    if graph.movers[arg] & self._all:
+                    if graph.movers(arg) & self._all:
                         self._accumulate(queue, arg, share.times(slope))
 
 

@@ -83,11 +83,16 @@ def weak_pivot(spread: float) -> float:
 
 def _inertias(scene: SceneGraph) -> dict[int, float]:
     """Coordinate → its mass or moment of inertia, as declared, neutral pose, where it has one."""
-    coordinates = scene.equations.coordinates
-    declared = {Parameter(p.name, real=True): p.value for p in scene.equations.parameters}
+    equations = scene.equations
+    pose = neutral(equations.coordinates)
+    declared = {Parameter(p.name, real=True): p.value for p in equations.parameters}
     sizes = {}
-    for i, k, mass in scene.equations.mass:
-        size = float(mass.subs(declared).subs(neutral(coordinates))) if i == k else 0.0
+    for i, k, mass in equations.mass:
+        if i != k:
+            continue
+        own = mass.free_symbols  # of these alone: to substitute all takes as long as all masses
+        known = mass.subs({symbol: declared[symbol] for symbol in own if symbol in declared})
+        size = float(known.subs({symbol: pose[symbol] for symbol in own if symbol in pose}))
         if size > 0.0:
             sizes[k] = size
     return sizes

@@ -1,6 +1,6 @@
 """Equations of a scene → the program of all its kernels."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from codegen.derive.equations import Equations
 from codegen.lower.constant_hoisting import with_constants
@@ -94,7 +94,7 @@ def _note_weights(scene: SceneGraph) -> None:
     for k, value in enumerate(scene.graph.values):
         number = value.literal
         if value.origin is None and isinstance(number, float) and abs(number) in origins:
-            scene.graph.values[k] = replace(value, origin=origins[abs(number)])
+            scene.graph.values[k] = value._replace(origin=origins[abs(number)])
 
 
 def _dynamic_kernels(

@@ -15,16 +15,15 @@ constraint's negative, and a pair's determinant at most -b², with b at least a 
 number in its row of Φ_q. The cheapest order may be taken.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Literal
 
 from codegen.lower.graph import Graph
 from codegen.lower.linear.back_substitution import Loop, Pair, Single
 from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.sparse_row_elimination import LEAST_PIVOT
+from codegen.lower.linear.pivot_order import PivotOrder
 from codegen.lower.program import Check
-
-DIVISION = 8  # measured: operations that one division is worth in the choice of an order
 
 Entries = dict[tuple[int, int], int]  # (row, column) → value, structural non-zeros only
 Strategy = Literal["substitute", "mixed", "schur", "square"]
@@ -68,16 +67,18 @@ class Elimination:
         self._stated = dict(self.entries), [list(right) for right in self.right]
         self._pivots: list[Single | Pair] = []
         self._loop: list[Loop] = []  # the loop that closes the system, where one does
-        self._neighbours: dict[int, set[int]] = {i: set() for i in range(len(self.right[0]))}
+        # unknown that is left → those that it is coupled with
+        self.neighbours: dict[int, set[int]] = {i: set() for i in range(len(self.right[0]))}
         for i, j in self.entries:
             if i != j:
-                self._neighbours[i].add(j)
+                self.neighbours[i].add(j)
 
     def solve(self, strategy: Strategy) -> list[list[int]]:
         """Values of the unknowns, one list a right side."""
         known: list[dict[int, int]] = [{} for _ in self.right]
         self._eliminate_located()
-        while self._neighbours and not self._loop:
+        order = PivotOrder(self, strategy)
+        while self.neighbours and not self._loop:
             if last := self._last_loop():
                 self._close_loop(*last)
                 for right, x in zip(self.right, known, strict=True):
@@ -85,10 +86,10 @@ class Elimination:
                 for names, x in zip(self.labels.solution, known, strict=False):
                     for i, value in x.items():
                         self.labels.add(value, names[i])
-            elif len(step := self._cheapest(strategy)) == 2:
-                self._pair(*step)
             else:
-                self._single(*step)
+                step = order.cheapest()
+                changed = self._pair(*step) if len(step) == 2 else self._single(*step)
+                order.renew(step, changed)
         self.labels.step("Substitute back")
         columns = [self._back(right, x) for right, x in zip(self.right, known, strict=True)]
         self.labels.solved(columns)
@@ -119,69 +120,31 @@ class Elimination:
             pivot.back(self.graph, right, x)
         return [x[i] for i in range(len(x))]
 
-    # -- order -------------------------------------------------------------------------------
-
-    def _cheapest(self, strategy: Strategy) -> tuple[int, ...]:
-        """The pivot that causes the least work now; ties go to the smaller number."""
-        left = self._neighbours
-        primals = [i for i in left if i not in self.duals]
-        ready = [i for i in left if i in self.duals and not left[i] - self.duals]
-        singles = [(self._single_cost(i), (i,)) for i in primals]
-        if strategy == "schur":
-            return min(singles or [(self._single_cost(c), (c,)) for c in ready])[1]
-        pairs = [(self._pair_cost(*pair), pair) for pair in self._pairs()]
-        if strategy == "substitute" and pairs:
-            return min(pairs)[1]
-        return min(singles + pairs + [(self._single_cost(c), (c,)) for c in ready])[1]
-
-    def _pairs(self) -> list[tuple[int, int]]:
-        """Coordinate and constraint with a number between them, the constraint untouched yet."""
-        return [
-            (k, c)
-            for c in self._neighbours
-            if c in self.duals and self._at(c, c) == self.graph.zero
-            for k in self._neighbours[c] - self.duals
-            if self._size(k, c) >= LEAST_PIVOT * max(self._size(j, c) for j in self._neighbours[c])
-            and self._size(k, c) > 0.0
-        ]
-
-    def _size(self, k: int, c: int) -> float:
-        """Size of an entry of Φ_q that is a number, else 0."""
-        return abs(self.graph.number(self._at(k, c)) or 0.0)
-
-    def _single_cost(self, i: int) -> int:
-        degree = len(self._neighbours[i])
-        division = 0 if self.graph.settled[self._at(i, i)] else DIVISION
-        return division + degree * (degree + 3) // 2
-
-    def _pair_cost(self, k: int, c: int) -> int:
-        along, across = len(self._neighbours[k]) - 1, len(self._neighbours[c]) - 1
-        mass = 0 if self._at(k, k) == self.graph.zero else across * (across + 1) // 2
-        return across * along + mass + along + across
-
     # -- pivots ------------------------------------------------------------------------------
 
-    def _at(self, i: int, j: int) -> int:
+    def at(self, i: int, j: int) -> int:
+        """The entry (i, j), zero where there is none."""
         return self.entries.get((i, j), self.graph.zero)
 
     def _subtract(self, i: int, j: int, value: int) -> None:
         if value == self.graph.zero:
             return
-        self.entries[i, j] = self.entries[j, i] = self.graph.sub(self._at(i, j), value)
+        self.entries[i, j] = self.entries[j, i] = self.graph.sub(self.at(i, j), value)
         self.labels.entry(self.entries[i, j], i, j, self.duals)
         if i != j:
-            self._neighbours[i].add(j)
-            self._neighbours[j].add(i)
+            self.neighbours[i].add(j)
+            self.neighbours[j].add(i)
 
     def _detach(self, *unknowns: int) -> list[int]:
         """Take unknowns out of the system; returns those that they were coupled with."""
-        around = set().union(*(self._neighbours.pop(u) for u in unknowns)) - {*unknowns}
+        around = set().union(*(self.neighbours.pop(u) for u in unknowns)) - {*unknowns}
         for j in around:
-            self._neighbours[j] -= {*unknowns}
+            self.neighbours[j] -= {*unknowns}
         return sorted(around)
 
-    def _single(self, i: int) -> None:
-        graph, labels, pivot = self.graph, self.labels, self._at(i, i)
+    def _single(self, i: int) -> Iterable[int]:
+        """Eliminate an unknown; returns those whose rows change."""
+        graph, labels, pivot = self.graph, self.labels, self.at(i, i)
         if i in self.references:
             size = graph.neg(pivot) if i in self.duals else pivot
             known = graph.number(size) is not None and graph.number(self.references[i]) is not None
@@ -190,11 +153,12 @@ class Elimination:
         inverse = graph.div(graph.one, pivot)
         labels.step(f"Eliminate {labels.titles(i)}")
         labels.pivot(pivot, inverse, i)
-        along = {j: self._at(i, j) for j in self._detach(i)}
+        along = {j: self.at(i, j) for j in self._detach(i)}
         across = {j: graph.mul(inverse, entry) for j, entry in along.items()}
         for j, entry in across.items():
             labels.add(entry, labels.of("L", j, i))
         self._eliminate(Single(i, inverse, along, across))
+        return across
 
     def _eliminate_located(self) -> None:
         """Eliminate the pairs of `located`: a massless coordinate with the row that determines it.
@@ -205,26 +169,28 @@ class Elimination:
         graph, squares = self.graph, {}
         for _, c, watched in self.located:
             if watched:
-                row = [self._at(j, c) for j in sorted(self._neighbours[c])]
+                row = [self.at(j, c) for j in sorted(self.neighbours[c])]
                 squares[c] = graph.dot(row, row)
         for k, c, watched in self.located:
-            entry = self._at(k, c)
+            entry = self.at(k, c)
             if watched and graph.number(square := graph.mul(entry, entry)) is None:
                 self.checks.append(Check(square, squares[c], c))
             self._pair(k, c)
 
-    def _pair(self, k: int, c: int) -> None:
+    def _pair(self, k: int, c: int) -> Iterable[int]:
+        """Eliminate a coordinate and its constraint; returns the unknowns whose rows change."""
         graph, labels = self.graph, self.labels
-        a, over_b = self._at(k, k), graph.div(graph.one, self._at(k, c))
+        a, over_b = self.at(k, k), graph.div(graph.one, self.at(k, c))
         labels.step(f"Eliminate {labels.titles(k)} with {labels.titles(c)}")
-        labels.pivot(self._at(k, c), over_b, c)
-        along = {j: self._at(k, j) for j in self._detach(k, c)}
-        across = {j: graph.mul(over_b, self._at(c, j)) for j in along}
+        labels.pivot(self.at(k, c), over_b, c)
+        along = {j: self.at(k, j) for j in self._detach(k, c)}
+        across = {j: graph.mul(over_b, self.at(c, j)) for j in along}
         rest = {j: graph.sub(along[j], graph.mul(a, across[j])) for j in along}
         for j in along:
             labels.add(across[j], labels.of("L", c, j))
             labels.entry(rest[j], k, j, self.duals)
         self._eliminate(Pair(k, c, a, over_b, along, across, rest))
+        return across
 
     def _eliminate(self, pivot: Single | Pair) -> None:
         """Take the unknowns of a pivot out of the rows that they were coupled with."""
@@ -241,18 +207,20 @@ class Elimination:
 
     def _last_loop(self) -> tuple[int, int, int] | None:
         """Two coordinates and the constraint that closes a loop, where nothing else is left."""
-        left = sorted(self._neighbours)
-        if len(left) != 3 or [i in self.duals for i in left] != [False, False, True]:
+        if len(self.neighbours) != 3:
+            return None
+        left = sorted(self.neighbours)
+        if [i in self.duals for i in left] != [False, False, True]:
             return None
         i, j, c = left
-        coupled = c in self._neighbours[i] and c in self._neighbours[j]
-        return (i, j, c) if coupled and self._at(c, c) == self.graph.zero else None
+        coupled = c in self.neighbours[i] and c in self.neighbours[j]
+        return (i, j, c) if coupled and self.at(c, c) == self.graph.zero else None
 
     def _close_loop(self, i: int, j: int, c: int) -> None:
         graph, labels = self.graph, self.labels
         mul, sub = graph.mul, graph.sub
-        a, b, d = self._at(i, i), self._at(i, j), self._at(j, j)
-        u, v = self._at(i, c), self._at(j, c)
+        a, b, d = self.at(i, i), self.at(i, j), self.at(j, j)
+        u, v = self.at(i, c), self.at(j, c)
         minor_i, minor_j = sub(mul(d, u), mul(b, v)), sub(mul(a, v), mul(b, u))
         area = sub(mul(a, d), mul(b, b))
         form = graph.add(mul(u, minor_i), mul(v, minor_j))

@@ -1,0 +1,115 @@
+"""The order of an elimination: the pivot that causes the least work at every stage.
+
+The costs of the candidates lie in heaps. A pivot changes the degrees of the unknowns that it was
+coupled with, and so the costs of these and of the pairs that contain them; all others stay. A
+machine whose rows keep a bounded number of entries is ordered in n log n. Ties go to the smaller
+number, so that the order does not depend on how it is found.
+"""
+
+from collections.abc import Iterable
+from heapq import heapify, heappop, heappush
+from typing import TYPE_CHECKING
+
+from codegen.lower.linear.sparse_row_elimination import LEAST_PIVOT
+
+if TYPE_CHECKING:
+    from codegen.lower.linear.factorization import Elimination, Strategy
+
+DIVISION = 8  # measured: operations that one division is worth in the choice of an order
+
+Pivot = tuple[int, ...]  # an unknown, or a coordinate and the constraint that gives it
+
+
+class PivotOrder:
+    """The candidates of an elimination by their costs."""
+
+    def __init__(self, system: "Elimination", strategy: "Strategy") -> None:
+        self._system, self._strategy = system, strategy
+        self._costs: dict[Pivot, int] = {}  # of the candidates; other entries of heaps are old
+        self._by_row: dict[int, set[int]] = {}  # constraint → coordinates that it may give
+        self._primals: list[tuple[int, Pivot]] = []  # heaps of (cost, pivot)
+        self._multipliers: list[tuple[int, Pivot]] = []
+        self._pairs: list[tuple[int, Pivot]] = []
+        self.renew((), system.neighbours)
+        for heap in (self._primals, self._multipliers, self._pairs):
+            heapify(heap)
+
+    def cheapest(self) -> Pivot:
+        """The pivot that causes the least work now."""
+        heaps = self._primals, self._multipliers, self._pairs
+        primals, multipliers, pairs = map(self._top, heaps)
+        if self._strategy == "schur":
+            return min(primals or multipliers)[1]
+        if self._strategy == "substitute" and pairs:
+            return pairs[0][1]
+        return min(primals + multipliers + pairs)[1]
+
+    def renew(self, gone: Iterable[int], changed: Iterable[int]) -> None:
+        """Note that unknowns have left the system, and that the rows of others have changed."""
+        duals, neighbours = self._system.duals, self._system.neighbours
+        for u in gone:
+            self._costs.pop((u,), None)
+            for k in self._by_row.pop(u, ()):
+                self._costs.pop((k, u), None)
+        for i in changed:
+            if i not in duals:
+                self._offer(self._primals, (i,), self._single_cost(i))
+            elif neighbours[i] <= duals:
+                self._offer(self._multipliers, (i,), self._single_cost(i))
+            else:
+                self._costs.pop((i,), None)
+        if self._strategy == "schur":
+            return
+        for i in changed:
+            if i in duals:
+                self._renew_row(i)
+            else:
+                for c in neighbours[i] & duals:
+                    if (i, c) in self._costs:
+                        self._offer(self._pairs, (i, c), self._pair_cost(i, c))
+
+    def _renew_row(self, c: int) -> None:
+        """Offer the coordinates that a constraint gives, with its row as it is now."""
+        given = self._given(c)
+        for k in self._by_row.get(c, set()) - given:
+            self._costs.pop((k, c), None)
+        self._by_row[c] = given
+        for k in given:
+            self._offer(self._pairs, (k, c), self._pair_cost(k, c))
+
+    def _given(self, c: int) -> set[int]:
+        """Coordinates with a number in the row of a constraint that no pivot has touched yet."""
+        system = self._system
+        if system.at(c, c) != system.graph.zero:
+            return set()
+        sizes = {j: self._size(j, c) for j in system.neighbours[c]}
+        least = LEAST_PIVOT * max(sizes.values(), default=0.0)
+        duals = system.duals
+        return {k for k, size in sizes.items() if size > 0.0 and size >= least and k not in duals}
+
+    def _size(self, k: int, c: int) -> float:
+        """Size of an entry of Φ_q that is a number, else 0."""
+        return abs(self._system.graph.floats[self._system.at(k, c)] or 0.0)
+
+    def _offer(self, heap: list[tuple[int, Pivot]], pivot: Pivot, cost: int) -> None:
+        """Set the cost of a candidate."""
+        if self._costs.get(pivot) != cost:
+            self._costs[pivot] = cost
+            heappush(heap, (cost, pivot))
+
+    def _top(self, heap: list[tuple[int, Pivot]]) -> list[tuple[int, Pivot]]:
+        """The first entry of a heap that is not old, if there is one."""
+        while heap and self._costs.get(heap[0][1]) != heap[0][0]:
+            heappop(heap)
+        return heap[:1]
+
+    def _single_cost(self, i: int) -> int:
+        degree = len(self._system.neighbours[i])
+        division = 0 if self._system.graph.settled[self._system.at(i, i)] else DIVISION
+        return division + degree * (degree + 3) // 2
+
+    def _pair_cost(self, k: int, c: int) -> int:
+        system = self._system
+        along, across = len(system.neighbours[k]) - 1, len(system.neighbours[c]) - 1
+        mass = 0 if system.at(k, k) == system.graph.zero else across * (across + 1) // 2
+        return across * along + mass + along + across
