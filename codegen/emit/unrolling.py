@@ -11,7 +11,7 @@ from codegen.reroll.rerolling import reroll
 Unroll = Literal["auto", "always", "never"]
 """Write kernels out where that is short; always; never: in loops, however few operations."""
 
-LONGEST = 1500  # measured: operations of a kernel that is written out, whatever repeats in it
+LONGEST = 3000  # measured: operations of a kernel that is written out, whatever repeats in it
 GAIN = 0.6  # measured: part of a longer kernel's operations that its loops may have in the text
 
 

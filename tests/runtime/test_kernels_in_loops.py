@@ -10,7 +10,7 @@ from benchmarks.chain import SCENE, chain
 from benchmarks.growth import hanging
 from runtime import Machine
 
-LINKS = 20  # more than 1500 operations in `accelerations`, so that it becomes loops
+LINKS = 36  # more than 3000 operations in `accelerations`, so that it becomes loops
 
 
 @pytest.fixture(scope="module")
