@@ -148,7 +148,7 @@ def build(
     unroll: Annotated[
         Unroll,
         option("Write kernels out, operation by operation: always; never, loops over tables "
-               "where something repeats; auto, loops in long kernels."),
+               "where something repeats; auto, loops in long kernels.", metavar="WHEN"),
     ] = Unroll.AUTO,
     check: CheckOption = False, as_json: JsonOption = False,
 ) -> None:  # fmt: skip
