@@ -9,7 +9,7 @@ from codegen.emit.line_wrapping import assignment, checked, literal, prose, quan
 from codegen.emit.readable_formula import folded_numbers, formula
 from codegen.emit.sincos_function import FUNCTION
 from codegen.emit.table_lookup import lookups, spline_lines
-from codegen.emit.unrolling import Unroll, kernel_text
+from codegen.emit.unrolling import Unroll, kernel_texts
 from codegen.generated_module_signature_and_import import MARK, UNSIGNED, signed
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Pattern
@@ -46,7 +46,7 @@ def assemble_module(
     arguments: Arguments,
 ) -> str:  # fmt: skip
     """A module from its parts: provenance, docstring, tables, kernels; signed."""
-    texts = [kernel_text(program, kernel, arguments, origin.unroll) for kernel in program.kernels]
+    texts = kernel_texts(program, arguments, origin.unroll)
     tables_of_loops = [line for text in texts for line in text.table_lines()]
     workspace = max(text.workspace for text in texts) if texts else 0
     weak = [f"WEAK_PIVOT = {literal(program.weak_pivot)}"]

@@ -11,33 +11,46 @@ from codegen.reroll.rerolling import reroll
 Unroll = Literal["auto", "always", "never"]
 """Write kernels out where that is short; always; never: in loops, however few operations."""
 
-LONGEST = 3000  # measured: operations of a kernel that is written out, whatever repeats in it
-GAIN = 0.6  # measured: part of a longer kernel's operations that its loops may have in the text
+LONGEST = 6000  # measured: statements of a module that is written out, whatever repeats in it
+SHORTEST = 100  # measured: statements of a kernel that is written out in any module
+GAIN = 0.6  # measured: part of a kernel's statements that its loops may have in the text
+
+KernelTexts = list[KernelText | RolledKernelText]
 
 
-def kernel_text(
-    program: Program, kernel: Kernel, arguments: Arguments, unroll: Unroll
-) -> KernelText | RolledKernelText:
-    """The text of a kernel, written out or in loops.
+def kernel_texts(program: Program, arguments: Arguments, unroll: Unroll) -> KernelTexts:
+    """The texts of a program's kernels, each written out or in loops.
 
     Straight code is up to twice as fast where a machine is small; from some forty bodies on it is
-    no faster than loops, while its compilation takes minutes.
+    no faster than loops, while its compilation takes minutes. So a long module has loops in all of
+    its kernels that repeat themselves.
     """
+    sizes = {kernel.name: _statements(program, kernel) for kernel in program.kernels}
+    is_long = sum(sizes.values()) > LONGEST
+    return [
+        _kernel_text(program, kernel, arguments, unroll, sizes[kernel.name] * is_long)
+        for kernel in program.kernels
+    ]
+
+
+def _kernel_text(
+    program: Program, kernel: Kernel, arguments: Arguments, unroll: Unroll, size: int
+) -> KernelText | RolledKernelText:
+    """The text of a kernel; `size`: its statements in a long module, else 0."""
     has_workspace = "p" in kernel.arguments
-    count = _count(program, kernel)
-    if unroll == "always" or not has_workspace or (unroll == "auto" and count <= LONGEST):
+    if unroll == "always" or not has_workspace or (unroll == "auto" and size <= SHORTEST):
         return KernelText(program, kernel, arguments)
     slots = arguments.slots(program)
     constants = {k: slots[k] for k in program.hoisted(kernel)}
     base = arguments.declared + len(program.constants)
     rolled = reroll(program, kernel, constants, base)
-    if unroll == "auto" and rolled.statements > GAIN * count:
+    if unroll == "auto" and rolled.statements > GAIN * size:
         return KernelText(program, kernel, arguments)
     return RolledKernelText(program, kernel, rolled, arguments)
 
 
-def _count(program: Program, kernel: Kernel) -> int:
-    """Operations of a kernel, negations and choices among them."""
-    hoisted = program.hoisted(kernel)
-    reachable = program.reachable(kernel)
-    return sum(program.values[k].op not in LEAVES and k not in hoisted for k in reachable)
+def _statements(program: Program, kernel: Kernel) -> int:
+    """Operations and outputs of a kernel, negations and choices among them."""
+    hoisted, reachable = program.hoisted(kernel), program.reachable(kernel)
+    computed = sum(program.values[k].op not in LEAVES and k not in hoisted for k in reachable)
+    return computed + len(kernel.outputs)

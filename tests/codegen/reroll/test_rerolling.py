@@ -13,7 +13,7 @@ from codegen.driver import valid_scenes
 from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.rolled_kernel import RolledKernelText
 from codegen.emit.sincos_function import FUNCTION
-from codegen.emit.unrolling import kernel_text
+from codegen.emit.unrolling import kernel_texts
 from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.lower.program import Kernel
@@ -37,7 +37,8 @@ def lowered(family: str, size: int) -> Lowered:
 
 def rolled_text(machine: Lowered, kernel: Kernel) -> RolledKernelText:
     program, arguments = machine.program, Arguments.of(machine.description)
-    text = kernel_text(program, kernel, arguments, "never")
+    texts = kernel_texts(program, arguments, "never")
+    text = next(text for text in texts if text.kernel.name == kernel.name)
     assert isinstance(text, RolledKernelText)
     return text
 
@@ -126,6 +127,16 @@ def test_the_choice_between_loops_and_straight_code() -> None:
         (large, "always", False),
     ):
         arguments = Arguments.of(machine.description)
-        kernel = machine.kernels["accelerations"]
-        text = kernel_text(machine.program, kernel, arguments, unroll)  # type: ignore[arg-type]
+        texts = kernel_texts(machine.program, arguments, unroll)  # type: ignore[arg-type]
+        (text,) = [text for text in texts if text.kernel.name == "accelerations"]
         assert isinstance(text, RolledKernelText) == is_rolled, unroll
+
+
+def test_the_code_of_a_module_does_not_grow() -> None:
+    """From 40 to 80 loops all kernels together: the same lines, but for tables."""
+    lines = []
+    for size in (40, 80):
+        machine = lowered("n_four_bar", size)
+        texts = kernel_texts(machine.program, Arguments.of(machine.description), "auto")
+        lines.append(sum(len(text.lines()) for text in texts))
+    assert lines[1] <= 1.05 * lines[0]
