@@ -25,26 +25,26 @@ def kernel_texts(program: Program, arguments: Arguments, unroll: Unroll) -> Kern
     no faster than loops, while its compilation takes minutes. So a long module has loops in all of
     its kernels that repeat themselves.
     """
-    sizes = {kernel.name: _statements(program, kernel) for kernel in program.kernels}
-    is_long = sum(sizes.values()) > LONGEST
+    sizes = [_statements(program, kernel) for kernel in program.kernels]
+    is_long = sum(sizes) > LONGEST
     return [
-        _kernel_text(program, kernel, arguments, unroll, sizes[kernel.name] * is_long)
-        for kernel in program.kernels
+        _text_in_loops(program, kernel, arguments, size if unroll == "auto" else None)
+        if "p" in kernel.arguments
+        and (unroll == "never" or (unroll == "auto" and is_long and size > SHORTEST))
+        else KernelText(program, kernel, arguments)
+        for kernel, size in zip(program.kernels, sizes, strict=True)
     ]
 
 
-def _kernel_text(
-    program: Program, kernel: Kernel, arguments: Arguments, unroll: Unroll, size: int
+def _text_in_loops(
+    program: Program, kernel: Kernel, arguments: Arguments, size: int | None
 ) -> KernelText | RolledKernelText:
-    """The text of a kernel; `size`: its statements in a long module, else 0."""
-    has_workspace = "p" in kernel.arguments
-    if unroll == "always" or not has_workspace or (unroll == "auto" and size <= SHORTEST):
-        return KernelText(program, kernel, arguments)
+    """The text of a kernel in loops, or written out where that saves too little of its `size`."""
     slots = arguments.slots(program)
     constants = {k: slots[k] for k in program.hoisted(kernel)}
     base = arguments.declared + len(program.constants)
     rolled = reroll(program, kernel, constants, base)
-    if unroll == "auto" and rolled.statements > GAIN * size:
+    if size is not None and rolled.statements > GAIN * size:
         return KernelText(program, kernel, arguments)
     return RolledKernelText(program, kernel, rolled, arguments)
 

@@ -1,7 +1,6 @@
 """A kernel's values → parts: repeats become loops, what their turns take becomes operands."""
 
-from collections.abc import Mapping
-from collections.abc import Sequence as List
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +18,7 @@ from codegen.reroll.parts import (
     Watch,
 )
 from codegen.reroll.repetition import Stretch, stretches
-from codegen.reroll.sequence import NUMBER, TIME, Sequence
+from codegen.reroll.sequence import NUMBER, TIME, OperationSequence
 
 
 class Outside(NamedTuple):
@@ -63,7 +62,7 @@ class _Rerolling:
         self, program: Program, kernel: Kernel, constants: Mapping[int, int], base: int
     ) -> None:
         self.kernel, self.values, self.base = kernel, program.values, base
-        self.sequence = seq = Sequence(program, kernel, constants)
+        self.sequence = seq = OperationSequence(program, kernel, constants)
         self.stretches = _merged(stretches(seq.codes, seq.crossings()))
         while any(crossed := [self._crossed_turns(s) for s in self.stretches]):
             cut = [_without(s, turns) for s, turns in zip(self.stretches, crossed, strict=True)]
@@ -111,7 +110,7 @@ class _Rerolling:
             return home
         return "logical" if self.sequence.is_logical(number) else "float"
 
-    def _operand_columns(self, s: Stretch) -> List[Slots]:
+    def _operand_columns(self, s: Stretch) -> Sequence[Slots]:
         rows = self.sequence.operands[s.start : s.end].reshape(s.turns, s.period, -1)
         return [
             rows[:, j, k]
@@ -133,7 +132,7 @@ class _Rerolling:
                 return FromTurnBefore(position, int(column[0]))
         return Outside(tuple(column.tolist()))
 
-    def _columns(self, s: Stretch) -> List[List[Column]]:
+    def _columns(self, s: Stretch) -> Sequence[Sequence[Column]]:
         """Of each operation of the body, where its operands come from."""
         rows = self.sequence.operands[s.start : s.end].reshape(s.turns, s.period, -1)
         return [
@@ -147,7 +146,7 @@ class _Rerolling:
         """Ask for slots of values that are computed."""
         self.needed[list(numbers)] = True
 
-    def _ask_for_slots(self, outputs: List[Output]) -> None:
+    def _ask_for_slots(self, outputs: Sequence[Output]) -> None:
         """Note every value that another part, a check or an output reads."""
         home = self.sequence.home
         for columns in self.columns:
@@ -195,7 +194,9 @@ class _Rerolling:
         result = self._first(returned[0].value) if returned else None
         return RolledKernel(tuple(parts), self._watch(), result, self.workspace)
 
-    def _stores_of_bodies(self, outputs: List[Output]) -> tuple[list[list[Store]], list[Output]]:
+    def _stores_of_bodies(
+        self, outputs: Sequence[Output]
+    ) -> tuple[list[list[Store]], list[Output]]:
         """Stretch by stretch the outputs that each of its turns has, and the other outputs."""
         of: dict[int, list[Output]] = {}
         for out in outputs:
@@ -214,7 +215,7 @@ class _Rerolling:
             found.append(stores)
         return found, [out for outs in of.values() for out in outs]
 
-    def _copies(self, copies: List[tuple[int, str, int]]) -> list[Part]:
+    def _copies(self, copies: Sequence[tuple[int, str, int]]) -> list[Part]:
         """Parts that copy leaves, or values of the workspace, to (array, slot)."""
         groups: dict[tuple[str, str], list[tuple[int, int]]] = {}
         for number, array, slot in copies:
@@ -251,59 +252,51 @@ class _Rerolling:
         logical = seq.home(numbers[0]) == "" and seq.is_logical(numbers[0])
         return Entries(array, np.array(slots), logical)
 
-    def _part(self, s: Stretch, columns: List[List[Column]], stores: List[Store]) -> Part:
+    def _part(
+        self, s: Stretch, columns: Sequence[Sequence[Column]], stores: Sequence[Store]
+    ) -> Part:
         turns = self.sequence.numbers[self._turns(s)]
         sample = turns[min(1, s.turns - 1)].tolist()  # the turn after which things are called
-        names: dict[Column | int, int] = {}  # column → its place among the leaves
-        leaves: list[Value] = []
-        operands: list[Operand] = []
-
-        def leaf(column: Outside | FromTurnBefore) -> None:
-            if column in names:
-                return
-            names[column] = len(leaves)
-            if isinstance(column, Outside) and len(set(column.numbers)) == 1:
-                value = self.values[column.numbers[0]]
-                if value.op is Op.CONST or self.sequence.home(column.numbers[0]) == TIME:
-                    leaves.append(value)
-                    return
-            inside = column.first if isinstance(column, FromTurnBefore) else None
-            number = inside if inside is not None else column.numbers[min(1, s.turns - 1)]  # type: ignore[union-attr]
+        columns_outside = (c for row in columns for c in row if not isinstance(c, int))
+        places = {column: k for k, column in enumerate(dict.fromkeys(columns_outside))}
+        leaves, operands, shift = list[Value](), list[Operand](), len(places)
+        for column in places:
+            if (fixed := self._fixed_value(column)) is not None:
+                leaves.append(fixed)
+                continue
             if isinstance(column, FromTurnBefore):
-                number = int(turns[0, column.position])
-            leaves.append(Value(Op.INPUT, literal=Input("", len(operands), self._name(number))))
-            if isinstance(column, FromTurnBefore):
-                operands.append(Carried(column.position, self._first(column.first)))
+                called = self._name(int(turns[0, column.position]))
+                operands.append(Carried(column.position + shift, self._first(column.first)))
             else:
+                called = self._name(column.numbers[min(1, s.turns - 1)])
                 operands.append(self._operand(column.numbers))
-
-        for row in columns:
-            for column in row:
-                if not isinstance(column, int):
-                    leaf(column)
-        shift = len(leaves)
+            leaves.append(Value(Op.INPUT, literal=Input("", len(operands) - 1, called)))
         body = list(leaves)
         for number, row in zip(sample, columns, strict=True):
-            args = tuple(c + shift if isinstance(c, int) else names[c] for c in row)
+            args = tuple(c + shift if isinstance(c, int) else places[c] for c in row)
             value = self.values[number]
             body.append(Value(value.op, args, value.literal, value.serves))
-        moved = (
-            Carried(o.value + shift, o.first) if isinstance(o, Carried) else o for o in operands
-        )
         kept = [Store(st.array, st.slots, st.value + shift) for st in stores]
-        for position, column in enumerate(turns.T):
-            if int(column[0]) in self.slots:
-                slots = np.array([self.slots[k] for k in column.tolist()])
+        for position, numbers in enumerate(turns.T.tolist()):
+            if numbers[0] in self.slots:
+                slots = np.array([self.slots[k] for k in numbers])
                 kept.append(Store("p", slots, position + shift))
         labels = tuple(
             Label(position + shift, self.labels[number].name)
             for position, number in enumerate(sample)
             if number in self.labels
         )
-        span = tuple(self._served(turn) for turn in (turns[0].tolist(), turns[-1].tolist()))
-        return Part(s.turns, tuple(body), tuple(moved), tuple(kept), labels, span)  # type: ignore[arg-type]
+        span = self._served(turns[0].tolist()), self._served(turns[-1].tolist())
+        return Part(s.turns, tuple(body), tuple(operands), tuple(kept), labels, span)
 
-    def _served(self, numbers: List[int]) -> str:
+    def _fixed_value(self, column: Outside | FromTurnBefore) -> Value | None:
+        """The number that a column is in every turn, or the time; None for others."""
+        if isinstance(column, FromTurnBefore) or len(set(column.numbers)) > 1:
+            return None
+        value, home = self.values[column.numbers[0]], self.sequence.home(column.numbers[0])
+        return value if home in (NUMBER, TIME) else None
+
+    def _served(self, numbers: Sequence[int]) -> str:
         return next((v.serves for k in numbers if (v := self.values[k]).serves), "")
 
     def _name(self, number: int) -> str:
@@ -331,7 +324,7 @@ class _Rerolling:
         return constants[number] if number in constants else self.slots[number]
 
 
-def _merged(found: List[Stretch]) -> list[Stretch]:
+def _merged(found: Sequence[Stretch]) -> list[Stretch]:
     """Stretches in order, neighbours without repetition made one."""
     merged: list[Stretch] = []
     for s in found:
@@ -342,7 +335,7 @@ def _merged(found: List[Stretch]) -> list[Stretch]:
     return merged
 
 
-def _without(s: Stretch, turns: List[int]) -> list[Stretch]:
+def _without(s: Stretch, turns: Sequence[int]) -> list[Stretch]:
     """The stretch cut so that these turns stand by themselves."""
     pieces, begin = [], 0
     for turn in [*turns, s.turns]:

@@ -13,7 +13,7 @@ NUMBER, TIME = "number", "t"
 """Where a leaf stands that is in no array."""
 
 
-class Sequence:
+class OperationSequence:
     """The operations of a kernel, and the leaves of its values.
 
     Attributes
