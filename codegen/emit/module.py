@@ -105,6 +105,7 @@ NAMES = (
 
 ORDERS = {
     "substitute": "first the coordinates that one constraint determines, then the loops",
+    "leaves": "body by body from the leaves to the root, then the loops",
     "mixed": "coordinates and constraints in the order of least fill",
     "square": "first the coordinates that one constraint determines, then loop after loop",
     "schur": "accelerations, then S = Φ_q M⁻¹ Φ_qᵀ, in the order of least fill",

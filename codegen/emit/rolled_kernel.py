@@ -12,17 +12,21 @@ from codegen.emit.statements import NOTHING, Scope, Statements
 from codegen.emit.table_lookup import lookups
 from codegen.lower.program import LOGICAL, Input, Kernel, Lookup, Output, Program
 from codegen.reroll.parts import (
+    Batches,
     Carried,
     Entries,
     Numbers,
-    Operand,
     Part,
     RolledKernel,
     Slots,
     Watch,
 )
 
-COUNTER = "k"
+COUNTER, RUN = "k", "run"
+Text = Callable[[], str]
+"""A piece of text that is known once all columns of the tables are."""
+Assignment = tuple[str, Text]
+"""A name and what it is set to."""
 
 
 class Table:
@@ -38,10 +42,10 @@ class Table:
             self.columns.append(entry)
         return self.columns.index(entry)
 
-    def entry(self, place: int) -> str:
+    def entry(self, place: int, counter: str = COUNTER) -> str:
         """The entry of a turn; valid once all columns are there."""
         width = len(self.columns)
-        row = COUNTER if width == 1 else f"{width} * {COUNTER}"
+        row = counter if width == 1 else f"{width} * {counter}"
         return f"{self.name}[{row} + {place}]" if place else f"{self.name}[{row}]"
 
     def lines(self) -> list[str]:
@@ -65,8 +69,14 @@ class RolledKernelText:
         self.tables: list[Table] = []
         self.workspace = rolled.workspace  # slots behind the constants in ``p`` that it writes
         self.has_pairs = False  # whether it takes sine and cosine together
-        scope = Scope([*kernel.arguments, *self._lookups.values(), COUNTER])
-        self._body = [line for part in rolled.parts for line in self._part(part, scope)]
+        scope = Scope([*kernel.arguments, *self._lookups.values(), COUNTER, RUN])
+        self._body = [
+            line
+            for part in rolled.parts
+            for line in (
+                self._batches(part, scope) if isinstance(part, Batches) else self._part(part, scope)
+            )
+        ]
         self._body += self._watch(rolled.watch)
         self._body += self._result(rolled.result)
 
@@ -82,10 +92,33 @@ class RolledKernelText:
         self.tables.append(Table(f"{self.kernel.name.upper()}_{len(self.tables) + 1}", dtype))
         return self.tables[-1]
 
-    def _part(self, part: Part, scope: Scope) -> list[str]:
-        text = PartText(part, self.kernel, scope, self._lookups, self._table)
+    def _part(self, part: Part, scope: Scope) -> Iterator[str]:
+        is_loop = part.count > 1
+        text = self._part_text(part, scope, 2 if is_loop else 1)
+        yield from text.before("    ")
+        if is_loop:
+            one, last = part.span
+            yield f"    # {prose(f'From {one} to {last}') if one else 'Copies'}"
+            yield f"    for {COUNTER} in range({part.count}):"
+        yield from text.turn()
+
+    def _batches(self, batches: Batches, scope: Scope) -> Iterator[str]:
+        table = self._table("uint32")
+        kind, first, end = (table.place(column) for column in batches.runs.T)
+        yield f"    for {RUN} in range({len(batches.runs)}):"
+        for number, part in enumerate(batches.kinds):
+            text = self._part_text(part, scope, 4)
+            branch = f"{'elif' if number else 'if'} {table.entry(kind, RUN)} == {number}:"
+            yield f"        {branch}"
+            yield from text.before(" " * 12)
+            rows = f"{table.entry(first, RUN)}, {table.entry(end, RUN)}"
+            yield f"            for {COUNTER} in range({rows}):"
+            yield from text.turn()
+
+    def _part_text(self, part: Part, scope: Scope, depth: int) -> "PartText":
+        text = PartText(part, self.kernel, scope, self._lookups, self._table, depth)
         self.has_pairs |= bool(text.plan.pairs)
-        return list(text.lines())
+        return text
 
     def _watch(self, watch: Watch | None) -> Iterator[str]:
         if watch is None:
@@ -107,11 +140,11 @@ class RolledKernelText:
 
 
 class PartText(Statements):
-    """Writes one part of a kernel: straight, or a loop."""
+    """Writes one part of a kernel, `depth` levels inside the function."""
 
     def __init__(
         self, part: Part, kernel: Kernel, scope: Scope, names: Mapping[Lookup, str],
-        table: Callable[[str], Table],
+        table: Callable[[str], Table], depth: int,
     ) -> None:  # fmt: skip
         self.part = part
         self._kept = [(k, o) for k, o in enumerate(part.operands) if isinstance(o, Carried)]
@@ -119,14 +152,15 @@ class PartText(Statements):
         outputs = tuple(Output("", k, value) for k, value in enumerate(roots))
         own = Kernel(kernel.name, "", (), outputs, labels=part.labels)
         program = Program(part.body, (own,), (), 0.0)
-        super().__init__(program, own, scope, names, 1 if part.count == 1 else 2)
+        super().__init__(program, own, scope, names, depth)
         self._places: dict[int, int] = {}  # operand → its place in the body
         self._indices = table("uint32")
         self._numbers = table("float64")
+        self._once, self._each = list[Assignment](), list[Assignment]()
+        self._name_operands()
+        self._slots = [self._index(store.slots) for store in part.stores]
 
-    def lines(self) -> Iterator[str]:
-        """The part, line by line."""
-        before, inside = list[tuple[str, Operand]](), list[tuple[str, Operand]]()
+    def _name_operands(self) -> None:
         for number, value in enumerate(self.part.body):
             if not isinstance(value.literal, Input):
                 continue
@@ -137,24 +171,22 @@ class PartText(Statements):
             self._places[value.literal.slot] = number
             name = self.names[number] = self._called(number, value.literal.name)
             fixed = isinstance(operand, Carried) or is_fixed(operand)
-            (before if fixed else inside).append((name, operand))
+            (self._once if fixed else self._each).append((name, self._operand(operand)))
+
+    def before(self, indent: str) -> Iterator[str]:
+        """The operands that are read before the first turn."""
+        yield from (f"{indent}{name} = {text()}" for name, text in self._once)
+
+    def turn(self) -> Iterator[str]:
+        """A turn, line by line."""
         indent = "    " * self.depth
-        stores = [(s.array, s.slots) for s in self.part.stores]
-        slots = [self._index(s) for _, s in stores]
-        heads = [(name, self._operand(operand)) for name, operand in inside]
-        first = [(name, self._operand(operand)) for name, operand in before]
-        yield from (f"    {name} = {text()}" for name, text in first)
-        if self.part.count > 1:
-            one, last = self.part.span
-            yield f"    # {prose(f'From {one} to {last}') if one else 'Copies'}"
-            yield f"    for {COUNTER} in range({self.part.count}):"
-        yield from (f"{indent}{name} = {text()}" for name, text in heads)
+        yield from (f"{indent}{name} = {text()}" for name, text in self._each)
         yield from self.statements()
-        for (array, _), slot, store in zip(stores, slots, self.part.stores, strict=True):
+        for store, slot in zip(self.part.stores, self._slots, strict=True):
             text = self._text(store.value, NOTHING)
             if self.values[store.value].op in LOGICAL:
                 text = f"1.0 if {text} else 0.0"
-            yield from wrap_statement(f"{indent}{array}[{slot()}] = ", text)
+            yield from wrap_statement(f"{indent}{store.array}[{slot()}] = ", text)
         if self._kept:
             left = ", ".join(self.names[self._places[k]] for k, _ in self._kept)
             right = ", ".join(self._text(o.value, NOTHING) for _, o in self._kept)
@@ -167,14 +199,14 @@ class PartText(Statements):
         serves = user.serves if user else ""
         return self.scope.counted(f"{PREFIXES.get(serves, serves)}_in")
 
-    def _index(self, slots: Slots) -> "Text":
+    def _index(self, slots: Slots) -> Text:
         """The slot of a turn: a number, a straight line in the counter, or an entry of a table."""
         if is_straight(slots):
             return lambda: straight_line(slots)
         place = self._indices.place(slots)
         return lambda: self._indices.entry(place)
 
-    def _operand(self, operand: Entries | Numbers | Carried) -> "Text":
+    def _operand(self, operand: Entries | Numbers | Carried) -> Text:
         if isinstance(operand, Carried):
             return lambda: first_text(operand.first)
         if isinstance(operand, Entries):
@@ -186,10 +218,6 @@ class PartText(Statements):
             return lambda: literal(float(operand[0]))
         place = self._numbers.place(operand)
         return lambda: self._numbers.entry(place)
-
-
-Text = Callable[[], str]
-"""A piece of text that is known once all columns of the tables are."""
 
 
 def is_fixed(operand: Entries | Numbers) -> bool:

@@ -6,6 +6,7 @@ from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.kernel import KernelText
 from codegen.emit.rolled_kernel import RolledKernelText
 from codegen.lower.program import LEAVES, Kernel, Program
+from codegen.reroll.batching import batch
 from codegen.reroll.rerolling import reroll
 
 Unroll = Literal["auto", "always", "never"]
@@ -14,6 +15,7 @@ Unroll = Literal["auto", "always", "never"]
 LONGEST = 6000  # measured: statements of a module that is written out, whatever repeats in it
 SHORTEST = 100  # measured: statements of a kernel that is written out in any module
 GAIN = 0.6  # measured: part of a kernel's statements that its loops may have in the text
+LONGEST_KERNEL = 3000  # measured: statements of a kernel, beyond which it is in batches
 
 KernelTexts = list[KernelText | RolledKernelText]
 
@@ -25,7 +27,7 @@ def kernel_texts(program: Program, arguments: Arguments, unroll: Unroll) -> Kern
     no faster than loops, while its compilation takes minutes. So a long module has loops in all of
     its kernels that repeat themselves.
     """
-    sizes = [_statements(program, kernel) for kernel in program.kernels]
+    sizes = [statements(program, kernel) for kernel in program.kernels]
     is_long = sum(sizes) > LONGEST
     return [
         _text_in_loops(program, kernel, arguments, size if unroll == "auto" else None)
@@ -39,17 +41,24 @@ def kernel_texts(program: Program, arguments: Arguments, unroll: Unroll) -> Kern
 def _text_in_loops(
     program: Program, kernel: Kernel, arguments: Arguments, size: int | None
 ) -> KernelText | RolledKernelText:
-    """The text of a kernel in loops, or written out where that saves too little of its `size`."""
+    """The text of a kernel in loops, or what else is shorter for its `size`.
+
+    A kernel without a period is written out where it is short, and in batches otherwise: those take
+    a few hundred lines, whatever the machine, and their time is that of straight code where this is
+    long.
+    """
     slots = arguments.slots(program)
     constants = {k: slots[k] for k in program.hoisted(kernel)}
     base = arguments.declared + len(program.constants)
     rolled = reroll(program, kernel, constants, base)
+    if rolled.statements > LONGEST_KERNEL:
+        rolled = batch(program, kernel, constants, base)
     if size is not None and rolled.statements > GAIN * size:
         return KernelText(program, kernel, arguments)
     return RolledKernelText(program, kernel, rolled, arguments)
 
 
-def _statements(program: Program, kernel: Kernel) -> int:
+def statements(program: Program, kernel: Kernel) -> int:
     """Operations and outputs of a kernel, negations and choices among them."""
     hoisted, reachable = program.hoisted(kernel), program.reachable(kernel)
     computed = sum(program.values[k].op not in LEAVES and k not in hoisted for k in reachable)

@@ -11,6 +11,7 @@ from codegen.errors import InputError
 from codegen.explain import operations_by_part as costs
 from codegen.explain.elements_and_outputs_in_scene import Inventory, output_inventory
 from codegen.explain.ledger_records import Ledger, Part
+from codegen.explain.loops import loops_sentence
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.model import Model
 from codegen.model_file import read_model
@@ -82,4 +83,5 @@ def _ledger(model: Model, scene: Scene) -> tuple[Ledger, tuple[Lowered, ...]]:
     kernels, outputs = tuple(k for k in totals if totals[k]), output_inventory(model, scene)
     left_out = equations.left_out
     ledger = Ledger(equations.model, scene.name, kernels, tuple(parts), totals, left_out, outputs)
+    ledger = replace(ledger, loops=loops_sentence(programs[-1]))
     return ledger, programs

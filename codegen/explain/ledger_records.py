@@ -72,6 +72,7 @@ class Ledger:
     # but for the noise of the measurement.
     nanoseconds: float | None = None
     run: RunCosts | None = None
+    loops: str = ""  # which kernels are in loops, and why
 
     @property
     def title(self) -> str:

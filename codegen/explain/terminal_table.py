@@ -115,6 +115,8 @@ def notes(ledger: Ledger) -> Iterator[str]:
             silent.setdefault(entry.why, []).append(entry.name)
     for why, names in silent.items():
         yield f"without {', '.join(names)}: {why}"
+    if ledger.loops:
+        yield f"kernels: {ledger.loops}"
     if ledger.nanoseconds is not None:
         parts = ledger.parts_nanoseconds
         off = parts - ledger.nanoseconds

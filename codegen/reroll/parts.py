@@ -58,6 +58,32 @@ class Part:
     labels: tuple[Label, ...] = ()
     span: tuple[str, str] = ("", "")  # elements that the first and the last turn serve
 
+    @property
+    def statements(self) -> int:
+        """Values that are written in the text."""
+        return len(self.body) + len(self.stores)
+
+
+@dataclass(frozen=True, eq=False)
+class Batches:
+    """Parts that take turns: each run does the next rows of one of them.
+
+    Attributes
+    ----------
+    kinds
+        What a run may be. Nothing is carried from row to row.
+    runs
+        Kind, first row and the row behind the last, shape (runs, 3).
+    """
+
+    kinds: tuple[Part, ...]
+    runs: Slots
+
+    @property
+    def statements(self) -> int:
+        """Values that are written in the text."""
+        return sum(kind.statements for kind in self.kinds)
+
 
 @dataclass(frozen=True, eq=False)
 class Watch:
@@ -73,7 +99,7 @@ class Watch:
 class RolledKernel:
     """A kernel whose values are computed in parts."""
 
-    parts: tuple[Part, ...]
+    parts: tuple[Part | Batches, ...]
     watch: Watch | None
     result: Entries | float | None  # what the kernel returns, where it returns a number
     workspace: int  # slots of ``p`` behind the constants that it writes
@@ -81,4 +107,4 @@ class RolledKernel:
     @property
     def statements(self) -> int:
         """Values that are written in the text."""
-        return sum(len(part.body) + len(part.stores) for part in self.parts)
+        return sum(part.statements for part in self.parts)

@@ -8,17 +8,15 @@ import numpy as np
 from codegen.lower.program import Input, Kernel, Label, Op, Output, Program, Value
 from codegen.reroll.parts import (
     Carried,
-    Entries,
-    Numbers,
     Operand,
     Part,
     RolledKernel,
     Slots,
     Store,
-    Watch,
 )
 from codegen.reroll.repetition import Stretch, stretches
 from codegen.reroll.sequence import NUMBER, TIME, OperationSequence
+from codegen.reroll.workspace import Workspace
 
 
 class Outside(NamedTuple):
@@ -61,15 +59,14 @@ class _Rerolling:
     def __init__(
         self, program: Program, kernel: Kernel, constants: Mapping[int, int], base: int
     ) -> None:
-        self.kernel, self.values, self.base = kernel, program.values, base
+        self.kernel, self.values = kernel, program.values
         self.sequence = seq = OperationSequence(program, kernel, constants)
         self.stretches = _merged(stretches(seq.codes, seq.crossings()))
         while any(crossed := [self._crossed_turns(s) for s in self.stretches]):
             cut = [_without(s, turns) for s, turns in zip(self.stretches, crossed, strict=True)]
             self.stretches = _merged([piece for pieces in cut for piece in pieces])
         self.columns = [self._columns(s) for s in self.stretches]
-        self.needed = np.zeros(len(self.values), dtype=bool)  # values with a slot in the workspace
-        self.slots: dict[int, int] = {}
+        self.workspace = Workspace(seq, kernel, base)
         self.labels = {label.value: label for label in kernel.labels}
 
     # -- columns of operands -----------------------------------------------------------------
@@ -142,40 +139,15 @@ class _Rerolling:
 
     # -- workspace ---------------------------------------------------------------------------
 
-    def _need(self, *numbers: int) -> None:
-        """Ask for slots of values that are computed."""
-        self.needed[list(numbers)] = True
-
     def _ask_for_slots(self, outputs: Sequence[Output]) -> None:
         """Note every value that another part, a check or an output reads."""
-        home = self.sequence.home
-        for columns in self.columns:
-            for column in (c for row in columns for c in row):
-                if isinstance(column, FromTurnBefore):
-                    if home(column.first) == "":
-                        self._need(column.first)
-                elif isinstance(column, Outside):
-                    homes = {home(n) or "p" for n in column.numbers}
-                    if len(homes) > 1:
-                        self._need(*(n for n in column.numbers if home(n) != "p"))
-                    else:
-                        self._need(*(n for n in column.numbers if home(n) == ""))
-        for check in self.kernel.checks:
-            self._need(check.pivot, check.reference)
-        self._need(*(out.value for out in outputs if home(out.value) == ""))
-
-    def _assign_slots(self) -> None:
-        """Slots turn by turn, so that what a turn writes stands together."""
-        numbers, free = self.sequence.numbers, self.base
-        for s in self.stretches:
-            turns = numbers[self._turns(s)]
-            stored = turns[:, self.needed[turns].any(axis=0)]
-            self.slots |= zip(stored.ravel().tolist(), range(free, free + stored.size), strict=True)
-            free += stored.size
-        leaves = [k for k in np.flatnonzero(self.needed).tolist() if k not in self.slots]
-        self.slots |= {k: free + i for i, k in enumerate(leaves)}
-        self.leaves = leaves
-        self.workspace = free + len(leaves) - self.base
+        for column in (c for columns in self.columns for row in columns for c in row):
+            if isinstance(column, FromTurnBefore):
+                if self.sequence.home(column.first) == "":
+                    self.workspace.need(column.first)
+            elif isinstance(column, Outside):
+                self.workspace.need_column(column.numbers)
+        self.workspace.need_results(outputs)
 
     # -- parts -------------------------------------------------------------------------------
 
@@ -185,14 +157,14 @@ class _Rerolling:
         stores, others = self._stores_of_bodies(written)
         returned = [out for out in self.kernel.outputs if out.array == "return"]
         self._ask_for_slots([*others, *returned])
-        self._assign_slots()
-        copies = [(k, "p", self.slots[k]) for k in self.leaves]
-        parts = self._copies(copies)
+        space = self.workspace
+        space.assign(self.sequence.numbers[self._turns(s)] for s in self.stretches)
+        parts = space.copies_of_leaves()
         for s, columns, own in zip(self.stretches, self.columns, stores, strict=True):
             parts.append(self._part(s, columns, own))
-        parts += self._copies([(out.value, out.array, out.slot) for out in others])
-        result = self._first(returned[0].value) if returned else None
-        return RolledKernel(tuple(parts), self._watch(), result, self.workspace)
+        parts += space.copies_of_outputs(others)
+        result = space.first(returned[0].value) if returned else None
+        return RolledKernel(tuple(parts), space.watch(), result, space.size)
 
     def _stores_of_bodies(
         self, outputs: Sequence[Output]
@@ -215,43 +187,6 @@ class _Rerolling:
             found.append(stores)
         return found, [out for outs in of.values() for out in outs]
 
-    def _copies(self, copies: Sequence[tuple[int, str, int]]) -> list[Part]:
-        """Parts that copy leaves, or values of the workspace, to (array, slot)."""
-        groups: dict[tuple[str, str], list[tuple[int, int]]] = {}
-        for number, array, slot in copies:
-            from_ = self.sequence.home(number) or "p"
-            groups.setdefault((from_, array), []).append((number, slot))
-        parts = []
-        for (_, array), pairs in groups.items():
-            numbers, slots = zip(*sorted(pairs, key=lambda pair: pair[1]), strict=True)
-            body = (Value(Op.INPUT, literal=Input("", 0, "x")),)
-            store = Store(array, np.array(slots), 0)
-            parts.append(Part(len(slots), body, (self._operand(numbers),), (store,)))
-        return parts
-
-    def _first(self, number: int) -> Entries | float:
-        """Where a value stands, for one that is read once."""
-        if self.sequence.home(number) == NUMBER:
-            return float(self.values[number].literal)  # type: ignore[arg-type]
-        operand = self._operand((number,))
-        assert isinstance(operand, Entries)
-        return operand
-
-    def _operand(self, numbers: tuple[int, ...]) -> Entries | Numbers:
-        """The operand that is these values, turn after turn."""
-        seq = self.sequence
-        homes = [seq.home(n) or "p" for n in numbers]
-        if len(set(homes)) == 1 and homes[0] == NUMBER:
-            return np.array([self.values[n].literal for n in numbers], dtype=np.float64)
-        if len(set(homes)) == 1:
-            array = homes[0]
-            slots = [self.slots[n] if seq.home(n) == "" else seq.slot(n) for n in numbers]
-        else:
-            array = "p"
-            slots = [seq.slot(n) if seq.home(n) == "p" else self.slots[n] for n in numbers]
-        logical = seq.home(numbers[0]) == "" and seq.is_logical(numbers[0])
-        return Entries(array, np.array(slots), logical)
-
     def _part(
         self, s: Stretch, columns: Sequence[Sequence[Column]], stores: Sequence[Store]
     ) -> Part:
@@ -266,20 +201,22 @@ class _Rerolling:
                 continue
             if isinstance(column, FromTurnBefore):
                 called = self._name(int(turns[0, column.position]))
-                operands.append(Carried(column.position + shift, self._first(column.first)))
+                operands.append(
+                    Carried(column.position + shift, self.workspace.first(column.first))
+                )
             else:
                 called = self._name(column.numbers[min(1, s.turns - 1)])
-                operands.append(self._operand(column.numbers))
+                operands.append(self.workspace.operand(column.numbers))
             leaves.append(Value(Op.INPUT, literal=Input("", len(operands) - 1, called)))
-        body = list(leaves)
+        body, slots_of = list(leaves), self.workspace.slots
         for number, row in zip(sample, columns, strict=True):
             args = tuple(c + shift if isinstance(c, int) else places[c] for c in row)
             value = self.values[number]
             body.append(Value(value.op, args, value.literal, value.serves))
         kept = [Store(st.array, st.slots, st.value + shift) for st in stores]
         for position, numbers in enumerate(turns.T.tolist()):
-            if numbers[0] in self.slots:
-                slots = np.array([self.slots[k] for k in numbers])
+            if numbers[0] in slots_of:
+                slots = np.array([slots_of[k] for k in numbers])
                 kept.append(Store("p", slots, position + shift))
         labels = tuple(
             Label(position + shift, self.labels[number].name)
@@ -307,21 +244,6 @@ class _Rerolling:
         if number in self.labels:
             return self.labels[number].name
         return ""
-
-    def _watch(self) -> Watch | None:
-        checks = self.kernel.checks
-        if not self.kernel.watched:
-            return None
-        return Watch(
-            np.array([self._slot(check.pivot) for check in checks], dtype=np.int64),
-            np.array([self._slot(check.reference) for check in checks], dtype=np.int64),
-            np.array([check.part for check in checks]),
-            np.array([1 + check.constraint for check in checks], dtype=np.int64),
-        )
-
-    def _slot(self, number: int) -> int:
-        constants = self.sequence.constants
-        return constants[number] if number in constants else self.slots[number]
 
 
 def _merged(found: Sequence[Stretch]) -> list[Stretch]:

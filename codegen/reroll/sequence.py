@@ -4,7 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from codegen.lower.program import COMMUTATIVE, LEAVES, LOGICAL, Input, Kernel, Lookup, Op, Program
+from codegen.lower.program import COMMUTATIVE, LOGICAL, Input, Kernel, Lookup, Op, Program
+from codegen.reroll.evaluation_order import order_on_demand
 from codegen.reroll.parts import Slots
 
 OPERANDS = 3  # layout: of an operation at the most
@@ -19,7 +20,7 @@ class OperationSequence:
     Attributes
     ----------
     numbers
-        Of the values that are computed, in order, shape (k,).
+        Of the values that are computed, in the order of evaluation, shape (k,).
     operands
         Numbers of the values that each takes, shape (k, 3), -1 where there is none. Those of sums
         and products stand in the order in which they are computed, leaves first.
@@ -33,8 +34,7 @@ class OperationSequence:
         """`constants`: value → slot in ``p``, of those that the kernel reads there."""
         self.program, self.constants = program, constants
         values = program.values
-        reachable = program.reachable(kernel)
-        computed = [k for k in reachable if values[k].op not in LEAVES and k not in constants]
+        computed = order_on_demand(values, kernel, constants)
         self.numbers = np.array(computed, dtype=np.int64)
         self.place = np.full(len(values), -1, dtype=np.int64)
         self.place[self.numbers] = np.arange(len(computed))
@@ -47,9 +47,12 @@ class OperationSequence:
             codes.append(code)
         self.codes = np.array(codes, dtype=np.int64)
         self.operands = np.full((len(computed), OPERANDS), -1, dtype=np.int64)
-        for row, k in zip(self.operands, computed, strict=True):
-            args = values[k].args
-            row[: len(args)] = args
+        for column in range(OPERANDS):
+            taken = ((k, values[number].args) for k, number in enumerate(computed))
+            pairs = [(k, args[column]) for k, args in taken if len(args) > column]
+            if pairs:
+                rows, numbers = np.array(pairs).T
+                self.operands[rows, column] = numbers
         self._order_commutative(computed)
 
     def _order_commutative(self, computed: list[int]) -> None:

@@ -1,0 +1,37 @@
+"""An order of evaluation in which values are computed where they are first taken.
+
+The values of a program stand in the order in which they were derived: all sines, then all terms of
+the constraints, then the elimination. A loop over the bars for each of these would pass everything
+that a bar computes through memory. A depth-first search from what the kernel stores brings together
+what belongs together: a bar's terms, its elimination, then the next bar.
+"""
+
+from collections.abc import Container, Sequence
+
+from codegen.lower.program import LEAVES, Kernel, Value
+
+
+def order_on_demand(
+    values: Sequence[Value], kernel: Kernel, constants: Container[int]
+) -> list[int]:
+    """Numbers of the values that `kernel` computes, each right before the first that takes it.
+
+    A pivot's reference stands behind the pivot. `constants` are read and not computed.
+    """
+    references: dict[int, list[int]] = {}
+    for check in kernel.checks:
+        references.setdefault(check.pivot, []).append(check.reference)
+    visited, found = set[int](), list[int]()
+    stack = [*reversed(kernel.roots)]
+    while stack:
+        number = stack.pop()
+        if number < 0:  # all that it takes is there
+            found.append(~number)
+            stack += reversed(references.get(~number, ()))
+        elif number not in visited:
+            visited.add(number)
+            value = values[number]
+            if number not in constants and value.op not in LEAVES:
+                stack.append(~number)
+                stack += value.args[::-1]
+    return found

@@ -1,0 +1,123 @@
+"""The workspace of a kernel in parts: the slots of values there, and operands that read them."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from codegen.lower.program import Input, Kernel, Op, Output, Value
+from codegen.reroll.parts import Entries, Numbers, Part, Slots, Store, Watch
+from codegen.reroll.sequence import NUMBER, OperationSequence
+
+
+class Workspace:
+    """Slots of ``p`` behind the constants, for values that one part computes and another reads.
+
+    First all that needs a slot is named (`need`), then slots are given (`assign`), then operands
+    are asked for.
+    """
+
+    def __init__(self, sequence: OperationSequence, kernel: Kernel, base: int) -> None:
+        """`base`: the first slot."""
+        self.sequence, self.kernel, self.base = sequence, kernel, base
+        self.needed = np.zeros(len(sequence.program.values), dtype=bool)
+        self.slots: dict[int, int] = {}
+        self.leaves: list[int] = []  # leaves with a slot: copies, before anything is computed
+        self.size = 0
+
+    def need(self, *numbers: int) -> None:
+        """Ask for slots of values."""
+        self.needed[list(numbers)] = True
+
+    def need_column(self, numbers: Sequence[int]) -> None:
+        """Ask for slots of what an operand is, turn after turn."""
+        home = self.sequence.home
+        homes = {home(n) or "p" for n in numbers}
+        if len(homes) > 1:
+            self.need(*(n for n in numbers if home(n) != "p"))
+        else:
+            self.need(*(n for n in numbers if home(n) == ""))
+
+    def need_results(self, outputs: Iterable[Output]) -> None:
+        """Ask for slots of what the checks and these outputs read."""
+        for check in self.kernel.checks:
+            self.need(check.pivot, check.reference)
+        self.need(*(out.value for out in outputs if self.sequence.home(out.value) == ""))
+
+    def assign(self, blocks: Iterable[Slots]) -> None:
+        """Give slots turn by turn, so that what a turn writes stands together.
+
+        Parameters
+        ----------
+        blocks
+            Values that are computed, each of shape (turns, period); a value of one turn that has a
+            slot gives one to those of all its turns.
+        """
+        free = self.base
+        for turns in blocks:
+            stored = turns[:, self.needed[turns].any(axis=0)]
+            self.slots |= zip(stored.ravel().tolist(), range(free, free + stored.size), strict=True)
+            free += stored.size
+        self.leaves = [k for k in np.flatnonzero(self.needed).tolist() if k not in self.slots]
+        self.slots |= {k: free + i for i, k in enumerate(self.leaves)}
+        self.size = free + len(self.leaves) - self.base
+
+    def operand(self, numbers: Sequence[int]) -> Entries | Numbers:
+        """The operand that is these values, turn after turn."""
+        seq = self.sequence
+        homes = [seq.home(n) or "p" for n in numbers]
+        if len(set(homes)) == 1 and homes[0] == NUMBER:
+            return np.array([seq.program.values[n].literal for n in numbers], dtype=np.float64)
+        if len(set(homes)) == 1:
+            array = homes[0]
+            slots = [self.slots[n] if seq.home(n) == "" else seq.slot(n) for n in numbers]
+        else:
+            array = "p"
+            slots = [seq.slot(n) if seq.home(n) == "p" else self.slots[n] for n in numbers]
+        logical = seq.home(numbers[0]) == "" and seq.is_logical(numbers[0])
+        return Entries(array, np.array(slots), logical)
+
+    def first(self, number: int) -> Entries | float:
+        """Where a value stands, for one that is read once."""
+        if self.sequence.home(number) == NUMBER:
+            return float(self.sequence.program.values[number].literal)  # type: ignore[arg-type]
+        operand = self.operand((number,))
+        assert isinstance(operand, Entries)
+        return operand
+
+    def copies_of_leaves(self) -> list[Part]:
+        """Parts that copy the leaves to their slots."""
+        return self._copies([(k, "p", self.slots[k]) for k in self.leaves])
+
+    def copies_of_outputs(self, outputs: Iterable[Output]) -> list[Part]:
+        """Parts that copy values to the arrays of outputs."""
+        return self._copies([(out.value, out.array, out.slot) for out in outputs])
+
+    def _copies(self, copies: Sequence[tuple[int, str, int]]) -> list[Part]:
+        """Parts that copy leaves, or values of the workspace, to (array, slot)."""
+        groups: dict[tuple[str, str], list[tuple[int, int]]] = {}
+        for number, array, slot in copies:
+            from_ = self.sequence.home(number) or "p"
+            groups.setdefault((from_, array), []).append((number, slot))
+        parts = []
+        for (_, array), pairs in groups.items():
+            numbers, slots = zip(*sorted(pairs, key=lambda pair: pair[1]), strict=True)
+            body = (Value(Op.INPUT, literal=Input("", 0, "x")),)
+            store = Store(array, np.array(slots), 0)
+            parts.append(Part(len(slots), body, (self.operand(numbers),), (store,)))
+        return parts
+
+    def watch(self) -> Watch | None:
+        """The checks on pivots, where the kernel has any."""
+        checks = self.kernel.checks
+        if not self.kernel.watched:
+            return None
+        return Watch(
+            np.array([self._slot(check.pivot) for check in checks], dtype=np.int64),
+            np.array([self._slot(check.reference) for check in checks], dtype=np.int64),
+            np.array([check.part for check in checks]),
+            np.array([1 + check.constraint for check in checks], dtype=np.int64),
+        )
+
+    def _slot(self, number: int) -> int:
+        constants = self.sequence.constants
+        return constants[number] if number in constants else self.slots[number]
