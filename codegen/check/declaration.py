@@ -88,6 +88,7 @@ def check_scene(model: Model, scene: Scene) -> list[str]:
 def _scene_problems(model: Model, scene: Scene) -> list[str]:
     where = f"scene '{scene.name}'"
     joints = active_joints(model, scene)
+    owners = {*scene.bodies, *joints, *scene.states}
     problems = []
     if not scene.bodies:
         problems.append(
@@ -110,11 +111,11 @@ def _scene_problems(model: Model, scene: Scene) -> list[str]:
                 f"{where}: {kind} '{name}' needs {model.kind(owner)} '{owner}', which takes no "
                 f"part; leave '{name}' out, or take '{owner}' in."
                 for owner in _needed(model, scene, name)
-                if owner not in (*scene.bodies, *joints, *scene.states)
+                if owner not in owners
             ]
     for name, _ in (*scene.start, *scene.guess):
         owner = name.rpartition(".")[0] or name  # a state is its own
-        if owner not in (*scene.bodies, *joints, *scene.states):
+        if owner not in owners:
             problems.append(
                 f"{where}: {name} has a start value, but its {model.kind(owner)} takes no part."
             )
@@ -135,17 +136,19 @@ def _problems_in_scene(
     model: Model, scene: Scene, joints: dict[str, el.Constraint]
 ) -> Iterator[str]:
     """What elements return for the bodies and values of a scene, where these are other ones."""
+    known = (*scene.guess, *scene.start)
     for joint in joints.values():
         with name_errors(joint):
-            model.place_of(joint, (*scene.guess, *scene.start))  # ModelError where it fails
+            if own_coordinates(joint):
+                model.place_of(joint, known)  # ModelError where it fails
     if scene.bodies != tuple(model.bodies):
-        known = _known_symbols(model)
+        symbols = _known_symbols(model)
         bodies = tuple(model.bodies[name] for name in scene.bodies)
         for name, effect in model.acting(scene).items():
             if name in scene.states:  # whose rate no body changes
                 continue
             with name_errors(effect):
-                yield from effect_problems(model, effect, bodies, known)
+                yield from effect_problems(model, effect, bodies, symbols)
 
 
 def _violated_conditions(model: Model, scene: Scene) -> Iterator[str]:

@@ -5,14 +5,15 @@ At positions near the start values, in which the joints close, orthogonalisation
 joint is the one named.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.derive.equations import Equations
 from codegen.lower.kernels.scene_kernels import Lowered
-from codegen.lower.poses_near_start import Poses
+from codegen.lower.poses_near_start import Poses, is_finite
+from codegen.lower.sparse_steps import dependent_rows
 
 Array = npt.NDArray[np.float64]
 # accuracy: rest of a row, columns scaled, below which the row follows from those before it
@@ -62,8 +63,8 @@ def examine(equations: Equations, lowered: Lowered) -> Findings:
     return Findings((), (note,), independent)
 
 
-def _jacobian_near(poses: Poses, probe: int) -> Array:
-    """Φ_q in units of the machine's size, where the constraints hold.
+def _jacobian_near(poses: Poses, probe: int) -> Any:
+    """Φ_q in units of the machine's size, where the constraints hold; sparse for a large machine.
 
     Where they do not, the position that comes nearest is singular, as a rod that is stretched after
     what it cannot reach: Φ_q is that of the place where the search began.
@@ -72,12 +73,22 @@ def _jacobian_near(poses: Poses, probe: int) -> Array:
     shift = (0.0 if probe == 0 else 0.1) * poses.unit * random.standard_normal(len(poses.guess))
     q, jacobian = poses.closed_near(poses.guess + shift)
     if not poses.holds(q):
-        jacobian = poses.jacobian(poses.guess + shift) * poses.unit
-    return jacobian if np.all(np.isfinite(jacobian)) else random.standard_normal(jacobian.shape)
+        jacobian = poses.scaled(poses.jacobian(poses.guess + shift), poses.unit)
+    if is_finite(jacobian):
+        return jacobian
+    if isinstance(jacobian, np.ndarray):
+        return random.standard_normal(jacobian.shape)
+    jacobian.data = random.standard_normal(jacobian.data.size)
+    return jacobian
 
 
-def _dependent_rows(jacobian: Array) -> list[int]:
-    """Rows that depend on earlier ones, by Gram-Schmidt, each row orthogonalised twice."""
+def _dependent_rows(jacobian: Any) -> list[int]:
+    """Rows that depend on earlier ones, by Gram-Schmidt, each row orthogonalised twice.
+
+    Those of a sparse matrix follow from its left null vectors.
+    """
+    if not isinstance(jacobian, np.ndarray):
+        return dependent_rows(jacobian, TOLERANCE)
     basis = np.zeros((0, jacobian.shape[1]))
     dependent = []
     for i, row in enumerate(jacobian):

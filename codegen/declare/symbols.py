@@ -3,6 +3,7 @@
 import math
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
 import sympy
@@ -15,6 +16,7 @@ from codegen.real_range import unreal_part
 
 Letter = Literal["x", "y", "phi"]
 LETTERS = ("x", "y", "phi")
+KEPT = 20_000  # measured: symbols that are found by name; SymPy keeps a thousand of all results
 SignRule = Literal["", "positive", "nonnegative"]
 
 
@@ -160,7 +162,7 @@ class Coordinate(ModelSymbol):
     @property
     def rate(self) -> "Velocity":
         """The velocity symbol that belongs to this coordinate (``crank_phi`` → ``crank_omega``)."""
-        return Velocity(f"{self.owner}_{self.measure.rate}", real=True)
+        return _velocity(f"{self.owner}_{self.measure.rate}")
 
     def _repr_latex_(self) -> str:
         """With its unit and its velocity, for notebooks; expressions show the name alone."""
@@ -255,7 +257,17 @@ def coordinate(owner: str, letter: str) -> Coordinate:
         raise ModelError(
             f"coordinate({shown(owner)}, {shown(letter)}): give a name, and one of {known}."
         )
-    return Coordinate(f"{owner}_{letter}", real=True)
+    return _coordinate_called(f"{owner}_{letter}")
+
+
+@lru_cache(KEPT)
+def _coordinate_called(name: str) -> Coordinate:
+    return Coordinate(name, real=True)
+
+
+@lru_cache(KEPT)
+def _velocity(name: str) -> "Velocity":
+    return Velocity(name, real=True)
 
 
 def own_coordinate(letter: str, text: str) -> Coordinate:

@@ -1,5 +1,6 @@
 """Numbers with units: converted to SI where they are declared, and nowhere else."""
 
+import re
 import sys
 from typing import Any
 
@@ -7,13 +8,30 @@ import sympy
 
 from codegen.errors import FAILURES
 from codegen.plain_values import KindError, one_line, plain_float
-from codegen.quantities import cycles_for_radians, pint_form, registry
+from codegen.quantities import NAME, cycles_for_radians, pint_form, registry
 from codegen.real_range import unreal_part
+
+COHERENT = frozenset(("m", "kg", "s", "rad", "N", "J", "W", "Pa", "Hz"))
+"""SI units whose products of powers have the factor 1: they are known without pint.
+
+To import pint and read its table of units is a sixth of the build of a small scene.
+"""
+
+
+def _is_coherent(unit: str) -> bool:
+    """Whether `unit` is a sound product of powers of coherent units alone."""
+    if not COHERENT.issuperset(re.findall(NAME, unit)):
+        return False
+    try:
+        pint_form(unit)
+    except ValueError:
+        return False
+    return True
 
 
 def known_unit(unit: str) -> bool:
     """Whether `unit` is a unit (the empty text means a pure number)."""
-    if not unit:
+    if not unit or _is_coherent(unit):
         return True
     shared = registry()
     try:
@@ -26,7 +44,7 @@ def known_unit(unit: str) -> bool:
 
 def si_factor(unit: str) -> float:
     """One `unit` in SI units; 1 for SI units themselves."""
-    if not unit:
+    if not unit or _is_coherent(unit):
         return 1.0
     one: Any = registry().Quantity(1.0, pint_form(unit)).to_base_units().magnitude
     none: Any = registry().Quantity(0.0, pint_form(unit)).to_base_units().magnitude

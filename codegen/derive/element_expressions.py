@@ -20,16 +20,13 @@ class ElementExpression(NamedTuple):
 def element_expressions(
     constraints: Iterable["ConstraintEquations"],
     effects: Iterable["EffectEquations"],
-    functions: tuple[type[sympy.Basic], ...] = (),
+    functions: tuple[type[sympy.Basic], ...],
 ) -> Iterator[ElementExpression]:
-    """Those of constraints, with their bindings, that have any of `functions`, and of effects.
-
-    All of the constraints where no functions are named.
-    """
+    """Those of constraints, with their bindings, that have any of `functions`, and of effects."""
     for constraint in constraints:
         bindings = constraint.statement.bindings
         for expression in (*constraint.terms.phi, *bindings.values()):
-            if not functions or expression.has(*functions):
+            if expression.has(*functions):
                 yield ElementExpression(constraint.name, expression.xreplace(bindings))
     for effect in effects:
         terms = effect.terms

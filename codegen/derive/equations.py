@@ -31,6 +31,7 @@ from codegen.derive.scene_conditions import (
 from codegen.derive.scene_picture import ScenePicture, scene_picture
 from codegen.derive.table_ranges import TableRange, table_ranges
 from codegen.derive.time_functions import TimeFunction, time_functions
+from codegen.garbage_collection import collection_paused
 from codegen.model import Model
 from codegen.model.base import TRACKED
 
@@ -233,6 +234,7 @@ def _effect_equations(
     return tuple(found)
 
 
+@collection_paused()
 def derive(model: Model, scene: Scene) -> Equations:
     """Instantiate every element that takes part in `scene`."""
     bodies = tuple(model.bodies[name] for name in scene.bodies)

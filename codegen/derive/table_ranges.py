@@ -33,7 +33,7 @@ def table_ranges(
 ) -> tuple[TableRange, ...]:
     """The tables of constraints and effects that a motion may leave, each use once."""
     found: dict[TableRange, None] = {}
-    for element, expression, along in element_expressions(constraints, effects):
+    for element, expression, along in element_expressions(constraints, effects, (Interpolant,)):
         moved = along is not None and expression.has(SPEED)
         taken = expression.xreplace({SPEED: rate(along)}) if moved else expression
         for node in sorted(taken.atoms(Interpolant), key=str):

@@ -64,7 +64,7 @@ def is_of_time(node: sympy.Basic) -> bool:
 
 def _parts(expression: sympy.Basic) -> Iterator[sympy.Expr]:
     """The largest parts of an expression that are functions of time, in the order of the text."""
-    stack: list[sympy.Basic] = [expression]
+    stack: list[sympy.Basic] = [expression] if expression.has(Time) else []
     while stack:
         node = stack.pop()
         if isinstance(node, Relational) and is_of_time(node):

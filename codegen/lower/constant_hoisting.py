@@ -21,17 +21,17 @@ def with_constants(
     """
     # What is asked of parameters once a run is no constant of its steps.
     stepping = tuple(kernel for kernel in kernels if kernel.name != "conditions")
-    bare = Program(orient_differences(graph, stepping), kernels, (), WEAK_PIVOT)
+    values, needed_by = orient_differences(graph, stepping)
     hoisted: dict[int, None] = {}
     slots: dict[int, int] = {}
-    for kernel in stepping:
+    for kernel, numbers in zip(stepping, needed_by, strict=True):
         needed = set(kernel.roots)
-        for number in bare.reachable(kernel):
-            value = graph.values[number]
-            if isinstance(value.literal, Input) and value.literal.array == "stiction":
-                slots[number] = value.literal.slot
-            if not graph.settled[number]:
-                needed |= set(value.args)
+        for number in numbers:
+            _, args, literal, *_ = graph.values[number]
+            if isinstance(literal, Input) and literal.array == "stiction":
+                slots[number] = literal.slot
+            if args and not graph.settled[number]:
+                needed.update(args)
         settled = (k for k in sorted(needed) if graph.settled[k] and graph.values[k].args)
         hoisted |= dict.fromkeys(settled)
     forces = sorted(slots, key=slots.__getitem__)
@@ -42,22 +42,27 @@ def with_constants(
         ("p",),
         tuple(Output("p", declared + k, number) for k, number in enumerate(hoisted)),
     )
-    return Program(bare.values, (first, *kernels), (*forces, *hoisted), weak_pivot)
+    return Program(values, (first, *kernels), (*forces, *hoisted), weak_pivot)
 
 
-def orient_differences(graph: Graph, kernels: tuple[Kernel, ...]) -> tuple[Value, ...]:
-    """The graph's values, signs put into differences that nothing else needs.
+def orient_differences(
+    graph: Graph, kernels: tuple[Kernel, ...]
+) -> tuple[tuple[Value, ...], list[list[int]]]:
+    """The graph's values, signs put into differences that nothing else needs; by kernel its own.
 
     In the graph a - b and b - a are one value and its opposite, so that what contains them is
     shared. Where only the opposite is left, the difference is written the other way round.
     """
     values = list(graph.values)
     everything = Program(tuple(values), kernels, (), WEAK_PIVOT)
-    reachable = {number for kernel in kernels for number in everything.reachable(kernel)}
+    needed_by = [everything.reachable(kernel) for kernel in kernels]
+    reachable = set[int]().union(*needed_by)
     uses = Counter(a for number in reachable for a in values[number].args)
     uses.update(root for kernel in kernels for root in kernel.roots)
+    oriented = set[int]()  # differences that are written the other way round
     for number in sorted(reachable):
         value = values[number]
         if value.op is Op.NEG and values[value.args[0]].op is Op.SUB and uses[value.args[0]] == 1:
+            oriented.add(value.args[0])
             values[number] = value._replace(op=Op.SUB, args=values[value.args[0]].args[::-1])
-    return tuple(values)
+    return tuple(values), [[k for k in numbers if k not in oriented] for numbers in needed_by]

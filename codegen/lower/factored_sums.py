@@ -38,6 +38,8 @@ class Parts:
 
     def plus(self, other: "Parts") -> "Parts":
         """The sum; parts with the same factors are added."""
+        if not (self.parts and other.parts):
+            return self if self.parts else other
         terms = dict(self.parts)
         for factors, value in other.parts.items():
             terms[factors] = self.graph.add(terms.get(factors, self.graph.zero), value)
@@ -45,6 +47,8 @@ class Parts:
 
     def scaled(self, number: float) -> "Parts":
         """The sum, times a number."""
+        if number == 1.0:
+            return self
         graph, terms = self.graph, dict[Factors, int]()
         for (factor_terms, rates), value in self.parts.items():
             terms[factor_terms * abs(number), rates] = value if number > 0 else graph.neg(value)

@@ -67,7 +67,8 @@ class Graph(Numbering):
             return opposite if sign > 0 else self.neg(opposite)
         if first is second is Op.SELECT and (one := self._merge_choices(a, b, sign)) is not None:
             return one
-        if self._cancelling and (shorter := self._cancelled(a, b, sign)) is not None:
+        may_cancel = self._cancelling and (first in SUMS or second in SUMS)
+        if may_cancel and (shorter := self._cancelled(a, b, sign)) is not None:
             return shorter
         if sign > 0:
             return self._add(Op.ADD, (a, b))

@@ -1,6 +1,7 @@
 """The cost of a program: operations of each kernel, and the element that each serves."""
 
 from collections import Counter
+from collections.abc import Sequence
 
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.graph import Graph
@@ -26,6 +27,12 @@ def by_element(program: Program, kernel: Kernel) -> Counter[str]:
 def cost(graph: Graph, kernel: Kernel) -> int:
     """Weighted operations of a kernel by itself, to compare two for the same question."""
     return weighted_operations(with_constants(graph, (kernel,), declared=0), kernel)
+
+
+def cheapest(graph: Graph, kernels: Sequence[Kernel]) -> Kernel:
+    """The first of the kernels that cost least; one alone is not counted."""
+    one, *others = kernels
+    return min(kernels, key=lambda kernel: cost(graph, kernel)) if others else one
 
 
 def weighted_operations(program: Program, kernel: Kernel) -> int:

@@ -7,7 +7,7 @@ inputs and outputs.
 """
 
 from collections.abc import Container, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple
 
@@ -155,10 +155,21 @@ class Program:
     # forces, which a run sets, then what depends on parameters alone.
     constants: tuple[int, ...]
     weak_pivot: float  # the tolerance of the checks
+    # place of one of the kernels → the numbers that it computes, once they were asked for
+    _reachable: dict[int, tuple[int, ...]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def reachable(self, kernel: Kernel) -> tuple[int, ...]:
         """Numbers of the values that `kernel` computes, in order; constants of p are leaves."""
-        return tuple(sorted(dependencies(self.values, kernel.roots, self.hoisted(kernel))))
+        place = next((k for k, own in enumerate(self.kernels) if own is kernel), None)
+        if place is not None and place in self._reachable:
+            return self._reachable[place]
+        found = dependencies(self.values, kernel.roots, self.hoisted(kernel))
+        numbers = tuple(sorted(found))
+        if place is not None:
+            self._reachable[place] = numbers
+        return numbers
 
     def hoisted(self, kernel: Kernel) -> frozenset[int]:
         """The values that `kernel` reads from ``p`` instead of computing them."""

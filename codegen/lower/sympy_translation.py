@@ -87,10 +87,11 @@ class Translator:
     def __call__(self, expression: Any) -> int:
         """The value of `expression`; a failure of SymPy's names what the graph serves."""
         try:
-            node = sympy.sympify(expression)
-            if node not in self._known:
-                self._known[node] = self._translate(node)
-            return self._known[node]
+            node = expression if isinstance(expression, sympy.Basic) else sympy.sympify(expression)
+            known = self._known.get(node)
+            if known is None:
+                known = self._known[node] = self._translate(node)
+            return known
         except LinkwrightError:
             raise
         except FAILURES as error:

@@ -1,6 +1,7 @@
 """The ledger of a scene: everything is in it, its parts add up, and prices are measured."""
 
 import json
+import re
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 from rich.cells import cell_len
 from typer.testing import CliRunner
 
+from benchmarks.chain import chain
 from codegen import Model
 from codegen.cli import app
 from codegen.derive.equations import derive
@@ -21,6 +23,7 @@ from codegen.explain import kernel_timer as clock
 from codegen.explain.element_times import measure
 from codegen.explain.ledger import explain
 from codegen.explain.ledger_records import Ledger, Part, compare
+from codegen.explain.loops import loops_sentence
 from codegen.explain.operations_by_part import (
     cumulative_programs,
     marginal_operations,
@@ -30,6 +33,8 @@ from codegen.explain.operations_by_part import (
 )
 from codegen.explain.picture import figure, page
 from codegen.explain.sample_states import about_the_start
+from codegen.explain.terminal_table import notes
+from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.operation_count import operations
 from codegen.model_file import read_model
 from tests.codegen.workbench import write_model
@@ -301,3 +306,20 @@ def test_a_scene_whose_kernels_cost_nothing_is_drawn(root: Path) -> None:
     free = replace(ledger, parts=tuple(replace(part, operations={}) for part in ledger.parts))
     (axes,) = figure([free]).axes
     assert axes.get_legend() is None
+
+
+def test_kernels_in_loops_are_named_with_their_statements() -> None:
+    """A small machine says how far it is from the threshold, a large one what its loops save."""
+    (small,) = explain(chain(2))
+    found = re.fullmatch(r"written out: (\d+) statements, not above 6000", small.loops)
+    assert found is not None, small.loops
+    assert 50 < int(found[1]) < 6000
+    assert f"kernels: {small.loops}" in [*notes(small)]
+    chosen, *_ = valid_scenes(chain(60), None)
+    sentence = loops_sentence(lower(derive(chain(60), chosen)))
+    assert sentence.startswith("in loops: ")
+    of_accelerations = re.search(r"accelerations \((\d+) statements, (\d+) left\)", sentence)
+    assert of_accelerations is not None, sentence
+    before, after = map(int, of_accelerations.groups())
+    assert after < 0.6 * before
+    assert "statements, above 6000" in sentence

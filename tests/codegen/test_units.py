@@ -1,6 +1,8 @@
 """Quantities in a declaration: converted to SI, cycles and radians told apart, zeros all alike."""
 
 import math
+import subprocess
+import sys
 from typing import Any
 
 import pytest
@@ -9,8 +11,9 @@ from pint import UnitRegistry, get_application_registry
 from sympy.physics import units as of_sympy
 
 from codegen import Model, ModelError, t
-from codegen.declare.units import in_unit
+from codegen.declare.units import COHERENT, in_unit, known_unit, si_factor
 from codegen.driver import valid_scenes
+from codegen.quantities import pint_form
 
 u = get_application_registry()
 
@@ -135,3 +138,25 @@ def test_a_zero_is_a_zero(zero: Any) -> None:
     assert "'idle' does nothing" in told
     assert "the axis (0, 0) has no direction" in told
     assert "contain a 0" in told
+
+
+@pytest.mark.parametrize(
+    "unit", [*sorted(COHERENT), "kg m^2", "N m s/rad", "N/m", "1/s", "m^(3/2)", "W s/(kg m^2)"]
+)
+def test_coherent_units_are_those_of_pint(unit: str) -> None:
+    one: Any = u.Quantity(1.0, pint_form(unit)).to_base_units().magnitude
+    assert (known_unit(unit), si_factor(unit), one) == (True, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("unit", ["m m/", "m^", "(m", "m ^ 99", "m//s"])
+def test_coherent_names_that_make_no_unit_are_refused(unit: str) -> None:
+    assert not known_unit(unit)
+
+
+def test_a_model_in_coherent_units_does_not_load_pint() -> None:
+    code = (
+        "from pathlib import Path; import sys; from codegen.model_file import read_model; "
+        "read_model(Path('models/slider_crank.py')); print('pint' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False"]

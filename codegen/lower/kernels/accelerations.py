@@ -1,12 +1,19 @@
 """The kernel of accelerations and multipliers, by the elimination that costs least."""
 
 from codegen.lower.kernels.corrections import solutions
+from codegen.lower.kernels.elimination_choice import (
+    ORDERS,
+    SUBSTITUTING,
+    cheapest_by_structure,
+    elimination,
+    is_large,
+)
 from codegen.lower.kernels.inverse_mass_ratio import FAR
 from codegen.lower.kernels.reaction_friction import with_friction
-from codegen.lower.linear.factorization import Elimination, Strategy, augmented
+from codegen.lower.linear.factorization import Strategy
 from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.sparse_row_elimination import Task
-from codegen.lower.operation_count import cost
+from codegen.lower.operation_count import cheapest
 from codegen.lower.program import Kernel, Output, store
 from codegen.lower.scene_graph import SceneGraph
 
@@ -25,10 +32,12 @@ def accelerations(
         driven = scene.equations.scene.analysis == "kinematics" and scene.m == scene.n > 0
         return _kinematics(scene), "square" if driven else "schur"
     if spread >= FAR:
-        return dynamics_kernel(scene, "substitute", rows, refine=True), "substitute"
-    strategies: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
-    trials = [(dynamics_kernel(scene, strategy, rows), strategy) for strategy in strategies]
-    return min(trials, key=lambda trial: cost(scene.graph, trial[0]))
+        order = cheapest_by_structure(scene, SUBSTITUTING) if is_large(scene) else "substitute"
+        return dynamics_kernel(scene, order, rows, refine=True), order
+    orders = (cheapest_by_structure(scene),) if is_large(scene) else ORDERS
+    trials = {strategy: dynamics_kernel(scene, strategy, rows) for strategy in orders}
+    kernel = cheapest(scene.graph, list(trials.values()))
+    return kernel, next(strategy for strategy, trial in trials.items() if trial is kernel)
 
 
 def dynamics_kernel(
@@ -36,20 +45,10 @@ def dynamics_kernel(
 ) -> Kernel:
     """The fused kernel by one order of elimination, with a step of refinement or without."""
     n, graph = scene.n, scene.graph
-    lengths = {k for k, q in enumerate(scene.equations.coordinates) if q.unit == "m"}
-    with_lengths = {i for i, k in scene.jacobian if k in lengths}
-    located = [(k, n + i, i not in with_lengths) for i, k in scene.massless]
     labels = _labels(scene)
     labels.step("Sizes that the pivots are compared with: the diagonal of Φ_q M⁻¹ Φ_qᵀ")
     with graph.serving("factorization"):
-        entries, references = augmented(graph, scene.mass, scene.jacobian, n)
-        for i, size in references.items():
-            labels.add(size, labels.of("size", i))
-        right, duals = [scene.forces + scene.gamma], frozenset(range(n, n + scene.m))
-        for friction in scene.frictions:  # a unit force of it
-            push = [friction.direction.get(k, graph.zero) for k in range(n)]
-            right.append([*push, *[graph.zero] * scene.m])
-        system = Elimination(graph, entries, right, duals, references, located, labels)
+        system = elimination(scene, labels)
         columns = system.solve(strategy)
         if refine:
             columns = system.refined(columns)

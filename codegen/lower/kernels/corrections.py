@@ -11,9 +11,15 @@ from codegen.lower.graph import Graph
 from codegen.lower.linear.factorization import Entries
 from codegen.lower.linear.least_change_by_multipliers import NormalEquations
 from codegen.lower.linear.least_change_by_null_space import NullSpace
-from codegen.lower.linear.sparse_row_elimination import SparseRows, Task, prefixed
+from codegen.lower.linear.sparse_row_elimination import (
+    SparseRows,
+    Task,
+    is_large,
+    prefixed,
+    structure_of,
+)
 from codegen.lower.linear.square_systems import Square
-from codegen.lower.operation_count import cost
+from codegen.lower.operation_count import cheapest
 from codegen.lower.program import Kernel, store
 from codegen.lower.scene_graph import SceneGraph
 
@@ -40,10 +46,11 @@ def least_correction(
         right = [[graph.neg(one) for one in phi], [graph.neg(rate) for rate in rates]]
         stems, unknowns = ["rhs_q", "rhs_v"], prefixed(["dq", "dv"], names)
         task = Task(graph, jacobian, right, w, names, rows, stems, unknowns)
-        for cancels in (True, False):
+        # Where the coordinates and rows are many, it is not worth building everything twice.
+        for cancels in (True,) if is_large(task) else (True, False):
             with graph.cancelling(cancels):
                 trials += [_kernel(names, *solution) for solution in solutions(task)]
-    return min(trials, key=lambda kernel: cost(graph, kernel))
+    return cheapest(graph, trials)
 
 
 def _kernel(names: list[str], changes: list[list[int]], solver: SparseRows) -> Kernel:
@@ -59,5 +66,7 @@ def solutions(task: Task) -> list[Solution]:
         square = Square(task)
         if (unknowns := square.solve()) is not None:
             return [(unknowns, square)]
-    solvers = (NullSpace(task), NormalEquations(task))
+    solvers: list[NullSpace | NormalEquations] = [NormalEquations(task)]
+    if not is_large(task) or NullSpace(structure_of(task)).solve() is not None:
+        solvers.insert(0, NullSpace(task))
     return [(changes, one) for one in solvers if (changes := one.solve()) is not None]

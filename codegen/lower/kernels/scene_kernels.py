@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from codegen.derive.equations import Equations
+from codegen.garbage_collection import collection_paused
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.kernels.accelerations import accelerations
 from codegen.lower.kernels.condition_kernels import condition_kernels
@@ -33,6 +34,7 @@ class Lowered:
         return {kernel.name: kernel for kernel in self.program.kernels}
 
 
+@collection_paused()
 def lower(equations: Equations) -> Lowered:
     """Translate every equation into one graph, and arrange its values in kernels."""
     scene, selection = SceneGraph(equations), Selection(equations)

@@ -15,7 +15,7 @@ constraint's negative, and a pair's determinant at most -b², with b at least a 
 number in its row of Φ_q. The cheapest order may be taken.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -26,9 +26,9 @@ from codegen.lower.linear.pivot_order import PivotOrder
 from codegen.lower.program import Check
 
 Entries = dict[tuple[int, int], int]  # (row, column) → value, structural non-zeros only
-Strategy = Literal["substitute", "mixed", "schur", "square"]
-"""Pairs while there are any; whatever is cheapest now; accelerations, then multipliers; what
-constraints alone determine, `codegen.lower.linear.square_systems`."""
+Strategy = Literal["substitute", "mixed", "schur", "leaves", "square"]
+"""Pairs while there are any; whatever is cheapest now; accelerations, then multipliers; from the
+leaves to the root; what constraints alone determine, `codegen.lower.linear.square_systems`."""
 
 
 def augmented(
@@ -61,6 +61,8 @@ class Elimination:
     # stated, which are angles like it.
     located: list[tuple[int, int, bool]] = field(default_factory=list)
     labels: Labels = field(default_factory=Labels)  # of entries, pivots, right sides and unknowns
+    # of each unknown the body or the joint that it belongs to, where bodies are eliminated whole
+    owners: Sequence[str] = ()
     checks: list[Check] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:

@@ -54,6 +54,8 @@ class Labels:
 
     def entry(self, value: int, i: int, j: int, duals: frozenset[int] = frozenset()) -> None:
         """Name an entry of the reduced matrix: Phi of a multiplier and a coordinate."""
+        if not self.names or value in self.by_value:
+            return
         if i in duals and j not in duals:
             i, j = j, i
         mixed = j in duals and i not in duals

@@ -1,12 +1,12 @@
 """The least change by the multipliers of the constraints: d = W Φ_qᵀ μ with Φ_q W Φ_qᵀ μ = r."""
 
 from collections.abc import Mapping, Sequence
-from itertools import combinations_with_replacement
 
 from codegen.lower.graph import Graph
+from codegen.lower.linear.coordinate_order import Row
 from codegen.lower.linear.factorization import Elimination
 from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.sparse_row_elimination import Row, SparseRows, prefixed
+from codegen.lower.linear.sparse_row_elimination import SparseRows, prefixed
 from codegen.lower.program import Check
 
 
@@ -16,10 +16,9 @@ class NormalEquations(SparseRows):
     def solve(self) -> list[list[int]]:
         """The changes, one list a right side."""
         graph, task = self.graph, self.task
-        while alone := self._determined_coordinates():
-            i, k, number = alone[0]  # the weights do not matter there
+        while (i := self._first_row(self._determines)) is not None:
+            ((k, number),) = self._remove(i).items()  # the weights do not matter there
             self.checks.append(Check(task.weights[k], graph.zero, i))
-            del self._rows[i]
             self._eliminate(k, {}, [graph.div(column[i], number) for column in self.right])
         left = list(self._rows)
         names = [task.rows[i] for i in left]
@@ -38,10 +37,9 @@ class NormalEquations(SparseRows):
             changes.append([sums.get(k, graph.zero) for k in weights])
         return changes
 
-    def _determined_coordinates(self) -> list[tuple[int, int, int]]:
-        """Row, column and coefficient of rows with one unknown and a number in front of it."""
-        alone = ((i, *next(iter(row.items()))) for i, row in self._rows.items() if len(row) == 1)
-        return [found for found in alone if self.graph.number(found[2]) is not None]
+    def _determines(self, row: Row) -> bool:
+        """Whether a row has one unknown and a number in front of it."""
+        return len(row) == 1 and all(self.graph.floats[entry] is not None for entry in row.values())
 
 
 def solve_by_multipliers(
@@ -53,12 +51,16 @@ def solve_by_multipliers(
     Returns column → value, one a right side, and the pivots to watch, by the number of the row.
     """
     entries: dict[tuple[int, int], int] = {}
-    for a, b in combinations_with_replacement(range(len(rows)), 2):
-        other = rows[b]
-        terms = [
-            graph.mul(graph.mul(x, weights[k]), other[k]) for k, x in rows[a].items() if k in other
-        ]
-        if terms or a == b:
+    users: dict[int, list[int]] = {}  # column → rows that contain it
+    for a, row in enumerate(rows):
+        for k in row:
+            users.setdefault(k, []).append(a)
+    for a, row in enumerate(rows):
+        for b in sorted({a, *(b for k in row for b in users[k] if b > a)}):
+            other = rows[b]
+            terms = [
+                graph.mul(graph.mul(x, weights[k]), other[k]) for k, x in row.items() if k in other
+            ]
             entries[a, b] = entries[b, a] = graph.total(terms)
             labels.entry(entries[a, b], a, b)
     references = {a: entries[a, a] for a in range(len(rows))}

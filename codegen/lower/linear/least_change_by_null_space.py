@@ -16,7 +16,8 @@ weights lie apart. With more than one degree of freedom in a loop that eliminati
 
 from collections.abc import Iterable
 
-from codegen.lower.linear.sparse_row_elimination import Row, SparseRows, Task
+from codegen.lower.linear.coordinate_order import Row
+from codegen.lower.linear.sparse_row_elimination import SparseRows, Task
 from codegen.lower.program import Check
 
 TINY = 1e-100  # safety: added to weights before they are inverted; w = 0 holds a coordinate
@@ -48,7 +49,7 @@ class NullSpace(SparseRows):
     def _give_coordinate(self, i: int, k: int) -> None:
         """x_k = (r - Σ entry x) / number."""
         graph = self.graph
-        row = self._rows.pop(i)
+        row = self._remove(i)
         self._step(f"Eliminate {self.labels.titles(k)} with", i)
         inverse = graph.div(graph.one, row.pop(k))
         if not row:  # what a constraint determines may not be held
@@ -133,6 +134,7 @@ class NullSpace(SparseRows):
         """The change along each unknown that is left; None where one coordinate follows two."""
         graph, mul, labels = self.graph, self.graph.mul, self.labels
         labels.step("Substitute back")
+        coordinates = range(len(self.weights))
         nothing = [graph.zero] * len(self.right)
         slopes: dict[int, Row] = {z: {z: graph.one} for z in self._unknowns}
         base = dict.fromkeys(self._unknowns, nothing)
@@ -144,12 +146,11 @@ class NullSpace(SparseRows):
                     slopes[k][z] = graph.sub(slopes[k].get(z, graph.zero), product)
                 for column, shift in enumerate(base[j]):
                     base[k][column] = graph.sub(base[k][column], mul(factor, shift))
-        coordinates = range(len(self.weights))
+            if k in coordinates and len(slopes[k]) > 1:
+                return None
         for column, names in enumerate(labels.solution):
             for k in coordinates:
                 labels.add(base[k][column], f"base_{names[k]}")
-        if any(len(slopes[k]) > 1 for k in coordinates):
-            return None
         labels.step("Solve for the change along the null space")
         changes = [[base[k][column] for k in coordinates] for column in range(len(self.right))]
         for z in self._unknowns:

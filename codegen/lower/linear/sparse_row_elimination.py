@@ -4,19 +4,19 @@ An entry of Φ_q that is a number gives a coordinate by a constraint in every po
 come first, whichever way the rows that are left are solved.
 """
 
-from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from heapq import heappop, heappush
 from itertools import combinations
 
 from codegen.lower.graph import Graph
+from codegen.lower.linear.coordinate_order import CoordinateOrder, Row
 from codegen.lower.linear.labels import Labels
+from codegen.lower.linear.structural_cost import LARGE, Structure
 from codegen.lower.program import Check
 
-LEAST_PIVOT = 0.1  # accuracy: part of the largest number in its row of Φ_q that a pivot must have
 ROUNDING = 1e-12  # accuracy: a number below this part of the numbers it is a difference of is zero
 SEARCHED = 30  # safety: rows among which small sets are searched for
-Row = dict[int, int]  # unknown → coefficient
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,19 @@ class Task:
         return Labels(names, prefixed(self.stems, self.rows), self.unknowns)
 
 
+def is_large(task: Task) -> bool:
+    """Whether a task is so large that its ways are compared by structure."""
+    return len(task.right[0]) + len(task.weights) >= LARGE
+
+
+def structure_of(task: Task) -> Task:
+    """The task without names in a structure, which shows whether a way leads to a solution."""
+    structure, graph = Structure(), task.graph
+    jacobian = {place: structure.kind(graph, value) for place, value in task.jacobian.items()}
+    right = [structure.kinds(graph, column) for column in task.right]
+    return Task(structure, jacobian, right, structure.kinds(graph, task.weights))
+
+
 class SparseRows:
     """The rows of a task, from which unknowns are eliminated."""
 
@@ -47,46 +60,74 @@ class SparseRows:
         self._rows: dict[int, Row] = {i: {} for i in range(len(self.right[0]))}
         for (i, k), entry in sorted(task.jacobian.items()):
             self._rows[i][k] = entry
+        self._columns: dict[int, set[int]] = {}  # unknown → the rows that contain it
+        for i, row in self._rows.items():
+            for k in row:
+                self._columns.setdefault(k, set()).add(i)
         self._original = {i: dict(row) for i, row in self._rows.items()}
         self._eliminated: list[tuple[int, Row, list[int]]] = []
+        self._order = CoordinateOrder(self.graph, self._rows, self._columns)
+        # rows and columns that changed since the order was asked last, and a heap of rows that
+        # changed since they were looked at
+        self._changed, self._changed_columns = set(self._rows), set[int]()
+        self._unseen = list(self._rows)
 
     def _explicit_coordinate(self) -> tuple[int, int] | None:
         """Row and column of the number whose elimination fills in least, if any is left."""
-        counts = Counter(k for row in self._rows.values() for k in row)
-        candidates = []
-        for i, row in self._rows.items():
-            sizes = {k: abs(self.graph.number(entry) or 0.0) for k, entry in row.items()}
-            least = LEAST_PIVOT * max(sizes.values(), default=0.0)
-            candidates += [
-                ((len(row) - 1) * (counts[k] - 1), -len(row), i, k)
-                for k, size in sizes.items()
-                if size > 0.0 and size >= least
-            ]
-        return min(candidates)[2:] if candidates else None
+        self._order.renew(self._changed, self._changed_columns)
+        self._changed, self._changed_columns = set(), set()
+        return self._order.first()
+
+    def _remove(self, i: int) -> Row:
+        """A row, which leaves the system."""
+        row = self._rows.pop(i)
+        self._changed.add(i)
+        for k in row:
+            self._columns[k].discard(i)
+            self._changed_columns.add(k)
+        return row
 
     def _eliminate(self, k: int, coefficients: Row, right: list[int]) -> None:
         """Put x_k = right - Σ coefficient x into the rows."""
         graph = self.graph
         self._eliminated.append((k, coefficients, right))
-        for i, row in self._rows.items():
-            if k not in row:
-                continue
+        for i in sorted(self._columns.pop(k, ())):
+            row = self._rows[i]
             factor = row.pop(k)
             for j, coefficient in coefficients.items():
                 before = row.pop(j, graph.zero)
                 changed = graph.sub(before, graph.mul(factor, coefficient))
                 number, was = graph.number(changed), graph.number(before)
+                around = self._columns.setdefault(j, set())
                 if number is None or abs(number) > ROUNDING * abs(was or 0.0):
                     row[j] = changed
+                    around.add(i)
                     self._name(changed, "Phi", i, j)
+                else:
+                    around.discard(i)
+                self._changed_columns.add(j)
+            self._changed.add(i)
+            heappush(self._unseen, i)
             for column, known in zip(self.right, right, strict=True):
                 column[i] = graph.sub(column[i], graph.mul(factor, known))
             self.labels.sides(self.right, i)
 
+    def _first_row(self, holds: Callable[[Row], bool]) -> int | None:
+        """The first row for which `holds`, a question of the row alone, the same in all calls."""
+        while self._unseen:
+            i = self._unseen[0]
+            if i in self._rows and holds(self._rows[i]):
+                return i
+            heappop(self._unseen)
+        return None
+
     def _smallest_set(self, largest: int, surplus: range) -> tuple[int, ...] | None:
         """The fewest rows, `largest` at the most, with so many unknowns more than they are."""
+        first = self._first_row(lambda row: len(row) - 1 in surplus)
+        if first is not None:
+            return (first,)
         rows = tuple(self._rows)
-        for size in range(1, largest + 1 if len(rows) <= SEARCHED else 2):
+        for size in range(2, largest + 1 if len(rows) <= SEARCHED else 2):
             for chosen in combinations(rows, size):
                 if len(self._unknowns_of(chosen)) - size in surplus:
                     return chosen
@@ -97,7 +138,7 @@ class SparseRows:
 
     def _take(self, chosen: tuple[int, ...], columns: list[int]) -> list[list[int]]:
         """The dense matrix of rows, which leave the system."""
-        rows = [self._rows.pop(i) for i in chosen]
+        rows = [self._remove(i) for i in chosen]
         return [[row.get(k, self.graph.zero) for k in columns] for row in rows]
 
     def _name(self, value: int, stem: str, row: int, column: int) -> None:

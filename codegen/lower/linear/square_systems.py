@@ -49,7 +49,7 @@ class Square(SparseRows):
 
     def _substitute(self, i: int, k: int) -> None:
         graph = self.graph
-        row = self._rows.pop(i)
+        row = self._remove(i)
         pivot = row.pop(k)
         inverse = graph.div(graph.one, pivot)
         self._step([i], [k])

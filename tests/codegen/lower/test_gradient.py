@@ -98,7 +98,7 @@ def test_a_difference_that_only_its_opposite_needs_is_turned_about() -> None:
     opposite = graph.neg(graph.sub(x, y))
     for outputs, expected in (([opposite], 1), ([opposite, graph.sub(x, y)], 2)):
         kernel = Kernel("f", "", ("q", "out"), store("out", outputs, [""] * len(outputs)))
-        program = Program(orient_differences(graph, (kernel,)), (kernel,), (), 1e-9)
+        program = Program(orient_differences(graph, (kernel,))[0], (kernel,), (), 1e-9)
         assert operations(program, kernel) == expected
         found = evaluate(program, "f", {"q": [3.0, 5.0]}, math)["out"]
         assert [found[k] for k in range(len(outputs))] == [2.0, -2.0][: len(outputs)]

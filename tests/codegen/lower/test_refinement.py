@@ -24,7 +24,7 @@ from tests.codegen.workbench import Interpreted, State, random_machine
 FOLDED = 1e-12
 """What a build folds into numbers, the inverses of pivots too, is rounded to doubles."""
 
-STRATEGIES: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
+STRATEGIES: tuple[Strategy, ...] = ("substitute", "mixed", "schur", "leaves")
 
 
 def kernel(machine: Interpreted, strategy: Strategy, refine: bool) -> Program:

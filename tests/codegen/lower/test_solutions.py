@@ -16,7 +16,7 @@ from codegen.lower.scene_graph import SceneGraph
 from codegen.model_file import read_model
 from tests.codegen.workbench import A, Interpreted, State, plain, python_functions, random_machine
 
-STRATEGIES: tuple[Strategy, ...] = ("substitute", "mixed", "schur")
+STRATEGIES: tuple[Strategy, ...] = ("substitute", "mixed", "schur", "leaves")
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,36 @@
+"""The search for cycles stops within the block, and goes on behind it as it was."""
+
+import gc
+
+import pytest
+
+from codegen.garbage_collection import collection_paused
+
+
+def test_collection_pauses_and_goes_on_after_an_error() -> None:
+    """Off inside, on behind the block, also where it raises."""
+    inside = []
+
+    @collection_paused()
+    def fails() -> None:
+        inside.append(gc.isenabled())
+        raise ValueError("inside")
+
+    assert gc.isenabled()
+    with pytest.raises(ValueError, match="inside"):
+        fails()
+    assert inside == [False]
+    assert gc.isenabled()
+
+
+def test_collection_that_was_off_stays_off() -> None:
+    """A pause within a pause ends with the outer one."""
+
+    @collection_paused()
+    def inner() -> bool:
+        return gc.isenabled()
+
+    with collection_paused():
+        assert not inner()
+        assert not gc.isenabled()
+    assert gc.isenabled()
