@@ -10,6 +10,7 @@ the tangent has the relative error d.
 import numpy as np
 
 from runtime.assembly.joint_closing import CLOSED, Task
+from runtime.assembly.redundancy import is_clearly_independent
 from runtime.core.unit_roundoff import EPS
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.singularity.motion_polynomial import taylor
@@ -34,12 +35,10 @@ def start_on_branch(
     theirs. None where the start is not so near, or where no branch has these values.
     """
     equations = task.equations
-    matrix = equations.jacobian(task.t, q) * task.scale
-    lengths = np.linalg.norm(matrix, axis=1)
-    if not len(matrix) or not lengths.all() or not v.any() or matrix.shape[0] >= matrix.shape[1]:
+    if not equations.m or not v.any() or equations.m >= equations.n:
         return None
-    values = np.linalg.svd(matrix / lengths[:, None], compute_uv=False)
-    if not values[-1] < _NEAR:
+    least = _least_singular_value(task, q)
+    if not least < _NEAR:
         return None
     positions = SingularPositions(equations.scaled(task.scale, np.arange(equations.m)))
     rest = np.zeros_like(v)
@@ -85,6 +84,20 @@ def start_on_branch(
     change = _least_squares(slopes[:, ~fixed_v], gaps, position.lost)
     branch[~fixed_v] -= change * task.scale[~fixed_v]
     return place, branch
+
+
+def _least_singular_value(task: Task, q: FloatArray) -> float:
+    """The smallest singular value of Φ_q, columns scaled, rows of unit length; 1 for an empty row.
+
+    That of a large machine is by iteration, where it is clearly no small one.
+    """
+    if is_clearly_independent(task, q):
+        return 1.0
+    matrix = task.equations.jacobian(task.t, q) * task.scale
+    lengths = np.linalg.norm(matrix, axis=1)
+    if not lengths.all():
+        return 1.0
+    return float(np.linalg.svd(matrix / lengths[:, None], compute_uv=False)[-1])
 
 
 def _least_squares(matrix: FloatArray, right: FloatArray, weak: int) -> FloatArray:

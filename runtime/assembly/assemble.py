@@ -16,7 +16,7 @@ from runtime.assembly.accurate_start_near_singularity import start_on_branch
 from runtime.assembly.joint_closing import CLOSED, Closing, Task, close
 from runtime.assembly.redundancy import Dependency, Findings
 from runtime.assembly.start_values import MOVED, Start, start_of_state, start_values
-from runtime.linalg.rank_policy import NO_PIVOT
+from runtime.linalg.least_norm_newton import least_norm_solver
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.module_tables import Description
@@ -54,10 +54,10 @@ def assemble(
     said = {} if isinstance(start_at, State) else start_at or {}
     _require_magnitude(equations, t, start.q, {**(guess or {}), **said, **(parameters or {})})
     _require_resolved_angles(mechanism.description, t, start.q)
-    size, matrix = equations.size(t, start.q), equations.jacobian(t, start.q)
+    size, slopes = equations.size(t, start.q), equations.slopes(t, start.q)
     task = Task(
         equations, t, equations.scale(size), equations.row_scale(t, start.q, size),
-        equations.row_units(matrix), rows=np.ones(equations.m, dtype=np.bool_),
+        equations.row_units(slopes), rows=np.ones(equations.m, dtype=np.bool_),
         free=~start.fixed_q, weight=np.where(start.given_q, 1.0, _UNNAMED_WEIGHT),
     )  # fmt: skip
     closing = close(task, start.q)
@@ -73,14 +73,16 @@ def assemble(
     if near is not None:
         q, v = near
         closing = Closing(q, equations.constraints(t, q), closing.gap)
-        velocity_gaps = equations.jacobian(t, q) @ v - equations.velocity_rhs(t, q)
+        velocity_gaps = equations.matrix_of(equations.slopes(t, q)) @ v - equations.velocity_rhs(
+            t, q
+        )
     require_finite(equations, t, closing.q, v)
     return _report(task, start, closing, v, velocity_gaps, findings)
 
 
 def _require_magnitude(equations: Equations, t: float, q: FloatArray, given: Values) -> None:
     """Refuse values so large that the equations lose all digits."""
-    arrays = equations.constraints(t, q), equations.jacobian(t, q), q
+    arrays = equations.constraints(t, q), equations.slopes(t, q), q
     largest = max(float(np.abs(values).max(initial=0.0)) for values in arrays)
     if largest <= _LARGEST:
         return
@@ -109,14 +111,18 @@ def _require_resolved_angles(description: Description, t: float, q: FloatArray) 
 def _velocities(task: Task, start: Start, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Velocities nearest to the start values that satisfy Φ_q v = ν, and the residual."""
     equations, t = task.equations, task.t
-    matrix, nu = equations.jacobian(t, q), equations.velocity_rhs(t, q)
-    free = ~start.fixed_v
-    v = start.v.copy()
-    slopes = matrix[:, free] * task.scale[free] / task.row_scale[:, None]
+    nu, free = equations.velocity_rhs(t, q), ~start.fixed_v
+    v, matrix, change = start.v.copy(), equations.matrix_of(equations.slopes(t, q)), None
+    if free.any() and len(nu):
+        if equations.is_large:
+            slopes = task.scaled(equations.slopes(t, q))[:, free]
+        else:
+            slopes = matrix[:, free] * task.scale[free] / task.row_scale[:, None]
+        change = least_norm_solver(slopes)
     for _ in range(3):
         gaps = (matrix @ v - nu) / task.row_scale
-        if free.any() and len(gaps):
-            v[free] -= np.linalg.lstsq(slopes, gaps, rcond=NO_PIVOT)[0] * task.scale[free]
+        if change is not None:
+            v[free] -= change(gaps) * task.scale[free]
     gaps = matrix @ v - nu
     speed = max(1.0, float(np.abs(v / task.scale).max(initial=0.0)))
     if np.abs(gaps / task.row_scale).max(initial=0.0) > _VELOCITY_CLOSED * speed:

@@ -4,7 +4,7 @@ Minimise (q - q0)ᵀ W (q - q0) + r Φᵀ Φ for growing r, by Levenberg-Marquar
 Jacobian. Lengths are measured in a length typical of the mechanism, angles in rad.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -58,6 +58,28 @@ class Task(NamedTuple):
         matrix = self.equations.jacobian(self.t, q) * self.scale / self.row_scale[:, None]
         return matrix[np.ix_(self.rows, self.free)]
 
+    def matrix(self, q: FloatArray) -> FloatArray | Any:
+        """As `slopes`; of large machines SciPy's sparse matrix."""
+        if not self.equations.is_large:
+            return self.slopes(q)
+        return self.scaled(self.equations.slopes(self.t, q))[self.rows][:, self.free]
+
+    def scaled(self, slopes: FloatArray) -> Any:
+        """The sparse matrix of the non-zeros of Φ_q, (nnz,), scaled; all rows and coordinates."""
+        description = self.equations.description
+        rows, columns = description.jacobian_rows, description.jacobian_columns
+        scaled = slopes * self.scale[columns] / self.row_scale[rows]
+        return self.equations.sparse_jacobian(scaled)
+
+    def term_sizes(self, q: FloatArray) -> FloatArray:
+        """What coordinates are in the scaled constraints, Σ |Φ_q| |q|, (m,)."""
+        if self.equations.is_large:
+            slopes = self.scaled(self.equations.slopes(self.t, q))
+            sizes: FloatArray = np.abs(slopes) @ np.abs(q / self.scale)
+            return sizes
+        dense = np.abs(self.equations.jacobian(self.t, q)) / self.row_scale[:, None]
+        return dense @ np.abs(q)
+
 
 def close(task: Task, start: FloatArray) -> Closing:
     """Close the joints from `start`; retries move only coordinates without a given start value."""
@@ -83,8 +105,7 @@ def _attempt(task: Task, start: FloatArray) -> Closing:
                 q = _minimise(task, start, q, float(penalty))
         q = refine(task, q)
     # A machine far from the origin closes to the last digits of its coordinates.
-    slopes = np.abs(task.equations.jacobian(task.t, q)) / task.row_scale[:, None]
-    rounding = _DIGITS * EPS * (slopes @ np.abs(q))[task.rows]
+    rounding = _DIGITS * EPS * task.term_sizes(q)[task.rows]
     gap = float((np.abs(task.gaps(q)) - rounding).max(initial=0.0))
     return Closing(q, task.equations.constraints(task.t, q), gap if gap < np.inf else np.inf)
 
@@ -99,7 +120,7 @@ def refine(task: Task, q: FloatArray) -> FloatArray:
         return moved
 
     x, _ = solve_by_newton(
-        lambda x: task.gaps(at(x)), lambda x: task.slopes(at(x)), np.zeros(len(scale))
+        lambda x: task.gaps(at(x)), lambda x: task.matrix(at(x)), np.zeros(len(scale))
     )
     return at(x)
 
@@ -122,11 +143,7 @@ def _minimise(task: Task, origin: FloatArray, q: FloatArray, penalty: float) -> 
     damping = 1e-6
     current = residual(q)
     for _ in range(40):
-        slopes = np.vstack([np.diag(weight), root * task.slopes(q)])
-        normal = slopes.T @ slopes
-        gradient = slopes.T @ current
-        diagonal = np.diag(np.diag(normal) + 1e-12)
-        step = np.linalg.solve(normal + damping * diagonal, -gradient)
+        step = _damped_step(weight, root * task.matrix(q), current, damping)
         trial = q.copy()
         trial[free] += step * scale
         after = residual(trial)
@@ -141,3 +158,24 @@ def _minimise(task: Task, origin: FloatArray, q: FloatArray, penalty: float) -> 
             if damping > 1e8:
                 break
     return q
+
+
+def _damped_step(
+    weight: FloatArray, slopes: FloatArray | Any, residual: FloatArray, damping: float
+) -> FloatArray:
+    """The step of Levenberg-Marquardt, (f,), for residuals (f + m,) with diag(weight), `slopes`."""
+    if isinstance(slopes, np.ndarray):
+        whole = np.vstack([np.diag(weight), slopes])
+        normal = whole.T @ whole
+        diagonal = np.diag(np.diag(normal) + 1e-12)
+        step: FloatArray = np.linalg.solve(normal + damping * diagonal, -(whole.T @ residual))
+        return step
+    from scipy.sparse import diags_array  # small machines load none of it
+    from scipy.sparse.linalg import spsolve
+
+    sparse = diags_array(weight**2) + slopes.T @ slopes
+    shift = diags_array(damping * (sparse.diagonal() + 1e-12))
+    gradient = weight * residual[: len(weight)] + slopes.T @ residual[len(weight) :]
+    normal = (sparse + shift).tocsc()
+    sought: FloatArray = spsolve(normal, -gradient, permc_spec="MMD_AT_PLUS_A")
+    return sought

@@ -30,12 +30,12 @@ def suited_to_masses(mechanism: Mechanism, t: float, q: FloatArray, p: FloatArra
     if not (description.has_masses and description.weak_pivot and mechanism.sufficient is None):
         return mechanism
     equations = Equations(mechanism, p)
-    inertia, most = np.diag(equations.mass(q)), _MOST / description.weak_pivot
-    slopes = np.abs(equations.jacobian(t, q))
+    inertia, most = equations.masses(q), _MOST / description.weak_pivot
+    slopes = np.abs(equations.slopes(t, q))
     if mobility_ratio(equations, inertia, slopes) < _DOUBTFUL * most:
         return mechanism
     for pose in turned(description, q):
-        slopes = np.maximum(slopes, np.abs(equations.jacobian(t, pose)))
+        slopes = np.maximum(slopes, np.abs(equations.slopes(t, pose)))
     spread = mobility_ratio(equations, inertia, slopes)
     if not spread > most:
         return mechanism
@@ -57,18 +57,20 @@ def suited_to_masses(mechanism: Mechanism, t: float, q: FloatArray, p: FloatArra
 
 
 def mobility_ratio(equations: Equations, inertia: FloatArray, slopes: FloatArray) -> float:
-    """Largest ratio of two mobilities Φ_ik² / M_kk in a row, from M_kk, (n,), and |Φ_ik|, (m, n).
+    """Largest ratio of two mobilities Φ_ik² / M_kk in a row, from M_kk, (n,), and |Φ_ik|, (nnz,).
 
     Slopes of lengths and arms that rounding explains feel nothing.
     """
-    lengths = equations.description.is_length
+    rows, columns = equations.description.jacobian_rows, equations.description.jacobian_columns
+    lengths = equations.description.is_length[columns]
     slopes = np.where(np.isfinite(slopes), slopes, 0.0)
-    unit = slopes[:, lengths].max(axis=1, initial=0.0)
-    unit = np.where(unit > 0.0, unit, slopes.max(axis=1, initial=0.0))
-    slopes = slopes / np.where(unit > 0.0, unit, 1.0)[:, None]
-    arms = slopes[:, ~lengths].max(initial=0.0)
-    felt = (inertia > 0.0) & (slopes > _NEGLIGIBLE * np.where(lengths, 1.0, arms))
-    mobility = slopes**2 / np.where(inertia > 0.0, inertia, 1.0)
-    most = np.max(mobility, axis=1, where=felt, initial=0.0)
-    least = np.min(mobility, axis=1, where=felt, initial=np.inf)
+    unit = equations.largest_in_rows(np.where(lengths, slopes, 0.0))
+    unit = np.where(unit > 0.0, unit, equations.largest_in_rows(slopes))
+    slopes = slopes / np.where(unit > 0.0, unit, 1.0)[rows]
+    arms = slopes[~lengths].max(initial=0.0)
+    felt = (inertia[columns] > 0.0) & (slopes > _NEGLIGIBLE * np.where(lengths, 1.0, arms))
+    mobility = slopes**2 / np.where(inertia > 0.0, inertia, 1.0)[columns]
+    most, least = np.zeros(equations.m), np.full(equations.m, np.inf)
+    np.maximum.at(most, rows[felt], mobility[felt])
+    np.minimum.at(least, rows[felt], mobility[felt])
     return float((most / least).max(initial=1.0))

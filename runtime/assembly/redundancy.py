@@ -4,7 +4,7 @@ The rows of the joints are eliminated first and the drivers appended, so that a 
 motion left to drive is named as such.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +16,7 @@ from runtime.mechanism.dense_equations import FloatArray
 BoolArray = npt.NDArray[np.bool_]
 # measured: scaled lengths of the displacements at whose ends the rank is taken again
 _SIZES = (0.02, -0.05, 0.1, 0.02, -0.05, 0.1, -0.2)
+_CLEARLY = 10.0  # safety: times LOST; a singular value above it, by iteration, is no lost one
 _SHARE = 1e-6  # accuracy: share of a constraint in a dependency, below which it has none
 _APART = 1e-3  # measured: scaled distance at which a rank deficiency of a single position has ended
 
@@ -77,6 +78,8 @@ def find_redundancy(task: Task, q: FloatArray, drivers: BoolArray, v: FloatArray
     if the joints allow them; others are tried too.
     """
     order = np.argsort(drivers, kind="stable").tolist()
+    if is_clearly_independent(task, q):
+        return Findings([], [], len(order))
     here = dependent_rows(_scaled(task, q), order)
     if not here:
         return Findings([], [], len(order))
@@ -87,6 +90,31 @@ def find_redundancy(task: Task, q: FloatArray, drivers: BoolArray, v: FloatArray
     lost = {dependency.row for dependency in lasting}
     rows = [row for row in order if row not in lost]
     return Findings(lasting, dependent_rows(_scaled(task, q), rows), len(rows))
+
+
+def unit_rows(task: Task, q: FloatArray) -> Any:
+    """Φ_q of a large machine with scaled columns and rows of unit length, sparse, (m, n)."""
+    rows = task.equations.description.jacobian_rows
+    slopes = task.equations.slopes(task.t, q)
+    slopes = slopes * task.scale[task.equations.description.jacobian_columns]
+    lengths = np.sqrt(np.bincount(rows, slopes**2, minlength=task.equations.m))
+    return task.equations.sparse_jacobian(slopes / np.where(lengths > 0.0, lengths, 1.0)[rows])
+
+
+def is_clearly_independent(task: Task, q: FloatArray) -> bool:
+    """Whether sparse factors show a large machine's constraints to be independent at q.
+
+    Where they do not, or the machine is not large, dense matrices decide.
+    """
+    equations = task.equations
+    if not equations.is_large or equations.m > equations.n:
+        return False
+    matrix = unit_rows(task, q)
+    if not np.isfinite(matrix.data).all():
+        return False
+    from runtime.linalg.sparse_least_norm import LeastNorm
+
+    return LeastNorm(matrix).least_singular_value() > _CLEARLY * LOST
 
 
 def dependent_joints(task: Task, q: FloatArray, drivers: BoolArray) -> list[Dependency]:

@@ -9,6 +9,7 @@ Mechanical Design 104, 1982.)
 
 import numpy as np
 
+from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Integers, Matrix, Vector, i8, integers, matrix, vector
@@ -61,8 +62,12 @@ def choose_independent(context: Context, t: float, q: Vector) -> int:
     dependent ones, and the orders of rows and columns as `order_by_pivots` does.
     """
     scale, dense, column_order = context.scale, context.dense_jacobian, context.column_order
-    fill_dense(evaluate_jacobian(context, t, q), scale, dense)
-    rank = factor_over_largest(dense, context.row_order, column_order)
+    sparse = evaluate_jacobian(context, t, q)
+    if context[ft.SPARSE] != 0:
+        rank = int(ft.order_sparsely_of(context)(context))
+    else:
+        fill_dense(sparse, scale, dense)
+        rank = factor_over_largest(dense, context.row_order, column_order)
     for position in range(column_order.size):
         j = column_order[position]
         context.correction_weights[j] = scale[j] ** 2 if position < rank else 0.0

@@ -109,6 +109,9 @@ def find_pivots(context: Context, t: float, state: int, row: int, search: int) -
     """
     dense = context.dense_jacobian
     sparse = evaluate_jacobian(context, t, ws.positions(context, state))
+    if context[ft.SPARSE] != 0:
+        ft.find_pivots_sparsely_of(context)(context, row, search)
+        return
     fill_unit_rows(sparse, context.scale, dense)
     eliminate_rows(dense, context.pivot_columns, context.pivots[row], search)
 
@@ -153,7 +156,10 @@ def stays_regular(
     last, later = context.pivots[LAST], context.pivots[LATER]
     flat, lengths = context.flat_jacobian, context.pivots[LENGTHS]
     sparse = evaluate_jacobian(context, t + h, ws.positions(context, state))
-    if not replay_plan(sparse, context.scale, flat, context.elimination_plan, lengths, later):
+    if context[ft.SPARSE] != 0:
+        if ft.find_pivots_sparsely_of(context)(context, LATER, 0) == 0:
+            return False
+    elif not replay_plan(sparse, context.scale, flat, context.elimination_plan, lengths, later):
         return False
     weakest = min(smallest_pivot(last), smallest_pivot(later))
     passed = t + h - known[WHEN]
@@ -170,6 +176,9 @@ def remember(context: Context, instant: float, weakest: float) -> None:
     keep_pivots(context, instant)
     later, lengths = context.pivots[LATER], context.pivots[LENGTHS]
     context.pivot_history[LEAST] = min(weakest, smallest_pivot(later))
+    if context[ft.SPARSE] != 0:
+        context.elimination_plan[0] = 1  # the order alone, which `find_pivots_sparsely` keeps
+        return
     sparse = Sparse(context.jacobian_rows, context.jacobian_columns, context.jacobian_values)
     order, dense, plan = context.pivot_columns, context.dense_jacobian, context.elimination_plan
     write_plan(order, sparse, context.scale, dense, plan, lengths)

@@ -1,0 +1,64 @@
+"""The process that compiles the loop beside a first run."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from runtime.integrate import second_compiler
+from runtime.integrate.explicit.stability_limit import idle
+from runtime.integrate.loop import advance
+
+_BESIDE = """
+from runtime.core.jit import is_kept, prepare
+from runtime.integrate import second_compiler
+from runtime.integrate.explicit.stability_limit import idle
+second_compiler.available_cores = lambda: 2
+before = is_kept(idle)
+second_compiler.compile_beside([idle])
+second_compiler._running[0].wait(300)
+print(before, is_kept(idle))
+prepare(idle)
+print(sum(idle.stats.cache_hits.values()), sum(idle.stats.cache_misses.values()))
+"""
+
+
+def test_what_the_other_process_compiles_is_taken_from_the_cache(tmp_path):
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-c", _BESIDE]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False", "True", "1", "0"]
+
+
+def test_it_ends_with_the_process_that_started_it(tmp_path):
+    names = [(advance.__module__, advance.__name__)]
+    argument = json.dumps([sys.path, names])
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-c", second_compiler.PROGRAM, argument],
+        env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}, stdin=subprocess.PIPE,
+    )  # fmt: skip
+    with pytest.raises(subprocess.TimeoutExpired):
+        process.wait(1.0)
+    process.communicate(timeout=60)
+    assert process.returncode == 0
+    assert not [*tmp_path.rglob("loop.advance*.nbc")]  # it had not come to the end
+
+
+def test_one_core_compiles_alone(monkeypatch):
+    monkeypatch.setattr(second_compiler, "available_cores", lambda: 1)
+    before = [*second_compiler._running]
+    second_compiler.compile_beside([idle])
+    assert second_compiler._running == before
+
+
+def test_a_system_that_starts_no_process_compiles_alone(monkeypatch):
+    def refuse(*_, **__):
+        raise PermissionError
+
+    monkeypatch.setattr(second_compiler, "available_cores", lambda: 2)
+    monkeypatch.setattr(second_compiler.subprocess, "Popen", refuse)
+    before = [*second_compiler._running]
+    second_compiler.compile_beside([idle])
+    assert second_compiler._running == before
