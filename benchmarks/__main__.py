@@ -1,7 +1,7 @@
 """``python -m benchmarks [NAME]...``: tables.
 
 NAME: elements, kernels, machines, compressor, scenes or accuracy, all of them without names; peers,
-with problems after it or all; growth.
+with problems after it or all; growth; first.
 """
 
 import sys
@@ -20,6 +20,7 @@ from benchmarks import (
     contest,
     contest_report,
     elements,
+    first_result,
     growth,
     kernels,
     linkwright_runs,
@@ -188,7 +189,7 @@ MEASUREMENTS = {
     "scenes": of_scenes,
     "accuracy": accuracy_targets_report.report,
 }
-LONG = ("peers", "growth")
+LONG = ("peers", "growth", "first")
 """Minutes each, and only by name."""
 
 
@@ -221,7 +222,7 @@ def main(
         list[str] | None,
         typer.Argument(
             help="elements, kernels, machines, compressor, scenes, accuracy: all without a "
-            "name; peers, with problems after it or all; growth."
+            "name; peers, with problems after it or all; growth; first."
         ),
     ] = None,
     quick: Annotated[bool, typer.Option(help="Fewer repeats; times are rough.")] = False,
@@ -240,6 +241,9 @@ def main(
             of_peers(problems, quick, python, ours_only, out)
         elif name == "growth":
             for report in growth.reports(quick, out):
+                finish(report, out)
+        elif name == "first":
+            for report in first_result.report(quick):
                 finish(report, out)
         else:
             for report in MEASUREMENTS[name](quick):

@@ -41,6 +41,7 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
 from numba.core.compiler_lock import global_compiler_lock
 
 from codegen.damaged_byte_code import CacheWarning
+from codegen.garbage_collection import collection_paused
 from codegen.numba_operation_types import remembered_operation_types
 from codegen.termination_signals import SignalDeferral
 
@@ -72,10 +73,11 @@ def checked_caches() -> Iterator[None]:
     """Within the block, functions that numba compiles get checked caches, and compile faster.
 
     The keyboard's interrupt waits until a function is compiled or loaded: within LLVM it would
-    abort the process.
+    abort the process. Searches for cyclic garbage, which took a tenth of a compilation, wait until
+    the end of the block.
     """
     listening = _events.install_listener("numba:compile", _LISTENER)
-    with global_compiler_lock, listening, remembered_operation_types():
+    with global_compiler_lock, collection_paused(), listening, remembered_operation_types():
         usual, _numba.FunctionCache = _numba.FunctionCache, _checked
         try:
             yield

@@ -238,12 +238,13 @@ class Scenes(SceneRequests):
         self, start: NamedValues, absent: tuple[str, ...], guess: NamedValues
     ) -> NamedValues:
         """The guess, with places for the contacts that it does not name."""
-        known = (*guess, *start)
+        known = dict((*guess, *start))
         places = dict(guess)
+        idle = frozenset(absent)
         for name, joint in self.joints.items():
-            if name not in absent and not any(b.name in absent for b in bodies_of(joint)):
+            if name not in idle and not any(b.name in idle for b in bodies_of(joint)):
                 with suppress(ModelError):  # reported by `build`
-                    places |= {dotted(q): at for q, at in self.place_of(joint, known).items()}
+                    places |= {dotted(q): at for q, at in self._place(joint, known).items()}
         return tuple(places.items())
 
     def place_of(self, joint: Constraint, known: NamedValues) -> dict[Coordinate, float]:
@@ -254,10 +255,14 @@ class Scenes(SceneRequests):
                 f"model.place_of({shown(joint)}, {shown(known)}): give a joint of the model, and "
                 "pairs of a coordinate's name and its value."
             )
-        values = dict(known)
+        return self._place(joint, dict(known))
+
+    def _place(self, joint: Constraint, values: Mapping[str, float]) -> dict[Coordinate, float]:
+        """The same, with the known values by name."""
         missing = [q for q in own_coordinates(joint) if dotted(q) not in values]
-        coordinates = self._coordinates() if missing else ()
-        places = {q: values.get(dotted(q), q.measure.neutral) for q in coordinates}
+        if not missing:
+            return {}
+        places = {q: values.get(dotted(q), q.measure.neutral) for q in self._coordinates()}
         return place_near(joint, missing, self.defaults | places)
 
 

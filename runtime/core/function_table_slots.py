@@ -25,6 +25,8 @@ REACTION_ROWS = TABLE.number("reaction_rows")
 POWER_OF_MULTIPLIERS = TABLE.number("power_of_multipliers")  # 1: powers depend on them
 POWER_ROWS = TABLE.number("power_row_count")  # works that are outputs included
 LOOPS = TABLE.number("loops")  # that kernels close in closed form
+SPARSE = TABLE.number("sparse")  # 1: a large machine, whose Jacobian is never a dense matrix
+DENSE_ROWS = TABLE.number("dense_rows")  # its rows where it is one
 PLAN_SIZE = TABLE.number("plan_size")  # of the elimination
 WORKSPACE_SIZE = TABLE.number("workspace_size")
 SWITCHING_SIZE = TABLE.number("switching_size")
@@ -96,6 +98,7 @@ first_step_of = TABLE.function("first_step", FIRST_STEP)
 emit_of = TABLE.function("emit", EMIT)
 screen_step_of = TABLE.function("screen_step", SCREEN_STEP)
 modified_accelerations_of = TABLE.function("modified_accelerations", ACCELERATIONS)
+sliding_accelerations_of = TABLE.function("sliding_accelerations", ACCELERATIONS)
 modified_rhs_of = TABLE.function("modified_rhs", RHS)
 impact_of = TABLE.function("impact", IMPACT)
 return_to_surfaces_of = TABLE.function("return_to_surfaces", RETURN_TO_SURFACES)
@@ -109,6 +112,11 @@ balance_event_of = TABLE.function("balance_event", BALANCE)
 
 # Of runs with peaks alone.
 resolved_part_of = TABLE.function("resolved_part", RESOLVED_PART)
+
+# Of large machines alone.
+FIND_PIVOTS = i8(integers, i8, i8)  # context row search; 1: no row follows from others
+order_sparsely_of = TABLE.function("order_sparsely", PART)
+find_pivots_sparsely_of = TABLE.function("find_pivots_sparsely", FIND_PIVOTS)
 
 # Of runs with sampled values alone.
 renew_of = TABLE.function("renew", PART)
@@ -129,9 +137,9 @@ TABLE.integers("method_integers", METHOD_INTEGERS_SIZE)  # of the method
 # The constraints: structure of the Jacobian, the partition, its changes.
 TABLE.integers("jacobian_rows jacobian_columns", NONZEROS, allotted=False)
 TABLE.floats("jacobian_values", NONZEROS)
-TABLE.matrix("dense_jacobian", CONSTRAINT_COUNT, COORDINATES)
+TABLE.matrix("dense_jacobian", DENSE_ROWS, COORDINATES)
 TABLE.flat("flat_jacobian", "dense_jacobian")
-TABLE.integers("row_order pivot_columns", CONSTRAINT_COUNT)
+TABLE.integers("row_order pivot_rows pivot_columns", CONSTRAINT_COUNT)
 TABLE.integers("column_order", COORDINATES)
 TABLE.floats("log_times", LOG_ROWS)
 TABLE.integer_matrix("log_sets", LOG_ROWS, COORDINATES)

@@ -152,9 +152,20 @@ def prepare(function: Any) -> None:
         function.prepare()
 
 
+def is_kept(function: Any) -> bool:
+    """Whether a function is loaded, or its machine code lies in the cache, or there is no cache."""
+    files = _cache_files(function)
+    return not isinstance(function, _Lazy) or files is None or bool(files._load_index())
+
+
 def inner(function: F) -> F:
     """Compile with the compiled functions that call it: it is neither loaded nor called alone."""
     return cast(F, _cached(function, **_BARE, **_INSIDE))
+
+
+def inner_allocating(function: F) -> F:
+    """As `inner`, for what makes arrays of its own: `allocating` functions alone call it."""
+    return cast(F, _cached(function, **_COUNTED, **_INSIDE))
 
 
 def closure(function: F) -> F:

@@ -66,16 +66,16 @@ def _residuals(equations: Equations, samples: Samples, sizes: FloatArray, option
     """
     if not len(samples.t) or not equations.m:
         return ""
-    slopes = np.abs(equations.jacobian(float(samples.t[0]), samples.q[0]))
+    slopes = np.abs(equations.slopes(float(samples.t[0]), samples.q[0]))
     # What the whole run has reached permits no less, and takes longer to find.
-    if samples.residual.max() <= min(_permitted(slopes, sizes, (sizes, sizes), options)):
+    if samples.residual.max() <= min(_permitted(equations, slopes, sizes, (sizes, sizes), options)):
         return ""
     reached = np.abs(samples.q).max(axis=0)
     lengths = np.where(equations.description.is_length, np.maximum(sizes, reached), sizes)
     speeds = np.maximum(sizes, np.abs(samples.v).max(axis=0))
     for k in (len(samples.t) // 2, len(samples.t) - 1):  # an arm may vanish in one of three poses
-        slopes = np.maximum(slopes, np.abs(equations.jacobian(float(samples.t[k]), samples.q[k])))
-    both = _permitted(slopes, sizes, (lengths, speeds), options)
+        slopes = np.maximum(slopes, np.abs(equations.slopes(float(samples.t[k]), samples.q[k])))
+    both = _permitted(equations, slopes, sizes, (lengths, speeds), options)
     for residual, permitted, name, unit in zip(
         samples.residual.T, both, ("Φ", "Φ_q v - ν"), ("m or rad", "m/s or rad/s"), strict=True
     ):
@@ -91,13 +91,18 @@ def _residuals(equations: Equations, samples: Samples, sizes: FloatArray, option
 
 
 def _permitted(
-    slopes: FloatArray, sizes: FloatArray, reached: tuple[FloatArray, FloatArray], options: Options
+    equations: Equations,
+    slopes: FloatArray,
+    sizes: FloatArray,
+    reached: tuple[FloatArray, FloatArray],
+    options: Options,
 ) -> list[float]:
-    """Residuals of positions and velocities that the tolerances permit at slopes |Φ_q|, (m, n)."""
+    """Residuals of positions and velocities that tolerances permit at slopes |Φ_q|, (nnz,)."""
+    matrix = equations.matrix_of(slopes)
     rtol = max(options.rtol, CLOSED)
     absolute = options.absolute(sizes, rtol).reshape(2, -1)
     return [
-        RESIDUAL * float((slopes @ (atol + rtol * size)).max())
+        RESIDUAL * float((matrix @ (atol + rtol * size)).max())
         for atol, size in zip(absolute, reached, strict=True)
     ]
 

@@ -89,8 +89,8 @@ class CartesianCoordinates(Coordinates):
         if method in IMPLICIT:
             self.system = replace(self.system, **self.mechanism.tangents._asdict())
             self.p = self.mechanism.for_tangents(ready.p)
-        mass = Equations(ready.mechanism, ready.p).mass(begin.q)
-        self.mobility = _compressed(_mobility(mass, ready.sizes), ready.sizes)
+        inertia = Equations(ready.mechanism, ready.p).masses(begin.q)
+        self.mobility = _compressed(_mobility(inertia, ready.sizes), ready.sizes)
 
     def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
         """In the machine's own coordinates."""
@@ -134,7 +134,7 @@ class ReducedCoordinates(Coordinates):
         reduced, ready = self.reduced, self.ready
         kept, p = reduced.kept, reduced.parameters(ready.p, t, q)
         sizes = ready.sizes[kept]
-        scale = _mobility(reduced.inertia(t, q[kept], p), sizes)
+        scale = _mobility(np.diag(reduced.inertia(t, q[kept], p)), sizes)
         return Problem(
             t, ready.t_end, q[kept], v[kept], p, scale, sizes, self.spreads, ready.stops,
             samples_taken=ready.samples_taken, discrete=ready.discrete,
@@ -200,14 +200,13 @@ def formulate(
     return CartesianCoordinates(ready, method, correction)
 
 
-def _mobility(mass: FloatArray, sizes: FloatArray) -> FloatArray:
-    """Typical size of a change of each coordinate, 1/√M_kk, shape (n,); `sizes` are typical, (n,).
+def _mobility(inertia: FloatArray, sizes: FloatArray) -> FloatArray:
+    """Typical size of a change of each coordinate, 1/√M_kk, from M_kk and typical sizes; all (n,).
 
     A coordinate without mass, such as the place of a contact on a cam, follows most easily: ten
     times the size of the most mobile body makes it one of the dependent coordinates. In reduced
     coordinates its mass is rounding.
     """
-    inertia = np.diag(mass)
     beside = inertia * sizes**2
     heavy = beside > _ROUNDING * beside.max()
     return 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))

@@ -101,7 +101,7 @@ def _free_accelerations(mechanism: Mechanism, p: Vector, samples: Samples) -> Ve
     equations, most = Equations(mechanism, p), np.zeros(samples.q.shape[1])
     for row in (0, -1):
         t, q, v = float(samples.t[row]), samples.q[row], samples.v[row]
-        masses = np.abs(np.diag(equations.mass(q)))
+        masses = np.abs(equations.masses(q))
         for modes in (np.zeros_like(samples.modes[0]), np.ones_like(samples.modes[0])):
             forces = np.abs(np.nan_to_num(equations.forces(t, q, v, modes), posinf=0.0, neginf=0.0))
             most = np.maximum(

@@ -93,7 +93,7 @@ def overwrite_sliding(mechanism: Mechanism, p: npt.NDArray[np.float64], samples:
     size, spread = _sizes(mechanism, p, samples, int(rows[0]))
     workspace = wiring.arrays["workspace"].reshape(ws.ROWS, 2, len(size))
     workspace[ws.SIZE] = size
-    masses = np.diag(Equations(mechanism, p).mass(samples.q[rows[0]]))
+    masses = Equations(mechanism, p).masses(samples.q[rows[0]])
     np.divide(1.0, masses, workspace[ws.PROJECTION, 0], where=masses > 0.0)
     sizes = wiring.arrays["switching_rows"].reshape(ws.SWITCH_ROWS, len(spread))
     sizes[ws.LARGEST], sizes[ws.RESERVE] = spread, spread

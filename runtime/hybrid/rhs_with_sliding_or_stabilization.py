@@ -34,25 +34,34 @@ def exclude_rounding(value: Vector, change: Vector, size: Vector) -> float:
 
 
 @addressed(ft.ACCELERATIONS)
-def evaluate_modified_accelerations(
+def evaluate_sliding_accelerations(
     context: Context, t: float, q: Vector, v: Vector, modes: Integers, a: Vector, lam: Vector
 ) -> int:
-    """Accelerations and multipliers as the kernel `accelerations`, sliding modes included.
+    """Accelerations and multipliers as the kernel `accelerations`, in sliding modes.
 
     SHARE receives the share of each function in sliding mode.
     """
+    weak = shares.evaluate_units(context, t, q, v, modes)
+    shares.solve_shares(context, t, q, v)
+    put_friction_on_law(context, t, q, v)
+    write_forces(context)
+    shares.combine_accelerations(context, a)
+    copy_vector(context.base_multipliers, lam)
+    for c in range(context[ft.SLIDING_COUNT]):
+        axpy(context.share[context.sliding_functions[c]], context.unit_multipliers[c], lam)
+    return int(weak)
+
+
+@addressed(ft.ACCELERATIONS)
+def evaluate_modified_accelerations(
+    context: Context, t: float, q: Vector, v: Vector, modes: Integers, a: Vector, lam: Vector
+) -> int:
+    """Accelerations and multipliers as the kernel `accelerations`, sliding modes included."""
     p, n, pull = context.parameters, context[ft.COORDINATES], context.weights
     if context[ft.SLIDING_COUNT] == 0:
         weak = int(abi.accelerations_of(context)(t, q, v, p, modes, a, lam))
     else:
-        weak = shares.evaluate_units(context, t, q, v, modes)
-        shares.solve_shares(context, t, q, v)
-        put_friction_on_law(context, t, q, v)
-        write_forces(context)
-        shares.combine_accelerations(context, a)
-        copy_vector(context.base_multipliers, lam)
-        for c in range(context[ft.SLIDING_COUNT]):
-            axpy(context.share[context.sliding_functions[c]], context.unit_multipliers[c], lam)
+        weak = int(ft.sliding_accelerations_of(context)(context, t, q, v, modes, a, lam))
     if context[ft.STABILIZED] != 0 and context[ft.CONSTRAINT_COUNT] > 0:
         tau = context.settings[TIME_SCALE]
         dq, dv, size = view(pull, n, n), view(pull, 2 * n, n), view(pull, 3 * n, n)

@@ -8,8 +8,8 @@ import numpy as np
 from runtime.constraints import newton_return, repartitioning
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers, Vector
-from runtime.core.jit import addresses
+from runtime.core.array_types import Integers, Vector, i8
+from runtime.core.jit import addressed, addresses, is_kept
 from runtime.core.kernel_abi import KERNELS
 from runtime.core.loop_record import RUN, ConstraintReturn
 from runtime.core.modes_and_event_kinds import Hold
@@ -25,17 +25,24 @@ from runtime.hybrid import (
     rhs_with_sliding_or_stabilization,
     switching_values_and_margins,
 )
-from runtime.integrate import energy_balance, sampling, step, step_control
+from runtime.integrate import energy_balance, initialization, loop, sampling, step, step_control
 from runtime.integrate.clocks import queue_length, read_clocks
 from runtime.integrate.method import find_method
+from runtime.integrate.second_compiler import compile_beside
+from runtime.linalg.sparse_least_norm import SPARSE_FROM
 from runtime.linalg.symbolic_elimination_and_replay import plan_capacity
 from runtime.singularity.prediction import predict_vanishing_pivot
 
 METHOD_SLOTS = slice(ft.TABLE.slots["stages"], ft.TABLE.slots["correct"])
 """Slots of the method's functions."""
 
-_LOOP_SLOTS = slice(METHOD_SLOTS.stop, ft.TABLE.slots["balance_event"] + 1)
-_LOOP_PARTS = list(ft.TABLE.slots)[_LOOP_SLOTS]
+_LOOP_SLOTS = slice(METHOD_SLOTS.stop, ft.TABLE.slots["watch"] + 1)
+_OF_SWITCHES = (
+    "locate", "sample_function", "select_modes", "initialize_modes", "screen_step",
+    "sliding_accelerations", "return_to_surfaces", "transition", "friction_margin", "margins",
+    "balance_event",
+)  # fmt: skip
+"""Parts of the loop that only switching functions call; they take half of compiling it."""
 
 
 class Wiring(NamedTuple):
@@ -50,10 +57,9 @@ class Wiring(NamedTuple):
         return cast(Any, self.arrays).block  # type: ignore[no-any-return]
 
 
-@cache
-def _loop() -> Integers:
-    """Addresses of the parts of the loop in _LOOP_SLOTS; here is the body behind each `ft.X_of`."""
-    parts = {
+def _parts() -> dict[str, Any]:
+    """The parts of the loop by their slots: here is the body behind each `ft.X_of`."""
+    return {
         "correct": newton_return.return_to_constraints,
         "trial_step": step.take_trial_step,
         "repartition": repartitioning.repartition,
@@ -65,6 +71,7 @@ def _loop() -> Integers:
         "emit": sampling.emit,
         "screen_step": event_step_limit.screen_step,
         "modified_accelerations": rhs_with_sliding_or_stabilization.evaluate_modified_accelerations,
+        "sliding_accelerations": rhs_with_sliding_or_stabilization.evaluate_sliding_accelerations,
         "modified_rhs": rhs_with_sliding_or_stabilization.evaluate_modified_rhs,
         "impact": impact.apply_impact,
         "return_to_surfaces": impact.return_to_surfaces,
@@ -76,7 +83,37 @@ def _loop() -> Integers:
         "balance_step": energy_balance.balance_step,
         "balance_event": energy_balance.balance_event,
     }
-    return addresses(parts[name] for name in _LOOP_PARTS)
+
+
+@addressed(i8())
+def _refuse() -> int:
+    """What stands in the slot of a part that a machine has no use for.
+
+    A caller's arguments, of whatever number, are its own matter in the C convention of calls.
+    """
+    raise RuntimeError("a part of the loop was called that the table of this machine leaves out")
+
+
+@cache
+def _loop(left_out: frozenset[str]) -> Integers:
+    """Addresses in _LOOP_SLOTS; parts that are left out are neither compiled nor loaded."""
+    parts = _parts()
+    names = list(ft.TABLE.slots)[_LOOP_SLOTS]
+    wanted = {name: parts[name] for name in names if name in parts and name not in left_out}
+    *_, last = wanted.values()
+    if not is_kept(last):
+        compile_beside([*wanted.values(), initialization.start, loop.advance])
+    return addresses(wanted.get(name, _refuse) for name in names)
+
+
+@cache
+def _left_out(system: System) -> frozenset[str]:
+    """The parts of the loop that no run of a machine can call."""
+    parts: list[str] = [] if system.switches else [*_OF_SWITCHES]
+    parts += [] if system.rigid or system.one_way else ["impact"]
+    parts += [] if system.constraint_count else ["vanishing"]
+    parts += [] if system.loops else ["guard_branches"]
+    return frozenset(parts)
 
 
 @cache
@@ -95,6 +132,16 @@ def _resolved_part() -> int:
 
 
 @cache
+def _sparse_parts() -> tuple[int, int]:
+    """The addresses of the eliminations of large machines, which others do without."""
+    from runtime.constraints.sparse_partitioning import order_by_sparse_pivots
+    from runtime.singularity.sparse_prediction import find_sparse_pivots
+
+    order, pivots = addresses([order_by_sparse_pivots, find_sparse_pivots]).tolist()
+    return order, pivots
+
+
+@cache
 def _discrete() -> tuple[int, int]:
     """The addresses of what renews sampled values and watches conditions."""
     from runtime.integrate.sampled_values import renew_in_step, watch
@@ -109,11 +156,11 @@ _kernels = cache(System.table)  # addresses of a machine's kernels, in the order
 def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
     """Lay out the table of a run, with room for `log_rows` changes of the partition."""
     n, m, s = system.coordinates, system.constraint_count, system.switches
-    nonzeros = len(system.jacobian_rows)
+    nonzeros, sparse = len(system.jacobian_rows), n >= SPARSE_FROM and m > 0
     table = np.zeros(ft.TABLE.size, np.int64)
     table[: len(KERNELS)] = _kernels(system)
     table[METHOD_SLOTS] = function_table(name)
-    table[_LOOP_SLOTS] = _loop()
+    table[_LOOP_SLOTS] = _loop(_left_out(system))
     floats, integers = find_method(name).memory(n)
     numbers = {
         ft.COORDINATES: n,
@@ -129,7 +176,9 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         ft.LOOPS: system.loops,
         ft.SUPERPOSES: int(system.superposes),
         ft.LINEAR_REACTIONS: int(system.linear_reactions),
-        ft.PLAN_SIZE: plan_capacity(m, nonzeros),
+        ft.PLAN_SIZE: 1 if sparse else plan_capacity(m, nonzeros),
+        ft.SPARSE: int(sparse),
+        ft.DENSE_ROWS: 0 if sparse else m,
         ft.WORKSPACE_SIZE: 2 * n * ws.ROWS,
         ft.SWITCHING_SIZE: s * ws.SWITCH_ROWS,
         ft.METHOD_FLOATS_SIZE: floats,
@@ -143,6 +192,8 @@ def wire(system: System, name: str, p: Vector, log_rows: int) -> Wiring:
         ft.CORRECTING: ConstraintReturn.BY_PARTITION,
     }
     slots = ft.TABLE.slots
+    if sparse:
+        numbers[slots["order_sparsely"]], numbers[slots["find_pivots_sparsely"]] = _sparse_parts()
     if system.peaks:
         numbers[slots["resolved_part"]] = _resolved_part()
     if system.sampled or system.watches:

@@ -1,4 +1,8 @@
-"""The equations of a machine at one instant, as dense arrays, for analyses of few positions."""
+"""The equations of a machine at one instant, for analyses of few positions.
+
+Matrices are dense, but that of the constraints' derivatives is also there as its non-zeros, which
+is the form for machines of many coordinates.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -8,6 +12,7 @@ import numpy.typing as npt
 
 from runtime.core.array_types import Kernel
 from runtime.core.modes_and_event_kinds import MIXED, SLIDING
+from runtime.linalg.sparse_least_norm import SPARSE_FROM
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.singularity.scaled_constraints import ScaledConstraints
@@ -35,6 +40,7 @@ class Equations:
         self.bands = np.zeros(len(self.boundaries))  # of g about zero, see `widen_bands`
         self.n, self.m = len(self.description.coordinates), len(self.description.constraints)
         self.still = np.zeros(self.n)  # velocities at rest: zero, but for states of first order
+        self.is_large = self.n >= SPARSE_FROM  # so that sparse factors take less than dense ones
 
     def scaled(self, scale: FloatArray, independent: IntArray) -> ScaledConstraints:
         """The constraints in units of `scale`, of which `independent` follow from no others."""
@@ -49,10 +55,33 @@ class Equations:
 
     def jacobian(self, t: float, q: FloatArray) -> FloatArray:
         """Φ_q, shape (m, n)."""
-        rows, columns = self.description.jacobian_rows, self.description.jacobian_columns
+        return self._dense(self.slopes(t, q))
+
+    def _dense(self, slopes: FloatArray) -> FloatArray:
         matrix = np.zeros((self.m, self.n))
-        matrix[rows, columns] = _filled(len(rows), self.kernels.jacobian, t, q, self.p)
+        matrix[self.description.jacobian_rows, self.description.jacobian_columns] = slopes
         return matrix
+
+    def slopes(self, t: float, q: FloatArray) -> FloatArray:
+        """The structural non-zeros of Φ_q, shape (nnz,), at the places of the description."""
+        return _filled(len(self.description.jacobian_rows), self.kernels.jacobian, t, q, self.p)
+
+    def matrix_of(self, slopes: FloatArray) -> FloatArray | Any:
+        """Φ_q of these non-zeros, (nnz,), shape (m, n): dense, of a large machine sparse."""
+        return self.sparse_jacobian(slopes) if self.is_large else self._dense(slopes)
+
+    def sparse_jacobian(self, slopes: FloatArray) -> Any:
+        """Φ_q of these non-zeros, (nnz,), as SciPy's sparse matrix by rows, shape (m, n)."""
+        from scipy.sparse import csr_array  # small machines load none of it
+
+        rows, columns = self.description.jacobian_rows, self.description.jacobian_columns
+        return csr_array((slopes, (rows, columns)), shape=(self.m, self.n))
+
+    def largest_in_rows(self, values: FloatArray) -> FloatArray:
+        """The largest of the values, (nnz,), in each row of Φ_q, at least 0; shape (m,)."""
+        largest = np.zeros(self.m)
+        np.maximum.at(largest, self.description.jacobian_rows, values)
+        return largest
 
     def velocity_rhs(self, t: float, q: FloatArray) -> FloatArray:
         """ν = -Φ_t, shape (m,)."""
@@ -68,6 +97,13 @@ class Equations:
         matrix = np.zeros((self.n, self.n))
         matrix[rows, columns] = _filled(len(rows), self.kernels.mass, q, self.p)
         return matrix
+
+    def masses(self, q: FloatArray) -> FloatArray:
+        """The diagonal of M, shape (n,)."""
+        rows, columns = self.description.mass_rows, self.description.mass_columns
+        values, diagonal = _filled(len(rows), self.kernels.mass, q, self.p), np.zeros(self.n)
+        diagonal[rows[rows == columns]] = values[rows == columns]
+        return diagonal
 
     def forces(self, t: float, q: FloatArray, v: FloatArray, modes: IntArray) -> FloatArray:
         """Q, shape (n,); of a condition in mode 2 the mean of both sides, here as below."""
@@ -143,46 +179,56 @@ class Equations:
         self.kernels.switched_reactions(t, q, v, self.p, modes, lam, out)
         return out
 
-    def length_rows(self, matrix: FloatArray) -> npt.NDArray[np.bool_]:
+    def length_rows(self, slopes: FloatArray) -> npt.NDArray[np.bool_]:
         """Constraints that are lengths, shape (m,): lengths enter them, or nothing does, at Φ_q."""
-        used = matrix != 0.0
-        rows: npt.NDArray[np.bool_] = used[:, self.description.is_length].any(1) | ~used.any(1)
+        used, count = self.description.jacobian_rows[slopes != 0.0], self.m
+        of_length = self._enter_lengths & (slopes != 0.0)
+        lengths = np.bincount(self.description.jacobian_rows[of_length], minlength=count) > 0
+        rows: npt.NDArray[np.bool_] = lengths | (np.bincount(used, minlength=count) == 0)
         return rows
 
-    def row_units(self, matrix: FloatArray) -> list[str]:
+    @property
+    def _enter_lengths(self) -> npt.NDArray[np.bool_]:
+        """Whether the coordinate of each non-zero of Φ_q is a length, (nnz,)."""
+        enter: npt.NDArray[np.bool_] = self.description.is_length[self.description.jacobian_columns]
+        return enter
+
+    def row_units(self, slopes: FloatArray) -> list[str]:
         """Unit of each constraint: m where a length enters, else that of its coordinates."""
-        units = np.array([row.unit for row in self.description.coordinates])
-        found = (set(units[row != 0.0].tolist()) for row in matrix)
-        lengths = self.length_rows(matrix)
+        units = [row.unit for row in self.description.coordinates]
+        found: list[set[str]] = [set() for _ in range(self.m)]
+        rows, columns = self.description.jacobian_rows, self.description.jacobian_columns
+        for e in np.flatnonzero(slopes != 0.0):
+            found[rows[e]].add(units[columns[e]])
         return [
             "m" if is_length else of.pop() if len(of) == 1 else "1"
-            for is_length, of in zip(lengths, found, strict=True)
+            for is_length, of in zip(self.length_rows(slopes), found, strict=True)
         ]
 
-    def reach(self, matrix: FloatArray) -> float:
+    def reach(self, slopes: FloatArray) -> float:
         """The longest arm by which an angle enters a length, in m; 0 where none does."""
-        arms = matrix[np.ix_(self.length_rows(matrix), ~self.description.is_length)]
-        return float(np.abs(arms).max(initial=0.0))
+        of_length = self.length_rows(slopes)[self.description.jacobian_rows]
+        return float(np.abs(slopes[of_length & ~self._enter_lengths]).max(initial=0.0))
 
     def extent(self, q: FloatArray) -> float:
         """The largest distance from the origin along an axis, in m."""
         return float(np.abs(q[self.description.is_length]).max(initial=0.0))
 
-    def typical_reach(self, t: float, q: FloatArray, matrix: FloatArray) -> float:
-        """The longest arm at q, where Φ_q is `matrix`; with angles turned, where all vanish there.
+    def typical_reach(self, t: float, q: FloatArray, slopes: FloatArray) -> float:
+        """The longest arm at q, where Φ_q has `slopes`; with angles turned, where all vanish there.
 
         A contact at α = π/2 leaves nothing of an arm but the rounding of cos α.
         """
-        here = self.reach(matrix)
+        here = self.reach(slopes)
         if here > _VANISHED * self.extent(q) > 0.0:
             return here
-        others = [self.reach(self.jacobian(t, pose)) for pose in turned(self.description, q)]
+        others = [self.reach(self.slopes(t, pose)) for pose in turned(self.description, q)]
         there = max((arm for arm in others if np.isfinite(arm)), default=0.0)
         return here if here > _VANISHED * there else there
 
     def size(self, t: float, q: FloatArray) -> float:
         """A length typical of the mechanism, in m, from how angles enter lengths; 1 if none do."""
-        reach, extent = self.typical_reach(t, q, self.jacobian(t, q)), self.extent(q)
+        reach, extent = self.typical_reach(t, q, self.slopes(t, q)), self.extent(q)
         return max(reach, 1e-3 * extent) if reach > 0.0 else extent or 1.0
 
     def row_scale(self, t: float, q: FloatArray, size: float) -> FloatArray:
@@ -190,14 +236,14 @@ class Equations:
 
         A row whose slopes are far from that, such as the square of a length, is measured by them.
         """
-        matrix, scale = self.jacobian(t, q), self.scale(size)
-        even: FloatArray = np.where(self.length_rows(matrix), size, 1.0)
-        steepest = np.abs(matrix * scale).max(axis=1, initial=0.0) / even
+        slopes, scale = self.slopes(t, q), self.scale(size)[self.description.jacobian_columns]
+        even: FloatArray = np.where(self.length_rows(slopes), size, 1.0)
+        steepest = self.largest_in_rows(np.abs(slopes * scale)) / even
         if np.all((steepest > 1.0 / _FAR) & (steepest < _FAR)):
             return even
         for pose in turned(self.description, q):  # a row may be flat by chance
-            slopes = np.abs(self.jacobian(t, pose) * scale).max(axis=1, initial=0.0) / even
-            steepest = np.maximum(steepest, np.where(np.isfinite(slopes), slopes, 0.0))
+            others = self.largest_in_rows(np.abs(self.slopes(t, pose) * scale)) / even
+            steepest = np.maximum(steepest, np.where(np.isfinite(others), others, 0.0))
         far = (steepest > _FAR) | ((steepest < 1.0 / _FAR) & (steepest > 0.0))
         measured: FloatArray = np.where(far & np.isfinite(steepest), even * steepest, even)
         return measured
@@ -264,12 +310,12 @@ def magnitudes(equations: Equations, t: float, q: FloatArray) -> FloatArray:
     too, the largest length in the constraints, then among the parameters, and 1 m where there is
     none.
     """
-    matrix = equations.jacobian(t, q)
-    reach, extent = equations.typical_reach(t, q, matrix), equations.extent(q)
+    slopes = equations.slopes(t, q)
+    reach, extent = equations.typical_reach(t, q, slopes), equations.extent(q)
     if reach > _ROUNDING * max(extent, 1.0):
         return equations.scale(max(reach, _LEAST_PART * extent))
     gaps = np.abs(equations.constraints(t, equations.description.neutral))
-    fixed = float(gaps[equations.length_rows(matrix)].max(initial=0.0))
+    fixed = float(gaps[equations.length_rows(slopes)].max(initial=0.0))
     rows = zip(equations.description.parameters, equations.p, strict=False)
     declared = max((abs(float(value)) for row, value in rows if row.unit == "m"), default=0.0)
     known = max(reach, _LEAST_PART * extent) if reach > 0.0 else 0.0, extent, fixed, declared

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 Kind = Literal["tangents", "reduced", "picture"]
 
 _BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
+_HEADER = 4000  # layout: characters of a generated file, in which its command stands
+_UNROLL = re.compile(r"--unroll (always|never)\b")  # in the command of the header
 _CONTENTS = {
     "tangents": "derivatives", "reduced": "reduced equations", "picture": "picture",
 }  # fmt: skip
@@ -58,7 +60,7 @@ def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) ->
         return import_generated(place, text_hash(text))
     from codegen import build
 
-    folder, wanted = origin.path.parent, {kind: True}
+    folder, wanted = origin.path.parent, {kind: True, "unroll": _unroll(origin.path)}
     (report,) = build(origin.model, origin.scene, folder, compile=False, **wanted).scenes  # type: ignore[arg-type]
     companion = getattr(report, kind)
     if report.digest != origin.digest or companion is None:
@@ -86,6 +88,12 @@ def _text(origin: Origin, kind: Kind) -> str | None:
     belongs = _BELONGS.search(text)
     current = belongs is not None and belongs.group(1) == origin.digest
     return text if current and _required_text(kind) in text else None
+
+
+def _unroll(path: Path) -> str:
+    """Whether the kernels of a scene's file are in loops, as its header says."""
+    chosen = _UNROLL.search(read_generated(path)[:_HEADER]) if path.is_file() else None
+    return "auto" if chosen is None else chosen[1]
 
 
 def _required_text(kind: Kind) -> str:

@@ -16,6 +16,7 @@ from filelock import FileLock, Timeout
 from codegen.errors import InputError, LinkwrightError
 from codegen.object_display import counted
 from codegen.termination_signals import SignalDeferral
+from runtime.integrate.second_compiler import available_cores
 from runtime.machine_facade import Machine
 from runtime.progress_bar import Progress, bar
 from runtime.sweeps import store
@@ -23,7 +24,7 @@ from runtime.sweeps.block import BlockReport, Job
 from runtime.sweeps.block_parts import remove_parts
 from runtime.sweeps.design import Design
 from runtime.sweeps.journal import clear_journals, working_folder
-from runtime.sweeps.local_workers import LocalWorkers, ThisProcess, available_cores
+from runtime.sweeps.local_workers import LocalWorkers, ThisProcess
 from runtime.sweeps.member_run import Row
 from runtime.sweeps.planning import Estimate
 from runtime.sweeps.programs import program_facts

@@ -24,13 +24,6 @@ from runtime.sweeps.worker_process import START
 _LAST = 5.0  # safety: s that a process may take to end by itself
 
 
-def available_cores() -> int:
-    """Processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
 def pickled(job: Job) -> bytes:
     """A job for another process; InputError where a function of the user's own cannot go there."""
     from importlib import import_module, util

@@ -42,7 +42,7 @@ def _constraints(equations: Equations, t: float, q: FloatArray, v: FloatArray) -
     moving = equations.description.analysis != "equilibrium"
     parts = (
         ("equation Φ", equations.constraints(t, q)),
-        ("derivative Φ_q", equations.jacobian(t, q).sum(axis=1)),
+        ("derivative Φ_q", _sums(equations, t, q)),
         ("velocity ν", equations.velocity_rhs(t, q)),
         ("acceleration γ", equations.acceleration_rhs(t, q, v) if moving else np.zeros(0)),
     )
@@ -57,6 +57,13 @@ def _constraints(equations: Equations, t: float, q: FloatArray, v: FloatArray) -
                     f"t = {t:.9g} s; look for {_PLACES}, and write a law that has finite first "
                     "and second derivatives there, or start elsewhere."
                 )
+
+
+def _sums(equations: Equations, t: float, q: FloatArray) -> FloatArray:
+    """Sums of the rows of Φ_q, (m,)."""
+    sums = np.zeros(equations.m)
+    np.add.at(sums, equations.description.jacobian_rows, equations.slopes(t, q))
+    return sums
 
 
 def _forces(

@@ -33,8 +33,7 @@ def require_masses(mechanism: Mechanism, p: FloatArray) -> None:
 
 def _masses(mechanism: Mechanism, p: FloatArray) -> FloatArray:
     """Diagonal of M in the neutral pose, shape (n,)."""
-    diagonal: FloatArray = np.diag(Equations(mechanism, p).mass(mechanism.description.neutral))
-    return diagonal
+    return Equations(mechanism, p).masses(mechanism.description.neutral)
 
 
 def _behind(mechanism: Mechanism, p: FloatArray, place: int) -> str:

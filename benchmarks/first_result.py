@@ -1,0 +1,104 @@
+"""Time to the first result: from nothing, of a new scene, and in a new process.
+
+Each row is one process that loads a machine and simulates a second. Seconds are processor time of
+that process, which others on the machine take no part in; `wall` is what a person waits.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+from benchmarks.report import Report, records, verdict
+
+BARS = {"from nothing": 15.0, "new scene": 1.0, "new process": 1.0}  # s
+MACHINES = (("four_bar", "constant_torque"), ("slider_crank", "compressor"))
+_MODELS = Path(__file__).resolve().parents[1] / "models"
+_PROGRAM = """
+import json, sys, time
+from numba.core import event
+class Listener(event.Listener):
+    depth = count = 0
+    began = spent = 0.0
+    def on_start(self, about):
+        self.depth, self.count = self.depth + 1, self.count + 1
+        self.began = time.process_time() if self.depth == 1 else self.began
+    def on_end(self, about):
+        self.depth -= 1
+        self.spent += 0.0 if self.depth else time.process_time() - self.began
+listener = Listener()
+event.register("numba:compile", listener)
+from linkwright import load
+imported = time.process_time()
+machine = load(sys.argv[1], scene=sys.argv[2])
+loaded, kernels = time.process_time(), listener.spent
+machine.simulate(1.0)
+print(json.dumps([imported, loaded - imported - kernels, kernels,
+    listener.spent - kernels, time.process_time() - loaded - (listener.spent - kernels),
+    listener.count, time.process_time()]))
+"""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One first result; all but `functions` in s."""
+
+    result: str
+    machine: str
+    imports: float
+    translation: float  # of the model into a module, where there is none; reading it, elsewhere
+    kernels: float  # compiled
+    loop: float  # compiled
+    run: float  # loads compiled functions from the cache, assembles, simulates
+    functions: int  # that this process compiled
+    total: float
+    wall: float
+
+
+def measure() -> list[Row]:
+    """Three first results of each machine, each after those that it stands on."""
+    rows = []
+    for machine, scene in MACHINES:
+        with tempfile.TemporaryDirectory() as folder:
+            cache = Path(folder) / "cache"
+            for result in BARS:
+                place = Path(folder) / ("first" if result == "from nothing" else "second")
+                (place / "models").mkdir(parents=True, exist_ok=True)
+                text = (_MODELS / f"{machine}.py").read_text()
+                (place / "models" / f"{machine}.py").write_text(f"{text}\n# {place.name}\n")
+                rows.append(_row(result, machine, scene, place, cache))
+    return rows
+
+
+def _row(result: str, machine: str, scene: str, place: Path, cache: Path) -> Row:
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    began = perf_counter()
+    done = subprocess.run(
+        [sys.executable, "-c", _PROGRAM, machine, scene],
+        cwd=place, env=environment, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    wall = perf_counter() - began
+    return Row(result, machine, *json.loads(done.stdout.splitlines()[-1]), wall=wall)
+
+
+def report(quick: bool) -> list[Report]:
+    """What the first results are made of; there is no rough measurement."""
+    rows = measure()
+    numbers = [(r.imports, r.translation, r.kernels, r.loop, r.run) for r in rows]
+    table = [
+        (r.result, r.machine, *(f"{s:.2f}" for s in parts), str(r.functions), f"{r.total:.2f}",
+         f"{r.wall:.2f}")
+        for r, parts in zip(rows, numbers, strict=True)
+    ]  # fmt: skip
+    headings = (
+        "result", "machine", "imports", "translation", "kernels", "loop", "run", "functions",
+        "processor, s", "wall, s",
+    )  # fmt: skip
+    sentences = [verdict(f"{r.machine}, {r.result}:", r.wall, BARS[r.result], " s") for r in rows]
+    title = "first result: processor time of its parts, in s"
+    return [Report("first_result", title, headings, table, sentences, records(rows), 2)]
