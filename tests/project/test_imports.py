@@ -48,6 +48,7 @@ COMPILER = {
     *("codegen.library_layout", "codegen.object_display", "codegen.plain_values"),
     *("codegen.public_callables", "codegen.readable_signatures"),
     *(
+        "codegen.garbage_collection",
         "codegen.numba_cache",
         "codegen.numba_operation_types",
         "codegen.condition_evaluation",
