@@ -140,7 +140,7 @@ class Poses:
         sizes = np.abs(self._flat("jacobian", "values", self.guess))
         moved, turned = np.zeros((2, len(self.description.constraints)))
         for at, largest in ((is_length[columns], moved), (~is_length[columns], turned)):
-            np.maximum.at(largest, rows[at], sizes[at])
+            np.fmax.at(largest, rows[at], sizes[at])
         arms = [float(a / b) for a, b in zip(turned, moved, strict=True) if a > 0 and b > 0]
         longest = max(arms, default=1.0)
         return longest if math.isfinite(longest) else 1.0
