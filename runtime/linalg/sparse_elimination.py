@@ -1,8 +1,10 @@
 """Elimination of large sparse matrices: an order of pivots, and its elimination row by row.
 
 The order is Markowitz's with a threshold: of the rows that still have a large entry the shortest
-gives the pivot, in the column of fewest rows among its larger entries. Rows without a large entry
-wait, so that pivots come about in order of size and weak rows last. The elimination follows a given
+gives the pivot, in the column of fewest rows among its larger entries. Of rows of one length the
+one at the end of the shortest chain of eliminations does: null vectors and left vectors, which
+follow such chains, then have few entries. Rows without a large entry wait, so that pivots come
+about in order of size and weak rows last. The elimination follows a given
 order and meets no entries but those that are there. (T. A. Davis, Direct Methods for Sparse Linear
 Systems, 2006, chapters 6 and 7; I. S. Duff, A. M. Erisman and J. K. Reid, Direct Methods for Sparse
 Matrices, 2017, chapters 7 and 10.)
@@ -91,14 +93,15 @@ def order_sparsely(
             count[j] += 1
     taken_row, taken_column = np.zeros(m, np.bool_), np.zeros(n, np.bool_)
     where, seen, level, rank = np.zeros(n, np.int64), np.full(m, -1), np.inf, 0
+    chain = np.zeros(m, np.int64)  # of eliminations that a row depends on
     while rank < min(m, n):
-        best, row = n + 1, -1
+        best, row = (n + 1) * (m + 1), -1
         most = 0.0
         for i in range(m):
             if not taken_row[i]:
                 most = max(most, largest[i])
-                if largest[i] > level and length[i] < best:
-                    best, row = length[i], i
+                if largest[i] > level and length[i] * (m + 1) + chain[i] < best:
+                    best, row = length[i] * (m + 1) + chain[i], i
         if row < 0:
             if not most > least:
                 break
@@ -120,6 +123,7 @@ def order_sparsely(
             if taken_row[i] or seen[i] == column:
                 continue
             seen[i] = column
+            chain[i] = max(chain[i], chain[row] + 1)
             if end + length[i] + length[row] > columns.size:
                 live = 0
                 for k in range(m):
