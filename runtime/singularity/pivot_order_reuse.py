@@ -13,7 +13,7 @@ _APART = 3.0  # measured: factor by which the weak singular values lie below the
 _NONE = 1e-9  # accuracy: singular values below this are all zero
 _KNOWN = 0.02  # measured: difference of two Jacobians up to which they share an order of pivots
 _KEPT = 4  # measured: orders of pivots that are remembered
-_STRONG = 0.5  # measured: a pivot above this belongs to no weak row
+STRONG = 0.5  # measured: a pivot above this belongs to no weak row
 
 
 class PivotOrder(NamedTuple):
@@ -47,7 +47,7 @@ class PivotOrders:
         table, arrays = constraints.layout
         orders = arrays["row_order"], arrays["column_order"]
         a = constraints.dense(entries)
-        strong, rows = factor_fully(a, *orders, _STRONG), len(a)
+        strong, rows = factor_fully(a, *orders, STRONG), len(a)
         values = np.ones(rows)
         if strong < rows:
             # Loaded where something is singular.

@@ -9,6 +9,7 @@ import numpy as np
 
 from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.jit import addresses
+from runtime.linalg.sparse_least_norm import SPARSE_FROM
 from runtime.singularity import search_function_table as st
 
 Kernel = Callable[..., Any]
@@ -35,6 +36,11 @@ class ScaledConstraints:
     independent: Integers  # constraints none of which follows from the others everywhere
     m: int  # number of constraints
 
+    @property
+    def is_large(self) -> bool:
+        """Whether sparse factors take less than dense ones."""
+        return self.scale.size >= SPARSE_FROM
+
     @cached_property
     def layout(self) -> Layout:
         """The table by which compiled searches reach these arrays and kernels."""
@@ -44,6 +50,7 @@ class ScaledConstraints:
         table[first : first + 3] = addresses((self.constraints, self.jacobian, self.velocity_rhs))
         table[st.COORDINATES], table[st.UNKNOWNS], table[st.CONSTRAINT_COUNT] = n, n + 1, self.m
         table[st.ROWS], table[st.PARAMETER_COUNT] = self.independent.size, self.p.size
+        table[st.DENSE_ROWS] = 0 if self.is_large else self.independent.size
         table[st.NONZEROS], table[st.ENTRIES] = self.rows.size, at_row.size
         arrays = layout.allot(table)
         reals = {"parameters": self.p, "scale": self.scale}

@@ -17,6 +17,7 @@ COORDINATES = TABLE.number("coordinates")  # n
 UNKNOWNS = TABLE.number("unknowns")  # n + 1, with time
 CONSTRAINT_COUNT = TABLE.number("constraint_count")  # m
 ROWS = TABLE.number("rows")  # of these, that follow from no others
+DENSE_ROWS = TABLE.number("dense_rows")  # as many as rows, of a large machine none
 NONZEROS = TABLE.number("nonzeros")  # of Φ_q
 ENTRIES = TABLE.number("entries")  # nnz + m, with Φ_t
 PARAMETER_COUNT = TABLE.number("parameter_count")
@@ -42,7 +43,7 @@ displaced_of = TABLE.floats("displaced", UNKNOWNS)
 step_of = TABLE.floats("step", UNKNOWNS)
 origin_of = TABLE.floats("origin", UNKNOWNS)
 residuals_of = TABLE.floats("residuals", ROWS)
-sums_of = TABLE.floats("sums", UNKNOWNS, ROWS)  # uᵀ J' of the left vectors, flat
+sums_of = TABLE.floats("sums", UNKNOWNS, DENSE_ROWS)  # uᵀ J' of left vectors, flat
 
 
 @inner

@@ -48,7 +48,8 @@ class SingularPositions:
     """The singular positions of a machine near its motion."""
 
     def __init__(self, constraints: ScaledConstraints) -> None:
-        self.constraints, self.orders = constraints, PivotOrders(constraints)
+        self.constraints = constraints
+        self.orders, self.search = _searches(constraints)
 
     def find(self, motion: Motion, s: float) -> Singularity | None:
         """The singular position that the motion passes, or barely misses, about the time s hence.
@@ -59,7 +60,7 @@ class SingularPositions:
         speed = self._speed(motion)
         if not 0.0 < speed < np.inf:
             return None
-        search = Search(self.constraints, self.orders, motion, speed)
+        search = self.search(self.constraints, self.orders, motion, speed)
         best = None
         # With more weak rows than the motion loses, it misses the position that loses all of them,
         # and may pass one close by that loses fewer.
@@ -98,24 +99,26 @@ class SingularPositions:
         return s, distance(series, s, z)
 
 
+def _searches(constraints: ScaledConstraints) -> tuple[PivotOrders, type[Search]]:
+    """Orders of pivots of a machine, and the search that takes them."""
+    if not constraints.is_large:
+        return PivotOrders(constraints), Search
+    # Small machines load none of it.
+    from runtime.singularity.sparse_root_search import SparseSearch
+    from runtime.singularity.sparse_weak_rows import SparsePivotOrders
+
+    return SparsePivotOrders(constraints), SparseSearch
+
+
 def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
     """The singular position at a root; None where the motion does not come near."""
-    # Loaded where something is singular.
-    from runtime.singularity.complement_derivative_and_nearest_branch import find_branch
-
     constraints = search.constraints
     rate = search.path.at(s)[1]
     miss = distance(search.path.series, s, root.z)
     if miss > 0.1 * abs(s) * search.speed + 1e-3:
         return None
-    weak, free = root.left.shape[1], root.null.shape[1]
-    passing, x = np.empty((weak, free)), np.empty(free)  # of the complement; towards the branch
-    find_branch(search.table, root.z, rate, root.left, root.null, passing, x)
-    veer = (root.null @ x)[:-1]
-    _, rates, right = np.linalg.svd(passing)
-    weakest = float(rates[-1])
-    direction = (root.null @ right[len(rates) - 1])[:-1]
-    count = len(rates)
+    passage = search.passage(root, rate)
+    count, direction = passage.lost, passage.direction
     if constraints.independent.size < constraints.m:
         found = _lost_by_all_rows(search, root, direction)
         if found is None:
@@ -123,7 +126,7 @@ def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
         count, direction = found
     rows = np.zeros(constraints.m)
     # Of shares that differ by rounding alone the first is to be the largest.
-    rows[constraints.independent] = np.linalg.norm(root.left, axis=1).round(9)
+    rows[constraints.independent] = passage.shares.round(9)
     return Singularity(
         t=search.motion.t + s,
         q=root.z[:-1] * constraints.scale,
@@ -131,9 +134,9 @@ def _characterise(search: Search, root: Root, s: float) -> Singularity | None:
         lost=count,
         direction=direction / max(float(np.linalg.norm(direction)), 1e-300),
         gap=root.gap,
-        rate=weakest,
-        veer=veer * constraints.scale,
-        astray=float(np.linalg.norm(veer)) / search.speed,
+        rate=passage.weakest,
+        veer=passage.veer * constraints.scale,
+        astray=float(np.linalg.norm(passage.veer)) / search.speed,
         speed=search.speed,
         miss=miss,
         due=float(root.z[-1]) / search.speed if root.freedom == 0 else np.nan,

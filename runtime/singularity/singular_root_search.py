@@ -7,7 +7,7 @@ the weak ones, uᵀ Φ_q in the null directions with u the row combinations that
 Bifurcation Theory I, 1985, chapter VII.)
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,17 +21,27 @@ _PASSES = 3  # safety: searches, each from the position of the last one
 
 
 class Root(NamedTuple):
-    """A singular position, its left and null vectors, which are orthonormal, and its gap."""
+    """A singular position, its left and null vectors, of dense ones orthonormal, and its gap."""
 
     z: Vector  # (q / scale, t speed)
-    left: Matrix  # (m', weak)
-    null: Matrix  # (n + 1, free)
+    left: Matrix | Any  # (m', weak); of a large machine sparse, of unit columns, as `null`
+    null: Matrix | Any  # (n + 1, free)
     gap: float  # the largest |uᵀ Φ|
 
     @property
     def freedom(self) -> int:
         """Degrees of freedom of the positions around; one null direction is time's."""
         return int(self.null.shape[1] - self.left.shape[1] - 1)
+
+
+class Passage(NamedTuple):
+    """How a motion passes a root, lengths scaled."""
+
+    veer: Vector  # rate along the nearest branch less that of the motion, (n,)
+    weakest: float  # how fast the smallest singular value passes through zero
+    direction: Vector  # the null direction that is lost most slowly, (n,)
+    lost: int  # number of constraints lost
+    shares: Vector  # of each constraint in the left vectors, (m',)
 
 
 class Search:
@@ -63,6 +73,20 @@ class Search:
             if found.freedom <= 1 or abs(s - before) * self.speed < 1e-6:
                 break
         return (found, s) if found is not None else None
+
+    def passage(self, root: Root, rate: Vector) -> Passage:
+        """How a motion at the rate dz/ds, (n + 1,), passes a root."""
+        # Loaded where something is singular.
+        from runtime.singularity.complement_derivative_and_nearest_branch import find_branch
+
+        weak, free = root.left.shape[1], root.null.shape[1]
+        passing, x = np.empty((weak, free)), np.empty(free)  # of the complement; towards the branch
+        find_branch(self.table, root.z, rate, root.left, root.null, passing, x)
+        _, rates, right = np.linalg.svd(passing)
+        count = len(rates)
+        direction = (root.null @ right[count - 1])[:-1]
+        shares: Vector = np.linalg.norm(root.left, axis=1)
+        return Passage((root.null @ x)[:-1], float(rates[-1]), direction, count, shares)
 
     def _order(self, z: Vector) -> PivotOrder:
         entries = np.empty(self.constraints.places[0].size)

@@ -141,7 +141,11 @@ class SparseJacobian:
 
     def eliminate(self, z: Vector, order: Order, weak: int) -> Complement | None:
         """What is left at z of the last `weak` rows of an order; None where a pivot vanishes."""
-        (m, n), values, gaps = self.shape, self.entries(z), self.gaps(z)
+        return self.reduce(self.entries(z), self.gaps(z), order, weak)
+
+    def reduce(self, values: Vector, gaps: Vector, order: Order, weak: int) -> Complement | None:
+        """As `eliminate`, of these entries of the Jacobian and values of its rows, (m',)."""
+        m, n = self.shape
         filled, strong = np.flatnonzero(values), m - weak
         row_place, column_place = np.empty(m, np.int64), np.empty(n, np.int64)
         row_place[order.rows], column_place[order.columns] = np.arange(m), np.arange(n)

@@ -57,7 +57,7 @@ def _touched(jacobian: SparseJacobian, left: Any, null: Any) -> Any:
 
 def differentiate(jacobian: SparseJacobian, z: Vector, left: Any, null: Any) -> Forms:
     """The forms at z between left vectors, (m', weak), and null vectors, (n + 1, free)."""
-    (m, free), weak = (jacobian.shape[0], null.shape[1]), left.shape[1]
+    m, free = jacobian.shape[0], null.shape[1]
     touched = _touched(jacobian, left, null)
     groups, of_null = group(touched), null.tocsc()
     entry = touched.tocoo()
@@ -81,7 +81,6 @@ def differentiate(jacobian: SparseJacobian, z: Vector, left: Any, null: Any) -> 
     where = number, np.concatenate(places)
     sums = coo_array((np.concatenate(shares), where), shape=(pairs.size, m * len(blocks)))
     slopes = (sums.tocsr() @ vstack(blocks, format="csr")).tocsr()
-    assert weak * free > pairs.max(initial=-1)
     return Forms(pairs // free, pairs % free, slopes)
 
 
