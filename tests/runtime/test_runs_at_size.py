@@ -7,13 +7,14 @@ from runtime.integrate import wiring
 from runtime.linalg.sparse_least_norm import SPARSE_FROM
 from runtime.machine_facade import Machine
 from runtime.mechanism import dense_equations
+from runtime.singularity import scaled_constraints
 from tests.runtime import bars
 
 SPARSE, DENSE = 0, 10**9
 
 
 def set_threshold(monkeypatch: pytest.MonkeyPatch, threshold: int) -> None:
-    for module in (wiring, dense_equations):
+    for module in (wiring, dense_equations, scaled_constraints):
         monkeypatch.setattr(module, "SPARSE_FROM", threshold)
 
 
