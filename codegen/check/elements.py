@@ -231,8 +231,9 @@ def _strangers(
     known: frozenset[sympy.Symbol],
 ) -> Iterator[str]:  # fmt: skip
     """Symbols that mean nothing in the model."""
-    known |= {s for b in bodies_of(element) for q in coordinates_of(b) for s in (q, q.rate)}
-    for symbol in sorted({*symbols} - known, key=lambda s: s.name):
+    strange = [symbol for symbol in symbols if symbol not in known]
+    own = {s for b in bodies_of(element) for q in coordinates_of(b) for s in (q, q.rate)}
+    for symbol in sorted({*strange} - own, key=lambda s: s.name):
         # velocities in constraints are reported as such
         if not (isinstance(element, el.Constraint) and isinstance(symbol, Velocity)):
             yield unknown(model, el.label(element), symbol)

@@ -55,6 +55,8 @@ def all_problems(where: str, expressions: Iterable[sympy.Basic], may_switch: boo
 
 def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
     """Parts of an expression without smooth pieces, or unknown to the compiler."""
+    if expression.is_Symbol:
+        return
     if found := unreal_part(expression):
         start = "the value" if is_costly(found[0]) or found[0] == expression else expression
         yield f"{where}: {start} {found[1]}{FINITE}"
