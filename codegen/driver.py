@@ -36,6 +36,7 @@ from codegen.errors import (
     ParameterError,
     SceneError,
 )
+from codegen.garbage_collection import collection_paused
 from codegen.generated_files.build_report import BuildReport, report
 from codegen.generated_files.companions import COMPANIONS
 from codegen.generated_files.generated_file import Clock, File, Progress
@@ -160,6 +161,7 @@ def _build(
     return BuildReport(tuple(reports), tuple(f.path for f in every if check and f.changed))
 
 
+@collection_paused()
 def _emit(
     file: ModelFile, equations: Equations, lowered: Lowered, clock: Clock, folder: Path,
     settings: Mapping[str, float], requested: Mapping[str, bool], unroll: Unroll,
@@ -232,6 +234,7 @@ def without_overridden(scene: Scene, settings: Mapping[str, float]) -> Scene:
     return replace(scene, parameters=kept)
 
 
+@collection_paused()
 def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None) -> list[Scene]:
     """The checked scenes to build: ``default`` with all effects and drivers if none is declared."""
     problems = check_model(model)
