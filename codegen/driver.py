@@ -129,25 +129,26 @@ def _build(
     """All stages, from the file that is read to the machine code."""
     if unroll not in get_args(Unroll):
         raise InputError(f"unroll is {shown(unroll)}; give 'auto', 'always' or 'never'.")
-    progress("reading the model")
-    started = perf_counter()
-    file = read_model(model)
-    declared = with_settings(file.model, settings)
-    reading = perf_counter() - started
-    scenes = [without_overridden(s, settings) for s in valid_scenes(declared, scene)]
-    folder = Path(out) if out is not None else default_folder(file)
-    prepared = []
-    for chosen in scenes:
-        clock = Clock({"read": reading}, progress, f"{declared.name}, scene {chosen.name}")
-        prepared.append((*translate(declared, chosen, clock), clock))
-    for kind in COMPANIONS:
-        if requested[kind.name]:
-            kind.refuse(declared.name, [e for e, *_ in prepared], named=scene is not None)
-    files = [
-        _emit(file, equations, lowered, clock, folder, settings, requested, unroll)
-        for equations, lowered, _, clock in prepared
-    ]
-    every = [f for main in files for f in (main, *main.companions.values())]
+    with collection_paused():
+        progress("reading the model")
+        started = perf_counter()
+        file = read_model(model)
+        declared = with_settings(file.model, settings)
+        reading = perf_counter() - started
+        scenes = [without_overridden(s, settings) for s in valid_scenes(declared, scene)]
+        folder = Path(out) if out is not None else default_folder(file)
+        prepared = []
+        for chosen in scenes:
+            clock = Clock({"read": reading}, progress, f"{declared.name}, scene {chosen.name}")
+            prepared.append((*translate(declared, chosen, clock), clock))
+        for kind in COMPANIONS:
+            if requested[kind.name]:
+                kind.refuse(declared.name, [e for e, *_ in prepared], named=scene is not None)
+        files = [
+            _emit(file, equations, lowered, clock, folder, settings, requested, unroll)
+            for equations, lowered, _, clock in prepared
+        ]
+        every = [f for main in files for f in (main, *main.companions.values())]
     for f in every:
         f.bring_up_to_date(check)
     if compiled and not check:
@@ -161,7 +162,6 @@ def _build(
     return BuildReport(tuple(reports), tuple(f.path for f in every if check and f.changed))
 
 
-@collection_paused()
 def _emit(
     file: ModelFile, equations: Equations, lowered: Lowered, clock: Clock, folder: Path,
     settings: Mapping[str, float], requested: Mapping[str, bool], unroll: Unroll,
@@ -234,7 +234,6 @@ def without_overridden(scene: Scene, settings: Mapping[str, float]) -> Scene:
     return replace(scene, parameters=kept)
 
 
-@collection_paused()
 def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None) -> list[Scene]:
     """The checked scenes to build: ``default`` with all effects and drivers if none is declared."""
     problems = check_model(model)

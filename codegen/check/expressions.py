@@ -120,8 +120,7 @@ def _piecewise_problems(node: sympy.Piecewise) -> Iterable[str]:
             yield f"{condition} is no condition; compare it with something."
     if node.args[-1].cond != sympy.true:
         yield (
-            f"{node} says nothing where none of its conditions holds; end it with "
-            "(value, True)."
+            f"{node} says nothing where none of its conditions holds; end it with (value, True)."
         )
 
 
