@@ -121,6 +121,7 @@ def build(
         )
 
 
+@collection_paused()
 def _build(
     model: str | Path | Model, scene: str | Scene | Sequence[str | Scene] | None,
     out: str | Path | None, settings: Mapping[str, float], requested: Mapping[str, bool],
@@ -129,26 +130,25 @@ def _build(
     """All stages, from the file that is read to the machine code."""
     if unroll not in get_args(Unroll):
         raise InputError(f"unroll is {shown(unroll)}; give 'auto', 'always' or 'never'.")
-    with collection_paused():
-        progress("reading the model")
-        started = perf_counter()
-        file = read_model(model)
-        declared = with_settings(file.model, settings)
-        reading = perf_counter() - started
-        scenes = [without_overridden(s, settings) for s in valid_scenes(declared, scene)]
-        folder = Path(out) if out is not None else default_folder(file)
-        prepared = []
-        for chosen in scenes:
-            clock = Clock({"read": reading}, progress, f"{declared.name}, scene {chosen.name}")
-            prepared.append((*translate(declared, chosen, clock), clock))
-        for kind in COMPANIONS:
-            if requested[kind.name]:
-                kind.refuse(declared.name, [e for e, *_ in prepared], named=scene is not None)
-        files = [
-            _emit(file, equations, lowered, clock, folder, settings, requested, unroll)
-            for equations, lowered, _, clock in prepared
-        ]
-        every = [f for main in files for f in (main, *main.companions.values())]
+    progress("reading the model")
+    started = perf_counter()
+    file = read_model(model)
+    declared = with_settings(file.model, settings)
+    reading = perf_counter() - started
+    scenes = [without_overridden(s, settings) for s in valid_scenes(declared, scene)]
+    folder = Path(out) if out is not None else default_folder(file)
+    prepared = []
+    for chosen in scenes:
+        clock = Clock({"read": reading}, progress, f"{declared.name}, scene {chosen.name}")
+        prepared.append((*translate(declared, chosen, clock), clock))
+    for kind in COMPANIONS:
+        if requested[kind.name]:
+            kind.refuse(declared.name, [e for e, *_ in prepared], named=scene is not None)
+    files = [
+        _emit(file, equations, lowered, clock, folder, settings, requested, unroll)
+        for equations, lowered, _, clock in prepared
+    ]
+    every = [f for main in files for f in (main, *main.companions.values())]
     for f in every:
         f.bring_up_to_date(check)
     if compiled and not check:
