@@ -46,7 +46,6 @@ class ResultStore:
     """
 
     def __init__(self, path: Path, description: Description, p: FloatArray) -> None:
-        check_place(path)
         if path.suffix.lower() != ".zarr":
             raise InputError(
                 f"out={str(path)!r}: rows are written into a Zarr store while the run goes on. "
@@ -54,6 +53,7 @@ class ResultStore:
             )
         if path.exists():
             raise InputError(f"{path} is there already. Choose another name, or remove it.")
+        check_place(path)
         self.path, self.description, self.p = path, description, p
         rows = _CHUNK_BYTES // sample_bytes(description)
         self.rows = max(_LEAST, min(_MOST, rows))  # of a chunk

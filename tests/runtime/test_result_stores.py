@@ -18,7 +18,7 @@ from runtime.integrate import recording_buffers
 from runtime.machine_facade import Machine
 from runtime.results import memory, result_store
 
-ROWS = 16  # of a chunk in these tests
+ROWS = 64  # of a chunk in these tests
 
 
 def declaration() -> Model:
@@ -61,7 +61,7 @@ def check_equal(store: Path, expected: xr.Dataset) -> xr.Dataset:
     return found
 
 
-@pytest.mark.parametrize("t_eval", [None, 5, 16, 3001, "steps"])
+@pytest.mark.parametrize("t_eval", [None, 5, 16, "steps"])
 def test_a_store_has_the_bits_of_a_result_in_memory(
     swing: Machine, tmp_path: Path, t_eval: Any
 ) -> None:
@@ -95,14 +95,14 @@ def test_an_interruption_keeps_what_was_computed(swing: Machine, tmp_path: Path)
                 calls.append(read.attrs["outcome"])
             raise KeyboardInterrupt
 
-    result = simulate(swing.mechanism, 1000.0, 10_001, out=place, progress=interrupt)
+    result = simulate(swing.mechanism, 100.0, 2001, out=place, progress=interrupt)
     assert calls == ["RUNNING"]
     assert result.outcome is Outcome.INTERRUPTED
     with xr.open_zarr(place, chunks=None) as read:
         assert read.attrs["outcome"] == "INTERRUPTED"
-        assert 0 < len(read.time) == len(result.t) < 10_001
-        expected = swing.simulate(float(result.t[-2]), np.asarray(result.t[:-1]))
-        assert read.q.values[:-1].tobytes() == expected.data.q.values.tobytes()
+        assert 0 < len(read.time) == len(result.t) < 2001
+        expected, kept = swing.simulate(100.0, 2001), len(result.t) - 1
+        assert read.q.values[:kept].tobytes() == expected.data.q.values[:kept].tobytes()
 
 
 def test_an_error_keeps_what_was_computed(workshop: Path, tmp_path: Path) -> None:
