@@ -2,16 +2,19 @@
 
 import json
 import tracemalloc
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
+from typer.testing import CliRunner
 
 from codegen import Model
 from codegen.errors import InputError
 from runtime import load
+from runtime.cli.app import app
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.simulation import simulate
 from runtime.integrate import recording_buffers
@@ -174,3 +177,21 @@ def test_samples_that_do_not_fit_into_memory_are_refused_by_number(
 def test_what_is_free_is_known_here() -> None:
     free = memory.free_bytes()
     assert free is None or free > 2**20
+
+
+def test_a_command_writes_the_store_while_it_runs(
+    library: Callable[[str, str], Machine], root: Path, tmp_path: Path
+) -> None:
+    machine, place = library("slider_crank", "compressor"), tmp_path / "run.zarr"
+    words = ["simulate", str(root / "models" / "slider_crank.py"), "--scene", "compressor"]
+    words += ["--t-end", "0.01", "--points", "11", "--stream"]
+    without = CliRunner().invoke(app, words)
+    assert without.exit_code == 2
+    assert "name the store, --out run.zarr" in without.output
+    done = CliRunner().invoke(app, [*words, "--out", str(place)])
+    assert done.exit_code == 0
+    assert f"Saved: 11 instants in {place}" in done.output
+    check_equal(place, machine.simulate(0.01, 11).data)
+    again = CliRunner().invoke(app, [*words, "--out", str(place)])
+    assert again.exit_code == 2
+    assert "is there already" in again.output
