@@ -194,4 +194,4 @@ def test_a_command_writes_the_store_while_it_runs(
     check_equal(place, machine.simulate(0.01, 11).data)
     again = CliRunner().invoke(app, [*words, "--out", str(place)])
     assert again.exit_code == 2
-    assert "is there already" in again.output
+    assert "run.zarr is there" in again.output
