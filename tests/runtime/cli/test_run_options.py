@@ -48,7 +48,7 @@ def test_studies_take_what_they_do_not_set_themselves() -> None:
     assert words - {"rtol", "correction"} <= names("accuracy")
     assert not {"accuracy"} & (names("matters") | names("accuracy"))
     of_python = set(signature(Machine.simulate).parameters) - {
-        "self", "t_eval", "accuracy", "quantities"
+        "self", "t_eval", "accuracy", "quantities", "out"
     }  # fmt: skip
     assert of_python <= set(signature(matters).parameters)
     assert of_python - {"method", "formulation", "rtol", "correction"} <= set(
