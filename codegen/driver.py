@@ -36,6 +36,7 @@ from codegen.errors import (
     ParameterError,
     SceneError,
 )
+from codegen.garbage_collection import collection_paused
 from codegen.generated_files.build_report import BuildReport, report
 from codegen.generated_files.companions import COMPANIONS
 from codegen.generated_files.generated_file import Clock, File, Progress
@@ -120,6 +121,7 @@ def build(
         )
 
 
+@collection_paused()
 def _build(
     model: str | Path | Model, scene: str | Scene | Sequence[str | Scene] | None,
     out: str | Path | None, settings: Mapping[str, float], requested: Mapping[str, bool],

@@ -1,6 +1,8 @@
 """The machine that a user holds: the analyses as methods, beside its tables and states."""
 
+import os
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
@@ -40,7 +42,7 @@ class Machine(MachineStates):
         correction: "Correction" = "step", formulation: "Formulation | None" = None,
         time_scale: float | None = None, first_step: float | None = None,
         max_step: float | None = None, max_steps: int | None = None,
-        max_bytes: int = 2**30, progress: bool = True,
+        max_bytes: int = 2**30, out: str | os.PathLike[str] | None = None, progress: bool = True,
     ) -> "Result":  # fmt: skip
         """Integrate the equations of motion from the assembled start.
 
@@ -100,6 +102,14 @@ class Machine(MachineStates):
             Lengths in s, chosen by default; trial steps (`Outcome.MAX_STEPS`), by default 1e8, or
             fewer where they get ever shorter towards an instant; bytes of recorded states
             (`Outcome.MEMORY`), 1 GiB by default; whether a bar shows, once it has taken a second.
+        out
+            A place ending in .zarr, at which nothing stands: all quantities are written there in
+            chunks while the run goes on, and the result maps its numbers from temporary files
+            beside it, so that memory does not grow with the length of the run (events and changes
+            of the partition count as `max_bytes`). ``xarray.open_zarr(out)`` reads what is there at
+            any time; the attribute `outcome` is RUNNING until the run has ended, and for ever where
+            the process was killed, FAILED where an error ended it. Not of reduced coordinates,
+            with `accuracy`, `until`, works, or where joints come and go.
 
         Returns
         -------
@@ -110,8 +120,8 @@ class Machine(MachineStates):
         Raises
         ------
         InputError, ParameterError, AssemblyError
-            If arguments or parameters make no sense, the start cannot be assembled, or `guess`
-            names what the scene fixes.
+            If arguments or parameters make no sense, the start cannot be assembled, `guess`
+            names what the scene fixes, or the samples need more memory than is free.
         AnalysisError
             If the scene has no masses, nothing is left to integrate, or not even the beginning can
             be computed to the `accuracy` asked for.
@@ -135,10 +145,16 @@ class Machine(MachineStates):
             time_scale=time_scale,
             first_step=first_step, max_step=max_step, max_steps=max_steps, max_bytes=max_bytes,
             progress=progress, accuracy=accuracy, rtol=rtol, atol=atol, quantities=quantities,
-            method=method, formulation=formulation,
+            method=method, formulation=formulation, out=out,
         )  # fmt: skip
         given["parameters"] = parameters_there(mechanism, self.mechanism, given["parameters"])
         settings = {name: given.pop(name) for name in _SETTINGS}
+        place = given.pop("out")
+        if place is not None:
+            from runtime.dynamics.stored_simulation import refuse_store
+
+            refuse_store(mechanism, settings, until)
+            given["out"] = Path(place)
         conditions = () if until is None else read_conditions(mechanism.description, until)
         analyse = accuracy_or_tolerances(mechanism, **settings)
         with bar(f"simulate {mechanism.title}", given.pop("progress")) as report:

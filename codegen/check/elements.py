@@ -158,17 +158,17 @@ def _statement_problems(
     if problem := moving_frame_problem(constraint, statement):
         yield problem
     elif isinstance(reaction := statement.reaction, el.JointReaction):
-        arm = reaction.on.A * reaction.on.s if reaction.arm is None else reaction.arm
-        direction, arm = (tuple(map(plain_expression, v)) for v in (reaction.direction, arm))
+        on, direction = reaction.on, tuple(map(plain_expression, reaction.direction))
+        arm = None if reaction.arm is None else tuple(map(plain_expression, reaction.arm))
         size = sympy.Add(*(c**2 for c in direction))
         if len(direction) != 2 or (size.is_number and not abs(float(size) - 1) <= 1e-9):
             yield (
                 f"{where}: the direction of its reaction is {direction}; give two components of a "
                 "unit vector in global axes."
             )
-        if len(arm) != 2:
+        if arm is not None and len(arm) != 2:
             yield f"{where}: the arm of its reaction is {arm}; give two components, in m."
-        expressions = (*expressions, *direction, *arm)
+        expressions = (*expressions, *direction, *((on.phi, *on.s) if arm is None else arm))
     symbols = bound_symbols(statement, (*expressions, *statement.bindings.values()))
     bodies = {body.name for body in bodies_of(constraint)}
     for q in sorted((s for s in symbols if isinstance(s, Coordinate)), key=str):
@@ -196,21 +196,22 @@ def _constant_equations(where: str, statement: el.Statement) -> Iterator[str]:
 def _orientations(constraint: el.Constraint) -> Iterator[str]:
     """Joints that would turn a particle, or ask for an angle that a body has not."""
     statement = statement_of(constraint)
-    phi = sympy.Tuple(*statement.phi)
     for frame in (el.I, el.J):
-        centred = phi.xreplace(dict.fromkeys(frame.s, sympy.S.Zero))
-        if not centred.has(frame.phi):
-            continue
         at = statement.bindings.get(frame.x)
         body = next((b for b in bodies_of(constraint) if at == b.position[0]), None)
-        if body and body.angle is None and phi.xreplace(statement.bindings).has(frame.phi):
+        if not body or (body.turns and body.angle is not None):
+            continue
+        phi = sympy.Tuple(*statement.phi)
+        if not phi.xreplace(dict.fromkeys(frame.s, sympy.S.Zero)).has(frame.phi):
+            continue
+        if body.angle is None and phi.xreplace(statement.bindings).has(frame.phi):
             letters = ", ".join(q.letter for q in body.coordinates)
             yield (
                 f"{el.label(constraint)} asks for the angle of '{body.name}', which "
                 f"is oriented by {letters} and counts none; use joints that ask for points and "
                 "axes, such as revolute, point-on-line or distance, or model.constraint(...)."
             )
-        if body and not body.turns:
+        if not body.turns:
             yield (
                 f"{el.label(constraint)} holds an angle of '{body.name}', which is "
                 "a particle and has none; use a joint that leaves it free to turn, or a body."
@@ -231,8 +232,9 @@ def _strangers(
     known: frozenset[sympy.Symbol],
 ) -> Iterator[str]:  # fmt: skip
     """Symbols that mean nothing in the model."""
-    known |= {s for b in bodies_of(element) for q in coordinates_of(b) for s in (q, q.rate)}
-    for symbol in sorted({*symbols} - known, key=lambda s: s.name):
+    strange = [symbol for symbol in symbols if symbol not in known]
+    own = {s for b in bodies_of(element) for q in coordinates_of(b) for s in (q, q.rate)}
+    for symbol in sorted({*strange} - own, key=lambda s: s.name):
         # velocities in constraints are reported as such
         if not (isinstance(element, el.Constraint) and isinstance(symbol, Velocity)):
             yield unknown(model, el.label(element), symbol)

@@ -1,6 +1,7 @@
 """Checks that expressions of a declaration can be compiled."""
 
 from collections.abc import Iterable, Iterator
+from functools import lru_cache
 from typing import Any
 
 import sympy
@@ -20,6 +21,7 @@ KNOWN = ", ".join(sorted({f.__name__ for f in (*FUNCTIONS, *KINKED, *STEPS)}))
 ARITHMETIC = (sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow)
 FINITE = "; give finite real numbers."
 UNDEFINED = f"nan{FINITE}"
+KEPT = 1000  # measured: expressions whose flaws are known; a machine has fewer different ones
 
 
 def constraint_problems(constraint: Constraint) -> Iterator[str]:
@@ -55,38 +57,49 @@ def all_problems(where: str, expressions: Iterable[sympy.Basic], may_switch: boo
 
 def expression_problems(where: str, expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
     """Parts of an expression without smooth pieces, or unknown to the compiler."""
+    if not expression.is_Symbol:
+        yield from (f"{where}: {flaw}" for flaw in _flaws(expression, may_switch))
+
+
+@lru_cache(KEPT)
+def _flaws(expression: sympy.Basic, may_switch: bool) -> tuple[str, ...]:
+    """What is wrong with an expression; joints of one kind state the same one."""
+    return tuple(_find_flaws(expression, may_switch))
+
+
+def _find_flaws(expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
     if found := unreal_part(expression):
         start = "the value" if is_costly(found[0]) or found[0] == expression else expression
-        yield f"{where}: {start} {found[1]}{FINITE}"
+        yield f"{start} {found[1]}{FINITE}"
     elif problem := number_problem(expression):
-        yield f"{where}: {problem}"
+        yield problem
     stack: list[Any] = [expression]
     while stack:
         node = stack.pop()
         if isinstance(node, sympy.Piecewise | ExprCondPair):
             stack += [a for a in node.args if a not in (sympy.true, sympy.false)]
             if isinstance(node, sympy.Piecewise):
-                yield from _piecewise_problems(where, node)
+                yield from _piecewise_problems(node)
         elif isinstance(node, Relational):
-            yield from _condition_problems(where, node, may_switch)
+            yield from _condition_problems(node, may_switch)
             stack += node.args
         elif isinstance(node, sympy.And | sympy.Or | sympy.Not | sympy.ITE):
             stack += node.args
         elif node.func in KINKED and not (may_switch or is_known_beforehand(node)):
-            yield f"{where}: {node} has a kink; constraints are smooth in coordinates."
+            yield f"{node} has a kink; constraints are smooth in coordinates."
         elif node.func in STEPS and not is_known_beforehand(node):
-            yield f"{where}: {node} jumps where coordinates say; only the time and parameters may."
+            yield f"{node} jumps where coordinates say; only the time and parameters may."
         elif isinstance(node, Interpolant):
             if not may_switch:
-                yield from _table_problems(where, node)
+                yield from _table_problems(node)
             stack.append(node.at)
         elif node.func in (*FUNCTIONS, *KINKED, *STEPS) or isinstance(node, ARITHMETIC):
             stack += node.args
         elif not node.is_number:
-            yield f"{where}: {node} cannot be compiled; known are {KNOWN}, powers and Piecewise."
+            yield f"{node} cannot be compiled; known are {KNOWN}, powers and Piecewise."
 
 
-def _table_problems(where: str, node: Interpolant) -> Iterator[str]:
+def _table_problems(node: Interpolant) -> Iterator[str]:
     """What a table lacks where accelerations need its second derivative, and nothing switches."""
     table = node.table
     if is_known_beforehand(node.at) or (table.smooth >= 2 and table.held is None):
@@ -96,30 +109,29 @@ def _table_problems(where: str, node: Interpolant) -> Iterator[str]:
     else:
         fault, remedy = "with beyond='hold'", "give it points further out"
     yield (
-        f"{where}: table '{table.name}' {fault} is taken at {node.at}, where accelerations need "
+        f"table '{table.name}' {fault} is taken at {node.at}, where accelerations need "
         f"continuous second derivatives; {remedy}."
     )
 
 
-def _piecewise_problems(where: str, node: sympy.Piecewise) -> Iterable[str]:
+def _piecewise_problems(node: sympy.Piecewise) -> Iterable[str]:
     for _, condition in node.args:
         if condition.is_Symbol:
-            yield f"{where}: {condition} is no condition; compare it with something."
+            yield f"{condition} is no condition; compare it with something."
     if node.args[-1].cond != sympy.true:
         yield (
-            f"{where}: {node} says nothing where none of its conditions holds; end it with "
-            "(value, True)."
+            f"{node} says nothing where none of its conditions holds; end it with (value, True)."
         )
 
 
-def _condition_problems(where: str, node: Relational, may_switch: bool) -> Iterable[str]:
+def _condition_problems(node: Relational, may_switch: bool) -> Iterable[str]:
     if isinstance(node, sympy.Eq | sympy.Ne):
         yield (
-            f"{where}: the condition {node} is an equality, which no motion meets for a time; "
+            f"the condition {node} is an equality, which no motion meets for a time; "
             "use an inequality."
         )
     elif not (may_switch or is_known_beforehand(node)):
         yield (
-            f"{where}: the condition {node} stands where nothing may switch; the pieces of "
+            f"the condition {node} stands where nothing may switch; the pieces of "
             "constraints and motions are chosen by the time and parameters alone."
         )

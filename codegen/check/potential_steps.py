@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 import sympy
+from sympy.core.relational import Relational
 
 from codegen.check.boundary_points import differs, jumps, points, sizes, vanishes
 from codegen.declare.body import Body
@@ -124,6 +125,8 @@ def find_step(expression: sympy.Expr, numbers: dict[sympy.Symbol, float]) -> Ste
 
 def _in_regions(expression: sympy.Expr, numbers: dict[sympy.Symbol, float]) -> Step | None:
     """A step where the pieces on both sides of a surface differ, and their conditions hold."""
+    if not expression.has(Relational):
+        return None
     symbols = kinds(expression, Coordinate, Time)
     start = np.array([numbers.get(s, 1.0) for s in symbols])
     others = sorted(expression.free_symbols - {*symbols}, key=str)

@@ -50,7 +50,7 @@ class Frame(Pose):
             raise ModelError(
                 f"frame.bind({shown(point)}): give a point of a body, as body.at(0, 0)."
             )
-        body, (sx, sy) = point.body, self.s
+        body, sx, sy = point.body, given(f"{self.name}_sx"), given(f"{self.name}_sy")
         bindings = {self.x: body.position[0], self.y: body.position[1]}
         if body.angle is None:  # a statement that asks for the angle itself is refused
             ends = sympy.cos(self.phi), sympy.sin(self.phi)

@@ -18,6 +18,8 @@ def _unit_of_sympy(expression: sympy.Expr) -> sympy.Basic | None:
 
 def plain_expression(value: Any) -> sympy.Expr:
     """A number or an expression as an expression; KindError for text, a condition, a matrix."""
+    if isinstance(value, sympy.Symbol) and value.is_commutative:
+        return value
     if isinstance(value, sympy.Expr):
         if value.is_Matrix or (not value.is_commutative and value.is_commutative is not None):
             raise KindError

@@ -74,8 +74,8 @@ def items(text: str) -> list[str]:
 
 def assignment(name: str, value: Any) -> list[str]:
     """``NAME = literal``, on one line if it fits, else one element a line."""
-    line = f"{name} = {literal(value)}"
-    if len(line) <= PAGE:
+    is_long = isinstance(value, tuple | list) and len(value) > PAGE
+    if not is_long and len(line := f"{name} = {literal(value)}") <= PAGE:
         return [line]
     if all(isinstance(item, int) for item in value):
         rows = filled((f"{item}," for item in value), "    ")
@@ -104,6 +104,8 @@ def literal(value: Any) -> str:
 
 def _escaped(text: str) -> str:
     """The characters of a text between quotes, those that do not print by their numbers."""
+    if text.isprintable() and '"' not in text and "\\" not in text:
+        return text
     marks = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t", "\r": "\\r"}
     return "".join(marks.get(c) or (c if c.isprintable() else ascii(c)[1:-1]) for c in text)
 

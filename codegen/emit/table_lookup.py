@@ -25,10 +25,9 @@ def lookups(program: Program) -> dict[Lookup, str]:
     Tables are numbered in the order of their names: what a modeller calls them may be the name of
     something else in the module.
     """
-    found = {v.literal for v in program.values if isinstance(v.literal, Lookup)}
     numbers: dict[Table, int] = {}
     names = {}
-    for look in sorted(found, key=lambda x: (x.table.name, x.table.digest, x.order)):
+    for look in sorted(program.lookups, key=lambda x: (x.table.name, x.table.digest, x.order)):
         number = numbers.setdefault(look.table, len(numbers))
         names[look] = f"table_{number}" + (f"_d{look.order}" if look.order else "")
     return names

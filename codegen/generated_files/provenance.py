@@ -77,12 +77,19 @@ def fingerprint(equations: Equations) -> str:
     lines += [f"parameter {p}" for p in equations.parameters]
     lines += [f"mass {m}" if i == k else f"mass {i} {k} {m}" for i, k, m in equations.mass]
     lines += [f"inertia force {k} {f}" for k, f in equations.inertia_force]
+    texts = dict[int, str]()  # of what the joints of a kind share
+
+    def text(shared: object) -> str:
+        key = id(shared)
+        known = texts[key] = texts.get(key) or str(shared)
+        return known
+
     for constraint in equations.constraints:
         statement = constraint.statement
         bindings = sorted(f"{place}={meaning}" for place, meaning in statement.bindings.items())
-        lines.append(f"{constraint.kind} {constraint.name} {statement.phi} {bindings}")
+        lines.append(f"{constraint.kind} {constraint.name} {text(statement.phi)} {bindings}")
         lines += [f"  own {row} {q}" for row, q in statement.own]
-        lines.append(f"  reactions {constraint.terms.reactions}")
+        lines.append(f"  reactions {text(constraint.terms.reactions)}")
     for effect in equations.effects:
         terms = effect.terms
         lines.append(f"{effect.kind} {effect.name} {terms.potential} {terms.loads}")

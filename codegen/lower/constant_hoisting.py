@@ -1,6 +1,7 @@
 """Constant hoisting: values of parameters alone move into a kernel that runs once a run."""
 
 from collections import Counter
+from itertools import chain
 
 from codegen.lower.graph import Graph
 from codegen.lower.program import Input, Kernel, Op, Output, Program, Value
@@ -27,11 +28,12 @@ def with_constants(
     for kernel, numbers in zip(stepping, needed_by, strict=True):
         needed = set(kernel.roots)
         for number in numbers:
-            _, args, literal, *_ = graph.values[number]
-            if isinstance(literal, Input) and literal.array == "stiction":
-                slots[number] = literal.slot
-            if args and not graph.settled[number]:
-                needed.update(args)
+            value = graph.values[number]
+            if value.args:
+                if not graph.settled[number]:
+                    needed.update(value.args)
+            elif isinstance(value.literal, Input) and value.literal.array == "stiction":
+                slots[number] = value.literal.slot
         settled = (k for k in sorted(needed) if graph.settled[k] and graph.values[k].args)
         hoisted |= dict.fromkeys(settled)
     forces = sorted(slots, key=slots.__getitem__)
@@ -57,7 +59,7 @@ def orient_differences(
     everything = Program(tuple(values), kernels, (), WEAK_PIVOT)
     needed_by = [everything.reachable(kernel) for kernel in kernels]
     reachable = set[int]().union(*needed_by)
-    uses = Counter(a for number in reachable for a in values[number].args)
+    uses = Counter(chain.from_iterable(values[number].args for number in reachable))
     uses.update(root for kernel in kernels for root in kernel.roots)
     oriented = set[int]()  # differences that are written the other way round
     for number in sorted(reachable):

@@ -1,7 +1,7 @@
 """Values built from values, folding constants and structural zeros on the way."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import reduce
 
@@ -96,9 +96,9 @@ class Graph(Numbering):
                 return self.add(*rest) if sign > 0 else self.sub(*rest)
         return None
 
-    def _terms(self, a: int) -> Iterator[tuple[int, int]]:
+    def _terms(self, a: int) -> list[tuple[int, int]]:
         """The terms of a sum, each with its sign, from the left."""
-        values, stack = self.values, [(a, 1)]
+        values, stack, terms = self.values, [(a, 1)], list[tuple[int, int]]()
         while stack:
             number, sign = stack.pop()
             value = values[number]
@@ -111,7 +111,8 @@ class Graph(Numbering):
             elif value.op is Op.NEG:
                 stack.append((value.args[0], -sign))
             else:
-                yield number, sign
+                terms.append((number, sign))
+        return terms
 
     def _without(self, a: int, term: int, sign: int) -> int:
         """A sum without one of its terms."""

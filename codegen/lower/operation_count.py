@@ -10,10 +10,12 @@ from codegen.lower.program import FUNCTIONS, LEAVES, LOGICAL, Kernel, Op, Progra
 WEIGHTS = {Op.DIV: 5, Op.SQRT: 5, Op.NEG: 0, Op.SELECT: 1}
 """Operations whose time is far from that of a product; elementary functions count 20."""
 
+_FREE = LEAVES | LOGICAL  # operations that are none of arithmetic
+
 
 def operations(program: Program, kernel: Kernel) -> int:
     """Arithmetic operations of a kernel, each counted once."""
-    return sum(by_element(program, kernel).values())
+    return len(_computed(program, kernel))
 
 
 def by_element(program: Program, kernel: Kernel) -> Counter[str]:
@@ -43,5 +45,6 @@ def weighted_operations(program: Program, kernel: Kernel) -> int:
 
 
 def _computed(program: Program, kernel: Kernel) -> list[int]:
-    computed = set(program.reachable(kernel)) - program.hoisted(kernel)
-    return sorted(k for k in computed if program.values[k].op not in LEAVES | LOGICAL)
+    hoisted, values = program.hoisted(kernel), program.values
+    numbers = (k for k in program.reachable(kernel) if values[k].op not in _FREE)
+    return [k for k in numbers if k not in hoisted]

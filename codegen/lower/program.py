@@ -9,6 +9,7 @@ inputs and outputs.
 from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import cached_property
 from typing import NamedTuple
 
 from codegen.piecewise_cubic import Table
@@ -145,7 +146,7 @@ class Kernel:
         return [*(out.value for out in self.outputs), *checked]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Program:
     """All kernels of a scene over one numbering of values."""
 
@@ -159,6 +160,11 @@ class Program:
     _reachable: dict[int, tuple[int, ...]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+
+    @cached_property
+    def lookups(self) -> frozenset[Lookup]:
+        """The derivatives of tables that its values take."""
+        return frozenset(v.literal for v in self.values if isinstance(v.literal, Lookup))
 
     def reachable(self, kernel: Kernel) -> tuple[int, ...]:
         """Numbers of the values that `kernel` computes, in order; constants of p are leaves."""

@@ -242,7 +242,9 @@ class Translator:
     def _rank(self, number: int) -> int:
         values, ranks = self.graph.values, self._ranks
         if number not in ranks:
-            for k in sorted(dependencies(values, [number], ranks)):
+            # Those of a sum or a product were asked for before it.
+            near = all(a in ranks for a in values[number].args)
+            for k in [number] if near else sorted(dependencies(values, [number], ranks)):
                 if k in ranks:
                     continue
                 literal = values[k].literal

@@ -9,6 +9,7 @@ from codegen.declare.body import Body
 from codegen.declare.condition import WatchedCondition
 from codegen.declare.element import Constraint
 from codegen.declare.name_rules_and_hints import name_problem, nearest
+from codegen.declare.return_values.calls import memoize_methods
 from codegen.declare.return_values.constraints import own_coordinates, place_near
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import Analysis, Owner, Request, Scene, name_of
@@ -29,6 +30,7 @@ UNCHANGED = ("start", "parameters", "until", *DEFAULTS)
 class Scenes(SceneRequests):
     """The scenes of a declaration."""
 
+    @memoize_methods
     def scene(
         self, name: str, effects: Names = (), drivers: Names = (), *,
         extends: str | Scene | None = None, without: Names = (),

@@ -47,12 +47,11 @@ class OperationSequence:
             codes.append(code)
         self.codes = np.array(codes, dtype=np.int64)
         self.operands = np.full((len(computed), OPERANDS), -1, dtype=np.int64)
-        for column in range(OPERANDS):
-            taken = ((k, values[number].args) for k, number in enumerate(computed))
-            pairs = [(k, args[column]) for k, args in taken if len(args) > column]
-            if pairs:
-                rows, numbers = np.array(pairs).T
-                self.operands[rows, column] = numbers
+        taken = [values[number].args for number in computed]
+        counts = np.array([len(args) for args in taken], dtype=np.int64)
+        rows = np.repeat(np.arange(len(computed)), counts)
+        columns = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
+        self.operands[rows, columns] = [number for args in taken for number in args]
         self._order_commutative(computed)
 
     def _order_commutative(self, computed: list[int]) -> None:

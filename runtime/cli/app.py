@@ -54,6 +54,9 @@ app.command()(sweep.sweep)
 Out = Annotated[
     Path | None, option("File for the result: .nc, .zarr, .csv, .parquet, .mat or .html.")
 ]
+Stream = Annotated[
+    bool, option("Write --out, a .zarr that is not there, in chunks while the run goes on.")
+]
 _SHOWN = 12  # events, before it says how many more there are
 Points = Annotated[int, option("Number of output instants, ends included.", min=2)]
 
@@ -63,16 +66,19 @@ Points = Annotated[int, option("Number of output instants, ends included.", min=
 def simulate(
     model: Model, t_end: TEnd, t_start: MotionStart = 0.0, scene: Scene = None,
     settings: Values = None, start: Start = None, guess: Guess = None,
-    generated: Generated = None, points: Points = 501, out: Out = None, as_json: Json = False,
-    **run: Any,
+    generated: Generated = None, points: Points = 501, out: Out = None, stream: Stream = False,
+    as_json: Json = False, **run: Any,
 ) -> None:  # fmt: skip
     """Dynamics: the motion of the machine under the forces that act on it."""
 
     def analyse(machine: "Machine", **values: Any) -> "Result":
         given = {"t_eval": points, **words(run, values)}
+        given |= {"out": out} if stream else {}
         return machine.simulate(t_end, t_start=t_start, **given)
 
-    _run(analyse, model, scene, settings, guess, generated, out, as_json, start)
+    if stream and out is None:
+        common.refuse(("--stream: name the store, --out run.zarr.",), 2, as_json)
+    _run(analyse, model, scene, settings, guess, generated, out, as_json, start, stream=stream)
 
 
 @app.command()
@@ -155,7 +161,7 @@ def main() -> None:
 def _run(
     analyse: Callable[..., "Result"], model: str, scene: str | None, settings: list[str] | None,
     guess: list[str] | None, generated: Path | None, out: Path | None, as_json: bool,
-    start: list[str] | None = None,
+    start: list[str] | None = None, *, stream: bool = False,
 ) -> None:  # fmt: skip
     """Load, analyse, save and summarise; ends the process with the exit status."""
     with common.exit_on_error(as_json):
@@ -166,7 +172,7 @@ def _run(
         machine = load_machine(model, scene, generated)
         keep_results()
         result = analyse(machine, **common.start_values(settings, guess, start, machine))
-        saved = None if out is None else _save(result, out)
+        saved = out if stream or out is None else _save(result, out)
     failed = result.failed or saved != out
     error = [] if result.accuracy is None else result.accuracy.sentences()[1:]
     for line in (result.headline, *(f"  {sentence}" for sentence in error), *_event_lines(result)):

@@ -2,6 +2,7 @@
 
 import time as clock
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -29,10 +30,12 @@ from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.event_records import Event
 from runtime.results.event_words import event_words
+from runtime.results.memory import require_memory, sample_bytes, state_bytes
 from runtime.results.reconnection import Ending
 from runtime.results.result import Result
-from runtime.results.samples import Partition
+from runtime.results.samples import Partition, Samples
 from runtime.validation.finite_equations import describe_infinite
+from runtime.validation.output_instants import POINTS
 from runtime.validation.scene_support import driven_note
 from runtime.validation.table_ranges import name_left_tables
 
@@ -53,12 +56,15 @@ def simulate(
     time_scale: float | None = None, first_step: float | None = None,
     max_step: float | None = None, max_steps: int | None = None,
     max_bytes: int = 2**30, progress: Progress = silent, step_limit: int = MOST_STEPS,
+    out: Path | None = None,
 ) -> Result:  # fmt: skip
     """Integrate the equations of motion from the assembled start; see `Machine.simulate`.
 
     `step_limit` is that of a study, which is no wish to go on where steps get ever shorter.
     """
     began = clock.perf_counter()
+    if not isinstance(t_eval, str):
+        _require_memory(mechanism, t_eval, stored=out is not None)
     ready = PreparedSimulation(
         mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start,
         controllers=controllers, handover=handover,
@@ -71,18 +77,37 @@ def simulate(
         time_scale=time_scale, first_step=first_step, h_max=max_step,
         max_steps=max_steps, max_bytes=max_bytes, step_limit=step_limit,
     )  # fmt: skip
-    return finish_simulation(ready, coordinates, options, began, progress, repeats=True)
+    if out is None:
+        return finish_simulation(ready, coordinates, options, began, progress, repeats=True)
+    from runtime.dynamics.stored_simulation import simulate_into
+
+    return simulate_into(out, ready, coordinates, options, began, progress)
+
+
+def _require_memory(
+    mechanism: Mechanism, t_eval: npt.ArrayLike | int | None, *, stored: bool
+) -> None:
+    """Refuse instants whose samples do not fit into memory; of a store these are on the disk."""
+    count = t_eval if isinstance(t_eval, int) else POINTS if t_eval is None else np.size(t_eval)
+    advice = "Take fewer instants, or write them while the run goes on: out='run.zarr'."
+    row = 2 * np.dtype(np.float64).itemsize
+    if stored:
+        advice = "Take fewer instants, or t_eval='steps'."
+    else:
+        row += sample_bytes(mechanism.description) + state_bytes(mechanism.description)
+    require_memory(mechanism.title, f"the samples at {count} instants", count * row, advice)
 
 
 def finish_simulation(
     ready: PreparedSimulation, coordinates: Coordinates, options: Options, began: float,
     progress: Progress, run: Trajectory | None = None, *, works: bool = True, energy: bool = False,
-    repeats: bool = False,
+    repeats: bool = False, samples: Samples | None = None,
 ) -> Result:  # fmt: skip
     """The result of a simulation that `began` at an instant of `time.perf_counter`, s.
 
     `run` is its run, if that exists already; a scene with works needs another one,
-    unless they are left out. The `energy` of its samples is judged, as always in reduced
+    unless they are left out. `samples` are those of the run, with its last state, if they exist
+    already. The `energy` of its samples is judged, as always in reduced
     coordinates; a run in these that a check contradicts is repeated in all of them, if `repeats`.
     """
     begin, mechanism = ready.begin, coordinates.mechanism
@@ -90,7 +115,7 @@ def finish_simulation(
     if works or run is None:
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
     run = end_at_jam(mechanism, run, ready.p, ready.t_end - begin.t)
-    result = _result(mechanism, run, ready, began)
+    result = _result(mechanism, run, ready, began, samples)
     result._mechanism = mechanism
     if run.checkpoints is not None:
         end = run.final_t, run.samples_taken, run.discrete
@@ -123,20 +148,34 @@ def note_repetition(result: Result, contradiction: str) -> None:
     )
 
 
-def _result(
-    mechanism: Mechanism, run: Trajectory, ready: PreparedSimulation, began: float
-) -> Result:
-    """Outputs at the samples; a run that stopped early gets its last state as one more."""
-    p, begin = ready.p, ready.begin
-    t, q, v, modes = run.t, run.q, run.v, run.modes
+def _is_ended(mechanism: Mechanism, run: Trajectory) -> bool:
+    """Whether a condition ended a run, and no joint comes or goes there."""
     watched = mechanism.description.watched
-    ended = run.stopped_by >= 0 and not watched[run.stopped_by].reconnects
-    early = run.outcome is not Outcome.OK or ended
-    if early and (len(t) == 0 or run.final_t > t[-1]):
+    return run.stopped_by >= 0 and not watched[run.stopped_by].reconnects
+
+
+def ends_early(mechanism: Mechanism, run: Trajectory) -> bool:
+    """Whether the last state of a run is one more sample."""
+    return run.outcome is not Outcome.OK or _is_ended(mechanism, run)
+
+
+def _outputs(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> Samples:
+    """Outputs at the samples; a run that stopped early gets its last state as one more."""
+    t, q, v, modes = run.t, run.q, run.v, run.modes
+    if ends_early(mechanism, run) and (len(t) == 0 or run.final_t > t[-1]):
         t = np.append(t, run.final_t)
         q, v = np.vstack([q, run.final_q]), np.vstack([v, run.final_v])
         modes = np.vstack([modes, run.final_modes[None, :]])
-    samples = evaluate(mechanism, p, t, q, v, modes)
+    return evaluate(mechanism, p, t, q, v, modes)
+
+
+def _result(
+    mechanism: Mechanism, run: Trajectory, ready: PreparedSimulation, began: float,
+    samples: Samples | None,
+) -> Result:  # fmt: skip
+    """The result of a run, with its statistics, events and partitions."""
+    p, begin, watched = ready.p, ready.begin, mechanism.description.watched
+    samples = samples or _outputs(mechanism, run, p)
     counts = run.statistics
     stats = {
         "steps": counts.steps,
@@ -184,7 +223,7 @@ def _result(
     )  # fmt: skip
     if run.outcome in _LEAVING:
         name_left_tables(result, Equations(mechanism, p))
-    if ended:
+    if _is_ended(mechanism, run):
         result.ended_by = watched[run.stopped_by].name
     elif run.stopped_by >= 0:
         table = mechanism.description.coordinates

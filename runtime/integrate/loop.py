@@ -16,6 +16,7 @@ from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import Y0, Y1
 from runtime.hybrid.event_location import INSTANT
 from runtime.hybrid.event_step_limit import UNRESOLVED
+from runtime.integrate.sampling import has_room
 from runtime.integrate.step import Signal, TrialStep, reject
 from runtime.integrate.step_acceptance_and_zeno_check import accept_step, judge_events
 from runtime.integrate.step_to_event import end_at_event
@@ -77,6 +78,8 @@ def plan_step(context: Context) -> int:
         if r.reason == TrialStep.NOT_FINITE:
             return Outcome.NOT_FINITE
         return Outcome.STEP_TOO_SMALL
+    if not has_room(context, end):
+        return Signal.GOING
     r.length, r.end = h, end
     return Signal.PROCEED
 

@@ -7,13 +7,16 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from runtime.core.array_types import Integers, Matrix, Vector
+from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
 
 Correction = Literal["step", "stage", "projection", "baumgarte", "hybrid"]
 STABILIZING = ("baumgarte", "hybrid")
 Formulation = Literal["cartesian", "reduced"]
+
+Rows = Callable[[Vector, Matrix, IntegerMatrix], None]
+"""Takes times (k,), states (k, 2 n) and modes (k, s) of samples; they are its own to keep."""
 
 Controller = Callable[[float, Vector, Vector], float]
 """(t, q, v) of a sample → the value, in the coordinates of the run."""
@@ -118,6 +121,7 @@ class Options:
     max_events: int = 1_000_000  # changes of modes; more are taken for chattering without end
     # trial steps between two looks at the clock; None: chosen for about 50 ms
     chunk: int | None = None
+    sink: Rows | None = None  # takes samples over while the run goes on; None: they are recorded
 
     def baumgarte_time(self, duration: float) -> float:
         """τ of Baumgarte's accelerations in a run of this length, s."""

@@ -8,10 +8,13 @@ import numpy as np
 from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.function_table_slots import EVENT_ROWS, OUT_ROWS, SAMPLE_TIMES
 from runtime.core.modes_and_event_kinds import Direction
+from runtime.integrate.problem import Rows
 from runtime.integrate.trajectory import Events, Partitions
 from runtime.integrate.wiring import Wiring, place
 
 _EVENT_ROWS = 64  # layout: events that fit between two returns to Python
+_SINK_BYTES = 2**22  # measured: of samples between two returns to Python, where these go elsewhere
+_LEAST_WINDOW = 64  # safety: rows of room for them
 _EVENTS = ("event_times", "event_kinds", "event_states")
 _SAMPLES = ("out_times", "out_states", "out_modes")
 
@@ -32,19 +35,37 @@ class _Rows(list[tuple[np.ndarray, ...]]):
         return tuple(np.concatenate([first[:0], *parts]) for first, *parts in columns)
 
 
+class _Outlet(_Rows):
+    """Rows that go elsewhere, and take no room here."""
+
+    def __init__(self, sink: Rows) -> None:
+        super().__init__()
+        self.sink = sink
+
+    def take(self, count: int, *arrays: np.ndarray) -> int:
+        """Hand copies of the first `count` rows of each array on; no bytes."""
+        if count:
+            self.sink(*(array[:count].copy() for array in arrays))
+        return 0
+
+
 class Recording:
     """Samples, events and changes of the partition of one run, for which `wiring` receives room.
 
     `t_eval` are the instants of the samples that are asked for, None: the end of every step;
     `interval` the samples for each interval between steps' ends and `t_eval`, None: no quadrature.
+    Samples are handed to a `sink`, if there is one, in place of being kept.
     """
 
     def __init__(
-        self, wiring: Wiring, n: int, s: int, t_eval: Vector | None, interval: int | None = None
-    ) -> None:
-        self.n, self.s, self.wiring = n, s, wiring
+        self, wiring: Wiring, n: int, s: int, t_eval: Vector | None, interval: int | None = None,
+        sink: Rows | None = None,
+    ) -> None:  # fmt: skip
+        self.n, self.s, self.wiring, self.sink = n, s, wiring, sink
         self.record = wiring.arrays["record"][0]
-        self.fixed_size = t_eval is not None and interval is None
+        self.fixed_size = t_eval is not None and interval is None and sink is None
+        self.window = max(_LEAST_WINDOW, _SINK_BYTES // (8 * (2 * n + s + 1)))
+        self.taken = -1  # trial steps when a chunk began
         self.interval = interval or 1
         self.log = wiring.arrays["log_times"], wiring.arrays["log_sets"]
         rows = _EVENT_ROWS + 3 * s
@@ -53,12 +74,13 @@ class Recording:
         instants = np.zeros(0) if t_eval is None else t_eval
         self._place(SAMPLE_TIMES, instants.size, ("sample_times",), (instants,))
         self.instants, self.bytes = instants.size, 0  # bytes: of all parts of the run so far
-        self._allot(self.instants if self.fixed_size else 1)
+        self._allot(self.instants if self.fixed_size else _LEAST_WINDOW if sink else 1)
         self.begin()
 
     def begin(self) -> None:
         """Forget what was taken over: what follows is another part of the run."""
-        self.sample_rows, self.event_rows, self.partition_rows = _Rows(), _Rows(), _Rows()
+        self.sample_rows = _Rows() if self.sink is None else _Outlet(self.sink)
+        self.event_rows, self.partition_rows = _Rows(), _Rows()
         self.first = int(self.record["samples"])
 
     def _place(self, count: int, rows: int, names: Iterable[str], arrays: Iterable[Any]) -> None:
@@ -67,9 +89,22 @@ class Recording:
         for name, array in zip(names, arrays, strict=True):
             place(table, self.wiring.arrays, name, array)
 
+    @property
+    def most_steps(self) -> int | None:
+        """Steps until `flush` is called, at most; None: as many as there are."""
+        return self.window if self.sink is not None and not self.instants else None
+
     def make_room(self, steps: int) -> None:
-        """Make room for the samples of so many steps, unless their number is given."""
+        """Make room for the samples of so many steps, unless their number is given.
+
+        A sink gets them through a window, which grows where those of one step do not fit in.
+        """
         size = steps if self.interval == 1 else self.interval * (steps + self.instants)
+        if self.sink is not None and self.instants:
+            taken = int(self.record["steps"] + self.record["rejected"])
+            if taken == self.taken and self.window < self.instants:
+                self.window *= 2
+            self.taken, size = taken, self.window
         if not self.fixed_size and self.out[0].size != size:
             self._allot(size)
 
@@ -117,7 +152,9 @@ class Recording:
 
     def samples(self) -> tuple[Vector, Matrix, IntegerMatrix]:
         """Times (k,), states (k, 2 n) and modes (k, s)."""
-        if self.fixed_size:
+        if self.sink is not None:
+            t, y, modes = (array[:0].copy() for array in self.out)
+        elif self.fixed_size:
             t, y, modes = (array[self.first : self.record["samples"]] for array in self.out)
         else:
             t, y, modes = self.sample_rows.joined(*self.out)

@@ -92,7 +92,7 @@ class Run:
         t_eval = None if t_eval is None else np.ascontiguousarray(t_eval, dtype=np.float64)
         interval = INTERVAL if options.quadrature else None
         n, s = system.coordinates, system.switches
-        self.recording = Recording(self.state.wiring, n, s, t_eval, interval)
+        self.recording = Recording(self.state.wiring, n, s, t_eval, interval, options.sink)
         self.crossings = Crossings(self.state, problem)
         self.first_t = float(problem.t0)
         self.controllers = problem.controllers
@@ -165,7 +165,7 @@ class Run:
                 run, code = change(run, code)
             chunk = fixed_chunk or _FIRST_CHUNK
             while code == _GOING:
-                steps = min(chunk, run.most)
+                steps = min(chunk, run.most, run.recording.most_steps or chunk)
                 run.recording.make_room(steps)
                 before = time.perf_counter()
                 code = advance(run.state.table, steps)

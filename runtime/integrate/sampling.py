@@ -13,11 +13,27 @@ from runtime.integrate.clocks import CLOCK
 from runtime.linalg.vectors import copy_vector
 
 _BLIND = 4.0  # measured: rounding of velocities beside a singular position, over its estimate
+_SPARE = 8  # safety: rows of a window for samples at the instants between two steps
 _ROOM = 0.49  # safety: of the time from a singular position to an end of the step across it
 INSTANTS, STEP_ENDS, QUADRATURE = 0, 1, 2  # kinds of sampling: what is in `every_step`
 _POINTS, WEIGHTS = np.polynomial.legendre.leggauss(5)
 NODES: tuple[float, ...] = tuple(float(x) for x in _POINTS)
 INTERVAL = len(NODES) + 1  # samples of an interval in a quadrature: its Gauss nodes and its end
+
+
+@inner
+def has_room(context: Context, end: float) -> bool:
+    """Whether the samples of a step up to the instant `end` fit into the window of a sink.
+
+    Without a sink there is room for all instants.
+    """
+    r = run_record(context)
+    if r.every_step != INSTANTS or context[ft.OUT_ROWS] >= context[ft.SAMPLE_TIMES]:
+        return True
+    last = r.next_sample + context[ft.OUT_ROWS] - r.samples - _SPARE
+    if last < r.next_sample:
+        return False
+    return bool(last >= context[ft.SAMPLE_TIMES] or context.sample_times[last] > end)
 
 
 @inner

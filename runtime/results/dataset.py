@@ -102,14 +102,15 @@ def _motion(result: Result) -> "xr.Dataset":
 def _add_reactions(data: "xr.Dataset", result: Result) -> None:
     description = result.description
     effects = description.effects.names
-    rows = [row for row in description.reactions if row.element not in effects]
-    joints = list(dict.fromkeys(row.element for row in rows))
+    columns = [k for k, row in enumerate(description.reactions) if row.element not in effects]
+    rows = [description.reactions[k] for k in columns]
+    joints = {name: k for k, name in enumerate(dict.fromkeys(row.element for row in rows))}
     units = {row.component: row.unit for row in rows}
-    components = list(units)
+    components = {name: k for k, name in enumerate(units)}
     reaction = np.full((len(result.t), len(joints), len(components)), np.nan)
-    for row in rows:
-        joint, component = joints.index(row.element), components.index(row.component)
-        reaction[:, joint, component] = result.reaction(row.element, row.component)
+    for column, row in zip(columns, rows, strict=True):
+        place = joints[row.element], components[row.component]
+        reaction[:, *place] = result.samples.reaction[:, column]
     data["joint"], data["component"] = _texts(joints), _texts(components)
     data.coords["component_unit"] = "component", _texts(units.values())
     about = {"long_name": "first body on second, in joint axes, in component_unit"}

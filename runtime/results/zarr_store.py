@@ -44,8 +44,11 @@ def write(result: Result, folder: Path) -> None:
     group.attrs["signature"] = signature(content)
 
 
-def write_dataset(data: "xr.Dataset", folder: Path) -> None:
-    """Write a dataset of numbers and texts, which xarray.open_zarr reads."""
+def write_dataset(data: "xr.Dataset", folder: Path, rows: int | None = None) -> None:
+    """Write a dataset of numbers and texts, which xarray.open_zarr reads.
+
+    Variables over time are in chunks of so many `rows`, where these are given.
+    """
     plain = data.copy()
     for name, variable in data.variables.items():
         if variable.dtype.kind == "U":
@@ -53,6 +56,8 @@ def write_dataset(data: "xr.Dataset", folder: Path) -> None:
             plain = plain.assign({name: (variable.dims, texts, variable.attrs)})
         else:
             plain[name].encoding["_FillValue"] = None
+        if rows is not None and variable.dims[:1] == ("time",):
+            plain[name].encoding["chunks"] = rows, *(max(1, size) for size in variable.shape[1:])
     labels = [name for name in plain.data_vars if name in data.coords]
     plain.set_coords(labels).to_zarr(folder, mode="w", zarr_format=3, consolidated=False)
 

@@ -17,7 +17,7 @@ from runtime.validation.arguments import check
 Arguments = ParamSpec("Arguments")
 Answer = TypeVar("Answer")
 _OF_THE_STUDY = {
-    *("self", "parameters", "guess", "start", "progress"),
+    *("self", "parameters", "guess", "start", "progress", "out"),
     *(option.name for option in OPTIONS if not option.of_studies),
 }
 

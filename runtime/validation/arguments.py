@@ -162,6 +162,7 @@ _KINDS: dict[str, Reader] = {
     **dict.fromkeys(("method", "formulation"), optional(readers.text("a name"))),
     "max_steps": optional(readers.count(1)),
     "max_bytes": readers.count(1),
+    "out": optional(readers.path),
     **dict.fromkeys(("progress", "dimensions", "forces", "frames", "names"), readers.flag),
     "controllers": optional(readers.functions('{"u": lambda sample: 2.0 * sample.t}')),
 }

@@ -1,9 +1,15 @@
 """Counts of the work of declaring and checking a machine grow no faster than the machine."""
 
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
 import pytest
+import sympy
 
 from codegen import plain_values, public_callables
-from codegen.declare.return_values import calls
+from codegen.check import expressions, potential_steps
+from codegen.declare.return_values import calls, constraints
 from codegen.declare.return_values.calls import memoize_methods
 from codegen.declare.symbols import Coordinate, ModelSymbol
 from codegen.driver import valid_scenes
@@ -40,3 +46,43 @@ def test_the_symbols_of_a_large_machine_are_made_once() -> None:
     assert all(a is b for a, b in zip(asked, again, strict=True))
     assert isinstance(asked[0], Coordinate)
     assert all(isinstance(symbol, ModelSymbol) for symbol in asked)
+
+
+def test_a_joint_states_its_equations_once_a_scene(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Once for each of the two scenes that are declared, once for all checks of the machine."""
+    asked, read = Counter[str](), constraints._read_statement
+
+    def counted(joint: Any) -> Any:
+        asked[joint.name] += 1
+        return read(joint)
+
+    monkeypatch.setattr(constraints, "_read_statement", counted)
+    model = n_four_bar(5)
+    memoize_methods(valid_scenes)(model, "fall")
+    assert {asked[name] for name in model.joints} == {3}
+
+
+def test_equations_that_joints_share_are_checked_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The sums that are looked through do not grow with the number of revolute joints."""
+    seen, find = [0], expressions._find_flaws
+
+    def counted(expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
+        seen[0] += expression.is_Add
+        return find(expression, may_switch)
+
+    monkeypatch.setattr(expressions, "_find_flaws", counted)
+    counts = []
+    for loops in (5, 10):
+        expressions._flaws.cache_clear()
+        seen[0] = 0
+        memoize_methods(valid_scenes)(n_four_bar(loops), "fall")
+        counts.append(seen[0])
+    assert 0 < counts[0] == counts[1], counts
+
+
+def test_a_smooth_potential_is_not_compiled_for_its_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of gravity on all bodies has no surface, on whose sides it could be compared."""
+    compiled: list[sympy.Basic] = []
+    monkeypatch.setattr(potential_steps, "_function", lambda e, symbols: compiled.append(e))
+    memoize_methods(valid_scenes)(n_four_bar(3), "fall")
+    assert compiled == []

@@ -26,7 +26,7 @@ def test_a_schema_is_fresh_and_valid(name: str) -> None:
 def test_words_of_a_case_are_those_of_the_machine() -> None:
     import inspect
 
-    others = {"self", "parameters", "start", "guess", "progress", "controllers"}
+    others = {"self", "parameters", "start", "guess", "progress", "controllers", "out"}
     for analysis in ANALYSES:
         words = {*inspect.signature(getattr(Machine, analysis)).parameters} - others
         assert {*RUN[analysis].fields} == words

@@ -48,12 +48,19 @@ def name_errors(element: Any) -> AbstractContextManager[None]:
 def call_method(element: Any, word: str, bodies: tuple[Any, ...] | None = None) -> Any:
     """What the method `word` returns, for the bodies of a scene where it takes them."""
     arguments = () if bodies is None else (bodies,)
-    return _once(element, word, bodies, lambda: getattr(element, word)(*arguments))
+    what = f"{word}()"
+
+    def called() -> Any:
+        return call_user_code(element, what, lambda: getattr(element, word)(*arguments))
+
+    return once(element, what, called, bodies)
 
 
 def read_property(element: Any, word: str) -> Any:
     """The value of the property `word`."""
-    return _once(element, word, None, lambda: getattr(element, word), call="")
+    return once(
+        element, word, lambda: call_user_code(element, word, lambda: getattr(element, word))
+    )
 
 
 def call_optional_method(
@@ -71,13 +78,14 @@ def has_attribute(element: Any, word: str) -> bool:
         return True
 
 
-def _once(
-    element: Any, word: str, bodies: Any, function: Callable[[], Any], call: str = "()"
+def once(
+    element: Any, what: str, function: Callable[[], Any], bodies: tuple[Any, ...] | None = None
 ) -> Any:
-    known, key = _known.get(), (id(element), word + call, tuple(map(id, bodies or ())))
+    """The result of a function of an element, found once within `memoize_methods`."""
+    known, key = _known.get(), (id(element), what, tuple(map(id, bodies or ())))
     if known is not None and key in known:
         return known[key][-1]
-    value = call_user_code(element, f"{word}{call}", function)
+    value = function()
     if known is not None:
         known[key] = element, bodies, value  # which keeps the ids theirs
     return value

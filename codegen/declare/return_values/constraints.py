@@ -19,6 +19,7 @@ from codegen.declare.return_values.calls import (
     expression,
     has_attribute,
     name,
+    once,
     refusal,
     refuse_duplicates,
     rows,
@@ -34,6 +35,11 @@ COMPONENTS = ("fx", "fy", "torque")
 
 def statement_of(constraint: Any) -> el.Statement:
     """The equations of a joint or driver, their form checked."""
+    statement: el.Statement = once(constraint, "statement", partial(_read_statement, constraint))
+    return statement
+
+
+def _read_statement(constraint: Any) -> el.Statement:
     value = call_method(constraint, "statement")
     if not isinstance(value, el.Statement):
         raise refusal(constraint, "statement()", value, "a Statement")

@@ -20,7 +20,7 @@ class Gravity(Effect):
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
         """Potential energy of the bodies, zero at the global origin."""
         centres = ((b.mass, b.mass_centre) for b in bodies if b.mass is not None)
-        return -sympy.Add(*(m * (self.gx * x + self.gy * y) for m, (x, y) in centres))
+        return sympy.Add(*(-m * (self.gx * x + self.gy * y) for m, (x, y) in centres))
 
     def weights(self, bodies: tuple[Body, ...]) -> tuple[tuple[str, sympy.Expr, sympy.Expr], ...]:
         """(body, mass, acceleration) of the products m g in the potential."""

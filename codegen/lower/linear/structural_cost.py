@@ -45,11 +45,11 @@ class Structure(Graph):
 
     def add(self, a: int, b: int) -> int:
         """The kind of a + b."""
-        return self._operation(Op.ADD, a, b) if a == b == self.moving else self._sum(a, b, 1)
+        return self._moved(1) if a == b == self.moving else self._sum(a, b, 1)
 
     def sub(self, a: int, b: int) -> int:
         """The kind of a - b."""
-        return self._operation(Op.SUB, a, b) if a == b == self.moving else self._sum(a, b, -1)
+        return self._moved(1) if a == b == self.moving else self._sum(a, b, -1)
 
     def _sum(self, a: int, b: int, sign: int) -> int:
         x, y = self.floats[a], self.floats[b]
@@ -62,7 +62,7 @@ class Structure(Graph):
     def mul(self, a: int, b: int) -> int:
         """The kind of a b."""
         if a == b == self.moving:
-            return self._operation(Op.MUL, a, b)
+            return self._moved(1)
         x, y = self.floats[a], self.floats[b]
         if x is not None and y is not None:
             return self.constant(x * y)
@@ -87,7 +87,11 @@ class Structure(Graph):
         """The kind of an operation's result, which adds to the cost unless parameters do."""
         if self.settled[a] and self.settled[b]:
             return self.parameter
-        self.cost += WEIGHTS.get(op, 1)
+        return self._moved(WEIGHTS.get(op, 1))
+
+    def _moved(self, cost: int) -> int:
+        """The kind of what is computed in a run, which adds to the cost."""
+        self.cost += cost
         if self.cost > self.limit:
             raise CostExceededError
         return self.moving

@@ -107,7 +107,7 @@ def test_new_words_of_simulate_follow() -> None:
 
 def test_options_are_the_words_of_simulate() -> None:
     words = dict(signature(Machine.simulate).parameters)
-    for name in ("self", "parameters", "guess", "start", "controllers", "progress"):
+    for name in ("self", "parameters", "guess", "start", "controllers", "progress", "out"):
         del words[name]
     assert {*words} == {option.name for option in OPTIONS}
     shared = {option.name: option.default for option in OPTIONS if option.of_commands}
