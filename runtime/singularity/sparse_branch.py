@@ -26,7 +26,8 @@ _COLUMNS = 64  # layout: right sides that are solved for at once
 
 def nearest_passage(jacobian: SparseJacobian, root: Root, rate: Vector) -> Passage:
     """How a motion at the rate dz/ds, (n + 1,), passes a root, and the branch nearest to it."""
-    left, null = root.left, root.null
+    left: Any = root.left
+    null: Any = root.null
     weak, free = left.shape[1], null.shape[1]
     of_left, of_null = (left.T @ left).tocsc(), (null.T @ null).tocsc()
     start = splu(of_null, permc_spec="MMD_AT_PLUS_A").solve(null.T @ rate)

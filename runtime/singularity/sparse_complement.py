@@ -42,7 +42,7 @@ class Order(NamedTuple):
 
     rows: Integers
     columns: Integers
-    count: int
+    pivots: int
 
 
 class Complement(NamedTuple):
@@ -55,7 +55,9 @@ class Complement(NamedTuple):
     step: Vector  # a step that brings the strong rows to zero, (n + 1,)
 
 
-@allocating(tuple_type((i8, integers, integers))(integers, integers, vector, i8, i8, array_types.f8))
+@allocating(
+    tuple_type((i8, integers, integers))(integers, integers, vector, i8, i8, array_types.f8)
+)
 def _order(
     rows: Integers, columns: Integers, values: Vector, m: int, n: int, least: float
 ) -> tuple[int, Integers, Integers]:
@@ -106,7 +108,8 @@ class SparseJacobian:
     """The Jacobian by scaled coordinates and time of a machine, its rows of unit length."""
 
     def __init__(self, constraints: ScaledConstraints) -> None:
-        self.table = constraints.layout.table
+        # The table holds addresses of arrays that live as long as the constraints.
+        self.constraints, self.table = constraints, constraints.layout.table
         rows, columns = constraints.places
         self.shape = constraints.independent.size, constraints.scale.size + 1
         self.kept = np.flatnonzero(rows < self.shape[0])  # the other rows follow from these

@@ -45,14 +45,15 @@ class SparseSearch(Search):
     def _root(self, z: Vector, order: PivotOrder, weak: int) -> Root | None:
         """A position near z at which `weak` constraints are lost, or None."""
         places, origin = Order(order.row_order, order.column_order, order.row_order.size), z.copy()
+        flatten: Callable[[Complement], Vector] | None = None
         for iteration in range(_ITERATIONS):
             left = self.jacobian.eliminate(z, places, weak)
             if left is None:
                 return None
             if iteration % _KEEP == 0 or iteration == 1:
                 flatten = _flattener(self.jacobian, z, left)
-                if flatten is None:
-                    return None
+            if flatten is None:
+                return None
             step = left.step + left.null @ flatten(left)
             z = z - step
             moved = float(np.linalg.norm(step))

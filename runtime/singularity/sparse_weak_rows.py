@@ -31,11 +31,11 @@ class SparsePivotOrders(PivotOrders):
         jacobian, rows = self.jacobian, self.jacobian.shape[0]
         kept = entries[jacobian.kept]
         order, values = jacobian.order(kept, STRONG), np.ones(rows)
-        weak = rows - order.count
+        weak = rows - order.pivots
         if weak > 0:
             left = jacobian.reduce(kept, np.zeros(rows), order, weak)
             if left is not None:
-                values[order.count :] = singular_values(left)[::-1]
+                values[order.pivots :] = singular_values(left)[::-1]
             order = jacobian.order(kept, 0.0)
         return PivotOrder(entries, order.rows, order.columns, count_weak(values))
 
