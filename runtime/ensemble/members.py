@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -51,7 +52,8 @@ def read_members(
     for argument, kind, given, names in tables:
         columns = dict[str, FloatArray]()
         found.append(columns)
-        if given is not None and not isinstance(given, Mapping):
+        whole: Any = given
+        if whole is not None and not isinstance(whole, Mapping):
             problems.append(f"{argument} is {shown(given)}; it must be arrays by name.")
             continue
         for name, values in (given or {}).items():
