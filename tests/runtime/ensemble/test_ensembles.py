@@ -13,18 +13,26 @@ def compressor():
     return load("slider_crank", scene="compressor")
 
 
-def test_rows_equal_single_runs_bit_for_bit(compressor):
-    name = compressor.mechanism.description.parameters.names[0]
-    usual = compressor.mechanism.description.parameters[0].default
-    values, times = usual * np.array([1.0, 1.01, 1.02]), np.linspace(0.0, 0.1, 11)
-    found = compressor.ensemble(0.1, times, parameters={name: values}, progress=False)
-    assert list(found["outcome"].values) == ["OK"] * 3
+@pytest.mark.parametrize(
+    ("model", "scene"), [("slider_crank", "compressor"), ("quarter_car", None)]
+)
+def test_rows_equal_single_runs_bit_for_bit(model, scene):
+    machine = load(model, scene=scene) if scene else load(model)
+    row = machine.mechanism.description.parameters[0]
+    values, times = row.default * np.array([1.0, 1.01, 1.02]), np.linspace(0.0, 1.0, 11)
+    found = machine.ensemble(1.0, times, parameters={row.name: values}, progress=False)
     for run, value in enumerate(values):
-        single = compressor.simulate(0.1, times, parameters={name: value}, progress=False).data
+        result = machine.simulate(1.0, times, parameters={row.name: value}, progress=False)
+        assert found["outcome"].values[run] == str(result.outcome)
+        assert found["event_count"].values[run] == len(result.events)
+        kept = np.isin(times, result.t)
+        single = result.data.isel(time=np.isin(result.t, times))
         for variable in single.data_vars:
             if "time" in single[variable].dims:
-                both = found[variable].values[run], single[variable].values
+                row_values = found[variable].values[run]
+                both = row_values[kept], single[variable].values
                 np.testing.assert_array_equal(*both, err_msg=str(variable))
+                assert np.isnan(row_values[~kept]).all()
 
 
 def test_a_refused_member_and_a_short_run_are_rows(compressor):
@@ -77,3 +85,9 @@ def test_an_interruption_keeps_what_is_done(compressor, monkeypatch):
     assert list(found["outcome"].values) == ["OK", "not run", "not run"]
     assert np.isfinite(found["q"].values[0]).all()
     assert np.isnan(found["q"].values[1:]).all()
+
+
+def test_joints_that_come_and_go_are_refused():
+    machine = load("trebuchet")
+    with pytest.raises(InputError, match="joints come and go"):
+        machine.ensemble(1.0, 5, parameters={"ball_mass": [1.0, 2.0]}, progress=False)
