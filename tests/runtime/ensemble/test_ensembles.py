@@ -14,7 +14,13 @@ def compressor():
 
 
 @pytest.mark.parametrize(
-    ("model", "scene"), [("slider_crank", "compressor"), ("quarter_car", None)]
+    ("model", "scene"),
+    [
+        ("slider_crank", "compressor"),
+        ("quarter_car", None),
+        ("hard/bouncing_ball", None),
+        ("hard/guide_friction", None),
+    ],
 )
 def test_rows_equal_single_runs_bit_for_bit(model, scene):
     machine = load(model, scene=scene) if scene else load(model)
