@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
+from codegen.errors import InputError
 from codegen.public_callables import checked_class, immutable, named_attributes
 from runtime.machine_states import MachineStates
 from runtime.mechanism.mechanism_tables_and_kernels import Values
@@ -16,8 +17,11 @@ from runtime.validation.output_instants import instants_of_motion
 from runtime.validation.scene_support import refuse_states, require_energy, require_motion
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from runtime.dynamics.controllers import Functions
     from runtime.dynamics.output_conditions import Conditions
+    from runtime.ensemble.members import Columns
     from runtime.integrate.problem import Correction, Formulation
     from runtime.results.assembled_state import Assembly, State
     from runtime.results.result import Result
@@ -161,6 +165,71 @@ class Machine(MachineStates):
             if until is None:
                 return analyse(**given, progress=report)
             return simulate_until(analyse, conditions, {**given, "progress": report})
+
+    @shows_compilation
+    def ensemble(
+        self, t_end: float, t_eval: "npt.ArrayLike | int | None" = None, *,
+        parameters: "Columns | None" = None, starts: "Columns | None" = None,
+        t_start: float = 0.0, method: str | None = None, rtol: float | None = None,
+        atol: float | None = None, max_step: float | None = None, max_steps: int | None = None,
+        max_bytes: int = 2**31, progress: bool = True,
+    ) -> "xr.Dataset":  # fmt: skip
+        """Many runs of this machine, one after the other, as rows of one dataset.
+
+        Each has the numbers of `simulate` with its values, to the last bit.
+
+        Parameters
+        ----------
+        t_end, t_eval, t_start, method, rtol, atol, max_step, max_steps
+            As `simulate` takes them, the same for all runs; no "steps".
+        parameters, starts
+            Values by name, declared units or SI units: a number for all runs, or an array with one
+            for each, (r,). At least one is an array.
+        max_bytes, progress
+            Bytes that the dataset may take, 2 GiB by default; whether a bar shows.
+
+        Returns
+        -------
+        xarray.Dataset
+            The variables of `Result.data`, with the dimension `run` before `time`, not a number
+            behind the end of a run that failed; `outcome`, `message` and `event_count` of each.
+            A run that is refused has the error's name as its outcome, and one that Ctrl-C left out
+            "not run".
+
+        Raises
+        ------
+        InputError
+            If names, shapes, lengths or values make no sense, joints come and go in the scene, or
+            the dataset would be larger than `max_bytes`.
+        AnalysisError
+            If the scene has no masses.
+
+        Examples
+        --------
+        >>> m = lw.load("pendulum.py", scene="swing")
+        >>> m.ensemble(10.0, 101, parameters={"length": np.linspace(0.5, 2.0, 1000)})
+        """
+        from runtime.ensemble.run_ensemble import run_ensemble
+        from runtime.validation.output_instants import uniform
+
+        require_motion(self.mechanism, "ensemble")
+        given = check(
+            self.mechanism, t_end=t_end, t_eval=t_eval, t_start=t_start, max_step=max_step,
+            max_steps=max_steps, max_bytes=max_bytes, progress=progress, rtol=rtol, atol=atol,
+            method=method,
+        )  # fmt: skip
+        times = given.pop("t_eval")
+        if isinstance(times, str):
+            raise InputError('ensemble: t_eval = "steps" differs between runs; give instants.')
+        last, first = given.pop("t_end"), given["t_start"]
+        if times is None or isinstance(times, int):
+            times = uniform(first, last, times)
+        most = given.pop("max_bytes")
+        with bar(f"ensemble of {self.mechanism.title}", given.pop("progress")) as report:
+            said = {name: value for name, value in given.items() if value is not None}
+            return run_ensemble(
+                self.mechanism, last, times, parameters, starts, most, report, **said
+            )
 
     @shows_compilation
     def kinematics(

@@ -1,0 +1,1 @@
+"""Many runs of one machine, as rows of one dataset."""
