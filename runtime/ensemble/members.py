@@ -11,12 +11,12 @@ from codegen.errors import InputError
 from codegen.plain_values import shown
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.table_rows import unknown
+from runtime.results.memory import require_memory, sample_bytes
 
 FloatArray = npt.NDArray[np.float64]
 Columns = Mapping[str, npt.ArrayLike]
 """Values by name: a number for all members, or an array with one for each, (r,)."""
 
-_BYTES = 8  # layout: bytes of a number in the dataset
 _MEGABYTE = 1e6  # formula: bytes of a megabyte
 
 
@@ -112,14 +112,13 @@ def _disagreement(lengths: Mapping[str, int]) -> Iterable[str]:
         yield f"the arrays disagree on the number of members: {named}. Give them one length."
 
 
-def require_memory(mechanism: Mechanism, count: int, instants: int, max_bytes: int) -> None:
-    """Refuse a dataset that would be larger than `max_bytes`, before anything is run."""
-    d = mechanism.description
-    a_sample = 3 * len(d.coordinates) + len(d.reactions) + len(d.powers) + 2 * len(d.switches)
-    needed = _BYTES * count * instants * (a_sample + 2)
+def require_room(mechanism: Mechanism, count: int, instants: int, max_bytes: int) -> None:
+    """Refuse a dataset larger than `max_bytes` or than the free memory, before anything is run."""
+    needed = count * instants * sample_bytes(mechanism.description)
+    what, title = f"{count} runs of {instants} instants", f"{mechanism.title}: ensemble"
     if needed > max_bytes:
         raise InputError(
-            f"{mechanism.title}: ensemble: {count} runs of {instants} instants take at least "
-            f"{needed / _MEGABYTE:.0f} MB, and max_bytes permits {max_bytes / _MEGABYTE:.0f} MB. "
-            "Take fewer instants or runs, or raise max_bytes."
+            f"{title}: {what} take {needed / _MEGABYTE:.0f} MB, and max_bytes permits "
+            f"{max_bytes / _MEGABYTE:.0f} MB. Take fewer instants or runs, or raise max_bytes."
         )
+    require_memory(title, what, needed, "Take fewer instants or runs.")

@@ -6,7 +6,7 @@ from codegen.errors import InputError, LinkwrightError
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.simulation import simulate
 from runtime.ensemble.dataset import Rows
-from runtime.ensemble.members import Columns, FloatArray, read_members, require_memory
+from runtime.ensemble.members import Columns, FloatArray, read_members, require_room
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.progress_bar import Progress
 
@@ -25,7 +25,7 @@ def run_ensemble(
             f"{mechanism.title}: ensemble: joints come and go in this scene, and its runs do not "
             "have the same variables. Use a sweep."
         )
-    require_memory(mechanism, members.count, len(times), max_bytes)
+    require_room(mechanism, members.count, len(times), max_bytes)
     rows = Rows(members, times)
     try:
         for run in range(members.count):

@@ -6,6 +6,7 @@ import pytest
 from codegen.errors import InputError
 from runtime import load
 from runtime.ensemble import run_ensemble as runs
+from runtime.results import memory
 
 
 @pytest.fixture(scope="module")
@@ -69,10 +70,17 @@ def test_all_problems_are_named_at_once(compressor):
 
 def test_too_large_a_dataset_is_refused_in_megabytes(compressor):
     name = compressor.mechanism.description.parameters.names[0]
-    with pytest.raises(InputError, match=r"take at least \d+ MB"):
+    with pytest.raises(InputError, match=r"take \d+ MB, and max_bytes permits 1 MB"):
         compressor.ensemble(
             0.1, 1001, parameters={name: np.ones(1000)}, max_bytes=10**6, progress=False
         )
+
+
+def test_a_dataset_larger_than_the_free_memory_is_refused(compressor, monkeypatch):
+    monkeypatch.setattr(memory, "free_bytes", lambda: 10**6)
+    name = compressor.mechanism.description.parameters.names[0]
+    with pytest.raises(InputError, match=r"and 0.001 GB of memory are free"):
+        compressor.ensemble(0.1, 1001, parameters={name: np.ones(1000)}, progress=False)
 
 
 def test_an_interruption_keeps_what_is_done(compressor, monkeypatch):
