@@ -43,6 +43,7 @@ from numba.core.compiler_lock import global_compiler_lock
 from codegen.damaged_byte_code import CacheWarning
 from codegen.garbage_collection import collection_paused
 from codegen.numba_operation_types import remembered_operation_types
+from codegen.separate_compilation import StaleCodeError, separate_compilation
 from codegen.termination_signals import SignalDeferral
 
 _Function: Any = FunctionCache  # numba leaves these untyped
@@ -51,7 +52,7 @@ _events: Any = event
 _numba: Any = dispatcher
 _Identity: Any = FunctionIdentity
 
-_FORMAT = b"sealed machine code, kernels without entries\n"  # every file begins with it
+_FORMAT = b"sealed machine code, compiled separately\n"  # every file begins with it
 _OURS = "lw"  # code: in a file's name, pendulum.masses-12.py311.lw.nbi; the longest has 253 letters
 _SEAL = hashlib.sha256().digest_size
 _WAIT = 0.5  # safety: s, for other writers of a folder, who need some milliseconds each
@@ -77,7 +78,8 @@ def checked_caches() -> Iterator[None]:
     the end of the block.
     """
     listening = _events.install_listener("numba:compile", _LISTENER)
-    with global_compiler_lock, collection_paused(), listening, remembered_operation_types():
+    quicker = remembered_operation_types(), separate_compilation()
+    with global_compiler_lock, collection_paused(), listening, quicker[0], quicker[1]:
         usual, _numba.FunctionCache = _numba.FunctionCache, _checked
         try:
             yield
@@ -104,9 +106,11 @@ class CheckedCache(_Function):  # type: ignore[misc]
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Machine code from the disk; None where there is none that can be trusted."""
-        with SignalDeferral(in_commands=False):
+        with SignalDeferral(in_commands=False), separate_compilation():
             try:
                 return super().load_overload(signature, target)
+            except StaleCodeError:
+                return None
             except Exception as error:  # whatever a wrong pickle or object file leads to
                 _note_damage(self._cache_file._index_path, error)
                 return None

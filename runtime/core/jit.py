@@ -37,6 +37,7 @@ from numba.extending import intrinsic
 from codegen.generated_module_signature_and_import import locked
 from codegen.library_layout import LIBRARY, methods_folder
 from codegen.numba_cache import checked_caches
+from codegen.separate_compilation import give_interface
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -84,7 +85,16 @@ class _Locked(_Dispatcher):  # type: ignore[misc]
         files = _cache_files(self)
         alone = locked(Path(f"{files._index_path}.lock")) if files else nullcontext()
         with global_compiler_lock, alone:
-            return super().compile(signature)
+            entry = super().compile(signature)
+            give_interface(self)
+            return entry
+
+    def result_for(self, kinds: tuple[Any, ...]) -> Any:
+        """The result of its compilation for arguments of these types."""
+        prepare(self)
+        if kinds not in self.overloads:
+            self.compile(kinds)
+        return self.overloads[kinds]
 
     def get_call_template(self, arguments: Any, named: Any) -> Any:
         """Compile once for all integers: numba would once more for each constant argument."""
