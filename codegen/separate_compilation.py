@@ -20,7 +20,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any, NamedTuple
 
-from llvmlite import binding
+from llvmlite import binding  # type: ignore[import-untyped]
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 
 _Library: Any = JITCodeLibrary  # numba and LLVM's bindings are untyped
@@ -70,6 +70,7 @@ class ObjectCode(_Library):  # type: ignore[misc]
     callee: Callee | None = None
     bitcode: bytes | None = None
     interface: Any = None
+    _reload_init: set[Any]
 
     def finalize(self) -> None:
         """Optimize and translate; keep those of the callees that are still called by symbols."""
@@ -135,9 +136,8 @@ def give_interface(function: Any) -> None:
     The module of the function must have it by its name, and it must have a method `result_for`.
     """
     module, name = function.__module__, function.__name__
-    if getattr(sys.modules.get(module), name, None) is not function:
-        return
-    for types, result in function.overloads.items():
+    found = getattr(sys.modules.get(module), name, None) is function
+    for types, result in function.overloads.items() if found else ():
         library = result.library
         if isinstance(library, ObjectCode) and library.callee is None:
             library.callee = Callee(module, name, types, _symbol(result))

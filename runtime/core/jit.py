@@ -1,6 +1,6 @@
 """How the runtime's own loops are compiled: once, for explicit signatures, and kept on disk.
 
-Four things here work round numba as it is.
+Five things here work round numba as it is.
 
 A cached function is taken for fresh as long as its *own* file is unchanged, although it contains
 what it calls. So the cache of every function is stamped with the hash of all files of the runtime
@@ -13,6 +13,9 @@ it is run (`codegen.numba_cache`).
 A function that is handed to compiled code as an argument costs about 0.1 ms a call, in which numba
 looks up its address. So addresses are looked up once and handed over as integers, and `at` turns
 them back into functions inside.
+
+A function is compiled apart from those that it calls, but for what is short
+(`codegen.separate_compilation`), and loads with them.
 
 Numba compiles or loads a function with an explicit signature when its module is imported. Here that
 waits until somebody calls the function, asks for its address or compiles what calls it: a run loads
