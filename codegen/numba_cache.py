@@ -117,7 +117,7 @@ class CheckedCache(_Function):  # type: ignore[misc]
         """Machine code from the disk; None where there is none that can be trusted.
 
         Numba's own method first reads its types of all of NumPy, and SciPy with them. A compilation
-        alone needs these, and reads them itself; the start of other processes took a quarter longer.
+        alone needs these, and reads them itself; other processes started a quarter later.
         """
         with SignalDeferral(in_commands=False), separate_compilation():
             try:

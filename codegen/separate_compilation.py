@@ -27,7 +27,7 @@ _Library: Any = JITCodeLibrary  # numba and LLVM's bindings are untyped
 _Codegen: Any = JITCPUCodegen
 _llvm: Any = binding
 
-_LONG = 100  # measured: lines of a body; LLVM inlines nothing as long as that
+_LONG = 150  # measured: lines of a body; LLVM inlines hardly anything as long as that
 _KIND = "object and symbols"  # code: of what is serialized; numba's are "object" and "bitcode"
 _DEFINITION = re.compile(
     r"^define (?:linkonce_odr )?(?P<head>[^\n]*@(?P<name>[^\n(]+)\([^\n]*) \{\n(?P<body>.*?)^\}\n",
