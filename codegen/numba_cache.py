@@ -17,6 +17,9 @@ another source; a reader whose file has been replaced meanwhile reads the index 
 index, which add to what it has, take turns; one that waits for long writes nonetheless, which costs
 another process a compilation at most.
 
+Machine code that calls machine code of other functions is loaded after it, and is compiled anew
+where one of them was (`codegen.separate_compilation`).
+
 Numba tells functions of one name apart, closures above all, by a number that counts what a process
 has compiled. Two functions of two processes can have one number, and where both come from the
 cache, the linker takes the first for both. So the numbers of each process begin at a random one.
@@ -39,10 +42,12 @@ from numba.core import dispatcher, event
 from numba.core.bytecode import FunctionIdentity
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 
 from codegen.damaged_byte_code import CacheWarning
 from codegen.garbage_collection import collection_paused
 from codegen.numba_operation_types import remembered_operation_types
+from codegen.separate_compilation import StaleCodeError, separate_compilation
 from codegen.termination_signals import SignalDeferral
 
 _Function: Any = FunctionCache  # numba leaves these untyped
@@ -51,7 +56,7 @@ _events: Any = event
 _numba: Any = dispatcher
 _Identity: Any = FunctionIdentity
 
-_FORMAT = b"sealed machine code, kernels without entries\n"  # every file begins with it
+_FORMAT = b"sealed machine code, compiled separately\n"  # every file begins with it
 _OURS = "lw"  # code: in a file's name, pendulum.masses-12.py311.lw.nbi; the longest has 253 letters
 _SEAL = hashlib.sha256().digest_size
 _WAIT = 0.5  # safety: s, for other writers of a folder, who need some milliseconds each
@@ -77,7 +82,13 @@ def checked_caches() -> Iterator[None]:
     the end of the block.
     """
     listening = _events.install_listener("numba:compile", _LISTENER)
-    with global_compiler_lock, collection_paused(), listening, remembered_operation_types():
+    with (
+        global_compiler_lock,
+        collection_paused(),
+        listening,
+        remembered_operation_types(),
+        separate_compilation(),
+    ):
         usual, _numba.FunctionCache = _numba.FunctionCache, _checked
         try:
             yield
@@ -103,10 +114,18 @@ class CheckedCache(_Function):  # type: ignore[misc]
         self._cache_file: Any = _CheckedFiles(self._cache_path, name, source)
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """Machine code from the disk; None where there is none that can be trusted."""
-        with SignalDeferral(in_commands=False):
+        """Machine code from the disk; None where there is none that can be trusted.
+
+        Numba's own method first reads its types of all of NumPy, and SciPy with them. A compilation
+        alone needs these, and reads them itself; other processes started a quarter later.
+        """
+        with SignalDeferral(in_commands=False), separate_compilation():
             try:
-                return super().load_overload(signature, target)
+                rtsys.initialize(target)  # symbols that machine code refers to
+                with self._guard_against_spurious_io_errors():
+                    return self._load_overload(signature, target)
+            except StaleCodeError:  # no damage: what it calls has been compiled anew
+                return None
             except Exception as error:  # whatever a wrong pickle or object file leads to
                 _note_damage(self._cache_file._index_path, error)
                 return None

@@ -1,6 +1,6 @@
 """How the runtime's own loops are compiled: once, for explicit signatures, and kept on disk.
 
-Four things here work round numba as it is.
+Five things here work round numba as it is.
 
 A cached function is taken for fresh as long as its *own* file is unchanged, although it contains
 what it calls. So the cache of every function is stamped with the hash of all files of the runtime
@@ -13,6 +13,9 @@ it is run (`codegen.numba_cache`).
 A function that is handed to compiled code as an argument costs about 0.1 ms a call, in which numba
 looks up its address. So addresses are looked up once and handed over as integers, and `at` turns
 them back into functions inside.
+
+A function is compiled apart from those that it calls, but for what is short
+(`codegen.separate_compilation`), and loads with them.
 
 Numba compiles or loads a function with an explicit signature when its module is imported. Here that
 waits until somebody calls the function, asks for its address or compiles what calls it: a run loads
@@ -37,6 +40,7 @@ from numba.extending import intrinsic
 from codegen.generated_module_signature_and_import import locked
 from codegen.library_layout import LIBRARY, methods_folder
 from codegen.numba_cache import checked_caches
+from codegen.separate_compilation import give_interface
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -84,7 +88,16 @@ class _Locked(_Dispatcher):  # type: ignore[misc]
         files = _cache_files(self)
         alone = locked(Path(f"{files._index_path}.lock")) if files else nullcontext()
         with global_compiler_lock, alone:
-            return super().compile(signature)
+            entry = super().compile(signature)
+            give_interface(self)
+            return entry
+
+    def result_for(self, kinds: tuple[Any, ...]) -> Any:
+        """The result of its compilation for arguments of these types."""
+        prepare(self)
+        if kinds not in self.overloads:
+            self.compile(kinds)
+        return self.overloads[kinds]
 
     def get_call_template(self, arguments: Any, named: Any) -> Any:
         """Compile once for all integers: numba would once more for each constant argument."""

@@ -51,6 +51,7 @@ COMPILER = {
         "codegen.garbage_collection",
         "codegen.numba_cache",
         "codegen.numba_operation_types",
+        "codegen.separate_compilation",
         "codegen.condition_evaluation",
         "codegen.termination_signals",
     ),
