@@ -84,10 +84,13 @@ class StaticEquations:
     def displaced(
         self, q: FloatArray, part: Partition, step: npt.NDArray[np.floating[Any]]
     ) -> FloatArray | None:
-        """The closed position after a scaled step of the independent coordinates; see `close`."""
-        moved = q.copy()
-        moved[part.independent] += step * self.scale[part.independent]
-        return self.close(moved, part)
+        """The closed position after a scaled step of the independent coordinates; see `close`.
+
+        Newton's method starts on the tangent of the motion: across a position in which branches
+        of the motion cross, the dependent coordinates would otherwise stay on the near side, and
+        close on another branch or not at all.
+        """
+        return self.close(q + self.motions(q, part) @ step, part)
 
     def motions(self, q: FloatArray, part: Partition) -> FloatArray:
         """dq for a unit (scaled) change of each independent coordinate, shape (n, f)."""
