@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from codegen.lower.program import Input, Kernel, Label, Op, Output, Program, Value
+from codegen.reroll.affine_accesses import with_affine_accesses
 from codegen.reroll.parts import (
     Carried,
     Operand,
@@ -14,7 +15,7 @@ from codegen.reroll.parts import (
     Slots,
     Store,
 )
-from codegen.reroll.repetition import Stretch, stretches
+from codegen.reroll.repetition import Stretch, merged, stretches, without
 from codegen.reroll.sequence import NUMBER, TIME, OperationSequence
 from codegen.reroll.workspace import Workspace
 
@@ -61,13 +62,21 @@ class _Rerolling:
     ) -> None:
         self.kernel, self.values = kernel, program.values
         self.sequence = seq = OperationSequence(program, kernel, constants)
-        self.stretches = _merged(stretches(seq.codes, seq.crossings()))
-        while any(crossed := [self._crossed_turns(s) for s in self.stretches]):
-            cut = [_without(s, turns) for s, turns in zip(self.stretches, crossed, strict=True)]
-            self.stretches = _merged([piece for pieces in cut for piece in pieces])
+        self.blocks = self._cut(stretches(seq.codes, seq.crossings()))
+        places = self._places()
+        unrolled = [with_affine_accesses(s, self._accesses(s, *places)) for s in self.blocks]
+        self.stretches = self._cut([piece for pieces in unrolled for piece in pieces])
         self.columns = [self._columns(s) for s in self.stretches]
         self.workspace = Workspace(seq, kernel, base)
         self.labels = {label.value: label for label in kernel.labels}
+
+    def _cut(self, found: Sequence[Stretch]) -> list[Stretch]:
+        """The stretches with turns that stand by themselves where they must."""
+        whole = merged(found)
+        while any(crossed := [self._crossed_turns(s) for s in whole]):
+            cut = [without(s, turns) for s, turns in zip(whole, crossed, strict=True)]
+            whole = merged([piece for pieces in cut for piece in pieces])
+        return whole
 
     # -- columns of operands -----------------------------------------------------------------
 
@@ -137,6 +146,31 @@ class _Rerolling:
             for j in range(s.period)
         ]
 
+    def _places(self) -> tuple[Slots, Slots]:
+        """Of each value the kind of its place, and its address, which are as its slot will be.
+
+        Those of a block stand at equal distances from turn to turn, as their operations do.
+        """
+        seq, count = self.sequence, len(self.values)
+        kinds, addresses = np.zeros(count, dtype=np.int64), seq.place.copy()
+        begins = np.array([s.start for s in self.blocks])
+        kinds[seq.numbers] = np.searchsorted(begins, seq.place[seq.numbers], side="right")
+        homes: dict[str | int, int] = {}
+        for number in np.unique(seq.operands[seq.operands >= 0]).tolist():
+            if home := seq.home(number):
+                is_slot = home not in (NUMBER, TIME)
+                kinds[number] = -homes.setdefault(home if is_slot else number, len(homes))
+                addresses[number] = seq.slot(number) if is_slot else 0
+        return kinds, addresses
+
+    def _accesses(self, s: Stretch, kinds: Slots, addresses: Slots) -> list[tuple[Slots, Slots]]:
+        """Kinds of place and addresses of what the turns of a stretch take from outside."""
+        if s.turns == 1:
+            return []
+        columns = {c for row in self._columns(s) for c in row if isinstance(c, Outside)}
+        numbers = (np.array(column.numbers) for column in columns)
+        return [(kinds[column], addresses[column]) for column in numbers]
+
     # -- workspace ---------------------------------------------------------------------------
 
     def _ask_for_slots(self, outputs: Sequence[Output]) -> None:
@@ -158,7 +192,7 @@ class _Rerolling:
         returned = [out for out in self.kernel.outputs if out.array == "return"]
         self._ask_for_slots([*others, *returned])
         space = self.workspace
-        space.assign(self.sequence.numbers[self._turns(s)] for s in self.stretches)
+        space.assign(self.sequence.numbers[self._turns(s)] for s in self.blocks)
         parts = space.copies_of_leaves()
         for s, columns, own in zip(self.stretches, self.columns, stores, strict=True):
             parts.append(self._part(s, columns, own))
@@ -244,26 +278,3 @@ class _Rerolling:
         if number in self.labels:
             return self.labels[number].name
         return ""
-
-
-def _merged(found: Sequence[Stretch]) -> list[Stretch]:
-    """Stretches in order, neighbours without repetition made one."""
-    merged: list[Stretch] = []
-    for s in found:
-        if merged and s.turns == 1 == merged[-1].turns:
-            merged[-1] = Stretch(merged[-1].start, s.end - merged[-1].start, 1)
-        else:
-            merged.append(s)
-    return merged
-
-
-def _without(s: Stretch, turns: Sequence[int]) -> list[Stretch]:
-    """The stretch cut so that these turns stand by themselves."""
-    pieces, begin = [], 0
-    for turn in [*turns, s.turns]:
-        if turn > begin:
-            pieces.append(Stretch(s.start + begin * s.period, s.period, turn - begin))
-        if turn < s.turns:
-            pieces.append(Stretch(s.start + turn * s.period, s.period, 1))
-        begin = turn + 1
-    return pieces
