@@ -44,7 +44,11 @@ def with_constants(
         ("p",),
         tuple(Output("p", declared + k, number) for k, number in enumerate(hoisted)),
     )
-    return Program(values, (first, *kernels), (*forces, *hoisted), weak_pivot)
+    program = Program(values, (first, *kernels), (*forces, *hoisted), weak_pivot)
+    for kernel, numbers in zip(stepping, needed_by, strict=True):
+        if hoisted.keys().isdisjoint(numbers):  # else what they alone take is left out
+            program.note_reachable(kernel, numbers)
+    return program
 
 
 def orient_differences(

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from codegen.lower.program import Input, Kernel, Label, Op, Output, Program, Value
+from codegen.lower.program import LOGICAL, Input, Kernel, Label, Op, Output, Program, Value
 from codegen.reroll.affine_accesses import with_affine_accesses
 from codegen.reroll.parts import (
     Carried,
@@ -62,6 +62,7 @@ class _Rerolling:
     ) -> None:
         self.kernel, self.values = kernel, program.values
         self.sequence = seq = OperationSequence(program, kernel, constants)
+        self.sorts = self._sorts()
         self.blocks = self._cut(stretches(seq.codes, seq.crossings()))
         places = self._places()
         unrolled = [with_affine_accesses(s, self._accesses(s, *places)) for s in self.blocks]
@@ -105,16 +106,19 @@ class _Rerolling:
                 same = places == place
                 few = ~same if 2 * np.count_nonzero(same) > s.turns else within
                 found |= set(np.flatnonzero(few).tolist())
-            if len({self._sort(n) for n in column.tolist()}) > 1:
+            sorts = self.sorts[column]
+            if (sorts != sorts[0]).any():
                 found |= set(range(s.turns))
         return sorted(found)
 
-    def _sort(self, number: int) -> str:
-        """What kind of number a value is in the text."""
-        home = self.sequence.home(number)
-        if home == "modes":
-            return home
-        return "logical" if self.sequence.is_logical(number) else "float"
+    def _sorts(self) -> Slots:
+        """What kind of number each value is in the text: a float, a truth value or a mode."""
+        seq = self.sequence
+        sorts = np.zeros(len(self.values), dtype=np.int64)
+        sorts[seq.numbers] = [self.values[k].op in LOGICAL for k in seq.numbers.tolist()]
+        if "modes" in seq.homes:
+            sorts[seq.home_of == seq.homes.index("modes")] = 2
+        return sorts
 
     def _operand_columns(self, s: Stretch) -> Sequence[Slots]:
         rows = self.sequence.operands[s.start : s.end].reshape(s.turns, s.period, -1)
@@ -151,17 +155,13 @@ class _Rerolling:
 
         Those of a block stand at equal distances from turn to turn, as their operations do.
         """
-        seq, count = self.sequence, len(self.values)
-        kinds, addresses = np.zeros(count, dtype=np.int64), seq.place.copy()
+        seq, homes = self.sequence, self.sequence.home_of
         begins = np.array([s.start for s in self.blocks])
-        kinds[seq.numbers] = np.searchsorted(begins, seq.place[seq.numbers], side="right")
-        homes: dict[str | int, int] = {}
-        for number in np.unique(seq.operands[seq.operands >= 0]).tolist():
-            if home := seq.home(number):
-                is_slot = home not in (NUMBER, TIME)
-                kinds[number] = -homes.setdefault(home if is_slot else number, len(homes))
-                addresses[number] = seq.slot(number) if is_slot else 0
-        return kinds, addresses
+        kinds = np.where(homes > 0, -homes, np.searchsorted(begins, seq.place, side="right"))
+        if NUMBER in seq.homes:  # those are of one kind that are equal
+            numbers = np.flatnonzero(homes == seq.homes.index(NUMBER))
+            kinds[numbers] = -len(seq.homes) - numbers
+        return kinds, np.where(homes > 0, seq.slot_of, seq.place)
 
     def _accesses(self, s: Stretch, kinds: Slots, addresses: Slots) -> list[tuple[Slots, Slots]]:
         """Kinds of place and addresses of what the turns of a stretch take from outside."""
@@ -248,10 +248,9 @@ class _Rerolling:
             value = self.values[number]
             body.append(Value(value.op, args, value.literal, value.serves))
         kept = [Store(st.array, st.slots, st.value + shift) for st in stores]
-        for position, numbers in enumerate(turns.T.tolist()):
-            if numbers[0] in slots_of:
-                slots = np.array([slots_of[k] for k in numbers])
-                kept.append(Store("p", slots, position + shift))
+        for position, numbers in enumerate(turns.T):
+            if slots_of[numbers[0]] >= 0:
+                kept.append(Store("p", slots_of[numbers], position + shift))
         labels = tuple(
             Label(position + shift, self.labels[number].name)
             for position, number in enumerate(sample)
