@@ -164,10 +164,7 @@ def reports(quick: bool) -> list[Report]:
     sizes_of_text = ("machine", "code", "size", "lines", "tables, kB")
     headings = (*sizes_of_text, *COLUMNS, "whole", "MB", "ns a body")
     title = "builds at size: a chain of bars, and parallel four-bars in a row"
-    sentences = [
-        "Stages and the whole, from import to the first call, in s of processor time; ns a body of "
-        "a call of `accelerations` with all multipliers."
-    ]
+    sentences = ["Stages, and the whole from import to the first call, in s of processor time."]
     sentences += [sentence for family in FAMILIES for sentence in verdicts(rows, family)]
     return [Report("builds", title, headings, cells, sentences, records(rows), 2)]
 

@@ -18,7 +18,6 @@ from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.unrolling import KernelTexts, kernel_texts
 from codegen.generated_files.generated_file import Clock
 from codegen.generated_files.provenance import fingerprint
-from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.model import Model
 from models.hard.n_four_bar import n_four_bar
 
@@ -52,44 +51,42 @@ class Calls:
 
 
 @memoize_methods
-def built(family: str, size: int) -> tuple[Lowered, KernelTexts]:
+def built(family: str, size: int) -> KernelTexts:
     """All stages from the declaration to the texts of kernels in loops."""
     declare, name, _ = FAMILIES[family]
     model = declare(size)
     (scene,) = valid_scenes(model, name)
     _, lowered, _ = translate(model, scene, Clock({}, lambda message: None, ""))
     fingerprint(derive(model, scene))
-    texts = kernel_texts(lowered.program, Arguments.of(lowered.description), "never")
-    return lowered, texts
+    return kernel_texts(lowered.program, Arguments.of(lowered.description), "never")
 
 
 @cache
-def texts_of(family: str, times: int) -> KernelTexts:
-    """The texts of a family at so many times its size."""
-    return built(family, times * FAMILIES[family][-1])[1]
+def builds(family: str) -> tuple[tuple[dict[str, int], KernelTexts], ...]:
+    """Calls by module, and the texts, at the family's size and at its double."""
+    size = FAMILIES[family][-1]
+    built(family, size // 10)  # what is found once a process is found here
+    found = []
+    for parts in (size, 2 * size):
+        with Calls() as calls:
+            texts = built(family, parts)
+        found.append((calls.by_module, texts))
+    return tuple(found)
 
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_calls_of_a_build_grow_linearly(family: str) -> None:
     """In every module; a tenth is allowed for the ends of a machine and the depths of heaps."""
-    size = FAMILIES[family][-1]
-    built(family, size // 10)  # what is found once a process is found here
-    counts = []
-    for parts in (size, 2 * size):
-        with Calls() as calls:
-            built(family, parts)
-        counts.append(calls.by_module)
-    small, large = counts
+    (small, _), (large, _) = builds(family)
     assert sum(large.values()) <= 2.1 * sum(small.values())
-    assert not {
-        k: (small[k], large.get(k, 0)) for k in small if large.get(k, 0) > 2.2 * small[k] + 100
-    }
+    worse = [(name, few) for name, few in small.items() if large.get(name, 0) > 2.2 * few + 100]
+    assert not worse
 
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_code_of_all_kernels_stays_and_their_tables_grow_linearly(family: str) -> None:
     """Lines of code, bytes of tables in the text, slots of the workspace."""
-    few, many = texts_of(family, 1), texts_of(family, 2)
+    (_, few), (_, many) = builds(family)
     code = [sum(len(text.lines()) for text in texts) for texts in (few, many)]
     assert code[1] <= 1.02 * code[0]
     for one, other in zip(few, many, strict=True):
@@ -101,7 +98,7 @@ def test_code_of_all_kernels_stays_and_their_tables_grow_linearly(family: str) -
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_part_has_few_entries_in_tables_and_workspace(family: str) -> None:
     """What a call of `accelerations` reads for a part of the machine lies near in memory."""
-    (text,) = [t for t in texts_of(family, 1) if t.kernel.name == "accelerations"]
+    (text,) = [t for t in builds(family)[0][1] if t.kernel.name == "accelerations"]
     parts = FAMILIES[family][-1]
     slots = {"chain": 23, "n_four_bar": 48}[family]
     entries = 7  # of the checks, three a constraint, and of one loop
