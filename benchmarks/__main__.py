@@ -1,7 +1,7 @@
 """``python -m benchmarks [NAME]...``: tables.
 
 NAME: elements, kernels, machines, compressor, scenes or accuracy, all of them without names; peers,
-with problems after it or all; growth; first.
+with problems after it or all; growth; builds; first.
 """
 
 import sys
@@ -16,6 +16,7 @@ import typer
 
 from benchmarks import (
     accuracy_targets_report,
+    builds_at_size,
     compressor,
     contest,
     contest_report,
@@ -189,7 +190,7 @@ MEASUREMENTS = {
     "scenes": of_scenes,
     "accuracy": accuracy_targets_report.report,
 }
-LONG = ("peers", "growth", "first")
+LONG = ("peers", "growth", "builds", "first")
 """Minutes each, and only by name."""
 
 
@@ -222,7 +223,7 @@ def main(
         list[str] | None,
         typer.Argument(
             help="elements, kernels, machines, compressor, scenes, accuracy: all without a "
-            "name; peers, with problems after it or all; growth; first."
+            "name; peers, with problems after it or all; growth; builds; first."
         ),
     ] = None,
     quick: Annotated[bool, typer.Option(help="Fewer repeats; times are rough.")] = False,
@@ -241,6 +242,9 @@ def main(
             of_peers(problems, quick, python, ours_only, out)
         elif name == "growth":
             for report in growth.reports(quick, out):
+                finish(report, out)
+        elif name == "builds":
+            for report in builds_at_size.reports(quick):
                 finish(report, out)
         elif name == "first":
             for report in first_result.report(quick):

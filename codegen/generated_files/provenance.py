@@ -77,7 +77,7 @@ def fingerprint(equations: Equations) -> str:
     lines += [f"parameter {p}" for p in equations.parameters]
     lines += [f"mass {m}" if i == k else f"mass {i} {k} {m}" for i, k, m in equations.mass]
     lines += [f"inertia force {k} {f}" for k, f in equations.inertia_force]
-    texts = dict[int, str]()  # of what the joints of a kind share
+    texts = dict[int, str]()  # of what the joints of a kind share, and of symbols
 
     def text(shared: object) -> str:
         key = id(shared)
@@ -86,7 +86,7 @@ def fingerprint(equations: Equations) -> str:
 
     for constraint in equations.constraints:
         statement = constraint.statement
-        bindings = sorted(f"{place}={meaning}" for place, meaning in statement.bindings.items())
+        bindings = sorted(f"{text(k)}={text(value)}" for k, value in statement.bindings.items())
         lines.append(f"{constraint.kind} {constraint.name} {text(statement.phi)} {bindings}")
         lines += [f"  own {row} {q}" for row, q in statement.own]
         lines.append(f"  reactions {text(constraint.terms.reactions)}")

@@ -25,17 +25,17 @@ def with_constants(
     values, needed_by = orient_differences(graph, stepping)
     hoisted: dict[int, None] = {}
     slots: dict[int, int] = {}
+    settled = {k for k, value in enumerate(graph.values) if value.args and graph.settled[k]}
     for kernel, numbers in zip(stepping, needed_by, strict=True):
-        needed = set(kernel.roots)
+        needed = settled.intersection(kernel.roots)
         for number in numbers:
             value = graph.values[number]
-            if value.args:
-                if not graph.settled[number]:
-                    needed.update(value.args)
-            elif isinstance(value.literal, Input) and value.literal.array == "stiction":
-                slots[number] = value.literal.slot
-        settled = (k for k in sorted(needed) if graph.settled[k] and graph.values[k].args)
-        hoisted |= dict.fromkeys(settled)
+            if not value.args:
+                if isinstance(value.literal, Input) and value.literal.array == "stiction":
+                    slots[number] = value.literal.slot
+            elif settled and number not in settled:
+                needed.update(settled.intersection(value.args))
+        hoisted |= dict.fromkeys(sorted(needed))
     forces = sorted(slots, key=slots.__getitem__)
     declared += len(forces)
     first = Kernel(
@@ -44,7 +44,11 @@ def with_constants(
         ("p",),
         tuple(Output("p", declared + k, number) for k, number in enumerate(hoisted)),
     )
-    return Program(values, (first, *kernels), (*forces, *hoisted), weak_pivot)
+    program = Program(values, (first, *kernels), (*forces, *hoisted), weak_pivot)
+    for kernel, numbers in zip(stepping, needed_by, strict=True):
+        if hoisted.keys().isdisjoint(numbers):  # else what they alone take is left out
+            program.note_reachable(kernel, numbers)
+    return program
 
 
 def orient_differences(

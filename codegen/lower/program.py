@@ -168,7 +168,7 @@ class Program:
 
     def reachable(self, kernel: Kernel) -> tuple[int, ...]:
         """Numbers of the values that `kernel` computes, in order; constants of p are leaves."""
-        place = next((k for k, own in enumerate(self.kernels) if own is kernel), None)
+        place = self._place(kernel)
         if place is not None and place in self._reachable:
             return self._reachable[place]
         found = dependencies(self.values, kernel.roots, self.hoisted(kernel))
@@ -176,6 +176,15 @@ class Program:
         if place is not None:
             self._reachable[place] = numbers
         return numbers
+
+    def note_reachable(self, kernel: Kernel, numbers: Iterable[int]) -> None:
+        """Keep what one of the kernels computes, from one who knows it, in order."""
+        place = self._place(kernel)
+        assert place is not None
+        self._reachable[place] = tuple(numbers)
+
+    def _place(self, kernel: Kernel) -> int | None:
+        return next((k for k, own in enumerate(self.kernels) if own is kernel), None)
 
     def hoisted(self, kernel: Kernel) -> frozenset[int]:
         """The values that `kernel` reads from ``p`` instead of computing them."""

@@ -25,6 +25,7 @@ from codegen.declare.symbols import dotted
 from codegen.declare.value_reader import Reader
 from codegen.elements.registry import role
 from codegen.errors import ModelError, NoAttributeError
+from codegen.model.units_on_demand import UnitsOnDemand, units_of
 from codegen.plain_values import is_a, one_line, plain_name, shown
 from codegen.public_callables import DeclaredTable, error_boundary
 
@@ -276,12 +277,14 @@ class Declarations:
         of_joints = (q for joint in self.joints.values() for q in own_coordinates(joint))
         return (*of_bodies, *of_joints)
 
-    def _units(self) -> dict[str, str]:
+    def _units(self) -> Mapping[str, str]:
         """Name of a coordinate, velocity or state (``"crank.phi"``) → its SI unit."""
-        units: dict[str, str] = {}
-        for q in self._coordinates():
-            units |= {dotted(q): q.unit, dotted(q.rate): q.measure.rate_unit}
-        return units | {dotted(s.symbol): s.unit for s in self.states.values()}
+        of_bodies = (q for body in self.bodies.values() for q in coordinates_of(body))
+        return UnitsOnDemand(units_of(of_bodies), self._other_units)
+
+    def _other_units(self) -> dict[str, str]:
+        of_joints = (q for joint in self.joints.values() for q in own_coordinates(joint))
+        return units_of(of_joints) | {dotted(s.symbol): s.unit for s in self.states.values()}
 
     def _bodies_in(self, *expressions: Any) -> tuple[Body, ...]:
         symbols = (s for e in expressions for s in sy.kinds(e, sy.Coordinate, sy.Velocity))

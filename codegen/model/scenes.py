@@ -9,7 +9,7 @@ from codegen.declare.body import Body
 from codegen.declare.condition import WatchedCondition
 from codegen.declare.element import Constraint
 from codegen.declare.name_rules_and_hints import name_problem, nearest
-from codegen.declare.return_values.calls import memoize_methods
+from codegen.declare.return_values.calls import has_attribute, memoize_methods
 from codegen.declare.return_values.constraints import own_coordinates, place_near
 from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import Analysis, Owner, Request, Scene, name_of
@@ -261,6 +261,8 @@ class Scenes(SceneRequests):
 
     def _place(self, joint: Constraint, values: Mapping[str, float]) -> dict[Coordinate, float]:
         """The same, with the known values by name."""
+        if not has_attribute(joint, "near"):
+            return {}
         missing = [q for q in own_coordinates(joint) if dotted(q) not in values]
         if not missing:
             return {}

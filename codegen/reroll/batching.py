@@ -97,8 +97,7 @@ class _Batching:
             value = self.values[number]
             args = tuple(k + shift if k >= 0 else -1 - k for k in row)
             body.append(Value(value.op, args, value.literal, value.serves))
-        slots = np.array([self.workspace.slots[k] for k in numbers[:, -1].tolist()])
-        store = Store("p", slots, len(body) - 1)
+        store = Store("p", self.workspace.slots[numbers[:, -1]], len(body) - 1)
         return Part(len(trees), tuple(body), tuple(operands), (store,))
 
     def _label(self, number: int) -> str:

@@ -8,7 +8,7 @@ what belongs together: a bar's terms, its elimination, then the next bar.
 
 from collections.abc import Container, Sequence
 
-from codegen.lower.program import LEAVES, Kernel, Value
+from codegen.lower.program import LEAVES, Kernel, Op, Value
 
 
 def order_on_demand(
@@ -16,18 +16,22 @@ def order_on_demand(
 ) -> list[int]:
     """Numbers of the values that `kernel` computes, each right before the first that takes it.
 
-    A pivot's reference stands behind the pivot. `constants` are read and not computed.
+    The opposite of a value that is stored or checked stands behind the value, and a pivot's
+    reference behind the pivot: neither waits in memory. `constants` are read and not computed.
     """
-    references: dict[int, list[int]] = {}
+    behind: dict[int, list[int]] = {}
+    for root in dict.fromkeys(kernel.roots):
+        if values[root].op is Op.NEG:
+            behind.setdefault(values[root].args[0], []).append(root)
     for check in kernel.checks:
-        references.setdefault(check.pivot, []).append(check.reference)
+        behind.setdefault(check.pivot, []).append(check.reference)
     visited, found = set[int](), list[int]()
     stack = [*reversed(kernel.roots)]
     while stack:
         number = stack.pop()
         if number < 0:  # all that it takes is there
             found.append(~number)
-            stack += reversed(references.get(~number, ()))
+            stack += reversed(behind.get(~number, ()))
         elif number not in visited:
             visited.add(number)
             value = values[number]

@@ -5,6 +5,7 @@ the machine does: bar after bar, loop after loop. The longest repeat is taken, t
 stretches before and behind it.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -50,6 +51,29 @@ def stretches(codes: Codes, crossings: Codes) -> tuple[Stretch, ...]:
         pending += [(low, start), (start + period * count, high)]
         found.append(Stretch(start, period, count))
     return tuple(sorted(found))
+
+
+def merged(found: Sequence[Stretch]) -> list[Stretch]:
+    """Stretches in order, neighbours without repetition made one."""
+    whole: list[Stretch] = []
+    for s in found:
+        if whole and s.turns == 1 == whole[-1].turns:
+            whole[-1] = Stretch(whole[-1].start, s.end - whole[-1].start, 1)
+        else:
+            whole.append(s)
+    return whole
+
+
+def without(s: Stretch, turns: Sequence[int]) -> list[Stretch]:
+    """The stretch cut so that these turns stand by themselves."""
+    pieces, begin = [], 0
+    for turn in [*turns, s.turns]:
+        if turn > begin:
+            pieces.append(Stretch(s.start + begin * s.period, s.period, turn - begin))
+        if turn < s.turns:
+            pieces.append(Stretch(s.start + turn * s.period, s.period, 1))
+        begin = turn + 1
+    return pieces
 
 
 def _longest_repeat(codes: Codes) -> tuple[int, int, int] | None:

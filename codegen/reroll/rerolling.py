@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from codegen.lower.program import Input, Kernel, Label, Op, Output, Program, Value
+from codegen.lower.program import LOGICAL, Input, Kernel, Label, Op, Output, Program, Value
+from codegen.reroll.affine_accesses import with_affine_accesses
 from codegen.reroll.parts import (
     Carried,
     Operand,
@@ -14,7 +15,7 @@ from codegen.reroll.parts import (
     Slots,
     Store,
 )
-from codegen.reroll.repetition import Stretch, stretches
+from codegen.reroll.repetition import Stretch, merged, stretches, without
 from codegen.reroll.sequence import NUMBER, TIME, OperationSequence
 from codegen.reroll.workspace import Workspace
 
@@ -61,13 +62,22 @@ class _Rerolling:
     ) -> None:
         self.kernel, self.values = kernel, program.values
         self.sequence = seq = OperationSequence(program, kernel, constants)
-        self.stretches = _merged(stretches(seq.codes, seq.crossings()))
-        while any(crossed := [self._crossed_turns(s) for s in self.stretches]):
-            cut = [_without(s, turns) for s, turns in zip(self.stretches, crossed, strict=True)]
-            self.stretches = _merged([piece for pieces in cut for piece in pieces])
+        self.sorts = self._sorts()
+        self.blocks = self._cut(stretches(seq.codes, seq.crossings()))
+        places = self._places()
+        unrolled = [with_affine_accesses(s, self._accesses(s, *places)) for s in self.blocks]
+        self.stretches = self._cut([piece for pieces in unrolled for piece in pieces])
         self.columns = [self._columns(s) for s in self.stretches]
         self.workspace = Workspace(seq, kernel, base)
         self.labels = {label.value: label for label in kernel.labels}
+
+    def _cut(self, found: Sequence[Stretch]) -> list[Stretch]:
+        """The stretches with turns that stand by themselves where they must."""
+        whole = merged(found)
+        while any(crossed := [self._crossed_turns(s) for s in whole]):
+            cut = [without(s, turns) for s, turns in zip(whole, crossed, strict=True)]
+            whole = merged([piece for pieces in cut for piece in pieces])
+        return whole
 
     # -- columns of operands -----------------------------------------------------------------
 
@@ -96,16 +106,19 @@ class _Rerolling:
                 same = places == place
                 few = ~same if 2 * np.count_nonzero(same) > s.turns else within
                 found |= set(np.flatnonzero(few).tolist())
-            if len({self._sort(n) for n in column.tolist()}) > 1:
+            sorts = self.sorts[column]
+            if (sorts != sorts[0]).any():
                 found |= set(range(s.turns))
         return sorted(found)
 
-    def _sort(self, number: int) -> str:
-        """What kind of number a value is in the text."""
-        home = self.sequence.home(number)
-        if home == "modes":
-            return home
-        return "logical" if self.sequence.is_logical(number) else "float"
+    def _sorts(self) -> Slots:
+        """What kind of number each value is in the text: a float, a truth value or a mode."""
+        seq = self.sequence
+        sorts = np.zeros(len(self.values), dtype=np.int64)
+        sorts[seq.numbers] = [self.values[k].op in LOGICAL for k in seq.numbers.tolist()]
+        if "modes" in seq.homes:
+            sorts[seq.home_of == seq.homes.index("modes")] = 2
+        return sorts
 
     def _operand_columns(self, s: Stretch) -> Sequence[Slots]:
         rows = self.sequence.operands[s.start : s.end].reshape(s.turns, s.period, -1)
@@ -137,6 +150,27 @@ class _Rerolling:
             for j in range(s.period)
         ]
 
+    def _places(self) -> tuple[Slots, Slots]:
+        """Of each value the kind of its place, and its address, which are as its slot will be.
+
+        Those of a block stand at equal distances from turn to turn, as their operations do.
+        """
+        seq, homes = self.sequence, self.sequence.home_of
+        begins = np.array([s.start for s in self.blocks])
+        kinds = np.where(homes > 0, -homes, np.searchsorted(begins, seq.place, side="right"))
+        if NUMBER in seq.homes:  # those are of one kind that are equal
+            numbers = np.flatnonzero(homes == seq.homes.index(NUMBER))
+            kinds[numbers] = -len(seq.homes) - numbers
+        return kinds, np.where(homes > 0, seq.slot_of, seq.place)
+
+    def _accesses(self, s: Stretch, kinds: Slots, addresses: Slots) -> list[tuple[Slots, Slots]]:
+        """Kinds of place and addresses of what the turns of a stretch take from outside."""
+        if s.turns == 1:
+            return []
+        columns = {c for row in self._columns(s) for c in row if isinstance(c, Outside)}
+        numbers = (np.array(column.numbers) for column in columns)
+        return [(kinds[column], addresses[column]) for column in numbers]
+
     # -- workspace ---------------------------------------------------------------------------
 
     def _ask_for_slots(self, outputs: Sequence[Output]) -> None:
@@ -158,7 +192,7 @@ class _Rerolling:
         returned = [out for out in self.kernel.outputs if out.array == "return"]
         self._ask_for_slots([*others, *returned])
         space = self.workspace
-        space.assign(self.sequence.numbers[self._turns(s)] for s in self.stretches)
+        space.assign(self.sequence.numbers[self._turns(s)] for s in self.blocks)
         parts = space.copies_of_leaves()
         for s, columns, own in zip(self.stretches, self.columns, stores, strict=True):
             parts.append(self._part(s, columns, own))
@@ -214,10 +248,9 @@ class _Rerolling:
             value = self.values[number]
             body.append(Value(value.op, args, value.literal, value.serves))
         kept = [Store(st.array, st.slots, st.value + shift) for st in stores]
-        for position, numbers in enumerate(turns.T.tolist()):
-            if numbers[0] in slots_of:
-                slots = np.array([slots_of[k] for k in numbers])
-                kept.append(Store("p", slots, position + shift))
+        for position, numbers in enumerate(turns.T):
+            if slots_of[numbers[0]] >= 0:
+                kept.append(Store("p", slots_of[numbers], position + shift))
         labels = tuple(
             Label(position + shift, self.labels[number].name)
             for position, number in enumerate(sample)
@@ -244,26 +277,3 @@ class _Rerolling:
         if number in self.labels:
             return self.labels[number].name
         return ""
-
-
-def _merged(found: Sequence[Stretch]) -> list[Stretch]:
-    """Stretches in order, neighbours without repetition made one."""
-    merged: list[Stretch] = []
-    for s in found:
-        if merged and s.turns == 1 == merged[-1].turns:
-            merged[-1] = Stretch(merged[-1].start, s.end - merged[-1].start, 1)
-        else:
-            merged.append(s)
-    return merged
-
-
-def _without(s: Stretch, turns: Sequence[int]) -> list[Stretch]:
-    """The stretch cut so that these turns stand by themselves."""
-    pieces, begin = [], 0
-    for turn in [*turns, s.turns]:
-        if turn > begin:
-            pieces.append(Stretch(s.start + begin * s.period, s.period, turn - begin))
-        if turn < s.turns:
-            pieces.append(Stretch(s.start + turn * s.period, s.period, 1))
-        begin = turn + 1
-    return pieces

@@ -28,6 +28,11 @@ class OperationSequence:
         Equal for operations of one kind, shape (k,).
     place
         Value → its place among the computed, -1 for leaves; shape (all values,).
+    home_of, slot_of
+        Value → the place in `homes` of the array in which a leaf stands, and its slot there, 0 for
+        numbers, the time and what is computed; shape (all values,).
+    homes
+        Names of arrays, of which the first stands for values that are computed.
     """
 
     def __init__(self, program: Program, kernel: Kernel, constants: Mapping[int, int]) -> None:
@@ -53,6 +58,20 @@ class OperationSequence:
         columns = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
         self.operands[rows, columns] = [number for args in taken for number in args]
         self._order_commutative(computed)
+        self._find_leaves(kernel)
+
+    def _find_leaves(self, kernel: Kernel) -> None:
+        self.home_of, self.slot_of = np.zeros((2, len(self.place)), dtype=np.int64)
+        taken = np.zeros(len(self.place), dtype=bool)
+        taken[self.operands[self.operands >= 0]] = True
+        taken[kernel.roots] = True
+        homes = {"": 0}
+        for number in np.flatnonzero(taken & (self.place < 0)).tolist():
+            home = self.home(number)
+            self.home_of[number] = homes.setdefault(home, len(homes))
+            if home not in (NUMBER, TIME):
+                self.slot_of[number] = self.slot(number)
+        self.homes = tuple(homes)
 
     def _order_commutative(self, computed: list[int]) -> None:
         values, operands = self.program.values, self.operands

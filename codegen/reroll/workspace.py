@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from codegen.lower.program import Input, Kernel, Op, Output, Value
 from codegen.reroll.parts import Entries, Numbers, Part, Slots, Store, Watch
@@ -20,7 +21,8 @@ class Workspace:
         """`base`: the first slot."""
         self.sequence, self.kernel, self.base = sequence, kernel, base
         self.needed = np.zeros(len(sequence.program.values), dtype=bool)
-        self.slots: dict[int, int] = {}
+        # value → its slot, -1 where it has none
+        self.slots: Slots = np.full(len(self.needed), -1, dtype=np.int64)
         self.leaves: list[int] = []  # leaves with a slot: copies, before anything is computed
         self.size = 0
 
@@ -30,12 +32,15 @@ class Workspace:
 
     def need_column(self, numbers: Sequence[int]) -> None:
         """Ask for slots of what an operand is, turn after turn."""
-        home = self.sequence.home
-        homes = {home(n) or "p" for n in numbers}
-        if len(homes) > 1:
-            self.need(*(n for n in numbers if home(n) != "p"))
-        else:
-            self.need(*(n for n in numbers if home(n) == ""))
+        column, homes = np.array(numbers), self._homes(numbers)
+        apart = homes == "p" if len(np.unique(homes)) > 1 else self.sequence.home_of[column] > 0
+        self.needed[column[~apart]] = True
+
+    def _homes(self, numbers: Sequence[int]) -> npt.NDArray[np.str_]:
+        """The array of each value, the workspace of those that are computed."""
+        names = np.array([home or "p" for home in self.sequence.homes])
+        homes: npt.NDArray[np.str_] = names[self.sequence.home_of[np.array(numbers)]]
+        return homes
 
     def need_results(self, outputs: Iterable[Output]) -> None:
         """Ask for slots of what the checks and these outputs read."""
@@ -55,26 +60,22 @@ class Workspace:
         free = self.base
         for turns in blocks:
             stored = turns[:, self.needed[turns].any(axis=0)]
-            self.slots |= zip(stored.ravel().tolist(), range(free, free + stored.size), strict=True)
+            self.slots[stored.ravel()] = np.arange(free, free + stored.size)
             free += stored.size
-        self.leaves = [k for k in np.flatnonzero(self.needed).tolist() if k not in self.slots]
-        self.slots |= {k: free + i for i, k in enumerate(self.leaves)}
+        self.leaves = np.flatnonzero(self.needed & (self.slots < 0)).tolist()
+        self.slots[self.leaves] = np.arange(free, free + len(self.leaves))
         self.size = free + len(self.leaves) - self.base
 
     def operand(self, numbers: Sequence[int]) -> Entries | Numbers:
         """The operand that is these values, turn after turn."""
-        seq = self.sequence
-        homes = [seq.home(n) or "p" for n in numbers]
-        if len(set(homes)) == 1 and homes[0] == NUMBER:
+        seq, column, homes = self.sequence, np.array(numbers), self._homes(numbers)
+        array = str(homes[0]) if (homes == homes[0]).all() else "p"
+        if array == NUMBER:
             return np.array([seq.program.values[n].literal for n in numbers], dtype=np.float64)
-        if len(set(homes)) == 1:
-            array = homes[0]
-            slots = [self.slots[n] if seq.home(n) == "" else seq.slot(n) for n in numbers]
-        else:
-            array = "p"
-            slots = [seq.slot(n) if seq.home(n) == "p" else self.slots[n] for n in numbers]
-        logical = seq.home(numbers[0]) == "" and seq.is_logical(numbers[0])
-        return Entries(array, np.array(slots), logical)
+        is_there = (seq.home_of[column] > 0) & (homes == array)
+        slots = np.where(is_there, seq.slot_of[column], self.slots[column])
+        logical = not is_there[0] and seq.home(numbers[0]) == "" and seq.is_logical(numbers[0])
+        return Entries(array, slots, logical)
 
     def first(self, number: int) -> Entries | float:
         """Where a value stands, for one that is read once."""
@@ -86,7 +87,7 @@ class Workspace:
 
     def copies_of_leaves(self) -> list[Part]:
         """Parts that copy the leaves to their slots."""
-        return self._copies([(k, "p", self.slots[k]) for k in self.leaves])
+        return self._copies([(k, "p", int(self.slots[k])) for k in self.leaves])
 
     def copies_of_outputs(self, outputs: Iterable[Output]) -> list[Part]:
         """Parts that copy values to the arrays of outputs."""
@@ -120,4 +121,4 @@ class Workspace:
 
     def _slot(self, number: int) -> int:
         constants = self.sequence.constants
-        return constants[number] if number in constants else self.slots[number]
+        return constants[number] if number in constants else int(self.slots[number])

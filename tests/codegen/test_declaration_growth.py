@@ -48,8 +48,8 @@ def test_the_symbols_of_a_large_machine_are_made_once() -> None:
     assert all(isinstance(symbol, ModelSymbol) for symbol in asked)
 
 
-def test_a_joint_states_its_equations_once_a_scene(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Once for each of the two scenes that are declared, once for all checks of the machine."""
+def test_a_joint_states_its_equations_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Once for all checks of the machine; its scenes name coordinates of bodies alone."""
     asked, read = Counter[str](), constraints._read_statement
 
     def counted(joint: Any) -> Any:
@@ -59,7 +59,7 @@ def test_a_joint_states_its_equations_once_a_scene(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(constraints, "_read_statement", counted)
     model = n_four_bar(5)
     memoize_methods(valid_scenes)(model, "fall")
-    assert {asked[name] for name in model.joints} == {3}
+    assert {asked[name] for name in model.joints} == {1}
 
 
 def test_equations_that_joints_share_are_checked_once(monkeypatch: pytest.MonkeyPatch) -> None:

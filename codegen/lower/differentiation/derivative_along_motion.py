@@ -34,10 +34,16 @@ class Direction:
 
     def __init__(self, graph: Graph, rates: Mapping[int, int], order: int = 2) -> None:
         self.graph, self.order = graph, order
-        # Slopes need no second derivative: that of aᵇ has a slope of its own without end.
-        self._slopes = Direction(graph, rates, order=1) if order > 1 else self
+        # Slopes need no second derivative: that of aᵇ has a slope of its own without end. A cycle
+        # with itself would keep the graph in memory.
+        self._inner = Direction(graph, rates, order=1) if order > 1 else None
         self._nothing = Jet(Parts(graph, {}), Parts(graph, {}))
         self._known = {k: Jet(self._plain(rate), self._nothing.second) for k, rate in rates.items()}
+
+    @property
+    def _slopes(self) -> "Direction":
+        """The direction in which the slopes of functions are differentiated."""
+        return self._inner or self
 
     def jet(self, number: int) -> Jet:
         """Both derivatives of a value."""
