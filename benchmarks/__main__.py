@@ -1,7 +1,7 @@
 """``python -m benchmarks [NAME]...``: tables.
 
 NAME: elements, kernels, machines, compressor, scenes or accuracy, all of them without names; peers,
-with problems after it or all; growth; builds; first.
+with problems after it or all; growth; builds; first; ensemble.
 """
 
 import sys
@@ -21,6 +21,7 @@ from benchmarks import (
     contest,
     contest_report,
     elements,
+    ensemble_speed,
     first_result,
     growth,
     kernels,
@@ -190,7 +191,7 @@ MEASUREMENTS = {
     "scenes": of_scenes,
     "accuracy": accuracy_targets_report.report,
 }
-LONG = ("peers", "growth", "builds", "first")
+LONG = ("peers", "growth", "builds", "first", "ensemble")
 """Minutes each, and only by name."""
 
 
@@ -223,7 +224,7 @@ def main(
         list[str] | None,
         typer.Argument(
             help="elements, kernels, machines, compressor, scenes, accuracy: all without a "
-            "name; peers, with problems after it or all; growth; builds; first."
+            "name; peers, with problems after it or all; growth; builds; first; ensemble."
         ),
     ] = None,
     quick: Annotated[bool, typer.Option(help="Fewer repeats; times are rough.")] = False,
@@ -248,6 +249,9 @@ def main(
                 finish(report, out)
         elif name == "first":
             for report in first_result.report(quick):
+                finish(report, out)
+        elif name == "ensemble":
+            for report in ensemble_speed.report(quick):
                 finish(report, out)
         else:
             for report in MEASUREMENTS[name](quick):

@@ -172,9 +172,9 @@ class Machine(MachineStates):
         parameters: "Columns | None" = None, starts: "Columns | None" = None,
         t_start: float = 0.0, method: str | None = None, rtol: float | None = None,
         atol: float | None = None, max_step: float | None = None, max_steps: int | None = None,
-        max_bytes: int = 2**31, progress: bool = True,
+        threads: int | None = None, max_bytes: int = 2**31, progress: bool = True,
     ) -> "xr.Dataset":  # fmt: skip
-        """Many runs of this machine, one after the other, as rows of one dataset.
+        """Many runs of this machine, in several threads, as rows of one dataset.
 
         Each has the numbers of `simulate` with its values, to the last bit.
 
@@ -185,6 +185,9 @@ class Machine(MachineStates):
         parameters, starts
             Values by name, declared units or SI units: a number for all runs, or an array with one
             for each, (r,). At least one is an array.
+        threads
+            How many there are, by default one for each core that the process may use; 1: the runs
+            are made in the thread that calls.
         max_bytes, progress
             Bytes that the dataset may take, 2 GiB by default; whether a bar shows.
 
@@ -210,13 +213,14 @@ class Machine(MachineStates):
         >>> m.ensemble(10.0, 101, parameters={"length": np.linspace(0.5, 2.0, 1000)})
         """
         from runtime.ensemble.run_ensemble import run_ensemble
+        from runtime.integrate.second_compiler import available_cores
         from runtime.validation.output_instants import uniform
 
         require_motion(self.mechanism, "ensemble")
         given = check(
             self.mechanism, t_end=t_end, t_eval=t_eval, t_start=t_start, max_step=max_step,
-            max_steps=max_steps, max_bytes=max_bytes, progress=progress, rtol=rtol, atol=atol,
-            method=method,
+            max_steps=max_steps, threads=threads, max_bytes=max_bytes, progress=progress, rtol=rtol,
+            atol=atol, method=method,
         )  # fmt: skip
         times = given.pop("t_eval")
         if isinstance(times, str):
@@ -224,11 +228,11 @@ class Machine(MachineStates):
         last, first = given.pop("t_end"), given["t_start"]
         if times is None or isinstance(times, int):
             times = uniform(first, last, times)
-        most = given.pop("max_bytes")
+        most, threads = given.pop("max_bytes"), given.pop("threads") or available_cores()
         with bar(f"ensemble of {self.mechanism.title}", given.pop("progress")) as report:
             said = {name: value for name, value in given.items() if value is not None}
             return run_ensemble(
-                self.mechanism, last, times, parameters, starts, most, report, **said
+                self.mechanism, last, times, parameters, starts, threads, most, report, **said
             )
 
     @shows_compilation

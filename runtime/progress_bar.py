@@ -20,7 +20,7 @@ Arguments = ParamSpec("Arguments")
 Answer = TypeVar("Answer")
 
 PATIENCE = 1.0  # measured: seconds until a bar is shown
-_DECORATED = re.compile(rb"^ *@(?:compiled|addressed|allocating)\(", re.MULTILINE)
+_DECORATED = re.compile(rb"^ *@(?:compiled|unlocked|addressed|allocating)\(", re.MULTILINE)
 
 
 def silent(fraction: float) -> None:

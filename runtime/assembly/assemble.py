@@ -15,6 +15,7 @@ from runtime.assembly import redundancy
 from runtime.assembly.accurate_start_near_singularity import start_on_branch
 from runtime.assembly.joint_closing import CLOSED, Closing, Task, close
 from runtime.assembly.redundancy import Dependency, Findings
+from runtime.assembly.regular_start import VELOCITY_CLOSED, find_regular_start, weights
 from runtime.assembly.start_values import MOVED, Start, start_of_state, start_values
 from runtime.linalg.least_norm_newton import least_norm_solver
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -27,9 +28,6 @@ from runtime.validation.parameters import parameter_values
 BoolArray = npt.NDArray[np.bool_]
 Key = TypeVar("Key")
 
-_VELOCITY_CLOSED = 1e-9  # accuracy: residual of Φ_q v = ν, scaled, in parts of the largest speed
-# measured: weight of a coordinate that the scene names no value of; the others have 1
-_UNNAMED_WEIGHT = 1e-3
 _UNRESOLVED = 1e-8  # accuracy: rad; distance of neighbouring numbers at which sin φ has no digits
 _LARGEST = 1e100  # safety: lengths and angles above this overflow when they are squared
 
@@ -52,13 +50,20 @@ def assemble(
     t = float(t)
     drivers = mechanism.description.driver_rows
     said = {} if isinstance(start_at, State) else start_at or {}
+    if (found := find_regular_start(equations, t, start)) is not None:
+        q, v, scale = found
+        slopes = equations.slopes(t, q)
+        gaps = equations.matrix_of(slopes) @ v - equations.velocity_rhs(t, q)
+        phi = equations.constraints(t, q)
+        independent = Findings([], [], equations.m)
+        return _report(equations, t, scale, start, (q, v), (phi, gaps), independent)
     _require_magnitude(equations, t, start.q, {**(guess or {}), **said, **(parameters or {})})
     _require_resolved_angles(mechanism.description, t, start.q)
     size, slopes = equations.size(t, start.q), equations.slopes(t, start.q)
     task = Task(
         equations, t, equations.scale(size), equations.row_scale(t, start.q, size),
         equations.row_units(slopes), rows=np.ones(equations.m, dtype=np.bool_),
-        free=~start.fixed_q, weight=np.where(start.given_q, 1.0, _UNNAMED_WEIGHT),
+        free=~start.fixed_q, weight=weights(start),
     )  # fmt: skip
     closing = close(task, start.q)
     if not closing.closed:
@@ -77,7 +82,9 @@ def assemble(
             t, q
         )
     require_finite(equations, t, closing.q, v)
-    return _report(task, start, closing, v, velocity_gaps, findings)
+    state, gaps = (closing.q, v), (closing.phi, velocity_gaps)
+    shares = redundancy.undetermined_rows(task, closing.q) if findings.lasting else ()
+    return _report(equations, t, task.scale, start, state, gaps, findings, shares)
 
 
 def _require_magnitude(equations: Equations, t: float, q: FloatArray, given: Values) -> None:
@@ -125,8 +132,8 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> tuple[FloatArray, Fl
             v[free] -= change(gaps) * task.scale[free]
     gaps = matrix @ v - nu
     speed = max(1.0, float(np.abs(v / task.scale).max(initial=0.0)))
-    if np.abs(gaps / task.row_scale).max(initial=0.0) > _VELOCITY_CLOSED * speed:
-        misses = _misses(task, gaps, _VELOCITY_CLOSED * speed, "/s")
+    if np.abs(gaps / task.row_scale).max(initial=0.0) > VELOCITY_CLOSED * speed:
+        misses = _misses(task, gaps, VELOCITY_CLOSED * speed, "/s")
         if start.fixed_v.any():
             fault = "velocities contradict the joints"
             names = [(row.velocity, row.velocity_unit) for row in equations.description.coordinates]
@@ -231,27 +238,31 @@ def _redundancy(
 
 
 def _report(
-    task: Task, start: Start, closing: Closing, v: FloatArray, velocity_gaps: FloatArray,
-    findings: Findings,
+    equations: Equations, t: float, scale: FloatArray, start: Start,
+    state: tuple[FloatArray, FloatArray], gaps: tuple[FloatArray, FloatArray], findings: Findings,
+    shares: Iterable[int] = (),
 ) -> Assembly:  # fmt: skip
-    description = task.equations.description
+    """What was assembled: the state (q, v), Φ and Φ_q v - ν there, and what became of the start."""
+    description, (q, v) = equations.description, state
     coordinates, table = description.coordinates, description.constraints
     moved: list[Moved] = []
-    for k, row in enumerate(coordinates):
+    before, after = np.array([start.q, start.v]), np.array(state)
+    least = MOVED * scale * np.maximum(1.0, np.abs(after))
+    for k in np.flatnonzero((np.abs(after - before) > least).any(axis=0)).tolist():
+        row = coordinates[k]
         pair = (
-            Moved(row.name, float(start.q[k]), float(closing.q[k]), row.unit),
+            Moved(row.name, float(start.q[k]), float(q[k]), row.unit),
             Moved(row.velocity, float(start.v[k]), float(v[k]), row.velocity_unit),
         )
-        small = MOVED * task.scale[k]
+        small = MOVED * scale[k]
         moved += [one for one in pair if abs(one.by) > small * max(1.0, abs(one.reached))]
     redundant = {}
     for k, sources in findings.lasting:
         origins = tuple(sorted({table[source].element for source in sources}))
         redundant[k] = Redundant(table[k].name, table[k].element, origins)
-    shares = redundancy.undetermined_rows(task, closing.q) if redundant else ()
     elements = [row.element for row in table]
     return Assembly(
-        task.t, closing.q, v, _largest(elements, closing.phi), _largest(elements, velocity_gaps),
+        t, q, v, _largest(elements, gaps[0]), _largest(elements, gaps[1]),
         tuple(moved), degrees_of_freedom=len(description.positions) - findings.rank,
         singular=tuple(table[k].name for k, _ in findings.here_only),
         redundant=tuple(redundant.values()),

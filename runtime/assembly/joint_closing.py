@@ -15,8 +15,8 @@ from runtime.mechanism.dense_equations import Equations, FloatArray
 
 CLOSED = 1e-10  # accuracy: largest scaled gap of joints that are closed
 # measured: growing penalties r of (q - q0)ᵀ W (q - q0) + r Φᵀ Φ
-_PENALTIES = 10.0 ** np.arange(0, 9, 2)
-_DIGITS = 4.0  # safety: last digits of the coordinates in a constraint, by which it may be open
+PENALTIES = tuple(float(r) for r in 10.0 ** np.arange(0, 9, 2))
+DIGITS = 4.0  # safety: last digits of the coordinates in a constraint, by which it may be open
 _RESTARTS = 6  # safety: random starts after the given one has failed
 
 
@@ -101,11 +101,11 @@ def _attempt(task: Task, start: FloatArray) -> Closing:
     q = start.copy()
     if task.free.any() and task.rows.any():
         if np.abs(task.gaps(q)).max() > 1e-3:
-            for penalty in _PENALTIES:
+            for penalty in PENALTIES:
                 q = _minimise(task, start, q, float(penalty))
         q = refine(task, q)
     # A machine far from the origin closes to the last digits of its coordinates.
-    rounding = _DIGITS * EPS * task.term_sizes(q)[task.rows]
+    rounding = DIGITS * EPS * task.term_sizes(q)[task.rows]
     gap = float((np.abs(task.gaps(q)) - rounding).max(initial=0.0))
     return Closing(q, task.equations.constraints(task.t, q), gap if gap < np.inf else np.inf)
 
@@ -128,7 +128,7 @@ def refine(task: Task, q: FloatArray) -> FloatArray:
 def nearest(task: Task, q: FloatArray) -> FloatArray:
     """About the nearest closed position to q, with equal weights."""
     even = task._replace(weight=np.ones_like(q))
-    return _minimise(even, q, q, float(_PENALTIES[-1]))
+    return _minimise(even, q, q, float(PENALTIES[-1]))
 
 
 def _minimise(task: Task, origin: FloatArray, q: FloatArray, penalty: float) -> FloatArray:

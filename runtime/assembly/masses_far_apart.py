@@ -12,14 +12,14 @@ import numpy as np
 
 from codegen.errors import AnalysisError
 from runtime.assembly.accelerations_by_solver import accelerations_by
-from runtime.mechanism.dense_equations import Equations, FloatArray, turned
+from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.typical_sizes import measure_spread
 
 # accuracy: part of a pivot's reference that the masses alone may cost, in weak pivots: beyond it
 # accelerations have nine digits at most
-_MOST = 1e-2
-_DOUBTFUL = 1e-3  # safety: of that; a larger spread in one pose asks for others
-_NEGLIGIBLE = 1e-6  # accuracy: a slope of a length, or an arm beside the longest, that is none
+MOST_SPREAD = 1e-2
+DOUBTFUL = 1e-3  # safety: of that; a larger spread in one pose asks for others
 _VARIANTS: WeakKeyDictionary[Mechanism, Mechanism] = WeakKeyDictionary()
 """Compiled once for each mechanism."""
 
@@ -30,13 +30,13 @@ def suited_to_masses(mechanism: Mechanism, t: float, q: FloatArray, p: FloatArra
     if not (description.has_masses and description.weak_pivot and mechanism.sufficient is None):
         return mechanism
     equations = Equations(mechanism, p)
-    inertia, most = equations.masses(q), _MOST / description.weak_pivot
+    inertia, most = equations.masses(q), MOST_SPREAD / description.weak_pivot
     slopes = np.abs(equations.slopes(t, q))
-    if mobility_ratio(equations, inertia, slopes) < _DOUBTFUL * most:
+    if measure_spread(equations.start.table, inertia, slopes) < DOUBTFUL * most:
         return mechanism
-    for pose in turned(description, q):
+    for pose in equations.turned(q):
         slopes = np.maximum(slopes, np.abs(equations.slopes(t, pose)))
-    spread = mobility_ratio(equations, inertia, slopes)
+    spread = measure_spread(equations.start.table, inertia, slopes)
     if not spread > most:
         return mechanism
     rubbing = [row.name for row in description.effects if row.kind == "friction"]
@@ -54,23 +54,3 @@ def suited_to_masses(mechanism: Mechanism, t: float, q: FloatArray, p: FloatArra
         kernels = replace(mechanism.kernels, accelerations=kernel)
         _VARIANTS[mechanism] = replace(mechanism, kernels=kernels)
     return _VARIANTS[mechanism]
-
-
-def mobility_ratio(equations: Equations, inertia: FloatArray, slopes: FloatArray) -> float:
-    """Largest ratio of two mobilities Φ_ik² / M_kk in a row, from M_kk, (n,), and |Φ_ik|, (nnz,).
-
-    Slopes of lengths and arms that rounding explains feel nothing.
-    """
-    rows, columns = equations.description.jacobian_rows, equations.description.jacobian_columns
-    lengths = equations.description.is_length[columns]
-    slopes = np.where(np.isfinite(slopes), slopes, 0.0)
-    unit = equations.largest_in_rows(np.where(lengths, slopes, 0.0))
-    unit = np.where(unit > 0.0, unit, equations.largest_in_rows(slopes))
-    slopes = slopes / np.where(unit > 0.0, unit, 1.0)[rows]
-    arms = slopes[~lengths].max(initial=0.0)
-    felt = (inertia[columns] > 0.0) & (slopes > _NEGLIGIBLE * np.where(lengths, 1.0, arms))
-    mobility = slopes**2 / np.where(inertia > 0.0, inertia, 1.0)[columns]
-    most, least = np.zeros(equations.m), np.full(equations.m, np.inf)
-    np.maximum.at(most, rows[felt], mobility[felt])
-    np.minimum.at(least, rows[felt], mobility[felt])
-    return float((most / least).max(initial=1.0))

@@ -69,6 +69,11 @@ def allocating(signature: Any) -> Callable[[F], F]:
     return lambda function: _lazy(function, signature, _COUNTED, _Locked)
 
 
+def unlocked(signature: Any) -> Callable[[F], F]:
+    """As `compiled`; while it runs, other threads run Python: for what takes a good while."""
+    return lambda function: _lazy(function, signature, {**_BARE, "nogil": True}, _Locked)
+
+
 def addressed(signature: Any) -> Callable[[F], F]:
     """As `compiled`, for what compiled code alone calls, by its name or its address.
 

@@ -222,9 +222,11 @@ def _fetcher(name: str) -> Callable[[Any], Any]:
 
 
 # What takes a kernel out of a function table, inside compiled code.
+constants_of = _fetcher("constants")
 constraints_of = _fetcher("constraints")
 jacobian_of = _fetcher("jacobian")
 velocity_rhs_of = _fetcher("velocity_rhs")
+acceleration_rhs_of = _fetcher("acceleration_rhs")
 mass_of = _fetcher("mass")
 applied_forces_of = _fetcher("applied_forces")
 accelerations_of = _fetcher("accelerations")
@@ -242,6 +244,7 @@ switched_reactions_of = _fetcher("switched_reactions")
 accelerations_tangent_of = _fetcher("accelerations_tangent")
 correction_tangent_of = _fetcher("correction_tangent")
 dead_centres_of = _fetcher("dead_centres")
+conditions_of = _fetcher("conditions")
 samples_of = _fetcher("samples")
 watched_of = _fetcher("watched")
 

@@ -17,11 +17,12 @@ from runtime.core.array_types import (
     integer_matrix,
     integers,
     matrix,
+    none,
     vector,
 )  # fmt: skip
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import jacobian_of, switching_of
-from runtime.core.modes_and_event_kinds import SLIDING, Direction
+from runtime.core.modes_and_event_kinds import KNOTS, SLIDING, Direction
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -35,7 +36,8 @@ SIDE = 1e-6  # safety: of a switching function's typical value; nearer to zero n
 TINY, HUGE = 1e-9, 1e300
 APART = 1e-12  # accuracy: of the time; events and sides of kinks are nearer to their instants
 
-_BITS = _ORDER, _MODES, _REVERSALS = 1, 2, 4  # formula: bits of the answer
+_BITS = _ORDER, _MODES, REVERSALS = 1, 2, 4  # formula: bits of the answer
+_KNOTS = int(KNOTS)
 _BEGAN = int(Direction.BEGAN)
 _COLUMN, _COLUMNS = types.Array(i8, 1, "A"), types.Array(f8, 2, "A")  # of a log of events
 
@@ -58,14 +60,14 @@ def screen_run(
     """Which of the checks at the end may find something; nothing that is not named here."""
     description, log = equations.description, run.events
     s, e = len(description.switches), len(log.t)
-    residuals = equations.m > 0 and _exceed_bound(
+    residuals = equations.m > 0 and exceed_bound(
         equations.table, samples.t, samples.q, samples.residual, equations.p, sizes,
         RESIDUAL * max(options.rtol, CLOSED), np.zeros(len(description.jacobian_rows)),
     )  # fmt: skip
     if not (s or e):
         return Suspicions(residuals)
     reversed_event, reached, permitted = np.zeros(e, np.int64), np.zeros(e), np.zeros(s)
-    bits = _screen(
+    bits = screen(
         equations.table, equations.p, samples.t, samples.q, samples.v, samples.modes,
         APART * max(abs(run.first_t), abs(run.final_t)), bool(description.time_functions),
         run.first_t, run.final_t, log.t, log.q, log.v, log.index, log.direction, options.rtol,
@@ -103,7 +105,7 @@ def change_of_switch(
 
 
 @compiled(types.boolean(ADDRESSES, vector, matrix, matrix, vector, vector, f8, vector))
-def _exceed_bound(
+def exceed_bound(
     kernels: Any, t: Any, q: Any, residual: Any, p: Any, sizes: Any, part: Any, slopes: Any
 ) -> bool:
     """Whether any residual exceeds a part of the steepest slope at first times the least size.
@@ -235,7 +237,7 @@ def _measure_reversals(
         vector, vector,
     )
 )  # fmt: skip
-def _screen(
+def screen(
     kernels: Any, p: Any, t: Any, q: Any, v: Any, modes: Any, way: Any, moves: Any, first_t: Any,
     final_t: Any, event_t: Any, event_q: Any, event_v: Any, index: Any, direction: Any, rtol: Any,
     absolute: Any, scratch: Any, events: Any, reversed_event: Any, reached: Any, permitted: Any,
@@ -259,5 +261,34 @@ def _screen(
         kernels, event_t, event_q, event_v, index, direction, p, rtol, absolute, scratch,
         scratch[5:], events, reversed_event, reached, permitted,
     ):  # fmt: skip
-        found |= _REVERSALS
+        found |= REVERSALS
     return found
+
+
+@inner
+def count_unresolved(
+    t: Any, index: Any, reversed_event: Any, reached: Any, permitted: Any, parts: Any, out: Any
+) -> None:
+    """Write of each switch its events within the tolerance, (s, 4), from what `screen` measured.
+
+    These are their number, the instant of the first, s, the largest |g| that was reached, and what
+    the tolerances permit.
+    """
+    out[:, :] = 0.0
+    for i in range(t.size):
+        k, before = index[i], reversed_event[i]
+        if before < 0 or not reached[i] <= permitted[k] or parts[k] == _KNOTS:
+            continue
+        of_pair = reversed_event[before] >= 0 and reached[before] <= permitted[k]
+        if out[k, 0] == 0.0:
+            out[k, 1] = t[before]
+        out[k, 0] += 1.0 if of_pair else 2.0
+        out[k, 2], out[k, 3] = max(out[k, 2], reached[i]), permitted[k]
+
+
+@compiled(none(vector, _COLUMN, integers, vector, vector, integers, matrix))
+def find_unresolved(
+    t: Any, index: Any, reversed_event: Any, reached: Any, permitted: Any, parts: Any, out: Any
+) -> None:
+    """For Python: see `count_unresolved`."""
+    count_unresolved(t, index, reversed_event, reached, permitted, parts, out)

@@ -19,12 +19,9 @@ from runtime.integrate.run import Progress, Run, integrate
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.typical_sizes import measure_mobility
 
 FORMULATIONS = ("cartesian", "reduced")
-# safety: ratio of two mobilities, beside typical sizes; their squares are the weights of
-# corrections, and lie as far apart as a pivot may be weak
-_WIDEST = 3e4
-_ROUNDING = 1e-24  # accuracy: of the largest mass, beside typical sizes; less is no mass
 _CORRECTIONS = ("step", "stage")
 
 
@@ -90,7 +87,7 @@ class CartesianCoordinates(Coordinates):
             self.system = replace(self.system, **self.mechanism.tangents._asdict())
             self.p = self.mechanism.for_tangents(ready.p)
         inertia = Equations(ready.mechanism, ready.p).masses(begin.q)
-        self.mobility = _compressed(_mobility(inertia, ready.sizes), ready.sizes)
+        self.mobility = _mobility(inertia, ready.sizes, compressed=True)
 
     def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
         """In the machine's own coordinates."""
@@ -200,30 +197,11 @@ def formulate(
     return CartesianCoordinates(ready, method, correction)
 
 
-def _mobility(inertia: FloatArray, sizes: FloatArray) -> FloatArray:
-    """Typical size of a change of each coordinate, 1/√M_kk, from M_kk and typical sizes; all (n,).
-
-    A coordinate without mass, such as the place of a contact on a cam, follows most easily: ten
-    times the size of the most mobile body makes it one of the dependent coordinates. In reduced
-    coordinates its mass is rounding.
-    """
-    beside = inertia * sizes**2
-    heavy = beside > _ROUNDING * beside.max()
-    return 1.0 / np.sqrt(np.where(heavy, inertia, 0.01 * inertia[heavy].min()))
-
-
-def _compressed(mobility: FloatArray, sizes: FloatArray) -> FloatArray:
-    """Mobilities at most `_WIDEST` apart beside the typical sizes of their coordinates.
-
-    They say which coordinate follows more easily, not which constraints are independent.
-    """
-    beside = mobility / sizes
-    most, least = float(beside.max()), float(beside.min())
-    if most <= _WIDEST * least:
-        return mobility
-    compressed = (beside / most) ** (np.log(_WIDEST) / np.log(most / least))
-    within: FloatArray = sizes * most * compressed
-    return within
+def _mobility(inertia: FloatArray, sizes: FloatArray, *, compressed: bool = False) -> FloatArray:
+    """Typical changes of coordinates, (n,), of the masses M_kk and typical sizes, (n,) each."""
+    mobility = np.zeros(len(inertia))
+    measure_mobility(np.array(inertia), sizes, mobility, int(compressed))
+    return mobility
 
 
 def _spreads(ready: PreparedSimulation) -> FloatArray:

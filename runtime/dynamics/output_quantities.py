@@ -7,11 +7,12 @@ import numpy as np
 from runtime.core import array_types as arrays
 from runtime.core import kernel_abi as abi
 from runtime.core.array_types import IntegerMatrix, Matrix, Vector, integers, matrix, none, vector
-from runtime.core.jit import ADDRESSES, compiled
+from runtime.core.jit import ADDRESSES, compiled, unlocked
 from runtime.core.modes_and_event_kinds import MIXED, OPEN, SLIDING
 from runtime.linalg.vectors import largest_magnitude
 from runtime.mechanism.dense_equations import KEPT, Equations
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.module_tables import Description
 from runtime.results.samples import Samples
 
 ENERGIES = ("kinetic_energy", "potential")
@@ -21,12 +22,13 @@ SAMPLES = arrays.named_tuple_type(
 )
 
 
-@compiled(
+@unlocked(
     none(ADDRESSES, SAMPLES, vector, arrays.integer_matrix, integers, integers, vector, vector)
 )
-def _evaluate(
+def evaluate_samples(
     kernels: Any, s: Any, p: Any, modes: Any, rows: Any, columns: Any, slopes: Any, phi: Any
 ) -> None:
+    """Write what follows from the states of samples; `modes`, (k, s), are 0 and 1."""
     for k in range(len(s.t)):
         t, q, v, a, lam, mode = s.t[k], s.q[k], s.v[k], s.a[k], s.lam[k], modes[k]
         if abi.accelerations_of(kernels)(t, q, v, p, mode, a, lam) != 0:
@@ -134,19 +136,25 @@ def evaluate(
     plain[:, [contact.switch for contact in description.rigid]] = 1
     plain[:, [k for k, row in enumerate(description.switches) if row.one_way]] = 1
     rows, columns = description.jacobian_rows, description.jacobian_columns
-    _evaluate(
+    evaluate_samples(
         kernels, samples, p, plain, rows.astype(np.int64), columns.astype(np.int64),
         np.zeros(len(rows)), np.zeros(m),
     )  # fmt: skip
-    if description.recovered is not None:
-        samples.lam[:, np.setdiff1d(np.arange(m), description.recovered)] = np.nan
-    if description.has_masses:
-        unknown = [k for k, name in enumerate(ENERGIES) if name not in description.kernels]
-        samples.energy[:, unknown] = np.nan
     if (samples.modes == SLIDING).any():
         from runtime.dynamics.sliding_outputs import overwrite_sliding
 
         overwrite_sliding(mechanism, p, samples)
-    for values in (samples.reaction, samples.power):
-        np.add(values, 0.0, out=values)  # makes 0 of -0
+    leave_out_unknown(description, samples)
     return samples
+
+
+def leave_out_unknown(description: Description, samples: Samples) -> None:
+    """Make no numbers of multipliers and energies that the kernels do not compute, and 0 of -0."""
+    if description.recovered is not None:
+        every = np.arange(len(description.constraints))
+        samples.lam[..., np.setdiff1d(every, description.recovered)] = np.nan
+    if description.has_masses:
+        unknown = [k for k, name in enumerate(ENERGIES) if name not in description.kernels]
+        samples.energy[..., unknown] = np.nan
+    for values in (samples.reaction, samples.power):
+        np.add(values, 0.0, out=values)

@@ -15,6 +15,7 @@ from runtime.dynamics.controllers import Functions, controllers_of
 from runtime.dynamics.start_of_clocks import discrete_at_start
 from runtime.integrate.problem import Discrete, Options, Stops
 from runtime.integrate.trajectory import Trajectory
+from runtime.integrate.wiring import begin_compiling
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress
@@ -85,6 +86,7 @@ class PreparedSimulation:
         if isinstance(start, Assembly):
             begin = start
         else:
+            begin_compiling(mechanism.system)  # beside what assembles
             t_start = start.t if isinstance(start, State) else t_start
             begin = assemble(mechanism, guess, parameters, t_start, start_at=given)
         equations, self.given_t = Equations(mechanism, p), begin.t

@@ -265,6 +265,11 @@ def _crossings_note(mechanism: Mechanism, run: Trajectory) -> str:
     return text
 
 
+def text_of_end(t: float, steps: int) -> str:
+    """That a run has reached its end, an instant in s."""
+    return f"Reached t = {t:g} s in {counted(steps, 'step')}."
+
+
 def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
     """How the run ended, with time and element."""
     if run.stopped_by >= 0:
@@ -272,7 +277,7 @@ def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
         return f"Ended at t = {run.final_t:.9g} s, where '{name}' began to hold. {note}".rstrip()
     if run.outcome is Outcome.OK:
         return (
-            f"Reached t = {run.final_t:g} s in {counted(run.statistics.steps, 'step')}."
+            f"{text_of_end(run.final_t, run.statistics.steps)}"
             f"{_methods_note(run)}{_crossings_note(mechanism, run)} {run.note}"
         ).rstrip()
     description = mechanism.description

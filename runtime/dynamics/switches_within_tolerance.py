@@ -7,10 +7,10 @@ then has events that a tighter one has not. They do little, and are named.
 
 import numpy as np
 
-from runtime.core.modes_and_event_kinds import KNOTS
-from runtime.dynamics.end_check_screening import Suspicions
+from runtime.dynamics.end_check_screening import Suspicions, find_unresolved
 from runtime.integrate.trajectory import Events
-from runtime.mechanism.dense_equations import Equations
+from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.module_tables import Description
 
 _SHOWN = 3  # layout: switches that the sentence names
 
@@ -26,26 +26,27 @@ def describe_unresolved_switches(
     """
     if not suspicions.reversals:
         return 0, ""
-    switches, e = equations.description.switches, len(events.t)
-    reversed_event, reached, permitted = suspicions[-3:]
-    after = np.flatnonzero(reversed_event >= 0)
-    after = after[reached[after] <= permitted[events.index[after]]]
-    parts = equations.description.table_parts
-    after = after[[parts[k] != KNOTS for k in events.index[after]]]
-    if not len(after):
-        return 0, ""
-    first, index = reversed_event[after], events.index[after]
-    clauses = []
-    for k in np.unique(index):
-        those = index == k
-        count = len(np.union1d(first[those], after[those]))
-        clauses.append(
-            f"{switches[int(k)].title} ({count} from t = {events.t[first[those][0]]:.6g} s on, "
-            f"past zero by {reached[after[those]].max():.1g}, permitted {permitted[k]:.1g})"
-        )
-    total = len(np.union1d(first, after))
+    description = equations.description
+    parts, found = np.array(description.table_parts), np.zeros((len(description.switches), 4))
+    find_unresolved(events.t, events.index, *suspicions[-3:], parts, found)
+    return int(found[:, 0].sum()), sentence_of_unresolved(description, found, len(events.t))
+
+
+def sentence_of_unresolved(description: Description, found: FloatArray, count: int) -> str:
+    """A sentence on switches with events within the tolerance, of `count` in all; or empty.
+
+    `found`, (s, 4), is what `find_unresolved` writes.
+    """
+    within = np.flatnonzero(found[:, 0])
+    if not len(within):
+        return ""
+    clauses = [
+        f"{description.switches[int(k)].title} ({found[k, 0]:.0f} from t = {found[k, 1]:.6g} s on, "
+        f"past zero by {found[k, 2]:.1g}, permitted {found[k, 3]:.1g})"
+        for k in within
+    ]
     shown = "; ".join(clauses[:_SHOWN]) + (" and others" if len(clauses) > _SHOWN else "")
-    return total, (
-        f" {total} of {e} events lie within the tolerance, and a tighter rtol may not "
-        f"have them: {shown}."
+    return (
+        f" {found[:, 0].sum():.0f} of {count} events lie within the tolerance, and a tighter rtol "
+        f"may not have them: {shown}."
     )

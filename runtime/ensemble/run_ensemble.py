@@ -1,12 +1,12 @@
-"""The runs of an ensemble, one after the other, as rows of one dataset."""
+"""An ensemble: members read, runs made, rows labelled."""
 
 from typing import TYPE_CHECKING, Any
 
-from codegen.errors import InputError, LinkwrightError
-from runtime.core.outcomes import Outcome
-from runtime.dynamics.simulation import simulate
+from codegen.errors import InputError
 from runtime.ensemble.dataset import Rows
 from runtime.ensemble.members import Columns, FloatArray, read_members, require_room
+from runtime.ensemble.single_runs import SingleRuns
+from runtime.ensemble.threads import make_runs
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.progress_bar import Progress
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def run_ensemble(
     mechanism: Mechanism, t_end: float, times: FloatArray, parameters: Columns | None,
-    starts: Columns | None, max_bytes: int, progress: Progress, **options: Any,
+    starts: Columns | None, threads: int, max_bytes: int, progress: Progress, **options: Any,
 ) -> "xr.Dataset":  # fmt: skip
     """One row a member; see `Machine.ensemble`. `options` are those of `simulate`."""
     members = read_members(mechanism, parameters, starts)
@@ -26,22 +26,12 @@ def run_ensemble(
             "have the same variables. Use a sweep."
         )
     require_room(mechanism, members.count, len(times), max_bytes)
-    rows = Rows(members, times)
+    single = SingleRuns(mechanism, t_end, members, Rows(members, times), options)
+    made = None
     try:
-        for run in range(members.count):
-            start = members.start_of(run) or None
-            values = members.parameters_of(run) or None
-            try:
-                result = simulate(
-                    mechanism, t_end, times, parameters=values, start=start, **options
-                )
-            except LinkwrightError as error:
-                rows.refuse(run, error)
-            else:
-                rows.take(run, result)
-                if result.outcome is Outcome.INTERRUPTED:
-                    break
-            progress((run + 1) / members.count)
+        first, made = single.prepare()
+        make_runs(single, made, first, threads, progress)
     except KeyboardInterrupt:
         pass  # members that were not run say so
-    return rows.dataset()
+    single.rows.complete(made)
+    return single.rows.dataset()

@@ -5,8 +5,8 @@ import numpy as np
 from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context, i8
-from runtime.core.jit import ADDRESSES, compiled, inner
+from runtime.core.array_types import Context, Vector, i8, none, vector
+from runtime.core.jit import ADDRESSES, compiled, inner, unlocked
 from runtime.core.kernel_abi import switching_rates_of
 from runtime.core.loop_record import Plan, run_record
 from runtime.core.modes_and_event_kinds import OPEN, SLIDING, Direction
@@ -27,6 +27,36 @@ from runtime.linalg.vectors import copy_vector, is_finite
 
 _BEGAN, _CEASED = int(Direction.BEGAN), int(Direction.CEASED)
 _ROUGH = 0.1  # accuracy: of a function's spread; |g| that is rounded in its last few units
+
+
+@inner
+def write_start(
+    context: Context, q: Vector, v: Vector, sizes: Vector, scale: Vector, absolute: Vector
+) -> None:
+    """Put a run into the state (q, v), (n,) each, with typical sizes and changes, (n,) each.
+
+    Absolute tolerances, (2n,), are `rtol` times the sizes, at most 1, where they are no number.
+    """
+    n, rtol = q.size, run_record(context).rtol
+    size, tolerance = row_of(context, ws.SIZE), row_of(context, ws.ATOL)
+    partition, projection = row_of(context, ws.PARTITION), row_of(context, ws.PROJECTION)
+    weights, y = context.weights, row_of(context, Y0)
+    for j in range(n):
+        y[j], y[n + j] = q[j], v[j]
+        size[j], size[n + j] = sizes[j], sizes[j]
+        partition[j], partition[n + j], projection[j] = scale[j] ** 2, scale[j], scale[j] ** 2
+        weights[j], weights[3 * n + j] = scale[j] ** 2, sizes[j]
+    for j in range(2 * n):
+        given = absolute[j]
+        tolerance[j] = rtol * min(1.0, size[j]) if np.isnan(given) else given
+
+
+@compiled(none(ADDRESSES, vector, vector, vector, vector, vector))
+def place_start(
+    context: Context, q: Vector, v: Vector, sizes: Vector, scale: Vector, absolute: Vector
+) -> None:
+    """For Python: see `write_start`."""
+    write_start(context, q, v, sizes, scale, absolute)
 
 
 @inner
@@ -137,7 +167,7 @@ def are_dependent(context: Context, t: float) -> bool:
     return evaluate_accelerations(context, t, context.q0, v, context.modes, a) > 0
 
 
-@compiled(i8(ADDRESSES))
+@unlocked(i8(ADDRESSES))
 def start(context: Context) -> int:
     """Prepare a run whose state is in row Y0: everything that the first step needs.
 

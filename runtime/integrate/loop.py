@@ -10,7 +10,7 @@ import numpy as np
 
 from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context, Integers, i8
-from runtime.core.jit import ADDRESSES, addressed, compiled, inner
+from runtime.core.jit import ADDRESSES, addressed, inner, unlocked
 from runtime.core.loop_record import Plan, run_record
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import Y0, Y1
@@ -199,7 +199,7 @@ def renew_when_due(context: Context) -> int:
     return Signal.PROCEED
 
 
-@compiled(i8(ADDRESSES, i8))
+@unlocked(i8(ADDRESSES, i8))
 def advance(context: Integers, budget: int) -> int:
     """Take at most `budget` trial steps; returns a negative `Signal`, or the code of the outcome.
 

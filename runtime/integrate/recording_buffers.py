@@ -68,14 +68,18 @@ class Recording:
         self.taken = -1  # trial steps when a chunk began
         self.interval = interval or 1
         self.log = wiring.arrays["log_times"], wiring.arrays["log_sets"]
-        rows = _EVENT_ROWS + 3 * s
-        self.events_out = np.zeros(rows), np.zeros((rows, 2), np.int64), np.zeros((rows, 2 * n))
-        self._place(EVENT_ROWS, rows, _EVENTS, self.events_out)
+        self.make_room_for_events(_EVENT_ROWS + 3 * s)
         instants = np.zeros(0) if t_eval is None else t_eval
         self._place(SAMPLE_TIMES, instants.size, ("sample_times",), (instants,))
         self.instants, self.bytes = instants.size, 0  # bytes: of all parts of the run so far
         self._allot(self.instants if self.fixed_size else _LEAST_WINDOW if sink else 1)
         self.begin()
+
+    def make_room_for_events(self, rows: int) -> None:
+        """Make room for so many events between two returns to Python, before there are any."""
+        width = 2 * self.n
+        self.events_out = np.zeros(rows), np.zeros((rows, 2), np.int64), np.zeros((rows, width))
+        self._place(EVENT_ROWS, rows, _EVENTS, self.events_out)
 
     def begin(self) -> None:
         """Forget what was taken over: what follows is another part of the run."""

@@ -12,6 +12,7 @@ from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.system import System
 from runtime.hybrid.rhs_with_sliding_or_stabilization import TIME_SCALE
 from runtime.integrate.clocks import set_clocks
+from runtime.integrate.initialization import place_start
 from runtime.integrate.loop import LOG_MARGIN
 from runtime.integrate.method import Method, find_method
 from runtime.integrate.problem import STABILIZING, Discrete, Options, Problem, Stops
@@ -60,8 +61,8 @@ class RunState:
         self.switch_rows: Matrix = arrays["switching_rows"].reshape(ws.SWITCH_ROWS, system.switches)
         self.modes: Integers = arrays["modes"]
         self.methods = [(float(problem.t0), str(options.method))]  # from when on, and its name
-        self._fill_rows(problem)
         self._fill_record(problem)
+        self._place_start(problem)
         self._take(find_method(options.method))
         self._choose_return(problem)
         self.set_stops(problem.stops)
@@ -95,15 +96,15 @@ class RunState:
         y: Matrix = self.rows[ws.Y0]
         return y
 
-    def _fill_rows(self, problem: Problem) -> None:
-        rows, options, scale = self.rows, self.options, problem.scale
-        rows[ws.Y0, 0], rows[ws.Y0, 1] = problem.q, problem.v
-        rows[ws.SIZE] = problem.sizes
-        fallback = options.rtol * np.minimum(1.0, rows[ws.SIZE])
-        rows[ws.ATOL, 0] = fallback[0] if options.atol_q is None else options.atol_q
-        rows[ws.ATOL, 1] = fallback[1] if options.atol_v is None else options.atol_v
-        rows[ws.PARTITION, 0], rows[ws.PARTITION, 1] = scale**2, scale
-        rows[ws.PROJECTION, 0] = scale**2
+    def _place_start(self, problem: Problem) -> None:
+        n, options = self.system.coordinates, self.options
+        given = np.full((2, n), np.nan)
+        for row, tolerance in zip(given, (options.atol_q, options.atol_v), strict=True):
+            if tolerance is not None:
+                row[:] = tolerance
+        sizes = np.broadcast_to(np.asarray(problem.sizes, np.float64), (n,))
+        q, v, scale = (np.array(x, np.float64) for x in (problem.q, problem.v, problem.scale))
+        place_start(self.table, q, v, sizes.copy(), scale, given.ravel())
 
     def _fill_record(self, problem: Problem) -> None:
         r, options = self.record, self.options
@@ -148,8 +149,6 @@ class RunState:
         arrays["settings"][TIME_SCALE] = tau
         if stabilized and options.fixed_step is None:
             r["h_max"] = min(float(r["h_max"]), _FOLLOWED * tau)
-        n = self.system.coordinates
-        arrays["weights"][:n], arrays["weights"][3 * n :] = problem.scale**2, problem.sizes
         arrays["spreads"][:] = problem.spreads
 
     def set_stops(self, stops: Stops | None) -> None:

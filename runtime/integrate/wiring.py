@@ -95,14 +95,24 @@ def _refuse() -> int:
 
 
 @cache
+def _begin(left_out: frozenset[str]) -> None:
+    parts = [part for name, part in _parts().items() if name not in left_out]
+    if not is_kept(parts[-1]):
+        compile_beside([*parts, initialization.start, loop.advance])
+
+
+def begin_compiling(system: System) -> None:
+    """Let a second process compile the loop of a machine, unless it is compiled."""
+    _begin(_left_out(system))
+
+
+@cache
 def _loop(left_out: frozenset[str]) -> Integers:
     """Addresses in _LOOP_SLOTS; parts that are left out are neither compiled nor loaded."""
     parts = _parts()
     names = list(ft.TABLE.slots)[_LOOP_SLOTS]
+    _begin(left_out)
     wanted = {name: parts[name] for name in names if name in parts and name not in left_out}
-    *_, last = wanted.values()
-    if not is_kept(last):
-        compile_beside([*wanted.values(), initialization.start, loop.advance])
     return addresses(wanted.get(name, _refuse) for name in names)
 
 

@@ -9,8 +9,8 @@ from runtime.core.array_types import Matrix, Vector
 from runtime.core.unit_roundoff import EPS
 from runtime.linalg.rank_policy import NO_PIVOT
 
-_ROUNDING = 2.0 * EPS  # accuracy: a residual that no step makes smaller, of equations of size 1
-_ITERATIONS = 60  # safety: Newton iterations
+ROUNDING = 2.0 * EPS  # accuracy: a residual that no step makes smaller, of equations of size 1
+ITERATIONS = 60  # safety: Newton iterations
 
 
 def least_norm_solver(matrix: Matrix | Any) -> Callable[[Vector], Any]:
@@ -37,8 +37,8 @@ def solve_by_newton(
     decides what counts as solved.
     """
     best = float(np.abs(residual(x)).max(initial=0.0))
-    for _ in range(_ITERATIONS):
-        if best <= _ROUNDING:
+    for _ in range(ITERATIONS):
+        if best <= ROUNDING:
             break
         trial = x + least_norm_solver(jacobian(x))(-residual(x))
         largest = float(np.abs(residual(trial)).max(initial=0.0))

@@ -5,6 +5,7 @@ is the form for machines of many coordinates.
 """
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,18 +15,13 @@ from runtime.core.array_types import Kernel
 from runtime.core.modes_and_event_kinds import MIXED, SLIDING
 from runtime.linalg.sparse_least_norm import SPARSE_FROM
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
-from runtime.mechanism.module_tables import Description
+from runtime.mechanism.start_table import StartTable, start_table
+from runtime.mechanism.typical_sizes import measure, measure_rows
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-# measured: part of the largest distance from the origin; a machine counts as no smaller
-_LEAST_PART = 0.01
-_ROUNDING = 1e-9  # accuracy: of the longest length known; a length below this part is rounding
-_FAR = 1e3  # safety: scaled slopes above this, or all below its inverse, measure their row
-# safety: of the longest arm in other poses; arms that all fall below it vanish in the one at hand
-_VANISHED = 1e-3
 KEPT = 1e-13  # accuracy: of a function's size; joints that keep it at zero keep it so closely
 
 
@@ -41,6 +37,11 @@ class Equations:
         self.n, self.m = len(self.description.coordinates), len(self.description.constraints)
         self.still = np.zeros(self.n)  # velocities at rest: zero, but for states of first order
         self.is_large = self.n >= SPARSE_FROM  # so that sparse factors take less than dense ones
+
+    @cached_property
+    def start(self) -> StartTable:
+        """Room in which compiled code assembles and measures."""
+        return start_table(self.mechanism)
 
     def scaled(self, scale: FloatArray, independent: IntArray) -> ScaledConstraints:
         """The constraints in units of `scale`, of which `independent` follow from no others."""
@@ -205,48 +206,30 @@ class Equations:
             for is_length, of in zip(self.length_rows(slopes), found, strict=True)
         ]
 
-    def reach(self, slopes: FloatArray) -> float:
-        """The longest arm by which an angle enters a length, in m; 0 where none does."""
-        of_length = self.length_rows(slopes)[self.description.jacobian_rows]
-        return float(np.abs(slopes[of_length & ~self._enter_lengths]).max(initial=0.0))
-
-    def extent(self, q: FloatArray) -> float:
-        """The largest distance from the origin along an axis, in m."""
-        return float(np.abs(q[self.description.is_length]).max(initial=0.0))
-
-    def typical_reach(self, t: float, q: FloatArray, slopes: FloatArray) -> float:
-        """The longest arm at q, where Φ_q has `slopes`; with angles turned, where all vanish there.
-
-        A contact at α = π/2 leaves nothing of an arm but the rounding of cos α.
-        """
-        here = self.reach(slopes)
-        if here > _VANISHED * self.extent(q) > 0.0:
-            return here
-        others = [self.reach(self.slopes(t, pose)) for pose in turned(self.description, q)]
-        there = max((arm for arm in others if np.isfinite(arm)), default=0.0)
-        return here if here > _VANISHED * there else there
-
     def size(self, t: float, q: FloatArray) -> float:
         """A length typical of the mechanism, in m, from how angles enter lengths; 1 if none do."""
-        reach, extent = self.typical_reach(t, q, self.slopes(t, q)), self.extent(q)
-        return max(reach, 1e-3 * extent) if reach > 0.0 else extent or 1.0
+        return self._measured(t, q, 0)
+
+    def length(self, t: float, q: FloatArray) -> float:
+        """The length to which tolerances are relative, in m; see `magnitudes`."""
+        return self._measured(t, q, 1)
+
+    def _measured(self, t: float, q: FloatArray, question: int) -> float:
+        return float(measure(self.start.table, t, np.ascontiguousarray(q), self.p, question))
 
     def row_scale(self, t: float, q: FloatArray, size: float) -> FloatArray:
         """Typical change of each constraint, (m,): `size` for lengths, else 1.
 
         A row whose slopes are far from that, such as the square of a length, is measured by them.
         """
-        slopes, scale = self.slopes(t, q), self.scale(size)[self.description.jacobian_columns]
-        even: FloatArray = np.where(self.length_rows(slopes), size, 1.0)
-        steepest = self.largest_in_rows(np.abs(slopes * scale)) / even
-        if np.all((steepest > 1.0 / _FAR) & (steepest < _FAR)):
-            return even
-        for pose in turned(self.description, q):  # a row may be flat by chance
-            others = self.largest_in_rows(np.abs(self.slopes(t, pose) * scale)) / even
-            steepest = np.maximum(steepest, np.where(np.isfinite(others), others, 0.0))
-        far = (steepest > _FAR) | ((steepest < 1.0 / _FAR) & (steepest > 0.0))
-        measured: FloatArray = np.where(far & np.isfinite(steepest), even * steepest, even)
-        return measured
+        measure_rows(self.start.table, t, np.ascontiguousarray(q), self.p, size)
+        scale: FloatArray = self.start.arrays["row_scale"].copy()
+        return scale
+
+    def turned(self, q: FloatArray) -> FloatArray:
+        """Poses with every angle of q turned by half a radian or so, each by another, (2, n)."""
+        turned: FloatArray = q + self.mechanism.shape["turns"]
+        return turned
 
     def impact(self, t: float, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Velocities behind an impact of all constraints, (n,), and its impulses Λ, (m,).
@@ -286,15 +269,6 @@ class Equations:
         return typical
 
 
-def turned(description: Description, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Poses with every angle of q turned by half a radian or so, each by another amount."""
-    angles = np.flatnonzero(~description.is_length)
-    first, second = q.copy(), q.copy()
-    first[angles] += 0.5 + 0.2 * np.sin(1.0 + angles)
-    second[angles] -= 0.5 + 0.2 * np.cos(2.0 * angles)
-    return first, second
-
-
 def _filled(count: int, kernel: Kernel, *arguments: Any) -> FloatArray:
     """The numbers that a kernel writes into its last argument, shape (count,)."""
     out = np.zeros(count)
@@ -310,16 +284,4 @@ def magnitudes(equations: Equations, t: float, q: FloatArray) -> FloatArray:
     too, the largest length in the constraints, then among the parameters, and 1 m where there is
     none.
     """
-    slopes = equations.slopes(t, q)
-    reach, extent = equations.typical_reach(t, q, slopes), equations.extent(q)
-    if reach > _ROUNDING * max(extent, 1.0):
-        return equations.scale(max(reach, _LEAST_PART * extent))
-    gaps = np.abs(equations.constraints(t, equations.description.neutral))
-    fixed = float(gaps[equations.length_rows(slopes)].max(initial=0.0))
-    rows = zip(equations.description.parameters, equations.p, strict=False)
-    declared = max((abs(float(value)) for row, value in rows if row.unit == "m"), default=0.0)
-    known = max(reach, _LEAST_PART * extent) if reach > 0.0 else 0.0, extent, fixed, declared
-    # Where the machine has no length of its own, a distance from the origin is one beside a metre.
-    own = max(reach, fixed, declared)
-    least = _ROUNDING * max(*known, 0.0 if own > 0.0 else 1.0)
-    return equations.scale(next((length for length in known if length > least), 1.0))
+    return equations.scale(equations.length(t, q))

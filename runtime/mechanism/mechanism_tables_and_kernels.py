@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -56,6 +57,29 @@ class Mechanism:
     def kernel_table(self) -> npt.NDArray[np.int64]:
         """Addresses of the kernels, for compiled loops of the runtime."""
         return self.kernels.table()
+
+    @cached_property
+    def shape(self) -> dict[str, npt.NDArray[Any]]:
+        """What the tables say of coordinates and constraints: arrays of a `start_table`."""
+        description = self.description
+        lengths, neutral = description.is_length, np.array(description.neutral, np.float64)
+        scaled, typical = lengths.copy(), np.ones(len(lengths))
+        for state in description.states:
+            scaled[state.column], typical[state.column] = False, state.nominal
+        angles = np.flatnonzero(~lengths)
+        turns = np.zeros((2, len(lengths)))  # every angle by another amount
+        turns[0, angles] = 0.5 + 0.2 * np.sin(1.0 + angles)
+        turns[1, angles] = -(0.5 + 0.2 * np.cos(2.0 * angles))
+        integers = {
+            "slope_rows": description.jacobian_rows,
+            "slope_columns": description.jacobian_columns,
+            "of_length": lengths,
+            "scaled_by_length": scaled,
+            "every": np.ones(len(lengths)),
+            "in_metres": [row.unit == "m" for row in description.parameters],
+        }
+        found = {name: np.array(values, np.int64) for name, values in integers.items()}
+        return {**found, "typical": typical, "turns": turns, "neutral": neutral}
 
     @cached_property
     def system(self) -> System:

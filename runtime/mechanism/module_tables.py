@@ -124,6 +124,12 @@ class Description(NamedTuple):
         return tuple(row.name for row in self.effects if row.kind == TRACKED)
 
     @property
+    def mass_diagonal(self) -> npt.NDArray[np.int64]:
+        """Of each non-zero of M its coordinate on the diagonal, else -1; shape (nm,)."""
+        on_it = self.mass_rows == self.mass_columns
+        return np.where(on_it, self.mass_rows, -1).astype(np.int64)
+
+    @property
     def boundaries(self) -> npt.NDArray[np.int64]:
         """Of each switch what holds where its function stays at zero, a `Boundary`."""
         kinds = {one.name.lower(): one for one in Boundary}

@@ -1,7 +1,7 @@
-"""A result as an xarray.Dataset."""
+"""A result as an xarray.Dataset: its variables, each computed from the samples, with labels."""
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,47 +12,109 @@ from runtime.results.result import Result
 if TYPE_CHECKING:
     import xarray as xr
 
+FloatArray = npt.NDArray[np.float64]
+
+
+class Variable(NamedTuple):
+    """A variable over time, and perhaps more, and how it follows from the samples of a result."""
+
+    name: str
+    dims: tuple[str, ...]
+    values: Callable[[Result], npt.NDArray[Any]]
+    about: dict[str, str]
+
+
+class Labels(NamedTuple):
+    """The variables of a result, and its coordinates but for the time."""
+
+    variables: list[Variable]
+    coords: dict[str, Any]
+
+    def add(
+        self, name: str, dims: str, values: Callable[[Result], npt.NDArray[Any]],
+        about: dict[str, str],
+    ) -> None:  # fmt: skip
+        """Add a variable over `dims`, words."""
+        self.variables.append(Variable(name, tuple(dims.split()), values, about))
+
 
 def dataset(result: Result) -> "xr.Dataset":
     """Label the arrays of a result; reactions that a joint does not have are not a number."""
-    description, samples = result.description, result.samples
-    data = _motion(result)
+    import xarray as xr
+
+    labels = labels_of(result)
+    data = {row.name: (row.dims, row.values(result), row.about) for row in labels.variables}
+    time = {"time": ("time", result.samples.t, {"units": "s"})}
+    return xr.Dataset(data, coords=time | labels.coords, attrs=result.about())
+
+
+def labels_of(result: Result) -> Labels:
+    """The variables and coordinates of all results of the scene that have the same works."""
+    description, labels = result.description, Labels([], {})
+    _add_motion(labels, result)
     if description.has_masses:
         whole = description.whole_powers
-        data["source"] = _texts(whole)
-        data["power"] = ("time", "source"), samples.power[:, list(whole.values())], {"units": "W"}
+        labels.coords["source"] = _texts(whole)
+        of_whole = [*whole.values()]
+        labels.add(
+            "power", "time source", lambda r: _columns(r.samples.power, of_whole), {"units": "W"}
+        )
         parts = [k for k, row in enumerate(description.powers) if row.kind == "nonconservative"]
         if parts:
-            over = "time", "nonconservative_source"
-            data[over[1]] = _texts(description.powers[k].name for k in parts)
+            source = "nonconservative_source"
+            labels.coords[source] = _texts(description.powers[k].name for k in parts)
             about = {"units": "W", "long_name": "power of the forces without a potential"}
-            data["nonconservative_power"] = over, samples.power[:, parts], about
+            labels.add(
+                "nonconservative_power", f"time {source}",
+                lambda r: _columns(r.samples.power, parts), about,
+            )  # fmt: skip
         if not description.leaves_out("energy"):
-            energy = np.column_stack([samples.energy, samples.energy.sum(axis=1)])
-            data["part"] = ["kinetic", "potential", "total"]
-            data["energy"] = ("time", "part"), energy, {"units": "J"}
-        _add_reactions(data, result)
-    _add_effects(data, result)
+            labels.coords["part"] = ["kinetic", "potential", "total"]
+            labels.add("energy", "time part", _energies, {"units": "J"})
+        _add_reactions(labels, result)
+    _add_effects(labels, result)
     if result.works:
-        data["worker"] = _texts(result.works)
-        work = np.column_stack(list(result.works.values()))
-        data["work"] = ("time", "worker"), work, {"units": "J"}
+        labels.coords["worker"] = _texts(result.works)
+        labels.add(
+            "work", "time worker", lambda r: np.column_stack([*r.works.values()]), {"units": "J"}
+        )
     if description.tracked:
-        data["place"], data["axis"] = _texts(description.tracked), ["x", "y"]
+        labels.coords["place"], labels.coords["axis"] = _texts(description.tracked), ["x", "y"]
         for variable, axes, unit in (("point", "x y", "m"), ("point_velocity", "vx vy", "m/s")):
-            places = [
-                [result.point(name, axis) for axis in axes.split()] for name in description.tracked
-            ]
-            values = np.moveaxis(np.array(places), 2, 0)
-            data[variable] = ("time", "place", "axis"), values, {"units": unit}
+            points = _points(description.tracked, axes.split())
+            labels.add(variable, "time place axis", points, {"units": unit})
     if switches := description.switches:
-        data["switch"] = _texts(row.title for row in switches)
-        data.coords["switch_kind"] = "switch", _texts(row.kind for row in switches)
+        labels.coords["switch"] = _texts(row.title for row in switches)
+        labels.coords["switch_kind"] = "switch", _texts(row.kind for row in switches)
         mode = {"long_name": "1: condition holds, 0: not, 2: its function stays at zero"}
         share = {"units": "1", "long_name": "share of the force of mode 1 where mode is 2"}
-        data["mode"] = ("time", "switch"), samples.modes, mode
-        data["share"] = ("time", "switch"), samples.share, share
-    return data
+        labels.add("mode", "time switch", lambda r: r.samples.modes, mode)
+        labels.add("share", "time switch", lambda r: r.samples.share, share)
+    return labels
+
+
+def _energies(result: Result) -> FloatArray:
+    energy = result.samples.energy
+    return np.column_stack([energy, energy.sum(axis=1)])
+
+
+def _points(names: Iterable[str], axes: list[str]) -> Callable[[Result], FloatArray]:
+    def points(result: Result) -> FloatArray:
+        places = [[result.point(name, axis) for axis in axes] for name in names]
+        return np.moveaxis(np.array(places), 2, 0)
+
+    return points
+
+
+def _columns(array: FloatArray, columns: list[int]) -> FloatArray:
+    """Columns of an array, (k, w), as a copy; not a number where there is none, -1."""
+    if columns == [*range(array.shape[1])]:
+        return array.copy()
+    if not array.shape[1]:
+        return np.full((len(array), len(columns)), np.nan)
+    found = np.take(array, columns, axis=1, mode="wrap")
+    found[:, [place for place, column in enumerate(columns) if column < 0]] = np.nan
+    return found
 
 
 def _texts(values: Iterable[str]) -> npt.NDArray[np.str_]:
@@ -60,11 +122,9 @@ def _texts(values: Iterable[str]) -> npt.NDArray[np.str_]:
     return np.array(list(values), dtype=np.str_)
 
 
-def _motion(result: Result) -> "xr.Dataset":
+def _add_motion(labels: Labels, result: Result) -> None:
     """Coordinates, velocities, accelerations and residuals."""
-    import xarray as xr
-
-    description, samples, over = result.description, result.samples, ("time", "coordinate")
+    description, over = result.description, "time coordinate"
     table = description.positions
     columns = [k for k, row in enumerate(description.coordinates) if not row.is_state]
 
@@ -74,32 +134,33 @@ def _motion(result: Result) -> "xr.Dataset":
 
     positions = {"long_name": "largest |Phi|, m or rad"}
     velocities = {"long_name": "largest |Phi_q v - nu|, m/s or rad/s"}
-    variables: dict[str, Any] = {
-        "q": (over, samples.q[:, columns], about("coordinates", "unit")),
-        "v": (over, samples.v[:, columns], about("velocities", "velocity_unit")),
-        "a": (over, samples.a[:, columns], about("accelerations", "acceleration_unit")),
-        "constraint_residual": ("time", samples.residual[:, 0], positions),
-        "velocity_residual": ("time", samples.residual[:, 1], velocities),
-    }
-    coords: dict[str, Any] = {
-        "time": ("time", samples.t, {"units": "s"}),
-        "coordinate": [row.name for row in table],
-        "velocity": ("coordinate", [row.velocity for row in table]),
-        "unit": ("coordinate", [row.unit for row in table]),
-        "velocity_unit": ("coordinate", [row.velocity_unit for row in table]),
-        "acceleration_unit": ("coordinate", [row.acceleration_unit for row in table]),
-    }
+    of_q = about("coordinates", "unit")
+    of_v, of_a = about("velocities", "velocity_unit"), about("accelerations", "acceleration_unit")
+    labels.add("q", over, lambda r: _columns(r.samples.q, columns), of_q)
+    labels.add("v", over, lambda r: _columns(r.samples.v, columns), of_v)
+    labels.add("a", over, lambda r: _columns(r.samples.a, columns), of_a)
+    labels.add("constraint_residual", "time", lambda r: r.samples.residual[:, 0], positions)
+    labels.add("velocity_residual", "time", lambda r: r.samples.residual[:, 1], velocities)
+    labels.coords.update(
+        {
+            "coordinate": [row.name for row in table],
+            "velocity": ("coordinate", [row.velocity for row in table]),
+            "unit": ("coordinate", [row.unit for row in table]),
+            "velocity_unit": ("coordinate", [row.velocity_unit for row in table]),
+            "acceleration_unit": ("coordinate", [row.acceleration_unit for row in table]),
+        }
+    )
     if states := description.states:
         units = {row.unit or "1" for row in states}
         about_y = {"long_name": "first-order states and sampled values"}
         about_y |= {"units": units.pop()} if len(units) == 1 else {}
-        variables["y"] = ("time", "state"), samples.v[:, [row.column for row in states]], about_y
-        coords["state"] = list(states.names)
-        coords["state_unit"] = "state", [row.unit or "1" for row in states]
-    return xr.Dataset(variables, coords=coords, attrs=result.about())
+        of_states = [row.column for row in states]
+        labels.add("y", "time state", lambda r: _columns(r.samples.v, of_states), about_y)
+        labels.coords["state"] = list(states.names)
+        labels.coords["state_unit"] = "state", [row.unit or "1" for row in states]
 
 
-def _add_reactions(data: "xr.Dataset", result: Result) -> None:
+def _add_reactions(labels: Labels, result: Result) -> None:
     description = result.description
     effects = description.effects.names
     columns = [k for k, row in enumerate(description.reactions) if row.element not in effects]
@@ -107,17 +168,20 @@ def _add_reactions(data: "xr.Dataset", result: Result) -> None:
     joints = {name: k for k, name in enumerate(dict.fromkeys(row.element for row in rows))}
     units = {row.component: row.unit for row in rows}
     components = {name: k for k, name in enumerate(units)}
-    reaction = np.full((len(result.t), len(joints), len(components)), np.nan)
+    places = np.full((len(joints), len(components)), -1)
     for column, row in zip(columns, rows, strict=True):
-        place = joints[row.element], components[row.component]
-        reaction[:, *place] = result.samples.reaction[:, column]
-    data["joint"], data["component"] = _texts(joints), _texts(components)
-    data.coords["component_unit"] = "component", _texts(units.values())
+        places[joints[row.element], components[row.component]] = column
+    flat = places.ravel().tolist()
+    labels.coords["joint"], labels.coords["component"] = _texts(joints), _texts(components)
+    labels.coords["component_unit"] = "component", _texts(units.values())
     about = {"long_name": "first body on second, in joint axes, in component_unit"}
-    data["reaction"] = ("time", "joint", "component"), reaction, about
+    labels.add(
+        "reaction", "time joint component",
+        lambda r: _columns(r.samples.reaction, flat).reshape(len(r.t), *places.shape), about,
+    )  # fmt: skip
 
 
-def _add_effects(data: "xr.Dataset", result: Result) -> None:
+def _add_effects(labels: Labels, result: Result) -> None:
     """A variable for each quantity of effects, over time and effect; not a number of others."""
     description = result.description
     effects = {*description.effects.names} - {*description.tracked}
@@ -128,16 +192,18 @@ def _add_effects(data: "xr.Dataset", result: Result) -> None:
             part = row.component.removeprefix(quantity).removeprefix(".")
             label = f"{row.element}.{part}" if part else row.element
             found.setdefault(quantity, {})[label] = column, row.unit
-    labels = list(dict.fromkeys(label for parts in found.values() for label in parts))
-    if labels:
-        data["effect"] = _texts(labels)
+    names = list(dict.fromkeys(name for parts in found.values() for name in parts))
+    if names:
+        labels.coords["effect"] = _texts(names)
     for quantity, parts in found.items():
-        values = np.full((len(result.t), len(labels)), np.nan)
-        for label, (column, _) in parts.items():
-            values[:, labels.index(label)] = result.samples.reaction[:, column]
+        columns = [parts[name][0] if name in parts else -1 for name in names]
         units = {unit for _, unit in parts.values()}
         if len(units) > 1:
-            of_label = (parts[label][1] if label in parts else "" for label in labels)
-            data.coords[f"{quantity}_unit"] = "effect", _texts(of_label)
+            of_name = (parts[name][1] if name in parts else "" for name in names)
+            labels.coords[f"{quantity}_unit"] = "effect", _texts(of_name)
         about = {"units": units.pop()} if len(units) == 1 else {}
-        data[quantity] = ("time", "effect"), values, about
+        labels.add(quantity, "time effect", _reactions_in(columns), about)
+
+
+def _reactions_in(columns: list[int]) -> Callable[[Result], FloatArray]:
+    return lambda result: _columns(result.samples.reaction, columns)

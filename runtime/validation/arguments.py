@@ -160,7 +160,7 @@ _KINDS: dict[str, Reader] = {
     "quantities": optional(readers.texts('("crank.phi",)')),
     "correction": readers.text("the name of a correction"),
     **dict.fromkeys(("method", "formulation"), optional(readers.text("a name"))),
-    "max_steps": optional(readers.count(1)),
+    **dict.fromkeys(("max_steps", "threads"), optional(readers.count(1))),
     "max_bytes": readers.count(1),
     "out": optional(readers.path),
     **dict.fromkeys(("progress", "dimensions", "forces", "frames", "names"), readers.flag),

@@ -141,7 +141,7 @@ def test_every_file_with_compiled_code_counts_in_the_stamp() -> None:
     for path in root.rglob("*.py"):
         text = path.read_text()
         if re.search(
-            r"^@(compiled|addressed|allocating|inner|inlined|fetched|njit)|numba\.njit\(",
+            r"^@(compiled|unlocked|addressed|allocating|inner|inlined|fetched|njit)|numba\.njit\(",
             text,
             re.MULTILINE,
         ):

@@ -1,11 +1,16 @@
 """Rows of an ensemble beside single runs, its refusals, and an interruption."""
 
+import signal
+import threading
+import time
+
 import numpy as np
 import pytest
 
 from codegen.errors import InputError
 from runtime import load
-from runtime.ensemble import run_ensemble as runs
+from runtime.ensemble import single_runs
+from runtime.ensemble import threads as in_threads
 from runtime.results import memory
 
 
@@ -14,23 +19,16 @@ def compressor():
     return load("slider_crank", scene="compressor")
 
 
-@pytest.mark.parametrize(
-    ("model", "scene"),
-    [
-        ("slider_crank", "compressor"),
-        ("quarter_car", None),
-        ("hard/bouncing_ball", None),
-        ("hard/guide_friction", None),
-    ],
-)
-def test_rows_equal_single_runs_bit_for_bit(model, scene):
-    machine = load(model, scene=scene) if scene else load(model)
-    row = machine.mechanism.description.parameters[0]
-    values, times = row.default * np.array([1.0, 1.01, 1.02]), np.linspace(0.0, 1.0, 11)
-    found = machine.ensemble(1.0, times, parameters={row.name: values}, progress=False)
-    for run, value in enumerate(values):
-        result = machine.simulate(1.0, times, parameters={row.name: value}, progress=False)
+def assert_equal_to_single_runs(machine, found, times, parameters, starts=None):
+    """Each row has the bits, the events and the words of `simulate` with its values."""
+    for run in range(found.sizes["run"]):
+        values = {name: float(column[run]) for name, column in parameters.items()}
+        start = {name: float(column[run]) for name, column in (starts or {}).items()}
+        result = machine.simulate(
+            1.0, times, parameters=values, start=start or None, progress=False
+        )
         assert found["outcome"].values[run] == str(result.outcome)
+        assert found["message"].values[run] == result.message
         assert found["event_count"].values[run] == len(result.events)
         kept = np.isin(times, result.t)
         single = result.data.isel(time=np.isin(result.t, times))
@@ -40,6 +38,82 @@ def test_rows_equal_single_runs_bit_for_bit(model, scene):
                 both = row_values[kept], single[variable].values
                 np.testing.assert_array_equal(*both, err_msg=str(variable))
                 assert np.isnan(row_values[~kept]).all()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize(
+    ("model", "scene"),
+    [
+        ("slider_crank", "compressor"),
+        ("quarter_car", None),
+        ("robot_arm", None),
+        ("hard/bouncing_ball", None),
+        ("hard/guide_friction", None),
+    ],
+)
+def test_rows_equal_single_runs_bit_for_bit(model, scene, threads):
+    machine = load(model, scene=scene) if scene else load(model)
+    row = machine.mechanism.description.parameters[0]
+    given = {row.name: row.default * np.linspace(1.0, 1.02, 9)}
+    times = np.linspace(0.0, 1.0, 11)
+    found = machine.ensemble(1.0, times, parameters=given, threads=threads, progress=False)
+    assert_equal_to_single_runs(machine, found, times, given)
+
+
+@pytest.mark.parametrize("method", ["dopri5", "radau5", "auto"])
+def test_options_hold_for_all_members(compressor, method):
+    given, times = {"J1": np.linspace(300.0, 900.0, 4)}, np.linspace(0.0, 0.2, 6)
+    options = {"method": method, "rtol": 1e-6, "atol": 1e-7, "max_step": 0.01, "progress": False}
+    found = compressor.ensemble(0.2, times, parameters=given, threads=1, **options)
+    for run, value in enumerate(given["J1"]):
+        result = compressor.simulate(0.2, times, parameters={"J1": value}, **options)
+        np.testing.assert_array_equal(found["q"].values[run], result.data["q"].values)
+        assert found["message"].values[run] == result.message
+
+
+def interrupt():
+    """What Ctrl-C does."""
+    signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
+
+
+def made_by_simulate(monkeypatch):
+    """The members that are made by single runs from now on, one entry each."""
+    original, calls = single_runs.simulate, []
+
+    def counted(*arguments, **words):
+        calls.append(words["parameters"])
+        return original(*arguments, **words)
+
+    monkeypatch.setattr(single_runs, "simulate", counted)
+    return calls
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_the_compiled_loop_makes_all_compressors_but_the_first(compressor, monkeypatch, threads):
+    """Those that come to rest, in a sliding mode, and those that touch a surface are among them."""
+    given, times = {"J1": np.linspace(200.0, 1000.0, 41)}, np.linspace(0.0, 1.0, 11)
+    calls = made_by_simulate(monkeypatch)
+    found = compressor.ensemble(1.0, times, parameters=given, threads=threads, progress=False)
+    assert len(calls) == 1
+    assert (found["mode"].values == 2.0).any()
+    assert any("within the tolerance" in str(said) for said in found["message"].values)
+    assert_equal_to_single_runs(compressor, found, times, given)
+
+
+def test_joints_close_anew_for_each_length(compressor, monkeypatch):
+    given = {"rod_length": np.linspace(3.4, 4.0, 9), "motor_torque": np.linspace(4e4, 5e4, 9)}
+    times, calls = np.linspace(0.0, 1.0, 11), made_by_simulate(monkeypatch)
+    found = compressor.ensemble(1.0, times, parameters=given, threads=1, progress=False)
+    assert len(calls) == 1
+    assert_equal_to_single_runs(compressor, found, times, given)
+
+
+def test_start_values_of_each_member(compressor, monkeypatch):
+    starts, times = {"crank.omega": np.linspace(20.0, 40.0, 5)}, np.linspace(0.0, 1.0, 11)
+    calls = made_by_simulate(monkeypatch)
+    found = compressor.ensemble(1.0, times, starts=starts, threads=1, progress=False)
+    assert len(calls) == 1
+    assert_equal_to_single_runs(compressor, found, times, {}, starts)
 
 
 def test_a_refused_member_and_a_short_run_are_rows(compressor):
@@ -83,22 +157,68 @@ def test_a_dataset_larger_than_the_free_memory_is_refused(compressor, monkeypatc
         compressor.ensemble(0.1, 1001, parameters={name: np.ones(1000)}, progress=False)
 
 
-def test_an_interruption_keeps_what_is_done(compressor, monkeypatch):
-    name = compressor.mechanism.description.parameters.names[0]
-    usual = compressor.mechanism.description.parameters[0].default
-    original, calls = runs.simulate, []
+@pytest.mark.parametrize("threads", [1, 2])
+def test_an_interruption_keeps_what_is_done(compressor, monkeypatch, threads):
+    original, calls = in_threads.run_members, []
+
+    def interrupted(*arguments):
+        at = original(*arguments)
+        calls.append(at)
+        if len(calls) == 2:
+            interrupt()
+        elif len(calls) > 2:
+            time.sleep(0.3)  # the main thread has time to hear it, however busy the machine is
+        return at
+
+    monkeypatch.setattr(in_threads, "run_members", interrupted)
+    count = 400
+    given = {"J1": np.linspace(400.0, 500.0, count)}
+    found = compressor.ensemble(1.0, 5, parameters=given, threads=threads, progress=False)
+    outcomes = found["outcome"].values
+    assert {*outcomes} == {"OK", "not run"}
+    done = outcomes == "OK"
+    assert 1 < done.sum() < count
+    assert np.isfinite(found["q"].values[done]).all()
+    assert np.isnan(found["q"].values[~done]).all()
+    assert not found["event_count"].values[~done].any()
+
+
+def test_an_interruption_ends_single_runs_in_threads(monkeypatch):
+    machine = load("quarter_car")
+    original, calls = single_runs.simulate, []
 
     def interrupted(*arguments, **words):
         calls.append(1)
-        if len(calls) == 2:
-            raise KeyboardInterrupt
+        if len(calls) == 4:
+            interrupt()
+        elif len(calls) > 4:
+            time.sleep(0.1)
         return original(*arguments, **words)
 
-    monkeypatch.setattr(runs, "simulate", interrupted)
-    found = compressor.ensemble(0.1, 5, parameters={name: np.full(3, usual)}, progress=False)
-    assert list(found["outcome"].values) == ["OK", "not run", "not run"]
-    assert np.isfinite(found["q"].values[0]).all()
-    assert np.isnan(found["q"].values[1:]).all()
+    monkeypatch.setattr(single_runs, "simulate", interrupted)
+    name = machine.mechanism.description.parameters.names[0]
+    usual = machine.mechanism.description.parameters[0].default
+    given = {name: np.full(40, usual)}
+    found = machine.ensemble(1.0, 5, parameters=given, threads=2, progress=False)
+    outcomes = list(found["outcome"].values)
+    assert outcomes[:2] == ["OK", "OK"]
+    assert outcomes.count("not run") > 20
+
+
+def test_what_a_thread_raises_is_raised(compressor, monkeypatch):
+    def broken(*arguments):
+        raise RuntimeError("a fault in a thread")
+
+    monkeypatch.setattr(in_threads, "run_members", broken)
+    with pytest.raises(RuntimeError, match="a fault in a thread"):
+        compressor.ensemble(
+            0.1, 5, parameters={"J1": np.linspace(400.0, 500.0, 9)}, threads=2, progress=False
+        )
+
+
+def test_no_thread_is_refused(compressor):
+    with pytest.raises(InputError, match="threads is 0"):
+        compressor.ensemble(0.1, 5, parameters={"J1": [400.0]}, threads=0, progress=False)
 
 
 def test_joints_that_come_and_go_are_refused():
