@@ -250,7 +250,9 @@ def _crossings_note(mechanism: Mechanism, run: Trajectory) -> str:
     first = run.crossings[0]
     worst = max(run.crossings, key=lambda crossing: crossing.error)
     count = len(run.crossings)
-    *others, last = (mechanism.description.constraints.names[row] for row in sorted(first.rows))
+    names = [mechanism.description.constraints.names[row] for row in sorted(first.rows)]
+    more = len(names) - _NAMES
+    *others, last = names if more <= 1 else [*names[:_NAMES], f"{more} others"]
     dependent = f"s {', '.join(others)} and {last}" if others else f" {last}"
     text = (
         f" Passed {count} singular position{'s' if count > 1 else ''} on the branch on which the "
