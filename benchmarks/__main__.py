@@ -1,7 +1,7 @@
 """``python -m benchmarks [NAME]...``: tables.
 
 NAME: elements, kernels, machines, compressor, scenes or accuracy, all of them without names; peers,
-with problems after it or all; growth; first.
+with problems after it or all; growth; first; runs.
 """
 
 import sys
@@ -26,6 +26,7 @@ from benchmarks import (
     linkwright_runs,
     machines,
     picture,
+    runs_at_size,
     scenes,
     twins,
 )
@@ -189,7 +190,7 @@ MEASUREMENTS = {
     "scenes": of_scenes,
     "accuracy": accuracy_targets_report.report,
 }
-LONG = ("peers", "growth", "first")
+LONG = ("peers", "growth", "first", "runs")
 """Minutes each, and only by name."""
 
 
@@ -222,7 +223,7 @@ def main(
         list[str] | None,
         typer.Argument(
             help="elements, kernels, machines, compressor, scenes, accuracy: all without a "
-            "name; peers, with problems after it or all; growth; first."
+            "name; peers, with problems after it or all; growth; first; runs."
         ),
     ] = None,
     quick: Annotated[bool, typer.Option(help="Fewer repeats; times are rough.")] = False,
@@ -242,6 +243,8 @@ def main(
         elif name == "growth":
             for report in growth.reports(quick, out):
                 finish(report, out)
+        elif name == "runs":
+            finish(runs_at_size.report(quick), out)
         elif name == "first":
             for report in first_result.report(quick):
                 finish(report, out)
