@@ -75,9 +75,7 @@ def report(quick: bool) -> Report:
     """All families at all sizes."""
     sizes = QUICK if quick else SIZES
     with TemporaryDirectory() as folder:
-        runs = [
-            one(family, size, Path(folder)) for family, few in sizes.items() for size in few
-        ]
+        runs = [one(family, size, Path(folder)) for family, few in sizes.items() for size in few]
     cells = [
         (
             run.family,

@@ -5,7 +5,6 @@ both modes but for rounding, and so is the motion that follows. No look ahead te
 and where several such functions act on one body, each contradicts the others by rounding.
 """
 
-from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import inner
