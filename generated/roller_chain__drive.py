@@ -3859,7 +3859,7 @@ def kinetic_energy(q, v, p):
     for k in range(4):
         x_ = KINETIC_ENERGY_4[k]
         p[k + 266] = x_
-    # From driving_29 to 
+    # From driving_29 to
     for k in range(132):
         s_in_1 = p[KINETIC_ENERGY_5[2 * k]]
         s_in_2 = p[KINETIC_ENERGY_5[2 * k + 1]]
