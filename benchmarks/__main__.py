@@ -1,7 +1,7 @@
 """``python -m benchmarks [NAME]...``: tables.
 
 NAME: elements, kernels, machines, compressor, scenes or accuracy, all of them without names; peers,
-with problems after it or all; growth; builds; first; ensemble.
+with problems after it or all; growth; builds; runs; first; ensemble.
 """
 
 import sys
@@ -28,6 +28,7 @@ from benchmarks import (
     linkwright_runs,
     machines,
     picture,
+    runs_at_size,
     scenes,
     twins,
 )
@@ -191,7 +192,7 @@ MEASUREMENTS = {
     "scenes": of_scenes,
     "accuracy": accuracy_targets_report.report,
 }
-LONG = ("peers", "growth", "builds", "first", "ensemble")
+LONG = ("peers", "growth", "builds", "runs", "first", "ensemble")
 """Minutes each, and only by name."""
 
 
@@ -224,7 +225,7 @@ def main(
         list[str] | None,
         typer.Argument(
             help="elements, kernels, machines, compressor, scenes, accuracy: all without a "
-            "name; peers, with problems after it or all; growth; builds; first; ensemble."
+            "name; peers, with problems after it or all; growth; builds; runs; first; ensemble."
         ),
     ] = None,
     quick: Annotated[bool, typer.Option(help="Fewer repeats; times are rough.")] = False,
@@ -247,6 +248,8 @@ def main(
         elif name == "builds":
             for report in builds_at_size.reports(quick):
                 finish(report, out)
+        elif name == "runs":
+            finish(runs_at_size.report(quick), out)
         elif name == "first":
             for report in first_result.report(quick):
                 finish(report, out)

@@ -59,8 +59,8 @@ class Row:
     note: str = ""
 
 
-def hanging(links: int) -> tuple[float, ...]:
-    """The angles of the chain after two seconds: its equation in them, dense, by SciPy."""
+def hanging(links: int, t_end: float = 2.0) -> tuple[float, ...]:
+    """The angles of the chain after the time `t_end`, s: its equation in them, by SciPy."""
     arm = links - np.arange(links) - 0.5
     arms = np.minimum.outer(arm, arm)
     heavy = links - np.arange(links) - 2 / 3
@@ -74,7 +74,7 @@ def hanging(links: int) -> tuple[float, ...]:
         return np.concatenate((speed, np.linalg.solve(matrix, force)))
 
     start = np.zeros(2 * links)
-    found = solve_ivp(slope, (0.0, 2.0), start, "DOP853", rtol=1e-13, atol=1e-13)
+    found = solve_ivp(slope, (0.0, t_end), start, "DOP853", rtol=1e-13, atol=1e-13)
     return tuple(found.y[:links, -1].tolist())
 
 

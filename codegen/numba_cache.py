@@ -42,6 +42,7 @@ from numba.core import dispatcher, event
 from numba.core.bytecode import FunctionIdentity
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.cpu import CPUContext
 from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 
 from codegen.damaged_byte_code import CacheWarning
@@ -55,6 +56,7 @@ _IndexData: Any = IndexDataCacheFile
 _events: Any = event
 _numba: Any = dispatcher
 _Identity: Any = FunctionIdentity
+_Target: Any = CPUContext
 
 _FORMAT = b"sealed machine code, compiled separately\n"  # every file begins with it
 _OURS = "lw"  # code: in a file's name, pendulum.masses-12.py311.lw.nbi; the longest has 253 letters
@@ -79,7 +81,8 @@ def checked_caches() -> Iterator[None]:
 
     The keyboard's interrupt waits until a function is compiled or loaded: within LLVM it would
     abort the process. Searches for cyclic garbage, which took a tenth of a compilation, wait until
-    the end of the block.
+    the end of the block. Tables of any size become part of the machine code: numba would take those
+    of more than 1 MB by their address, and keep no such function.
     """
     listening = _events.install_listener("numba:compile", _LISTENER)
     with (
@@ -90,10 +93,24 @@ def checked_caches() -> Iterator[None]:
         separate_compilation(),
     ):
         usual, _numba.FunctionCache = _numba.FunctionCache, _checked
+        usual_array, _Target.make_constant_array = _Target.make_constant_array, _array_in_code
         try:
             yield
         finally:
             _numba.FunctionCache = usual
+            _Target.make_constant_array = usual_array
+
+
+_usual_array: Any = _Target.make_constant_array
+
+
+def _array_in_code(context: Any, *arguments: Any) -> Any:
+    """A constant array as part of the machine code, whatever its size."""
+    context.allow_dynamic_globals = False  # of this context; that of its class stays
+    try:
+        return _usual_array(context, *arguments)
+    finally:
+        del context.allow_dynamic_globals
 
 
 def _checked(function: Any) -> Any:

@@ -29,6 +29,12 @@ settings.load_profile("ci" if os.environ.get("CI") else "developer")
 ROOT = Path(__file__).resolve().parent.parent
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """``--unroll never``: the hard cases run with kernels in loops over tables."""
+    choices = ("auto", "always", "never")
+    parser.addoption("--unroll", default="auto", choices=choices, help="form of kernels")
+
+
 def pytest_configure(config: pytest.Config) -> None:
     """Without pytest's cache (`-p no:cacheprovider`) tests compile scenes in a folder that goes."""
     if config.pluginmanager.hasplugin("cacheprovider"):

@@ -98,7 +98,7 @@ class RolledKernelText:
         yield from text.before("    ")
         if is_loop:
             one, last = part.span
-            yield f"    # {prose(f'From {one} to {last}') if one else 'Copies'}"
+            yield f"    # {prose(f'From {one} to {last}') if one and last else 'Copies'}"
             yield f"    for {COUNTER} in range({part.count}):"
         yield from text.turn()
 

@@ -51,7 +51,8 @@ def origin(
     )
     varied = equations.scene.root is not None  # by without() or with_(): not declared in a file
     scene = equations.scene.expression if varied else f"'{equations.scene.name}'"
-    command = f"build({file.model.name}, scene={scene})"
+    form = f", unroll='{unroll}'" if unroll != "auto" else ""
+    command = f"build({file.model.name}, scene={scene}{form})"
     if named and not varied:
         command = f"python -m codegen build {named[0][0]} --scene {equations.scene.name}{options}"
     engine = f"SymPy {sympy.__version__}"

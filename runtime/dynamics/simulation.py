@@ -40,6 +40,7 @@ from runtime.validation.scene_support import driven_note
 from runtime.validation.table_ranges import name_left_tables
 
 # Ends of a run that tries to go where a table has no number.
+_NAMES = 6  # layout: constraints by name in the sentence about a crossing
 _LEAVING = {
     *(Outcome.OUT_OF_RANGE, Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL, Outcome.NEWTON_FAILED),
     *(Outcome.INCONSISTENT, Outcome.SINGULAR, Outcome.DISCONTINUOUS),
@@ -250,7 +251,9 @@ def _crossings_note(mechanism: Mechanism, run: Trajectory) -> str:
     first = run.crossings[0]
     worst = max(run.crossings, key=lambda crossing: crossing.error)
     count = len(run.crossings)
-    *others, last = (mechanism.description.constraints.names[row] for row in sorted(first.rows))
+    names = [mechanism.description.constraints.names[row] for row in sorted(first.rows)]
+    more = len(names) - _NAMES
+    *others, last = names if more <= 1 else [*names[:_NAMES], f"{more} others"]
     dependent = f"s {', '.join(others)} and {last}" if others else f" {last}"
     text = (
         f" Passed {count} singular position{'s' if count > 1 else ''} on the branch on which the "

@@ -19,6 +19,7 @@ from runtime.core.state_derivative import evaluate_accelerations
 from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid import mode_search as search
 from runtime.hybrid.impact import ON_SURFACE
+from runtime.hybrid.indifferent_modes import drop_indifferent
 from runtime.hybrid.redundant_sliding import is_unilateral
 from runtime.hybrid.switching_values_and_margins import compute_margin
 from runtime.linalg.vectors import copy_vector, largest_magnitude
@@ -56,6 +57,13 @@ def select_modes(context: Context, first: int, t: float, d: float, state: int) -
     blamed = count
     if count > search.MOST_WITH_SLIDING:
         blamed = search.search_by_pivots(context, t, d, state, count)
+        if blamed != consistency.CONSISTENT:
+            kept, left = context.modes[first], drop_indifferent(context, t, state, first, count)
+            if left < count:
+                blamed = search.search_by_pivots(context, t, d, state, left)
+                count = left
+            if blamed != consistency.CONSISTENT:
+                context.modes[first] = kept
     if blamed != consistency.CONSISTENT:
         tried = min(count, search.MOST_COMBINED)
         blamed = search.search_all(context, t, d, state, tried, count)

@@ -7,7 +7,7 @@ from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context, Integers
 from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inner
-from runtime.core.loop_record import run_record
+from runtime.core.loop_record import Plan, run_record
 from runtime.core.workspace_rows import PREDICTED, PROJECTION, SAMPLE, SIZE, Y1, row_of
 from runtime.integrate.clocks import CLOCK
 from runtime.linalg.vectors import copy_vector
@@ -133,6 +133,11 @@ def sample(context: Integers, t: float, h: float, at: float) -> int:
                 code = 0
     elif constrained:
         code = sample_returned(context, t, h, at)
+        if code == FAILED and r.plan == Plan.CROSSING:
+            # The position lies here, and not where it was foreseen.
+            half = 0.5 * (r.blind_to - r.blind_from)
+            tau = min(half, _ROOM * min(at - t, t + h - at))
+            code = sample_between(context, t, h, at, tau, at)
     else:
         interpolate(context, r.dense_rows, (at - t) / h, SAMPLE)
     if code == FAILED:

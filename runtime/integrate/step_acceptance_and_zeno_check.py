@@ -6,7 +6,7 @@ from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import kinetic_energy_of
-from runtime.core.loop_record import run_record
+from runtime.core.loop_record import Plan, run_record
 from runtime.core.modes_and_event_kinds import KNOTS, RANGE
 from runtime.core.outcomes import Outcome
 from runtime.hybrid.mode_consistency import CONSISTENT
@@ -22,6 +22,18 @@ _DOUBTS = 3  # safety: looks at shorter steps, before a balance of energy that f
 _SHORTER = 0.4  # safety: part of the step for that; its multiples do not end where the step did
 _NEWTON_FAILED, _TOO_LARGE = int(TrialStep.NEWTON_FAILED), int(TrialStep.TOO_LARGE)
 LEAST_ERROR = 1e-4  # safety: a smaller error of the last step says nothing of the next one
+
+
+@inner
+def reject_late(context: Context, reason: int, next_length: float) -> int:
+    """Reject a step whose error was small enough; one across a singular position is planned anew.
+
+    The length of that is its plan's, so that the same step would follow.
+    """
+    reject(context, reason, next_length)
+    if run_record(context).plan == Plan.CROSSING:
+        return Signal.LOOK
+    return Signal.RETRY
 
 
 @addressed(ft.PART)
@@ -40,9 +52,9 @@ def accept_step(context: Context) -> int:
         if watched and ft.balance_step_of(context)(context) != 0:
             if r.doubts > _DOUBTS:
                 return Outcome.CONTRADICTED
-            return reject(context, _TOO_LARGE, _SHORTER * h)
+            return reject_late(context, _TOO_LARGE, _SHORTER * h)
         if ft.emit_of(context)(context, r.t, r.end, h, r.dense_ready) < 0:
-            return reject(context, _NEWTON_FAILED, 0.5 * h)
+            return reject_late(context, _NEWTON_FAILED, 0.5 * h)
         r.steps += 1
         r.rejected_before = 0
         r.error_old = max(r.error, LEAST_ERROR)

@@ -26,7 +26,7 @@ Kind = Literal["tangents", "reduced", "picture"]
 
 _BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
 _HEADER = 4000  # layout: characters of a generated file, in which its command stands
-_UNROLL = re.compile(r"--unroll (always|never)\b")  # in the command of the header
+_UNROLL = re.compile(r"\bunroll(?:=['\"]| )(always|never)\b")  # in the command of the header
 _CONTENTS = {
     "tangents": "derivatives", "reduced": "reduced equations", "picture": "picture",
 }  # fmt: skip

@@ -56,6 +56,19 @@ def test_an_undamaged_cache_is_taken(source: Path) -> None:
     assert (module.scaled(1.0), _hits(module)) == (2.0, 1)
 
 
+def test_a_table_of_more_than_a_megabyte_is_kept_with_the_code(tmp_path: Path) -> None:
+    """By itself numba takes such an array by its address, and writes no cache."""
+    path = tmp_path / "scaled.py"
+    text = TEXT.replace(
+        "import numba", "import numba\nimport numpy as np\n\nTABLE = np.ones(150_000)"
+    )
+    path.write_text(text.format(factor="TABLE[int(x)]"))
+    assert _execute(path).scaled(3.0) == 3.0
+    module = _execute(path)
+    assert (module.scaled(2.0), _hits(module)) == (2.0, 1)
+    sys.modules.pop("scaled")
+
+
 @pytest.mark.parametrize("kept", [0, 1, 20, 0.3, 0.9, -1])
 @pytest.mark.parametrize("ending", ["nbi", "nbc"])
 def test_a_file_that_is_cut_short_is_made_anew(source: Path, ending: str, kept: float) -> None:
