@@ -10,7 +10,7 @@ import hashlib
 import importlib.util
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
@@ -23,6 +23,9 @@ UNSIGNED = "0" * 64
 # in the header, in the form that a checkout has without an installation
 _REBUILD = re.compile(r"python -m codegen (\w+.*)")
 _SIGNATURE = re.compile(rf"^{MARK}([0-9a-f]{{64}})$", re.MULTILINE)
+_KERNEL = re.compile(
+    r'^@numba\.njit\("[^\n]*\ndef (?P<name>\w+)\(.*?(?=^[^\s)]|\Z)', re.MULTILINE | re.DOTALL
+)
 FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 
@@ -113,6 +116,24 @@ def import_generated(path: Path, digest: str | None = None) -> ModuleType:
         if name in sys.modules and sys.modules[name].__file__ == str(path):
             return sys.modules[name]
         return _execute(name, path, text)
+
+
+def kernel_lines(text: str) -> dict[str, int]:
+    """The lines of each kernel of a generated text, by its name."""
+    return {kernel["name"]: kernel[0].count("\n") for kernel in _KERNEL.finditer(text)}
+
+
+def compile_kernels(path: Path, names: Collection[str]) -> None:
+    """Compile some kernels of a file into numba's cache, without the lock of the whole file.
+
+    The others are blank lines in their places: numba's cache knows a function by its line, too.
+    """
+    text = read_generated(path)
+
+    def keep(kernel: re.Match[str]) -> str:
+        return kernel[0] if kernel["name"] in names else "\n" * kernel[0].count("\n")
+
+    _execute(module_name(path, text), path, _KERNEL.sub(keep, text))
 
 
 def module_name(path: Path, text: str) -> str:
