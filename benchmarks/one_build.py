@@ -1,16 +1,17 @@
 """``python -m benchmarks.one_build FAMILY SIZE UNROLL FOLDER``: one build in a process of its own.
 
 Prints the processor time of each stage, from the first import to the first call of the compiled
-`accelerations`, the memory, and the path of the module, as JSON.
+`accelerations`, that of the processes it starts included, the memory of all of them, and the path
+of the module, as JSON.
 """
 
 import json
+import os
 import resource
 import sys
 from collections.abc import Callable
 from itertools import chain as joined
 from pathlib import Path
-from time import process_time
 from types import ModuleType
 from typing import Any
 
@@ -31,16 +32,29 @@ STAGES = ("declare", "check", "derive", "lower", "examine", "emit", "compile")
 Array = npt.NDArray[np.float64]
 
 
+def processor_time() -> float:
+    """That of this process and of those that it started and that have ended, s."""
+    used = os.times()
+    return used.user + used.system + used.children_user + used.children_system
+
+
+def memory() -> float:
+    """A bound of what this process and those beside it took at the same time, in MB."""
+    kinds = resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN
+    alone, largest = (resource.getrusage(kind).ru_maxrss / 1024 for kind in kinds)
+    return alone + (os.cpu_count() or 1) * largest
+
+
 class Stages:
     """Processor time by stage, each from its announcement to that of the next."""
 
     def __init__(self) -> None:
-        self.seconds = {"import": process_time()} | dict.fromkeys(STAGES, 0.0)
-        self._stage, self._began = "declare", process_time()
+        self.seconds = {"import": processor_time()} | dict.fromkeys(STAGES, 0.0)
+        self._stage, self._began = "declare", processor_time()
 
     def begin(self, message: str) -> None:
         """End the stage before, and begin the one that a message of the driver ends with."""
-        now, stage = process_time(), message.rpartition(": ")[2]
+        now, stage = processor_time(), message.rpartition(": ")[2]
         self.seconds[self._stage] += now - self._began
         self._stage, self._began = stage if stage in STAGES else "check", now
 
@@ -68,9 +82,9 @@ def measured(family: str, size: int, unroll: Any, folder: Path) -> dict[str, Any
     module, q = import_generated(report.scenes[0].path), start_of(model, scene)
     p, a, lam = arrays(module)
     module.accelerations(0.0, q, 0.0 * q, p, np.zeros(0, dtype=np.int64), a, lam)
-    whole, memory = process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     path = str(report.scenes[0].path)
-    return {"seconds": stages.seconds, "whole": whole, "megabytes": memory / 1024, "path": path}
+    whole = {"whole": processor_time(), "megabytes": memory()}
+    return {"seconds": stages.seconds, **whole, "path": path}
 
 
 if __name__ == "__main__":
