@@ -48,7 +48,7 @@ from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 from codegen.damaged_byte_code import CacheWarning
 from codegen.garbage_collection import collection_paused
 from codegen.numba_operation_types import remembered_operation_types
-from codegen.separate_compilation import StaleCodeError, separate_compilation
+from codegen.separate_compilation import StaleCodeError, separate_compilation, symbols_kept
 from codegen.termination_signals import SignalDeferral
 
 _Function: Any = FunctionCache  # numba leaves these untyped
@@ -149,7 +149,7 @@ class CheckedCache(_Function):  # type: ignore[misc]
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Keep machine code; a folder that is full or cannot be written keeps none."""
-        with SignalDeferral(in_commands=False):
+        with SignalDeferral(in_commands=False), symbols_kept():
             try:
                 super().save_overload(signature, result)
             except OSError as error:

@@ -35,12 +35,19 @@ _DEFINITION = re.compile(
 )
 
 
-class StaleCodeError(Exception):
-    """Machine code calls what has been compiled anew since."""
+class StaleCodeError(OSError):
+    """Machine code calls what has been compiled anew since.
+
+    Numba's own cache, which keeps what a user compiles, takes it for a file that is gone, and
+    compiles anew.
+    """
 
 
 class Callee(NamedTuple):
-    """A function that machine code calls by its symbol; to call it loads the function."""
+    """A function that machine code calls by its symbol.
+
+    To call it loads the function, and so does to unpickle it.
+    """
 
     module: str
     name: str
@@ -53,12 +60,24 @@ class Callee(NamedTuple):
         if _symbol(function.result_for(self.types)) != self.symbol:
             raise StaleCodeError(f"{self.module}.{self.name} was compiled anew.")
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """As what is loaded before machine code that calls it is unpacked."""
+        return _loaded, tuple(self)
+
+
+def _loaded(*fields: Any) -> Callee:
+    callee = Callee(*fields)
+    callee()
+    return callee
+
 
 class ObjectCode(_Library):  # type: ignore[misc]
     """Compiled code, which has an interface once its function can be found by its name.
 
     Attributes
     ----------
+    keeps_symbols
+        Whether it is serialized for a checked cache; numba's own knows no symbols.
     callee
         The function, for its callers.
     bitcode
@@ -67,6 +86,7 @@ class ObjectCode(_Library):  # type: ignore[misc]
         What callers link, once one has asked for it.
     """
 
+    keeps_symbols = False
     callee: Callee | None = None
     bitcode: bytes | None = None
     interface: Any = None
@@ -82,7 +102,9 @@ class ObjectCode(_Library):  # type: ignore[misc]
 
     def serialize_using_object_code(self) -> tuple[str, str, tuple[Any, ...]]:
         """As numba's, with the symbols that the code defines."""
-        name, _, (code, bitcode) = super().serialize_using_object_code()
+        name, kind, (code, bitcode) = super().serialize_using_object_code()
+        if not ObjectCode.keeps_symbols:
+            return name, kind, (code, bitcode)
         module = self._final_module
         symbols = [
             value.name
@@ -128,6 +150,16 @@ def separate_compilation() -> Iterator[None]:
         yield
     finally:
         _Codegen._library_class = usual
+
+
+@contextmanager
+def symbols_kept() -> Iterator[None]:
+    """Within the block, code is serialized with the symbols that it defines."""
+    ObjectCode.keeps_symbols = True
+    try:
+        yield
+    finally:
+        ObjectCode.keeps_symbols = False
 
 
 def give_interface(function: Any) -> None:

@@ -15,7 +15,7 @@ from runtime.assembly import redundancy
 from runtime.assembly.accurate_start_near_singularity import start_on_branch
 from runtime.assembly.joint_closing import CLOSED, Closing, Task, close
 from runtime.assembly.redundancy import Dependency, Findings
-from runtime.assembly.regular_start import VELOCITY_CLOSED, find_regular_start, weights
+from runtime.assembly.regular_start import LARGEST, VELOCITY_CLOSED, find_regular_start, weights
 from runtime.assembly.start_values import MOVED, Start, start_of_state, start_values
 from runtime.linalg.least_norm_newton import least_norm_solver
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -29,7 +29,6 @@ BoolArray = npt.NDArray[np.bool_]
 Key = TypeVar("Key")
 
 _UNRESOLVED = 1e-8  # accuracy: rad; distance of neighbouring numbers at which sin φ has no digits
-_LARGEST = 1e100  # safety: lengths and angles above this overflow when they are squared
 
 
 def assemble(
@@ -91,13 +90,13 @@ def _require_magnitude(equations: Equations, t: float, q: FloatArray, given: Val
     """Refuse values so large that the equations lose all digits."""
     arrays = equations.constraints(t, q), equations.slopes(t, q), q
     largest = max(float(np.abs(values).max(initial=0.0)) for values in arrays)
-    if largest <= _LARGEST:
+    if largest <= LARGEST:
         return
     require_finite(equations, t, q, np.zeros_like(q))
     values = ", ".join(f"{name} = {value:g}" for name, value in given.items())
     raise AssemblyError(
         f"{equations.description.title}: the values are out of scale: lengths and angles in the "
-        f"constraints reach {largest:g} at t = {t:g} s, and {_LARGEST:g} is the most that can be "
+        f"constraints reach {largest:g} at t = {t:g} s, and {LARGEST:g} is the most that can be "
         f"computed with. Given: {values or 'nothing but the defaults'}."
     )
 

@@ -16,6 +16,7 @@ from runtime.mechanism.dense_equations import Equations, FloatArray
 CLOSED = 1e-10  # accuracy: largest scaled gap of joints that are closed
 # measured: growing penalties r of (q - q0)ᵀ W (q - q0) + r Φᵀ Φ
 PENALTIES = tuple(float(r) for r in 10.0 ** np.arange(0, 9, 2))
+ROUGH = 1e-3  # measured: scaled gap from which on a penalty leads Newton's method
 DIGITS = 4.0  # safety: last digits of the coordinates in a constraint, by which it may be open
 _RESTARTS = 6  # safety: random starts after the given one has failed
 
@@ -100,7 +101,7 @@ def close(task: Task, start: FloatArray) -> Closing:
 def _attempt(task: Task, start: FloatArray) -> Closing:
     q = start.copy()
     if task.free.any() and task.rows.any():
-        if np.abs(task.gaps(q)).max() > 1e-3:
+        if np.abs(task.gaps(q)).max() > ROUGH:
             for penalty in PENALTIES:
                 q = _minimise(task, start, q, float(penalty))
         q = refine(task, q)

@@ -5,7 +5,7 @@ It is the method of `joint_closing`, for all constraints of a small machine.
 
 import numpy as np
 
-from runtime.assembly.joint_closing import CLOSED, DIGITS, PENALTIES
+from runtime.assembly.joint_closing import CLOSED, DIGITS, PENALTIES, ROUGH
 from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import constraints_of, jacobian_of
@@ -19,7 +19,6 @@ from runtime.mechanism.start_table import LEAD, LEADING, lead_of
 
 IRREGULAR, REGULAR, FAR = 0, 1, 2
 """What a start is: far from closed joints, where nothing leads to them."""
-_ROUGH = 1e-3  # measured: scaled gap from which on a penalty leads Newton's method
 _SMALL = 1e-5  # measured: scaled step that ends a minimisation
 _DAMPED = 40  # safety: steps of Levenberg and Marquardt for a penalty
 
@@ -188,7 +187,7 @@ def close_joints(context: Context, t: float, p: Vector, q: Vector) -> int:
     for j in range(q.size):
         any_free = any_free or context.free_q[j] != 0
     if any_free and context.gaps.size > 0:
-        if measure_gaps(context, t, q, p) > _ROUGH:
+        if measure_gaps(context, t, q, p) > ROUGH:
             if context[LEAD] == 0:
                 return FAR
             lead_of(context)(context, t, p, q)

@@ -31,7 +31,7 @@ from runtime.mechanism.start_table import LEAD, StartTable
 from runtime.mechanism.typical_sizes import measure_size, write_row_scale, write_scale
 
 VELOCITY_CLOSED = 1e-9  # accuracy: residual of Φ_q v = ν, scaled, in parts of the largest speed
-_LARGEST = 1e100  # safety: lengths and angles above this overflow when they are squared
+LARGEST = 1e100  # safety: lengths and angles above this overflow when they are squared
 _TURNS = 1e7  # safety: rad; the sines of larger angles lose digits that closing a joint needs
 # measured: weight of a coordinate that the scene names no value of; the others have 1
 _UNNAMED_WEIGHT = 1e-3
@@ -44,7 +44,7 @@ _CLEAR = 10.0 * LOST
 def is_in_scale(context: Context, q: Vector) -> bool:
     """Whether lengths can be squared, and angles are so small that their sines have digits."""
     for j in range(q.size):
-        if not abs(q[j]) <= (_TURNS if context.of_length[j] == 0 else _LARGEST):
+        if not abs(q[j]) <= (_TURNS if context.of_length[j] == 0 else LARGEST):
             return False
     return True
 
@@ -111,7 +111,7 @@ def assemble_regular(context: Context, t: float, p: Vector, q: Vector, v: Vector
     write_scale(context, size, context.change_scale)
     write_row_scale(context, t, q, p, size)
     largest = measure_gaps(context, t, q, p)
-    if not largest <= _LARGEST or not largest_magnitude(context.slopes) <= _LARGEST:
+    if not largest <= LARGEST or not largest_magnitude(context.slopes) <= LARGEST:
         return IRREGULAR
     if not (is_finite(context.slopes) and is_finite(context.row_scale)):
         return IRREGULAR

@@ -39,8 +39,8 @@ from runtime.validation.output_instants import POINTS
 from runtime.validation.scene_support import driven_note
 from runtime.validation.table_ranges import name_left_tables
 
-# Ends of a run that tries to go where a table has no number.
 _NAMES = 6  # layout: constraints by name in the sentence about a crossing
+# Ends of a run that tries to go where a table has no number.
 _LEAVING = {
     *(Outcome.OUT_OF_RANGE, Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL, Outcome.NEWTON_FAILED),
     *(Outcome.INCONSISTENT, Outcome.SINGULAR, Outcome.DISCONTINUOUS),

@@ -83,6 +83,16 @@ def read_members(
     return Members(count, of_parameters, of_starts)
 
 
+def forbidden_members(mechanism: Mechanism, members: Members) -> npt.NDArray[np.bool_]:
+    """Whether a parameter of a member has a sign that it must not have, (r,)."""
+    forbidden = np.zeros(members.count, np.bool_)
+    for name, column in members.parameters.items():
+        sign = mechanism.description.parameters[name].sign
+        if sign:
+            forbidden |= column <= 0.0 if sign == "positive" else column < 0.0
+    return forbidden
+
+
 def _column(label: str, values: npt.ArrayLike) -> tuple[FloatArray, str]:
     """A number or one dimension of finite ones, and what is wrong with it."""
     try:

@@ -4,7 +4,14 @@ from typing import TYPE_CHECKING, Any
 
 from codegen.errors import InputError
 from runtime.ensemble.dataset import Rows
-from runtime.ensemble.members import Columns, FloatArray, read_members, require_room
+from runtime.ensemble.member_arrays import LEFT
+from runtime.ensemble.members import (
+    Columns,
+    FloatArray,
+    forbidden_members,
+    read_members,
+    require_room,
+)
 from runtime.ensemble.single_runs import SingleRuns
 from runtime.ensemble.threads import make_runs
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
@@ -26,12 +33,14 @@ def run_ensemble(
             "have the same variables. Use a sweep."
         )
     require_room(mechanism, members.count, len(times), max_bytes)
-    single = SingleRuns(mechanism, t_end, members, Rows(members, times), options)
+    rows = Rows(members, times)
+    rows.status[forbidden_members(mechanism, members)] = LEFT  # to a single run, which says why
+    single = SingleRuns(mechanism, t_end, members, rows, options)
     made = None
     try:
         first, made = single.prepare()
         make_runs(single, made, first, threads, progress)
     except KeyboardInterrupt:
         pass  # members that were not run say so
-    single.rows.complete(made)
-    return single.rows.dataset()
+    rows.complete(made)
+    return rows.dataset()

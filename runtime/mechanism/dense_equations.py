@@ -78,12 +78,6 @@ class Equations:
         rows, columns = self.description.jacobian_rows, self.description.jacobian_columns
         return csr_array((slopes, (rows, columns)), shape=(self.m, self.n))
 
-    def largest_in_rows(self, values: FloatArray) -> FloatArray:
-        """The largest of the values, (nnz,), in each row of Φ_q, at least 0; shape (m,)."""
-        largest = np.zeros(self.m)
-        np.maximum.at(largest, self.description.jacobian_rows, values)
-        return largest
-
     def velocity_rhs(self, t: float, q: FloatArray) -> FloatArray:
         """ν = -Φ_t, shape (m,)."""
         return _filled(self.m, self.kernels.velocity_rhs, t, q, self.p)

@@ -64,6 +64,38 @@ print(json.dumps({{
 """
 
 
+# A function of the user's, in numba's own cache.
+FOREIGN = """
+import numba
+import separated
+
+@numba.njit("f8(f8, f8[::1])", cache=True)
+def twice(x, out):
+    return 2.0 * separated.outer(x, out)
+"""
+
+CALL_FOREIGN = """
+import numpy as np
+import foreign
+print(foreign.twice(3.0, np.zeros({length})), sum(foreign.twice.stats.cache_misses.values()))
+"""
+
+
+def call(program: str, folder: Path, root: Path, length: int) -> str:
+    """What a program prints that imports the modules of a folder."""
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join((str(folder), str(root))),
+        "NUMBA_CACHE_DIR": str(folder / "cache"),
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", program.format(length=length)],
+        env=environment, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
 @pytest.fixture
 def run(tmp_path: Path, root: Path) -> Run:
     """What a new process reports that imports the module and calls `outer`."""
@@ -74,17 +106,7 @@ def run(tmp_path: Path, root: Path) -> Run:
         path = tmp_path / "separated.py"
         if not path.exists() or path.read_text() != text:
             path.write_text(text)
-        environment = {
-            **os.environ,
-            "PYTHONPATH": os.pathsep.join((str(tmp_path), str(root))),
-            "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
-        }
-        done = subprocess.run(
-            [sys.executable, "-c", PROGRAM.format(length=length)],
-            env=environment, capture_output=True, text=True, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr
-        answer: dict[str, Any] = json.loads(done.stdout)
+        answer: dict[str, Any] = json.loads(call(PROGRAM, tmp_path, root, length))
         assert answer["answer"] == 2.0 * 3.0 + 2.0 * 3.0
         assert answer["last"] == 3.0 * length
         return answer
@@ -120,3 +142,15 @@ def test_what_is_short_is_copied(run: Run) -> None:
     run(length=3)
     again = run(length=3)
     assert (again["compiled"], again["loaded"]) == ([], ["outer"])
+
+
+def test_a_function_of_the_user_outlives_what_it_calls(
+    run: Run, tmp_path: Path, root: Path
+) -> None:
+    run()
+    (tmp_path / "foreign.py").write_text(FOREIGN)
+    calls = [call(CALL_FOREIGN, tmp_path, root, 2 * _LONG) for _ in range(2)]
+    for file in tmp_path.glob("cache/**/separated.*"):
+        file.unlink()
+    calls += [call(CALL_FOREIGN, tmp_path, root, 2 * _LONG) for _ in range(2)]
+    assert [text.split() for text in calls] == [["24.0", count] for count in "1010"]

@@ -218,12 +218,18 @@ class Crossings:
             return _GOING
         self.tries += 1
         rounded = r["reason"] == TrialStep.TOO_LARGE and step.rounding + step.start > step.method
-        if rounded and error < _SLACK * r["permitted"]:
+        is_late = error <= r["permitted"]  # rejected for its samples, or its balance of energy
+        if rounded and not is_late and error < _SLACK * r["permitted"]:
             r["permitted"] = 1.01 * error  # rounding again: another step would fare no better
             return _GOING
         if self.tries > _TRIES:
             r["index"] = int(position.rows.argmax())
             self.note = f"The step across errs by {error:.1e} times the tolerance; loosen rtol."
+            if is_late:
+                self.note = (
+                    "No step across has samples that meet the constraints and balances the energy; "
+                    "take other instants, or loosen rtol."
+                )
             return _SINGULAR
         ahead = position.t - float(r["t"])
         return _GOING if self._approach(position, ahead) else self._cross()

@@ -132,6 +132,15 @@ def test_a_refused_member_and_a_short_run_are_rows(compressor):
     assert np.isnan(short["q"].values[0, -1]).all()
 
 
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_sign_that_a_parameter_must_not_have_is_refused_as_in_a_single_run(compressor, threads):
+    given = {"rod_length": np.array([3.5, 3.55, -3.5, 3.6])}
+    found = compressor.ensemble(0.1, 5, parameters=given, threads=threads, progress=False)
+    assert list(found["outcome"].values) == ["OK", "OK", "ParameterError", "OK"]
+    assert "rod_length is -3.5 m; it must be greater" in str(found["message"].values[2])
+    assert np.isnan(found["q"].values[2]).all()
+
+
 def test_all_problems_are_named_at_once(compressor):
     first, second = compressor.mechanism.description.parameters.names[:2]
     given = {first: np.ones(3), second: np.ones(4), "nonsense": 1.0}
