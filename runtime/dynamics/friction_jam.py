@@ -16,17 +16,20 @@ from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import Description
-from runtime.mechanism.one_sided_impact import rate_rows
+from runtime.mechanism.one_sided_impact import approaches, rate_rows
 
 # What a run meets first on its way into a jam, where the multipliers grow without bound.
 _WAYS_IN = {
     Outcome.SINGULAR, Outcome.CONTRADICTED, Outcome.STEP_TOO_SMALL, Outcome.NEWTON_FAILED,
     Outcome.NOT_FINITE,
 }  # fmt: skip
+# What it meets just before a lock-up, where the response of a contact to its force is rounding.
+_OF_ROUNDING = {Outcome.INCONSISTENT, Outcome.ZENO, Outcome.CONTRADICTED}
 _CLOSE = 1e-6  # safety: of the run; nearer to a jam, the jam is why it ends
 _AHEAD = np.array([0.0, 0.001, 0.01, 0.1, 1.0])  # safety: of `_CLOSE`; instants that are tried
 _LOST = 1e-3  # safety: least singular value, of unit rows, of what locks up
 _OWN = 0.1  # safety: of that of the joints alone; more is their own singular position
+_BEYOND = 1e-6  # safety: speed of drivers over that which following them takes; less is a lock-up
 _JAM = (
     "{} jams{}: friction raises the force that presses{} by more than it needs, and no "
     "acceleration agrees with sliding on. A creep speed does not help: lower the coefficient, "
@@ -54,13 +57,16 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
     description, named = mechanism.description, run.outcome is not Outcome.SINGULAR
     rubs = any(row.kind == "friction" for row in description.effects)
     holds = rubs or description.rigid or mechanism.system.one_way
-    if run.outcome not in _WAYS_IN or (named and run.index >= 0) or not holds:
+    grows = run.outcome in _WAYS_IN and not (named and run.index >= 0)
+    if not (grows or run.outcome in _OF_ROUNDING) or not holds:
         return run
     equations, (t, q, v) = Equations(mechanism, p), (run.final_t, run.final_q, run.final_v)
-    locked = _describe_lock_up(equations, run)
+    locked = _describe_lock_up(equations, run, proven=not grows)
     if locked:
         ended = Outcome.LOCKED if description.drivers else Outcome.SINGULAR
         return replace(run, outcome=ended, index=-1, note=locked)
+    if not grows:
+        return run
     a, _, _ = equations.motion(t, q, v, run.final_modes)
     a = np.where(np.isfinite(a), a, 0.0)
     with np.errstate(over="ignore", invalid="ignore"):  # of a run of 1e300 s
@@ -77,18 +83,30 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
     return replace(run, outcome=Outcome.NOT_FINITE, index=-1, note=jammed) if jammed else run
 
 
-def _describe_lock_up(equations: Equations, run: Trajectory) -> str:
-    """Sentences where friction that sticks, and contacts, lock the machine up; empty otherwise."""
+def _describe_lock_up(equations: Equations, run: Trajectory, *, proven: bool) -> str:
+    """Sentences where friction that sticks, and contacts, lock the machine up; empty otherwise.
+
+    If `proven`, drivers must ask for velocities that nothing permits.
+    """
     system, switches = equations.mechanism.system, equations.description.switches
-    kept = np.flatnonzero(run.final_modes == SLIDING).tolist()
-    kept = [k for k in kept if k in (*system.sticking, *system.rigid, *system.one_way)]
+    holding = (*system.sticking, *system.rigid, *system.one_way)
+    kept = [k for k in holding if run.final_modes[k] == SLIDING or (proven and k == run.index)]
+    kept.sort()
     if not kept:
         return ""
     t, q = run.final_t, run.final_q
     scale = equations.scale(equations.size(t, q))
-    joints = _unit_rows(equations.jacobian(t, q) * scale)[equations.independent]
-    both = np.vstack([joints, _unit_rows(rate_rows(equations, t, q)[kept] * scale)])
-    if not np.isfinite(both).all() or not 0.0 < _least(both) < min(_LOST, _OWN * _least(joints)):
+    joints = (equations.jacobian(t, q) * scale)[equations.independent]
+    both = np.vstack([joints, rate_rows(equations, t, q)[kept] * scale])
+    if not np.isfinite(both).all():
+        return ""
+    lengths = _lengths(both)
+    if not 0.0 < _least(both / lengths) < min(_LOST, _OWN * _least(joints / _lengths(joints))):
+        return ""
+    alone = approaches(equations, t, q, np.zeros(equations.n))[kept]
+    moved = np.append(equations.velocity_rhs(t, q)[equations.independent], -alone)
+    one_sided = [k not in system.sticking for k in kept]
+    if proven and not _is_beyond(both / lengths, moved / lengths[:, 0], one_sided):
         return ""
     rubs = [switches[k].name for k in kept if k in system.sticking]
     shut = [switches[k].name for k in kept if k in system.rigid]
@@ -98,10 +116,22 @@ def _describe_lock_up(equations: Equations, run: Trajectory) -> str:
     return _LOCKED.format(f"{' and '.join(words)} keep{'s' if len(words) == 1 else ''}", grows)
 
 
-def _unit_rows(matrix: FloatArray) -> FloatArray:
-    lengths = np.linalg.norm(matrix, axis=1, keepdims=True)
-    unit: FloatArray = matrix / np.where(lengths > 0.0, lengths, 1.0)
-    return unit
+def _is_beyond(rows: FloatArray, moved: FloatArray, one_sided: list[bool]) -> bool:
+    """Whether no velocities w within all bounds satisfy rows w = moved (J. Farkas).
+
+    The last rows are those of what is kept; `one_sided` rows may have w with rows w > moved.
+    With the left vector u of the least singular value σ such a w is at least (uᵀ moved)/σ.
+    """
+    left, values, _ = np.linalg.svd(rows, full_matrices=False)
+    u = left[:, -1] * np.sign(left[:, -1] @ moved)
+    opens = u[-len(one_sided) :][one_sided] < -_OWN * np.abs(u).max()
+    asked, speed = u @ moved, np.linalg.norm(moved)
+    return bool(values[-1] * speed < _BEYOND * asked and not opens.any())
+
+
+def _lengths(rows: FloatArray) -> FloatArray:
+    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+    return np.where(lengths > 0.0, lengths, 1.0)
 
 
 def _least(rows: FloatArray) -> float:
