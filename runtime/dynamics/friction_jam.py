@@ -8,6 +8,7 @@ that which friction may exert.
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
@@ -23,12 +24,13 @@ _WAYS_IN = {
     Outcome.SINGULAR, Outcome.CONTRADICTED, Outcome.STEP_TOO_SMALL, Outcome.NEWTON_FAILED,
     Outcome.NOT_FINITE,
 }  # fmt: skip
-# What it meets just before a lock-up, where the response of a contact to its force is rounding.
+# What it may meet at events before a lock-up, where a contact's response to its force is rounding.
 _OF_ROUNDING = {Outcome.INCONSISTENT, Outcome.ZENO, Outcome.CONTRADICTED}
 _CLOSE = 1e-6  # safety: of the run; nearer to a jam, the jam is why it ends
 _AHEAD = np.array([0.0, 0.001, 0.01, 0.1, 1.0])  # safety: of `_CLOSE`; instants that are tried
 _LOST = 1e-3  # safety: least singular value, of unit rows, of what locks up
 _OWN = 0.1  # safety: of that of the joints alone; more is their own singular position
+_TOUCHING = 1e-9  # accuracy: of the machine's size; a narrower gap is closed
 _BEYOND = 1e-6  # safety: speed of drivers over that which following them takes; less is a lock-up
 _JAM = (
     "{} jams{}: friction raises the force that presses{} by more than it needs, and no "
@@ -61,7 +63,8 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
     if not (grows or run.outcome in _OF_ROUNDING) or not holds:
         return run
     equations, (t, q, v) = Equations(mechanism, p), (run.final_t, run.final_q, run.final_v)
-    locked = _describe_lock_up(equations, run, proven=not grows)
+    locked = grows and _describe_lock_up(equations, run, proven=False)
+    locked = locked or _describe_lock_up(equations, run, proven=True)
     if locked:
         ended = Outcome.LOCKED if description.drivers else Outcome.SINGULAR
         return replace(run, outcome=ended, index=-1, note=locked)
@@ -86,16 +89,20 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
 def _describe_lock_up(equations: Equations, run: Trajectory, *, proven: bool) -> str:
     """Sentences where friction that sticks, and contacts, lock the machine up; empty otherwise.
 
-    If `proven`, drivers must ask for velocities that nothing permits.
+    If `proven`, drivers must ask for velocities that nothing permits. A contact that touches may
+    then be open: it bounces, and the last bounces are rounding.
     """
     system, switches = equations.mechanism.system, equations.description.switches
-    holding = (*system.sticking, *system.rigid, *system.one_way)
-    kept = [k for k in holding if run.final_modes[k] == SLIDING or (proven and k == run.index)]
-    kept.sort()
+    t, q, closed = run.final_t, run.final_q, run.final_modes == SLIDING
+    size = equations.size(t, q)
+    if proven:
+        rigid = list(system.rigid)
+        gaps = equations.switching(t, q, run.final_v)[rigid]
+        closed[rigid] |= np.abs(gaps) <= _TOUCHING * size
+    kept = [k for k in sorted((*system.sticking, *system.rigid, *system.one_way)) if closed[k]]
     if not kept:
         return ""
-    t, q = run.final_t, run.final_q
-    scale = equations.scale(equations.size(t, q))
+    scale = equations.scale(size)
     joints = (equations.jacobian(t, q) * scale)[equations.independent]
     both = np.vstack([joints, rate_rows(equations, t, q)[kept] * scale])
     if not np.isfinite(both).all():
@@ -103,11 +110,14 @@ def _describe_lock_up(equations: Equations, run: Trajectory, *, proven: bool) ->
     lengths = _lengths(both)
     if not 0.0 < _least(both / lengths) < min(_LOST, _OWN * _least(joints / _lengths(joints))):
         return ""
-    alone = approaches(equations, t, q, np.zeros(equations.n))[kept]
-    moved = np.append(equations.velocity_rhs(t, q)[equations.independent], -alone)
-    one_sided = [k not in system.sticking for k in kept]
-    if proven and not _is_beyond(both / lengths, moved / lengths[:, 0], one_sided):
-        return ""
+    if proven:
+        alone = approaches(equations, t, q, np.zeros(equations.n))[kept]
+        moved = np.append(equations.velocity_rhs(t, q)[equations.independent], -alone)
+        one_sided = np.array([k not in system.sticking for k in kept])
+        blocks = blocking_rows(both / lengths, moved / lengths[:, 0], one_sided)
+        kept = [k for k, part in zip(kept, blocks, strict=True) if part]
+        if not kept:
+            return ""
     rubs = [switches[k].name for k in kept if k in system.sticking]
     shut = [switches[k].name for k in kept if k in system.rigid]
     words = [f"friction {name}" for name in rubs] + [f"contact {name}" for name in shut]
@@ -116,17 +126,21 @@ def _describe_lock_up(equations: Equations, run: Trajectory, *, proven: bool) ->
     return _LOCKED.format(f"{' and '.join(words)} keep{'s' if len(words) == 1 else ''}", grows)
 
 
-def _is_beyond(rows: FloatArray, moved: FloatArray, one_sided: list[bool]) -> bool:
-    """Whether no velocities w within all bounds satisfy rows w = moved (J. Farkas).
+def blocking_rows(
+    rows: FloatArray, moved: FloatArray, one_sided: npt.NDArray[np.bool_]
+) -> npt.NDArray[np.bool_]:
+    """Which of what is kept, (k,), forbids all w with rows w = moved; none where such w exist.
 
-    The last rows are those of what is kept; `one_sided` rows may have w with rows w > moved.
-    With the left vector u of the least singular value σ such a w is at least (uᵀ moved)/σ.
+    The last k rows are those of what is kept; of `one_sided` ones rows w may be more than moved.
+    With the left vector u of the least singular value σ such a w is at least (uᵀ moved)/σ, and
+    where u has no negative entry for a one-sided row, no such row relieves it (J. Farkas).
     """
     left, values, _ = np.linalg.svd(rows, full_matrices=False)
     u = left[:, -1] * np.sign(left[:, -1] @ moved)
-    opens = u[-len(one_sided) :][one_sided] < -_OWN * np.abs(u).max()
-    asked, speed = u @ moved, np.linalg.norm(moved)
-    return bool(values[-1] * speed < _BEYOND * asked and not opens.any())
+    parts, least = u[-len(one_sided) :], _OWN * np.abs(u).max()
+    beyond = values[-1] * np.linalg.norm(moved) < _BEYOND * (u @ moved)
+    relieved = bool((parts[one_sided] < -least).any())
+    return (np.abs(parts) > least) & (beyond and not relieved)
 
 
 def _lengths(rows: FloatArray) -> FloatArray:
