@@ -140,7 +140,8 @@ def blocking_rows(
     parts, least = u[-len(one_sided) :], _OWN * np.abs(u).max()
     beyond = values[-1] * np.linalg.norm(moved) < _BEYOND * (u @ moved)
     relieved = bool((parts[one_sided] < -least).any())
-    return (np.abs(parts) > least) & (beyond and not relieved)
+    forbids: npt.NDArray[np.bool_] = (np.abs(parts) > least) & (beyond and not relieved)
+    return forbids
 
 
 def _lengths(rows: FloatArray) -> FloatArray:
