@@ -8,6 +8,7 @@ that which friction may exert.
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
@@ -16,17 +17,21 @@ from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import Description
-from runtime.mechanism.one_sided_impact import rate_rows
+from runtime.mechanism.one_sided_impact import approaches, rate_rows
 
 # What a run meets first on its way into a jam, where the multipliers grow without bound.
 _WAYS_IN = {
     Outcome.SINGULAR, Outcome.CONTRADICTED, Outcome.STEP_TOO_SMALL, Outcome.NEWTON_FAILED,
     Outcome.NOT_FINITE,
 }  # fmt: skip
+# What it may meet at events before a lock-up, where a contact's response to its force is rounding.
+_OF_ROUNDING = {Outcome.INCONSISTENT, Outcome.ZENO, Outcome.CONTRADICTED}
 _CLOSE = 1e-6  # safety: of the run; nearer to a jam, the jam is why it ends
 _AHEAD = np.array([0.0, 0.001, 0.01, 0.1, 1.0])  # safety: of `_CLOSE`; instants that are tried
 _LOST = 1e-3  # safety: least singular value, of unit rows, of what locks up
 _OWN = 0.1  # safety: of that of the joints alone; more is their own singular position
+_TOUCHING = 1e-9  # accuracy: of the machine's size; a narrower gap is closed
+_BEYOND = 1e-6  # safety: speed of drivers over that which following them takes; less is a lock-up
 _JAM = (
     "{} jams{}: friction raises the force that presses{} by more than it needs, and no "
     "acceleration agrees with sliding on. A creep speed does not help: lower the coefficient, "
@@ -54,13 +59,17 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
     description, named = mechanism.description, run.outcome is not Outcome.SINGULAR
     rubs = any(row.kind == "friction" for row in description.effects)
     holds = rubs or description.rigid or mechanism.system.one_way
-    if run.outcome not in _WAYS_IN or (named and run.index >= 0) or not holds:
+    grows = run.outcome in _WAYS_IN and not (named and run.index >= 0)
+    if not (grows or run.outcome in _OF_ROUNDING) or not holds:
         return run
     equations, (t, q, v) = Equations(mechanism, p), (run.final_t, run.final_q, run.final_v)
-    locked = _describe_lock_up(equations, run)
+    locked = grows and _describe_lock_up(equations, run, proven=False)
+    locked = locked or _describe_lock_up(equations, run, proven=True)
     if locked:
         ended = Outcome.LOCKED if description.drivers else Outcome.SINGULAR
         return replace(run, outcome=ended, index=-1, note=locked)
+    if not grows:
+        return run
     a, _, _ = equations.motion(t, q, v, run.final_modes)
     a = np.where(np.isfinite(a), a, 0.0)
     with np.errstate(over="ignore", invalid="ignore"):  # of a run of 1e300 s
@@ -77,19 +86,38 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
     return replace(run, outcome=Outcome.NOT_FINITE, index=-1, note=jammed) if jammed else run
 
 
-def _describe_lock_up(equations: Equations, run: Trajectory) -> str:
-    """Sentences where friction that sticks, and contacts, lock the machine up; empty otherwise."""
+def _describe_lock_up(equations: Equations, run: Trajectory, *, proven: bool) -> str:
+    """Sentences where friction that sticks, and contacts, lock the machine up; empty otherwise.
+
+    If `proven`, drivers must ask for velocities that nothing permits. A contact that touches may
+    then be open: it bounces, and the last bounces are rounding.
+    """
     system, switches = equations.mechanism.system, equations.description.switches
-    kept = np.flatnonzero(run.final_modes == SLIDING).tolist()
-    kept = [k for k in kept if k in (*system.sticking, *system.rigid, *system.one_way)]
+    t, q, closed = run.final_t, run.final_q, run.final_modes == SLIDING
+    size = equations.size(t, q)
+    if proven:
+        rigid = list(system.rigid)
+        gaps = equations.switching(t, q, run.final_v)[rigid]
+        closed[rigid] |= np.abs(gaps) <= _TOUCHING * size
+    kept = [k for k in sorted((*system.sticking, *system.rigid, *system.one_way)) if closed[k]]
     if not kept:
         return ""
-    t, q = run.final_t, run.final_q
-    scale = equations.scale(equations.size(t, q))
-    joints = _unit_rows(equations.jacobian(t, q) * scale)[equations.independent]
-    both = np.vstack([joints, _unit_rows(rate_rows(equations, t, q)[kept] * scale)])
-    if not np.isfinite(both).all() or not 0.0 < _least(both) < min(_LOST, _OWN * _least(joints)):
+    scale = equations.scale(size)
+    joints = (equations.jacobian(t, q) * scale)[equations.independent]
+    both = np.vstack([joints, rate_rows(equations, t, q)[kept] * scale])
+    if not np.isfinite(both).all():
         return ""
+    lengths = _lengths(both)
+    if not 0.0 < _least(both / lengths) < min(_LOST, _OWN * _least(joints / _lengths(joints))):
+        return ""
+    if proven:
+        alone = approaches(equations, t, q, np.zeros(equations.n))[kept]
+        moved = np.append(equations.velocity_rhs(t, q)[equations.independent], -alone)
+        one_sided = np.array([k not in system.sticking for k in kept])
+        blocks = blocking_rows(both / lengths, moved / lengths[:, 0], one_sided)
+        kept = [k for k, part in zip(kept, blocks, strict=True) if part]
+        if not kept:
+            return ""
     rubs = [switches[k].name for k in kept if k in system.sticking]
     shut = [switches[k].name for k in kept if k in system.rigid]
     words = [f"friction {name}" for name in rubs] + [f"contact {name}" for name in shut]
@@ -98,10 +126,27 @@ def _describe_lock_up(equations: Equations, run: Trajectory) -> str:
     return _LOCKED.format(f"{' and '.join(words)} keep{'s' if len(words) == 1 else ''}", grows)
 
 
-def _unit_rows(matrix: FloatArray) -> FloatArray:
-    lengths = np.linalg.norm(matrix, axis=1, keepdims=True)
-    unit: FloatArray = matrix / np.where(lengths > 0.0, lengths, 1.0)
-    return unit
+def blocking_rows(
+    rows: FloatArray, moved: FloatArray, one_sided: npt.NDArray[np.bool_]
+) -> npt.NDArray[np.bool_]:
+    """Which of what is kept, (k,), forbids all w with rows w = moved; none where such w exist.
+
+    The last k rows are those of what is kept; of `one_sided` ones rows w may be more than moved.
+    With the left vector u of the least singular value σ such a w is at least (uᵀ moved)/σ, and
+    where u has no negative entry for a one-sided row, no such row relieves it (J. Farkas).
+    """
+    left, values, _ = np.linalg.svd(rows, full_matrices=False)
+    u = left[:, -1] * np.sign(left[:, -1] @ moved)
+    parts, least = u[-len(one_sided) :], _OWN * np.abs(u).max()
+    beyond = values[-1] * np.linalg.norm(moved) < _BEYOND * (u @ moved)
+    relieved = bool((parts[one_sided] < -least).any())
+    forbids: npt.NDArray[np.bool_] = (np.abs(parts) > least) & (beyond and not relieved)
+    return forbids
+
+
+def _lengths(rows: FloatArray) -> FloatArray:
+    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+    return np.where(lengths > 0.0, lengths, 1.0)
 
 
 def _least(rows: FloatArray) -> float:

@@ -8,6 +8,7 @@ import pytest
 from codegen import Model
 from runtime import load
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.friction_jam import blocking_rows
 from runtime.machine_facade import Machine
 from tests.random_mechanisms import Scales, random_mechanism
 from tests.random_mechanisms.dense_dynamics import Dense
@@ -69,6 +70,45 @@ def test_what_sticks_or_is_closed_locks_a_driven_machine_up(
     q, t = run.samples.q[-1, order], float(run.t[-1])
     assert dense.least_singular_value(q, t, [kept.split()[1]]) < 1e-4
     assert dense.least_singular_value(q, t) > 1e-4
+
+
+@pytest.fixture(scope="module")
+def bouncing_into_a_lock_up(tmp_path_factory: pytest.TempPathFactory) -> Machine:
+    """A driver closes contact stop0, which bounces ever faster until it holds the machine."""
+    driven = random_mechanism(74, friction="sticking", contacts="rigid")
+    return load(driven.model(), driven.scene, folder=tmp_path_factory.mktemp("lock_up"))
+
+
+@pytest.mark.parametrize("rtol", [1e-7, 1e-9, 1.1e-9, 1.2e-9, 2e-9, 5e-9, 1e-10, 1e-12])
+def test_a_lock_up_has_one_name_however_rounding_ends_its_bounces(
+    rtol: float, bouncing_into_a_lock_up: Machine
+) -> None:
+    """The contact ends closed, without consistent modes, or open and in ever shorter steps."""
+    run = bouncing_into_a_lock_up.simulate(2.7, rtol=rtol, progress=False)
+    assert run.outcome is Outcome.LOCKED, run.message
+    assert run.t[-1] == pytest.approx(0.4256325657, abs=1e-10)
+    assert "What contact stop0 keeps as it is" in run.message
+
+
+@pytest.mark.parametrize(
+    ("speed", "one_sided", "blocks"),
+    [
+        (1.0, True, True),  # into the contact
+        (-1.0, True, False),  # away from it: it opens
+        (-1.0, False, True),  # away, and friction sticks
+        (0.0, True, False),  # along it, as where two contacts hold the same
+    ],
+)
+def test_drivers_are_blocked_where_no_velocity_follows_them(
+    speed: float, one_sided: bool, blocks: bool
+) -> None:
+    """A driver of x, one of y at 1, and what keeps x from falling; z is free."""
+    rounding = 1e-12
+    rows = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, rounding]])
+    for lean, expected in ((0.0, blocks), (0.1, False)):
+        rows[2, 2] = rounding + lean
+        found = blocking_rows(rows, np.array([speed, 1.0, 0.0]), np.array([one_sided]))
+        assert found.tolist() == [expected]
 
 
 def rod_that_rubs(folder: Path, *, weight: bool, creep: float | None) -> Machine:
