@@ -27,7 +27,15 @@ from runtime.integrate.method import GENERATED, METHODS, REGISTER, find_method
 
 _PROCESSES = 4  # safety: each takes half a GB
 _WATCHED = 0.2  # safety: s between two looks of a process at its parent
-_OUTSIDE = ("dynamics", "explicit_time", "continuation", "statics", "mechanism")
+_OUTSIDE = (
+    "dynamics",
+    "explicit_time",
+    "continuation",
+    "statics",
+    "mechanism",
+    "assembly",
+    "ensemble",
+)
 """Rooms with some compiled code beside those that consist of it."""
 _METHOD_OF = {registration.module: name for name, registration in REGISTER.items()}
 
