@@ -27,7 +27,7 @@ from tests.codegen.test_absent_effects import MACHINES, library
 WITH_COEFFICIENTS = (
     "engine", "film_follower", "four_bar", "gear_slider", "quick_return", "rack_and_pinion",
     "scotch_yoke", "slider_crank", "watt_six_bar", "web_cutter", "andrews", "belt_block",
-    "contact_follower", "crank", "guide_friction", "jump_law",
+    "contact_follower", "crank", "guide_friction", "jump_law", "roller_chain",
 )  # fmt: skip
 """Machines of the library with an effect that vanishes with one of their parameters."""
 STEPS = 20

@@ -1,7 +1,6 @@
 """Cases from outside: nothing in them is executed, and what is wrong with them is told soon."""
 
 import json
-import os
 import re
 import sys
 from collections.abc import Callable
@@ -17,13 +16,13 @@ from runtime.cli import run_options
 
 
 @pytest.fixture
-def read(tmp_path: Path) -> Callable[..., str]:
+def read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
     """What is wrong with the text of a case, which leaves no mark."""
 
     def read(text: str | bytes, ending: str = "yaml") -> str:
         path = tmp_path / f"case.{ending}"
         path.write_bytes(text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text)
-        os.chdir(tmp_path)
+        monkeypatch.chdir(tmp_path)
         with pytest.raises(InputError) as caught:
             load_case(path)
         assert not (tmp_path / "mark").exists()
