@@ -19,6 +19,7 @@ from numba.core import cgutils
 from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
 
+from codegen.kernel_compiler.numba_pipeline import KernelCompiler
 from codegen.numba_cache import checked_caches
 from codegen.termination_signals import SignalDeferral
 
@@ -30,13 +31,15 @@ _Array: Any = np.ndarray
 
 _OPTIONS = re.compile(r"^OPTIONS = \{.*(?=\}$)", re.MULTILINE)  # of a generated text
 _WITHOUT = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+KERNEL_OPTIONS = {**_WITHOUT, "pipeline_class": KernelCompiler}
+"""What numba gets besides the options of the text, which knows them by this name."""
+
 _CALLER = {"cache": True, "error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
 
 
-def without_entries(text: str) -> str:
-    """The text of a module whose kernels have no entries; the lines keep their numbers."""
-    more = "".join(f', "{name}": {value}' for name, value in _WITHOUT.items())
-    return _OPTIONS.sub(lambda options: options.group() + more, text, count=1)
+def with_kernel_options(text: str) -> str:
+    """The text of a module whose kernels get KERNEL_OPTIONS; the lines keep their numbers."""
+    return _OPTIONS.sub(lambda options: f"{options.group()}, **KERNEL_OPTIONS", text, count=1)
 
 
 def give_entries(functions: Iterable[Any]) -> None:

@@ -10,8 +10,9 @@ import hashlib
 import importlib.util
 import re
 import sys
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cached_property
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -23,9 +24,6 @@ UNSIGNED = "0" * 64
 # in the header, in the form that a checkout has without an installation
 _REBUILD = re.compile(r"python -m codegen (\w+.*)")
 _SIGNATURE = re.compile(rf"^{MARK}([0-9a-f]{{64}})$", re.MULTILINE)
-_KERNEL = re.compile(
-    r'^@numba\.njit\("[^\n]*\ndef (?P<name>\w+)\(.*?(?=^[^\s)]|\Z)', re.MULTILINE | re.DOTALL
-)
 FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 
@@ -118,24 +116,6 @@ def import_generated(path: Path, digest: str | None = None) -> ModuleType:
         return _execute(name, path, text)
 
 
-def kernel_lines(text: str) -> dict[str, int]:
-    """The lines of each kernel of a generated text, by its name."""
-    return {kernel["name"]: kernel[0].count("\n") for kernel in _KERNEL.finditer(text)}
-
-
-def compile_kernels(path: Path, names: Collection[str]) -> None:
-    """Compile some kernels of a file into numba's cache, without the lock of the whole file.
-
-    The others are blank lines in their places: numba's cache knows a function by its line, too.
-    """
-    text = read_generated(path)
-
-    def keep(kernel: re.Match[str]) -> str:
-        return kernel[0] if kernel["name"] in names else "\n" * kernel[0].count("\n")
-
-    _execute(module_name(path, text), path, _KERNEL.sub(keep, text))
-
-
 def module_name(path: Path, text: str) -> str:
     """The name of the module that a generated file is imported as."""
     return _name(path, text_hash(text))
@@ -200,23 +180,30 @@ def locked(path: Path) -> Iterator[None]:
 
 
 class _TextLoader(SourceFileLoader):
-    """Python's own loader, of a text in place of a file; its kernels compile without entries."""
+    """Python's own loader, of a text in place of a file; its kernels get options of ours."""
 
     def __init__(self, name: str, path: str, text: str) -> None:
         super().__init__(name, path)
         self.text = text
 
-    def get_code(self, fullname: str) -> CodeType:
-        """The text, compiled, with other options for kernels."""
-        from codegen.calls_of_kernels_from_python import without_entries
+    @cached_property
+    def lines(self) -> list[str]:
+        """The lines of the text, each with its end."""
+        return self.text.splitlines(keepends=True)
 
-        return compile(without_entries(self.text), self.path, "exec", dont_inherit=True)
+    def get_code(self, fullname: str) -> CodeType:
+        """The text, compiled, with more options for kernels."""
+        from codegen.calls_of_kernels_from_python import with_kernel_options
+
+        return compile(with_kernel_options(self.text), self.path, "exec", dont_inherit=True)
 
     def exec_module(self, module: ModuleType) -> None:
         """Execute the text in a module, whose kernels can then be called from Python."""
-        from codegen.calls_of_kernels_from_python import give_entries
+        from codegen.calls_of_kernels_from_python import KERNEL_OPTIONS, give_entries
 
+        vars(module)["KERNEL_OPTIONS"] = KERNEL_OPTIONS
         super().exec_module(module)
+        del vars(module)["KERNEL_OPTIONS"]
         give_entries(vars(module).values())
 
     def get_source(self, fullname: str) -> str:

@@ -58,7 +58,7 @@ _numba: Any = dispatcher
 _Identity: Any = FunctionIdentity
 _Target: Any = CPUContext
 
-_FORMAT = b"sealed machine code, compiled separately\n"  # every file begins with it
+_FORMAT = b"sealed machine code of kernels translated by themselves\n"  # every file begins with it
 _OURS = "lw"  # code: in a file's name, pendulum.masses-12.py311.lw.nbi; the longest has 253 letters
 _SEAL = hashlib.sha256().digest_size
 _WAIT = 0.5  # safety: s, for other writers of a folder, who need some milliseconds each

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from codegen import __version__
 from codegen import argument_readers as readers
 from codegen.errors import ModelFileError, SupersededError
+from codegen.garbage_collection import collection_paused
 from codegen.generated_module_signature_and_import import (
     FIRST_KERNEL,
     check_signature,
@@ -36,6 +37,7 @@ _LONGEST_PATH = 1000  # layout: characters of a path in a message
     model=readers.model, scene=readers.optional(readers.scene),
     folder=readers.optional(readers.path), generated=readers.optional(readers.path),
 )  # fmt: skip
+@collection_paused()
 def load(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     folder: str | os.PathLike[str] | None = None,

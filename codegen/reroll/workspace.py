@@ -33,8 +33,9 @@ class Workspace:
     def need_column(self, numbers: Sequence[int]) -> None:
         """Ask for slots of what an operand is, turn after turn."""
         column, homes = np.array(numbers), self._homes(numbers)
-        apart = homes == "p" if len(np.unique(homes)) > 1 else self.sequence.home_of[column] > 0
-        self.needed[column[~apart]] = True
+        array = homes[0] if len(np.unique(homes)) == 1 else "p"
+        is_there = (self.sequence.home_of[column] > 0) & (homes == array)
+        self.needed[column[~is_there]] = True
 
     def _homes(self, numbers: Sequence[int]) -> npt.NDArray[np.str_]:
         """The array of each value, the workspace of those that are computed."""
@@ -74,6 +75,8 @@ class Workspace:
             return np.array([seq.program.values[n].literal for n in numbers], dtype=np.float64)
         is_there = (seq.home_of[column] > 0) & (homes == array)
         slots = np.where(is_there, seq.slot_of[column], self.slots[column])
+        if (slots < 0).any():
+            raise KeyError(f"a value of kernel {self.kernel.name} is read that nothing stores")
         logical = not is_there[0] and seq.home(numbers[0]) == "" and seq.is_logical(numbers[0])
         return Entries(array, slots, logical)
 

@@ -1,0 +1,137 @@
+"""A kernel → a module in LLVM's language: the kernel, and the functions and tables that it uses.
+
+The operations, their order and the licence to contract a product and a sum are those that numba
+would take from the text, so results agree but for the contractions that LLVM then chooses.
+"""
+
+import ast
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from codegen.kernel_compiler.function_translation import FunctionTranslation
+from codegen.kernel_compiler.llvm_instructions import (
+    FLOAT,
+    INTEGER,
+    UNSIGNED,
+    Array,
+    Instructions,
+    Number,
+    UntranslatableError,
+    structure_of,
+)
+
+_ITEMS = {"float64": FLOAT, "int64": INTEGER, "uint32": UNSIGNED}
+
+
+Source = Callable[[Any], ast.FunctionDef]
+"""Gives the syntax tree of a function."""
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """What callers know of a kernel.
+
+    Attributes
+    ----------
+    symbol
+        The linker's name.
+    head
+        The parameters of the machine code, of which numba makes several for an array.
+    parameters
+        The kernel's own, in their order.
+    results
+        Kinds of the numbers that it stores where the first parameter points.
+    flags
+        What the optimizer may do with floating-point numbers, as in "contract".
+    """
+
+    symbol: str
+    head: str
+    parameters: tuple[Number | Array, ...]
+    results: tuple[str, ...]
+    flags: str
+
+
+def translate(
+    tree: ast.FunctionDef, kernel: Kernel, names: Mapping[str, Any], source: Source
+) -> str:
+    """The module of a kernel with the syntax tree `tree`; `names` are those that its text knows.
+
+    Raises UntranslatableError at what no kernel has.
+    """
+    module = LlvmModule(names, source, kernel.symbol, kernel.flags)
+    parameters = dict(zip((p.arg for p in tree.args.args), kernel.parameters, strict=True))
+    function = FunctionTranslation(module, parameters, kernel.results)
+    function.run(tree)
+    module.define(f'i32 @"{kernel.symbol}"({kernel.head})', function.code)
+    return module.text()
+
+
+@dataclass(slots=True)
+class LlvmModule:
+    """The module of a kernel; its parts enter when something first uses them."""
+
+    names: Mapping[str, Any]
+    source: Source
+    symbol: str
+    flags: str
+    tables: dict[str, str] = field(default_factory=dict)
+    declarations: dict[str, str] = field(default_factory=dict)
+    callees: dict[tuple[str, tuple[str, ...]], tuple[str, tuple[str, ...]]] = field(
+        default_factory=dict
+    )
+    definitions: list[str] = field(default_factory=list)
+
+    def text(self) -> str:
+        """The whole in LLVM's language."""
+        parts = (*self.tables.values(), *self.declarations.values(), *self.definitions)
+        return "\n".join([*parts, ""])
+
+    def table(self, name: str, values: Any) -> Array:
+        """An array that the text knows, as a constant."""
+        kind = _ITEMS.get(str(values.dtype))
+        if kind is None or not values.flags.c_contiguous:
+            raise UntranslatableError(f"the array {name}")
+        address = f"@{name}"
+        if name not in self.tables:
+            flat = values.ravel()
+            numbers = flat.view(np.uint64).tolist() if kind == FLOAT else flat.tolist()
+            form = f"{kind} 0x%016X" if kind == FLOAT else f"{kind} %d"
+            entries = ", ".join([form % number for number in numbers])
+            self.tables[name] = (
+                f"{address} = internal unnamed_addr constant [{flat.size} x {kind}] [{entries}]"
+            )
+        return Array(address, kind, values.shape[1:])
+
+    def declared(self, function: str, arguments: int, effects: str) -> str:
+        """The name of a function elsewhere, from floating-point numbers to one."""
+        kinds = ", ".join([FLOAT] * arguments)
+        self.declarations[function] = f"declare {FLOAT} @{function}({kinds}){effects}"
+        return function
+
+    def callee(self, name: str, kinds: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
+        """(symbol, kinds of its results) of a function of the text for arguments of some kinds."""
+        if (name, kinds) not in self.callees:
+            tree = self.source(self.names[name])
+            if len(tree.args.args) != len(kinds):
+                raise UntranslatableError(f"{name} of {len(kinds)} arguments")
+            parameters = {
+                p.arg: Number(f"%{p.arg}", k) for p, k in zip(tree.args.args, kinds, strict=True)
+            }
+            function = FunctionTranslation(self, parameters)
+            function.run(tree)
+            results = function.results
+            symbol = f'"{self.symbol}.{name}.{len(self.callees)}"'
+            kind = results[0] if len(results) == 1 else structure_of(results)
+            head = ", ".join(map(str, parameters.values()))
+            self.define(f"internal {kind} @{symbol}({head}) alwaysinline", function.code)
+            self.callees[name, kinds] = symbol, results
+        return self.callees[name, kinds]
+
+    def define(self, head: str, code: Instructions) -> None:
+        """Add a function."""
+        lines = [*code.variables, "  br label %B.begin", "B.begin:", *code.lines]
+        self.definitions.append("\n".join([f"define {head} {{", *lines, "}"]))

@@ -1,0 +1,306 @@
+"""Kernels are translated for LLVM, and compute what Python and numba take from their text."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numba.core.sigutils import normalize_signature
+
+from codegen.generated_module_signature_and_import import _TextLoader, import_generated
+from codegen.kernel_compiler import numba_pipeline
+
+EXACT = 'OPTIONS = {"cache": False, "error_model": "numpy", "_nrt": False}'
+CONTRACTED = 'OPTIONS = {"cache": False, "error_model": "numpy", "fastmath": {"contract"}}'
+HEAD = "import math\n\nimport numba\nimport numpy as np\n\n"
+CONSTRUCTS = '''
+LIMIT = 0.5
+KNOTS = np.array((-1.0, 0.0, 0.5, 2.0))
+ROWS = np.array(((1.0, 2.0), (3.0, -4.0), (0.25, 0.5), (1e-3, 7.0)))
+PLACES = np.array((3, 0, 2, 1), dtype=np.uint32)
+
+
+@numba.njit(**OPTIONS)
+def pair(x):
+    """Two numbers."""
+    if not abs(x) < 1.0:
+        return math.sin(x), math.cos(x)
+    k = math.floor(x * 4.0)
+    return (x * k if k & 1 else -x), float(k)
+
+
+@numba.njit("Tuple((i8, f8))(f8)", **OPTIONS)
+def interval(x):
+    x -= 4.0 * math.floor((x + 1.0) / 4.0)
+    low, high = 0, 4
+    while high - low > 1:
+        middle = (low + high) // 2
+        if x < KNOTS[middle]:
+            high = middle
+        else:
+            low = middle
+    return low, x - KNOTS[low]
+
+
+@numba.njit("f8(f8)", **OPTIONS)
+def polygon(x):
+    k, s = interval(x)
+    c = ROWS
+    return c[k, 0] + s * c[k, 1]
+
+
+@numba.njit("i8(f8, f8[::1], i8[::1], f8[::1])", **OPTIONS)
+def kernel(t, q, modes, out):
+    """A kernel.
+
+    Of all that kernels have.
+    """
+    x = q[0]
+    y = q[1]
+    a, b = pair(x)
+    mode = modes[0]
+    out[0] = a - b * (x + y) / (1.0 + y * y)
+    out[1] = (x if mode else y) if not mode == 2 else -t
+    out[2] = polygon(x) + polygon(-y) * x // 1.0
+    out[3] = math.atan2(y, x) + math.tanh(x) + math.exp(-y) + math.sqrt(x * x) + math.pow(2.0, y)
+    total = 0.0
+    for k in range(4):
+        total += q[PLACES[k]] * (k + 1)
+        if total > 1e3 and x > LIMIT or not x < 7.0:
+            total = 1
+    for k in range(1, 3):
+        out[k + 3] = total * k
+    w = math.nan if -1.0 <= x <= LIMIT else 2
+    z = 3 if x > y else 4
+    out[6] = w
+    out[7] = z * x + (1.0 if mode != 1 else 0.0)
+    if x > y:
+        if y > 0.0:
+            return 1
+        out[8] = x
+    elif y > LIMIT:
+        out[8] = y
+    else:
+        out[8] = 0
+        return numba.int64(PLACES[mode])
+    return 0
+'''
+
+
+@pytest.fixture
+def imported(tmp_path: Path) -> Callable[[str, str], ModuleType]:
+    """Imports a text as a generated one, or as numba compiles it."""
+
+    def load(options: str, text: str) -> ModuleType:
+        path = tmp_path / f"kernels_{len(list(tmp_path.iterdir()))}.py"
+        path.write_text(f"{HEAD}{options}\n{text}")
+        return import_generated(path)
+
+    return load
+
+
+@pytest.fixture
+def translated(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The names of the kernels that are translated from now on."""
+    names: list[str] = []
+    translate = numba_pipeline.translate
+
+    def recorded(tree: Any, *arguments: Any) -> str:
+        text = translate(tree, *arguments)
+        names.append(tree.name)
+        return text
+
+    monkeypatch.setattr(numba_pipeline, "translate", recorded)
+    return names
+
+
+def outputs(kernel: Callable[..., Any], q: Any, mode: int) -> list[Any]:
+    out = np.full(9, -1.0)
+    return [kernel(0.75, q.copy(), np.array([mode]), out), *out.tolist()]
+
+
+def plain(options: str, text: str) -> dict[str, Any]:
+    """The names of a text that Python itself executes, whose functions numba compiles."""
+    names: dict[str, Any] = {}
+    exec(compile(f"{HEAD}{options}\n{text}", "plain", "exec"), names)
+    return names
+
+
+def test_every_construct(imported: Any, translated: list[str]) -> None:
+    ours, numbas = imported(EXACT, CONSTRUCTS).kernel, plain(EXACT, CONSTRUCTS)["kernel"]
+    assert translated == ["interval", "polygon", "kernel"]
+    python = python_only(CONSTRUCTS)["kernel"]
+    generator = np.random.default_rng(3)
+    answers = set()
+    for mode in (0, 1, 2):
+        for q in (*generator.normal(size=(40, 4)), *generator.normal(scale=9.0, size=(10, 4))):
+            result = outputs(ours, q, mode)
+            np.testing.assert_array_equal(result, outputs(numbas, q, mode))
+            np.testing.assert_array_equal(result, outputs(python, q, mode))
+            answers.add(result[0])
+    assert answers == {0, 1, 2, 3}
+
+
+def python_only(text: str) -> dict[str, Any]:
+    """The names of a text whose functions stay Python's."""
+    kept = "\n".join(line for line in text.splitlines() if not line.startswith("@numba.njit"))
+    names: dict[str, Any] = {}
+    exec(compile(f"{HEAD}{kept}", "python", "exec"), names)
+    return names
+
+
+NUMBERS = st.sampled_from(["x", "y", "z", "0.5", "-2.0", "k", "q[1]"])
+CONDITIONS = st.builds(
+    "{} {} {}".format, NUMBERS, st.sampled_from(["<", "<=", ">", ">=", "==", "!="]), NUMBERS
+)
+
+
+def _larger(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
+    tests = st.one_of(
+        CONDITIONS,
+        st.builds("not ({})".format, CONDITIONS),
+        st.builds("({} and {})".format, CONDITIONS, CONDITIONS),
+        st.builds("({} or not {})".format, CONDITIONS, CONDITIONS),
+        st.builds("{} <= {} < {}".format, NUMBERS, NUMBERS, NUMBERS),
+    )
+    return st.one_of(
+        st.builds("({} {} {})".format, inner, st.sampled_from(["+", "-", "*"]), inner),
+        st.builds("{} / (1.5 + abs(0.0 + {}))".format, inner, inner),
+        st.builds("-({})".format, inner),
+        st.builds("math.sin({})".format, inner),
+        st.builds("math.sqrt(abs(1.0 * {}))".format, inner),
+        st.builds("({} if {} else 1.0 * {})".format, st.just("x"), tests, inner),
+    )
+
+
+EXPRESSIONS = st.recursive(NUMBERS, _larger, max_leaves=12)
+PROGRAM = """
+@numba.njit("f8(f8[::1], f8[::1])", **OPTIONS)
+def kernel(q, out):
+    x = q[0]
+    y = q[2]
+    z = 0.0
+    k = 2
+    z = 1.0 * {}
+    for k in range(3):
+        if {} > x:
+            z = 0.5 * z - {}
+        else:
+            out[k] = z
+    out[3] = {}
+    return 1.0 * z
+"""
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.tuples(EXPRESSIONS, EXPRESSIONS, EXPRESSIONS, EXPRESSIONS),
+    st.lists(st.floats(-2.0, 2.0), min_size=3, max_size=3),
+)
+def test_programs_compute_what_python_does(parts: tuple[str, ...], q: list[float]) -> None:
+    text = PROGRAM.format(*parts)
+    name = f"program_{abs(hash(text))}"
+    loader = _TextLoader(name, f"{name}.py", f"{HEAD}{EXACT}\n{text}")
+    sys.modules[name] = module = ModuleType(name)
+    module.__loader__ = loader
+    try:
+        loader.exec_module(module)
+    finally:
+        del sys.modules[name]
+    ours, python = np.zeros(4), np.zeros(4)
+    result = module.kernel(np.array(q), ours)
+    assert result == python_only(text)["kernel"](np.array(q), python)
+    np.testing.assert_array_equal(ours, python)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "out[0] = sum(q)",
+        "out[0] = q[-1]",
+        "out[0] = len(q)",
+        "out[:] = 1.0",
+        "x = q[0] > 1.0; out[0] = x + 1.0",
+        "while True:\n        break",
+        "out[0] = math.log1p(q[0])",
+        "out[0] = q[0] % 2.0",
+        "try:\n        out[0] = 1.0\n    finally:\n        pass",
+    ],
+)
+def test_numba_compiles_what_is_not_translated(
+    line: str, imported: Any, translated: list[str]
+) -> None:
+    text = f'@numba.njit("void(f8[::1], f8[::1])", **OPTIONS)\ndef kernel(q, out):\n    {line}\n'
+    module, out, expected = imported(EXACT, text), np.zeros(2), np.zeros(2)
+    module.kernel(np.array([1.25, 3.0]), out)
+    python_only(text)["kernel"](np.array([1.25, 3.0]), expected)
+    assert translated == []
+    np.testing.assert_array_equal(out, expected)
+
+
+def test_products_and_sums_may_be_contracted(imported: Any) -> None:
+    text = '@numba.njit("f8(f8, f8, f8)", **OPTIONS)\ndef kernel(a, b, c):\n    return a * b + c\n'
+    a = 1.0 + 2.0**-30
+    separate, contracted = (
+        imported(options, text).kernel(a, a, -1.0) for options in (EXACT, CONTRACTED)
+    )
+    assert separate == a * a - 1.0
+    assert contracted in (separate, 2.0**-29 + 2.0**-60)
+    numbas = plain(CONTRACTED, text)["kernel"]
+    assert contracted == numbas(a, a, -1.0)
+
+
+FLAGS = SimpleNamespace(
+    boundscheck=False,
+    debuginfo=False,
+    error_model="numpy",
+    no_cpython_wrapper=True,
+    no_cfunc_wrapper=True,
+    fastmath=SimpleNamespace(flags={"contract"}),
+)
+
+
+def test_the_library_is_translated(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No kernel of a generated file is left to numba, which would take several times as long."""
+    paths = sorted((root / "generated").glob("[a-z]*__*.py"))
+    assert len(paths) > 100
+    for path in paths:
+        kernels = declared_kernels(path, monkeypatch)
+        assert kernels, path
+        for function, signature in kernels:
+            arguments, returned = normalize_signature(signature)
+            names = function.__code__.co_varnames[: function.__code__.co_argcount]
+            described = SimpleNamespace(
+                args=names, argtypes=arguments, restype=returned, mangled_name="kernel"
+            )
+            tree = numba_pipeline._tree
+            kernel = numba_pipeline._kernel(described, FLAGS)
+            text = numba_pipeline.translate(tree(function), kernel, function.__globals__, tree)
+            assert text.count('i32 @"kernel"(') == 1
+
+
+def declared_kernels(path: Path, monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, str]]:
+    """The functions of a generated file that have signatures, as Python's."""
+    kernels: list[tuple[Any, str]] = []
+
+    def njit(signature: str = "", **options: object) -> Callable[[Any], Any]:
+        def decorate(function: Any) -> Any:
+            function.py_func = function
+            if signature:
+                kernels.append((function, signature))
+            return function
+
+        return decorate
+
+    module = ModuleType(f"library_{path.stem}")
+    module.__loader__ = _TextLoader(module.__name__, str(path), path.read_text())
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    code = module.__loader__.text.replace("\nimport numba\n", "\n\n")
+    vars(module)["numba"] = SimpleNamespace(njit=njit)
+    exec(compile(code, str(path), "exec"), vars(module))
+    return kernels
