@@ -19,6 +19,7 @@ from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.lower.program import Kernel
 from codegen.reroll.parts import RolledKernel
 from models.hard.n_four_bar import n_four_bar
+from models.hard.roller_chain import roller_chain
 from models.hard.spring_chain import model as spring_chain
 
 Rolling = Callable[..., RolledKernel]
@@ -59,7 +60,13 @@ def net(side: int) -> Model:
     return model
 
 
-FAMILIES = {"chain": chain, "n_four_bar": n_four_bar, "tree": tree, "net": net}
+FAMILIES = {
+    "chain": chain,
+    "n_four_bar": n_four_bar,
+    "roller_chain": roller_chain,
+    "tree": tree,
+    "net": net,
+}
 
 
 @cache
@@ -79,9 +86,12 @@ def rolled_text(machine: Lowered, kernel: Kernel, rolling: Rolling) -> RolledKer
 
 
 def run(
-    machine: Lowered, kernel: Kernel, rolling: Rolling
+    machine: Lowered, kernel: Kernel, rolling: Rolling, least_mode: int
 ) -> tuple[dict[str, dict[int, float]], dict[str, object]]:
-    """What the text stores, by Python instead of machine code, and the arguments it was given."""
+    """What the text stores, by Python instead of machine code, and the arguments it was given.
+
+    Modes are drawn from `least_mode` and 1.
+    """
     text, program = rolled_text(machine, kernel, rolling), machine.program
     lines = [*text.table_lines(), *FUNCTION.split("\n"), *text.lines()]
     plain = "\n".join(line for line in lines if not line.startswith("@"))
@@ -96,7 +106,7 @@ def run(
     given: dict[str, object] = {"t": 0.3, "p": p}
     given |= {name: random.normal(size=n) for name in ("q", "v", "a")}
     given |= {"w": np.ones(n), "lam": random.normal(size=max(1, len(description.constraints)))}
-    given["modes"] = random.integers(0, 2, max(1, len(description.switches)))
+    given["modes"] = random.integers(least_mode, 2, max(1, len(description.switches)))
     if kernel.name != "constants":
         values = evaluate(program, "constants", {"p": p}, math)
         for slot, value in values.get("p", {}).items():

@@ -16,19 +16,21 @@ from tests.codegen.reroll.machines import Rolling, lowered, rolled_text, run
 CLOSE = 1e-12  # of the largest output: sums of a few hundred terms
 
 
+@pytest.mark.parametrize("least_mode", [0, 1])
 @pytest.mark.parametrize("rolling", [reroll, batch])
 @pytest.mark.parametrize(
     ("family", "size"),
-    [("chain", 7), ("n_four_bar", 7), ("spring_chain", 0), ("tree", 3), ("net", 3)],
-)
+    [("chain", 7), ("n_four_bar", 7), ("spring_chain", 0), ("roller_chain", 20),
+     ("tree", 3), ("net", 3)],
+)  # fmt: skip
 def test_the_text_of_every_kernel_computes_the_program(
-    family: str, size: int, rolling: Rolling
+    family: str, size: int, rolling: Rolling, least_mode: int
 ) -> None:
     machine = lowered(family, size)
     for kernel in machine.program.kernels:
         if "p" not in kernel.arguments:
             continue
-        found, given = run(machine, kernel, rolling)
+        found, given = run(machine, kernel, rolling, least_mode)
         errors = (ValueError, ZeroDivisionError, OverflowError)
         expected = evaluate(machine.program, kernel.name, given, math, errors)
         assert found.keys() == expected.keys()
