@@ -30,7 +30,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """``--unroll never``: the hard cases run with kernels in loops over tables."""
+    """``--unroll never``: machines of the library run with kernels in loops over tables."""
     choices = ("auto", "always", "never")
     parser.addoption("--unroll", default="auto", choices=choices, help="form of kernels")
 
@@ -47,6 +47,21 @@ def pytest_configure(config: pytest.Config) -> None:
         return folder / name
 
     config.cache = SimpleNamespace(mkdir=mkdir)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def form_of_kernels(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[None]:
+    """With ``--unroll``, machines of the library are built anew in a folder of the session."""
+    unroll = request.config.getoption("--unroll")
+    if unroll == "auto":
+        yield
+        return
+    from tests.unrolling import built_with
+
+    with built_with(unroll, tmp_path_factory.mktemp("generated")):
+        yield
 
 
 # A file's tests share studies, scenes and loaded machines that cost seconds to make: one worker
