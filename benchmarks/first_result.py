@@ -2,7 +2,8 @@
 
 Each row is one process that loads a machine and simulates a second. Seconds are processor time of
 that process, which others on the machine take no part in; `all processes` is this and the time of
-the process that compiles beside it, and `wall` is what a person waits.
+those that build and compile beside it. `wall` is what a person waits for the result, from the start
+of a process that nobody looks into, and `ended` is when that process has ended as well.
 """
 
 import json
@@ -14,6 +15,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
+from typing import NamedTuple
 
 from benchmarks.report import Report, records, verdict
 
@@ -41,7 +43,13 @@ loaded, kernels = time.process_time(), listener.spent
 machine.simulate(1.0)
 print(json.dumps([imported, loaded - imported - kernels, kernels,
     listener.spent - kernels, time.process_time() - loaded - (listener.spent - kernels),
-    listener.count, time.process_time()]))
+    listener.count, time.process_time()]), flush=True)
+"""
+_PLAIN = """
+import sys
+from linkwright import load
+load(sys.argv[1], scene=sys.argv[2]).simulate(1.0)
+print("[]", flush=True)
 """
 
 
@@ -52,42 +60,65 @@ class Row:
     result: str
     machine: str
     imports: float
-    translation: float  # of the model into a module, where there is none; reading it, elsewhere
+    translation: float  # of the model into a module, or what is done while another process does so
     kernels: float  # compiled
     loop: float  # compiled
     run: float  # loads compiled functions from the cache, assembles, simulates
     functions: int  # that this process compiled
     total: float
     processes: float  # with the one that compiles beside it, and with the ends of both
-    wall: float
+    wall: float  # until the result
+    ended: float  # by the wall clock
+
+
+class Answer(NamedTuple):
+    """What a process printed, and what it took."""
+
+    printed: list[float]
+    processes: float  # processor time of all, s
+    wall: float  # until it was printed, s
+    ended: float  # s
 
 
 def measure() -> list[Row]:
     """Three first results of each machine, each after those that it stands on."""
     rows = []
     for machine, scene in MACHINES:
-        with tempfile.TemporaryDirectory() as folder:
-            cache = Path(folder) / "cache"
-            for result in BARS:
-                place = Path(folder) / ("first" if result == "from nothing" else "second")
-                (place / "models").mkdir(parents=True, exist_ok=True)
-                text = (_MODELS / f"{machine}.py").read_text()
-                (place / "models" / f"{machine}.py").write_text(f"{text}\n# {place.name}\n")
-                rows.append(_row(result, machine, scene, place, cache))
+        spent, waited = _answers(_PROGRAM, machine, scene), _answers(_PLAIN, machine, scene)
+        for result, parts, wait in zip(BARS, spent, waited, strict=True):
+            imports, translation, kernels, loop, run, functions, total = parts.printed
+            rows.append(
+                Row(result, machine, imports, translation, kernels, loop, run, int(functions),
+                    total, parts.processes, wait.wall, wait.ended)
+            )  # fmt: skip
     return rows
 
 
-def _row(result: str, machine: str, scene: str, place: Path, cache: Path) -> Row:
+def _answers(program: str, machine: str, scene: str) -> list[Answer]:
+    """For each of BARS."""
+    with tempfile.TemporaryDirectory() as folder:
+        cache, found = Path(folder) / "cache", []
+        for result in BARS:
+            place = Path(folder) / ("first" if result == "from nothing" else "second")
+            (place / "models").mkdir(parents=True, exist_ok=True)
+            text = (_MODELS / f"{machine}.py").read_text()
+            (place / "models" / f"{machine}.py").write_text(f"{text}\n# {place.name}\n")
+            found.append(_answer([program, machine, scene], place, cache))
+    return found
+
+
+def _answer(program: list[str], place: Path, cache: Path) -> Answer:
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     began, spent = perf_counter(), _spent_by_children()
-    done = subprocess.run(
-        [sys.executable, "-c", _PROGRAM, machine, scene],
-        cwd=place, env=environment, capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    wall, processes = perf_counter() - began, _spent_by_children() - spent
-    parts = json.loads(done.stdout.splitlines()[-1])
-    return Row(result, machine, *parts, processes=processes, wall=wall)
+    with subprocess.Popen(
+        [sys.executable, "-c", *program],
+        cwd=place, env=environment, stdout=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
+        assert process.stdout is not None
+        printed = json.loads(process.stdout.readline())
+        wall = perf_counter() - began
+    return Answer(printed, _spent_by_children() - spent, wall, perf_counter() - began)
 
 
 def _spent_by_children() -> float:
@@ -102,13 +133,13 @@ def report(quick: bool) -> list[Report]:
     numbers = [(r.imports, r.translation, r.kernels, r.loop, r.run) for r in rows]
     table = [
         (r.result, r.machine, *(f"{s:.2f}" for s in parts), str(r.functions), f"{r.total:.2f}",
-         f"{r.processes:.2f}", f"{r.wall:.2f}")
+         f"{r.processes:.2f}", f"{r.wall:.2f}", f"{r.ended:.2f}")
         for r, parts in zip(rows, numbers, strict=True)
     ]  # fmt: skip
     headings = (
         "result", "machine", "imports", "translation", "kernels", "loop", "run", "functions",
-        "processor, s", "all processes, s", "wall, s",
+        "processor, s", "all processes, s", "wall, s", "ended, s",
     )  # fmt: skip
     sentences = [verdict(f"{r.machine}, {r.result}:", r.wall, BARS[r.result], " s") for r in rows]
-    title = "first result: processor time of its parts, in s"
+    title = "first result: processor time of its parts, in s, and what a person waits"
     return [Report("first_result", title, headings, table, sentences, records(rows), 2)]

@@ -23,6 +23,7 @@ from codegen.generated_module_signature_and_import import (
 from codegen.library_layout import LIBRARY as _LIBRARY
 from codegen.library_layout import file_beside, model_names, models_folder
 from codegen.plain_values import one_line, shown
+from runtime.build_process import build_beside
 from runtime.progress_bar import compilation_shown
 
 if TYPE_CHECKING:
@@ -134,6 +135,10 @@ def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> 
 
 def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) -> tuple[Path, str]:
     """Have the code generator write the module; scene None builds all and takes the first."""
+    if isinstance(model, Path) and not (scene is not None and not isinstance(scene, str)):
+        built = build_beside(model, scene, generated)
+        if built is not None:
+            return built
     from codegen import build
 
     report = build(model, scene=scene, out=generated, compile=False)

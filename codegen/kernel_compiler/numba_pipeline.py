@@ -4,36 +4,12 @@ Numba's own analyses Python's byte code, finds types and makes an object of each
 that it reads its types of all of NumPy, and SciPy with them.
 """
 
-import ast
-import sys
 from types import FunctionType
 from typing import Any
 
-from llvmlite import binding  # type: ignore[import-untyped]
-from numba import types
-from numba.core import bytecode, compiler, environment, funcdesc
-from numba.core.typing import templates
+from numba.core import compiler
 
-from codegen.kernel_compiler.llvm_instructions import (
-    FLOAT,
-    INTEGER,
-    Array,
-    Number,
-    UntranslatableError,
-)
-from codegen.kernel_compiler.llvm_module import Kernel, translate
-
-_compiler: Any = compiler  # numba leaves these untyped
-_Descriptor: Any = funcdesc.PythonFunctionDescriptor
-_Identity: Any = bytecode.FunctionIdentity
-_Environment: Any = environment.Environment
-_templates: Any = templates
-_Usual: Any = compiler.Compiler
-_llvm: Any = binding
-
-_KINDS: dict[Any, str] = {types.float64: FLOAT, types.int64: INTEGER}
-# The sizes of numbers, and where numba writes what an exception would need.
-_HEAD = 'target datalayout = "{layout}"\n@"{environment}" = common global ptr null\n'
+_Usual: Any = compiler.Compiler  # numba leaves it untyped
 
 
 class KernelCompiler:
@@ -43,95 +19,11 @@ class KernelCompiler:
         self._state = state
 
     def compile_extra(self, function: FunctionType) -> Any:
-        """The result for numba, which compiles itself what is no kernel of an imported text."""
-        typing_context, context, _, arguments, returned, flags, _ = self._state
-        context = _compiler._make_subtarget(context, flags)
-        descriptor = _descriptor(function, context, arguments, returned, flags)
+        """The result; numba itself compiles what is no kernel of an imported text."""
+        from codegen.kernel_compiler.compilation_result import compile_kernel
+        from codegen.kernel_compiler.llvm_instructions import UntranslatableError
+
         try:
-            kernel = _kernel(descriptor, flags)
-            tree = _tree(function)
-            text = translate(tree, kernel, function.__globals__, lambda f: _tree(f.py_func))
+            return compile_kernel(self._state, function)
         except UntranslatableError:
             return _Usual(*self._state).compile_extra(function)
-        library = _library(context.codegen(), descriptor, text)
-        globals_of_it = _Environment.from_fndesc(descriptor)
-        entry = context.get_executable(library, descriptor, globals_of_it)
-        context.insert_user_function(entry, descriptor, [library])
-        return _compiler.compile_result(
-            typing_context=typing_context, target_context=context, entry_point=entry,
-            typing_error=None, type_annotation="", library=library, call_helper=None,
-            signature=_templates.signature(returned, *arguments), objectmode=False, lifted=(),
-            fndesc=descriptor, environment=globals_of_it, metadata={}, reload_init=[],
-        )  # fmt: skip
-
-
-def _descriptor(function: Any, context: Any, arguments: Any, returned: Any, flags: Any) -> Any:
-    """What numba knows of a function that it has compiled."""
-    identity = _Identity.from_function(function)
-    return _Descriptor(
-        native=True, modname=function.__module__, qualname=identity.func_qualname,
-        unique_name=identity.unique_name, doc=function.__doc__ or "", typemap=None,
-        restype=returned, calltypes=None, args=tuple(identity.arg_names), kws=(),
-        mangler=context.mangler, argtypes=tuple(arguments), inline=False, noalias=False,
-        abi_tags=[flags.get_mangle_string()], uid=identity.unique_id,
-    )  # fmt: skip
-
-
-def _kernel(descriptor: Any, flags: Any) -> Kernel:
-    """A kernel as numba's callers know it: an array is seven parameters of machine code."""
-    checks = flags.boundscheck or flags.debuginfo or flags.error_model != "numpy"
-    entries = not (flags.no_cpython_wrapper and flags.no_cfunc_wrapper)
-    if descriptor.restype is None or checks or entries:
-        raise UntranslatableError("a function that numba adds something to")
-    head = ["ptr noalias %.results", "ptr noalias %.exception"]
-    parameters: list[Number | Array] = []
-    for name, kind in zip(descriptor.args, descriptor.argtypes, strict=True):
-        if isinstance(kind, types.Array):
-            if kind.ndim != 1 or kind.layout != "C":
-                raise UntranslatableError(str(kind))
-            owner = f"ptr %{name}.owner, ptr %{name}.parent, i64 %{name}.size, i64 %{name}.item"
-            head.append(f"{owner}, ptr %{name}, i64 %{name}.length, i64 %{name}.stride")
-            parameters.append(Array(f"%{name}", _kind(kind.dtype)))
-        else:
-            number = Number(f"%{name}", _kind(kind))
-            head.append(str(number))
-            parameters.append(number)
-    result: Any = descriptor.restype
-    results: Any = result if isinstance(result, types.BaseTuple) else (result,)
-    return Kernel(
-        symbol=descriptor.mangled_name,
-        head=", ".join(head),
-        parameters=tuple(parameters),
-        results=tuple(_kind(one) for one in results if one != types.none),
-        flags=" ".join(sorted(flags.fastmath.flags)),
-    )
-
-
-def _kind(numba_type: Any) -> str:
-    if numba_type not in _KINDS:
-        raise UntranslatableError(str(numba_type))
-    return _KINDS[numba_type]
-
-
-def _tree(function: Any) -> ast.FunctionDef:
-    """The syntax tree of a function of an imported text."""
-    loader = getattr(sys.modules.get(function.__module__), "__loader__", None)
-    lines = getattr(loader, "lines", None)
-    if lines is None:
-        raise UntranslatableError(f"{function.__module__} is no imported text")
-    first = function.__code__.co_firstlineno - 1  # of its decorator
-    last = first + 1
-    while last < len(lines) and lines[last][:1] in ("d", " ", ")", "\n"):
-        last += 1
-    (tree,) = ast.parse("".join(lines[first:last])).body
-    assert isinstance(tree, ast.FunctionDef)
-    return tree
-
-
-def _library(machine: Any, descriptor: Any, text: str) -> Any:
-    """A text of LLVM's as a library of numba's, which will be kept on disk."""
-    library = machine.create_library(descriptor.qualname)
-    library.enable_object_caching()
-    head = _HEAD.format(layout=machine._data_layout, environment=descriptor.env_name)
-    library.add_llvm_module(_llvm.parse_assembly(f"{head}{text}"))
-    return library

@@ -27,7 +27,7 @@ from runtime.hybrid import (
 )
 from runtime.integrate import energy_balance, initialization, loop, sampling, step, step_control
 from runtime.integrate.clocks import queue_length, read_clocks
-from runtime.integrate.method import find_method
+from runtime.integrate.method import LEADING, find_method
 from runtime.integrate.second_compiler import compile_beside
 from runtime.linalg.sparse_least_norm import SPARSE_FROM
 from runtime.linalg.symbolic_elimination_and_replay import plan_capacity
@@ -43,6 +43,7 @@ _OF_SWITCHES = (
     "balance_event",
 )  # fmt: skip
 """Parts of the loop that only switching functions call; they take half of compiling it."""
+_SELDOM = frozenset({*_OF_SWITCHES, "impact", "guard_branches"})
 
 
 class Wiring(NamedTuple):
@@ -114,6 +115,14 @@ def _loop(left_out: frozenset[str]) -> Integers:
     _begin(left_out)
     wanted = {name: parts[name] for name in names if name in parts and name not in left_out}
     return addresses(wanted.get(name, _refuse) for name in names)
+
+
+def load_usual_parts() -> None:
+    """Load what nearly every run calls, if it is compiled already."""
+    usual = [part for name, part in _parts().items() if name not in _SELDOM]
+    if all(map(is_kept, usual)):
+        function_table(LEADING)
+        addresses([*usual, initialization.start, loop.advance])
 
 
 @cache

@@ -34,3 +34,31 @@ def test_collection_that_was_off_stays_off() -> None:
         assert not inner()
         assert not gc.isenabled()
     assert gc.isenabled()
+
+
+def test_what_a_block_makes_counts_as_old() -> None:
+    kept = gc.get_freeze_count()  # those of the tests' process
+    gc.unfreeze()
+    try:
+        with collection_paused():
+            made = [[k] for k in range(1000)]
+        old = {id(one) for one in gc.get_objects(generation=2)}
+        assert all(id(one) in old for one in made)
+        assert gc.get_freeze_count() == 0
+    finally:
+        if kept:
+            gc.freeze()
+
+
+def test_what_a_program_keeps_from_collection_stays_kept() -> None:
+    before = gc.get_freeze_count()
+    gc.freeze()
+    try:
+        kept = gc.get_freeze_count()
+        with collection_paused():
+            made = [[k] for k in range(1000)]
+        assert gc.get_freeze_count() == kept
+        assert len(made) == 1000
+    finally:
+        if not before:
+            gc.unfreeze()

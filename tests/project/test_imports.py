@@ -56,6 +56,11 @@ COMPILER = {
         "codegen.termination_signals",
     ),
     *("codegen.generated_module_signature_and_import", "codegen.calls_of_kernels_from_python"),
+    *(
+        "codegen.kernel_compiler",
+        "codegen.kernel_compiler.numba_pipeline",
+        "codegen.available_cores",
+    ),
 }
 
 FIRST = """

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from numba.core.sigutils import normalize_signature
 
 from codegen.generated_module_signature_and_import import _TextLoader, import_generated
-from codegen.kernel_compiler import numba_pipeline
+from codegen.kernel_compiler import compilation_result
 
 EXACT = 'OPTIONS = {"cache": False, "error_model": "numpy", "_nrt": False}'
 CONTRACTED = 'OPTIONS = {"cache": False, "error_model": "numpy", "fastmath": {"contract"}}'
@@ -108,14 +108,14 @@ def imported(tmp_path: Path) -> Callable[[str, str], ModuleType]:
 def translated(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The names of the kernels that are translated from now on."""
     names: list[str] = []
-    translate = numba_pipeline.translate
+    translate = compilation_result.translate
 
     def recorded(tree: Any, *arguments: Any) -> str:
         text = translate(tree, *arguments)
         names.append(tree.name)
         return text
 
-    monkeypatch.setattr(numba_pipeline, "translate", recorded)
+    monkeypatch.setattr(compilation_result, "translate", recorded)
     return names
 
 
@@ -278,9 +278,9 @@ def test_the_library_is_translated(root: Path, monkeypatch: pytest.MonkeyPatch) 
             described = SimpleNamespace(
                 args=names, argtypes=arguments, restype=returned, mangled_name="kernel"
             )
-            tree = numba_pipeline._tree
-            kernel = numba_pipeline._kernel(described, FLAGS)
-            text = numba_pipeline.translate(tree(function), kernel, function.__globals__, tree)
+            tree = compilation_result.syntax_tree
+            kernel = compilation_result.describe_kernel(described, FLAGS)
+            text = compilation_result.translate(tree(function), kernel, function.__globals__, tree)
             assert text.count('i32 @"kernel"(') == 1
 
 
