@@ -40,6 +40,7 @@ from numba.extending import intrinsic
 from codegen.generated_module_signature_and_import import locked
 from codegen.library_layout import LIBRARY, methods_folder
 from codegen.numba_cache import checked_caches
+from codegen.numba_pipeline import ScalarCompiler
 from codegen.separate_compilation import give_interface
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -51,8 +52,8 @@ OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"
 ADDRESSES = types.Array(types.int64, 1, "C")
 # Counting references to arrays took a seventh of a run's time. What says nothing takes it over from
 # what calls it. Nothing takes the entry from C, an eighth of a compilation.
-_BARE: dict[str, Any] = {**OPTIONS, "_nrt": False, "no_cfunc_wrapper": True}
-_COUNTED: dict[str, Any] = {**_BARE, "_nrt": True}
+_COUNTED: dict[str, Any] = {**OPTIONS, "_nrt": True, "no_cfunc_wrapper": True}
+_BARE: dict[str, Any] = {**_COUNTED, "_nrt": False, "pipeline_class": ScalarCompiler}
 _INSIDE: dict[str, Any] = {"no_cpython_wrapper": True}
 
 
