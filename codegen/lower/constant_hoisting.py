@@ -1,7 +1,8 @@
 """Constant hoisting: values of parameters alone move into a kernel that runs once a run."""
 
-from collections import Counter
-from itertools import chain
+from collections.abc import Sequence
+
+import numpy as np
 
 from codegen.lower.graph import Graph
 from codegen.lower.program import Input, Kernel, Op, Output, Program, Value
@@ -24,19 +25,14 @@ def with_constants(
     stepping = tuple(kernel for kernel in kernels if kernel.name != "conditions")
     values, needed_by = orient_differences(graph, stepping)
     hoisted: dict[int, None] = {}
-    slots: dict[int, int] = {}
-    settled = {k for k, value in enumerate(graph.values) if value.args and graph.settled[k]}
-    for kernel, numbers in zip(stepping, needed_by, strict=True):
+    settled = {k for k, known in enumerate(graph.settled) if known and graph.values[k].args}
+    for kernel, numbers in zip(stepping, needed_by, strict=True) if settled else ():
         needed = settled.intersection(kernel.roots)
         for number in numbers:
-            value = graph.values[number]
-            if not value.args:
-                if isinstance(value.literal, Input) and value.literal.array == "stiction":
-                    slots[number] = value.literal.slot
-            elif settled and number not in settled:
-                needed.update(settled.intersection(value.args))
+            if number not in settled:
+                needed.update(settled.intersection(graph.values[number].args))
         hoisted |= dict.fromkeys(sorted(needed))
-    forces = sorted(slots, key=slots.__getitem__)
+    forces = _stiction_forces(graph, needed_by)
     declared += len(forces)
     first = Kernel(
         "constants",
@@ -51,6 +47,17 @@ def with_constants(
     return program
 
 
+def _stiction_forces(graph: Graph, needed_by: list[list[int]]) -> list[int]:
+    """The stiction forces and shares of modes that kernels take, in the order of their slots."""
+    slots = {
+        k: literal.slot
+        for k in graph.moving_inputs
+        if isinstance(literal := graph.values[k].literal, Input) and literal.array == "stiction"
+    }
+    taken = slots.keys() & set[int]().union(*needed_by) if slots else ()
+    return sorted(taken, key=slots.__getitem__)
+
+
 def orient_differences(
     graph: Graph, kernels: tuple[Kernel, ...]
 ) -> tuple[tuple[Value, ...], list[list[int]]]:
@@ -60,15 +67,35 @@ def orient_differences(
     shared. Where only the opposite is left, the difference is written the other way round.
     """
     values = list(graph.values)
-    everything = Program(tuple(values), kernels, (), WEAK_PIVOT)
-    needed_by = [everything.reachable(kernel) for kernel in kernels]
-    reachable = set[int]().union(*needed_by)
-    uses = Counter(chain.from_iterable(values[number].args for number in reachable))
-    uses.update(root for kernel in kernels for root in kernel.roots)
-    oriented = set[int]()  # differences that are written the other way round
-    for number in sorted(reachable):
+    takers, uses = _takers(values, kernels)
+    oriented = list[int]()  # differences that are written the other way round
+    for number, by in enumerate(takers):
         value = values[number]
-        if value.op is Op.NEG and values[value.args[0]].op is Op.SUB and uses[value.args[0]] == 1:
-            oriented.add(value.args[0])
-            values[number] = value._replace(op=Op.SUB, args=values[value.args[0]].args[::-1])
-    return tuple(values), [[k for k in numbers if k not in oriented] for numbers in needed_by]
+        if value.op is Op.NEG and by:
+            (inner,) = value.args
+            if values[inner].op is Op.SUB and uses[inner] == 1:
+                oriented.append(inner)
+                values[number] = value._replace(op=Op.SUB, args=values[inner].args[::-1])
+    for number in oriented:
+        takers[number] = 0
+    bits = np.array(takers, dtype=np.int64)
+    needed_by = [np.flatnonzero(bits & (1 << at)).tolist() for at in range(len(kernels))]
+    return tuple(values), needed_by
+
+
+def _takers(
+    values: Sequence[Value], kernels: tuple[Kernel, ...]
+) -> tuple[list[int], list[int]]:
+    """Value → the kernels that compute it, as bits, and how often they take or store it."""
+    takers, uses = [0] * len(values), [0] * len(values)
+    for at, kernel in enumerate(kernels):
+        for root in kernel.roots:
+            takers[root] |= 1 << at
+            uses[root] += 1
+    for number in range(len(values) - 1, -1, -1):
+        by = takers[number]
+        if by:
+            for a in values[number].args:
+                takers[a] |= by
+                uses[a] += 1
+    return takers, uses

@@ -89,39 +89,40 @@ class Graph(Numbering):
 
     def _cancelled(self, a: int, b: int, sign: int) -> int | None:
         """a ± b without a term that one adds and the other takes back; None where there is none."""
-        opposite = {(term, -sign * s) for term, s in self._terms(b)}
-        for term, s in self._terms(a):
-            if (term, s) in opposite:
-                rest = self._without(a, term, s), self._without(b, term, -sign * s)
-                return self.add(*rest) if sign > 0 else self.sub(*rest)
-        return None
+        ours, theirs = self._terms(a), self._terms(b)
+        opposite = {~term for term in theirs} if sign > 0 else {*theirs}
+        if opposite.isdisjoint(ours):
+            return None
+        term = next(term for term in ours if term in opposite)
+        rest = self._without(a, term), self._without(b, ~term if sign > 0 else term)
+        return self.add(*rest) if sign > 0 else self.sub(*rest)
 
-    def _terms(self, a: int) -> list[tuple[int, int]]:
-        """The terms of a sum, each with its sign, from the left."""
-        values, stack, terms = self.values, [(a, 1)], list[tuple[int, int]]()
+    def _terms(self, a: int) -> list[int]:
+        """The terms of a sum from the left, ~k for one that is subtracted."""
+        values, stack, terms = self.values, [a], list[int]()
         while stack:
-            number, sign = stack.pop()
-            value = values[number]
-            if value.op is Op.ADD:
-                one, other = value.args
-                stack += (other, sign), (one, sign)
-            elif value.op is Op.SUB:
-                one, other = value.args
-                stack += (other, -sign), (one, sign)
-            elif value.op is Op.NEG:
-                stack.append((value.args[0], -sign))
+            number = stack.pop()
+            value = values[number if number >= 0 else ~number]
+            op = value.op
+            if op is Op.MUL or op not in SUMS:
+                terms.append(number)
+            elif op is Op.NEG:
+                stack.append(value.args[0] if number < 0 else ~value.args[0])
             else:
-                terms.append((number, sign))
+                one, other = value.args
+                if number < 0:
+                    one, other = ~one, ~other
+                stack += (other if op is Op.ADD else ~other, one)
         return terms
 
-    def _without(self, a: int, term: int, sign: int) -> int:
-        """A sum without one of its terms."""
+    def _without(self, a: int, term: int) -> int:
+        """A sum without one of its `_terms`."""
         path: list[tuple[int, bool]] = []  # sums from `a` down to the term, and which side it is on
         while (value := self.values[a]).op in SUMS:
-            first = value.op is Op.NEG or (term, sign) in self._terms(value.args[0])
+            first = value.op is Op.NEG or term in self._terms(value.args[0])
             path.append((a, first))
             a = value.args[0 if first else 1]
-            sign = sign if value.op is Op.ADD or (first and value.op is Op.SUB) else -sign
+            term = term if value.op is Op.ADD or (first and value.op is Op.SUB) else ~term
         rest = self.zero
         for number, first in reversed(path):
             op, args = self.values[number].op, self.values[number].args

@@ -1,7 +1,7 @@
 """Value numbering: leaves and operations, each once, and the inputs that each depends on."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import reduce
 from operator import or_
 from typing import Self
@@ -79,6 +79,11 @@ class Numbering:
     def place_of(self, number: int) -> int:
         """The bit of an input in `movers`."""
         return self._places.setdefault(number, len(self._places))
+
+    @property
+    def moving_inputs(self) -> Sequence[int]:
+        """The inputs but parameters."""
+        return [*self._places]
 
     def movers(self, number: int) -> int:
         """The inputs but parameters that a value depends on, as bits of `place_of`."""

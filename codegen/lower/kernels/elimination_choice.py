@@ -36,7 +36,7 @@ def elimination(
     mass, jacobian = (_kinds(scene, e, structure) for e in (scene.mass, scene.jacobian))
     entries, references = augmented(graph, mass, jacobian, n)
     for i, size in references.items():
-        labels.add(size, labels.of("size", i))
+        labels.name(size, "size", i)
     right, duals = [scene.forces + scene.gamma], frozenset(range(n, n + scene.m))
     for friction in scene.frictions:  # a unit force of it
         push = [friction.direction.get(k, scene.graph.zero) for k in range(n)]

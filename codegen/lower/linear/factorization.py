@@ -50,7 +50,7 @@ class Elimination:
     """A symmetric sparse system of graph values, reduced pivot by pivot."""
 
     graph: Graph
-    entries: Entries  # both triangles
+    entries: Entries  # as stated, both triangles
     right: list[list[int]]  # right sides, one list a column
     duals: frozenset[int] = frozenset()  # the unknowns that are multipliers
     # Unknown → the size that its pivot is held against; the others are not watched.
@@ -66,14 +66,18 @@ class Elimination:
     checks: list[Check] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
-        self._stated = dict(self.entries), [list(right) for right in self.right]
+        self._stated = [list(right) for right in self.right]
         self._pivots: list[Single | Pair] = []
         self._loop: list[Loop] = []  # the loop that closes the system, where one does
-        # unknown that is left → those that it is coupled with
-        self.neighbours: dict[int, set[int]] = {i: set() for i in range(len(self.right[0]))}
-        for i, j in self.entries:
-            if i != j:
-                self.neighbours[i].add(j)
+        size, zero = len(self.right[0]), self.graph.zero
+        self.diagonal = [zero] * size
+        # unknown that is left → those that it is coupled with → the entry
+        self.neighbours: dict[int, dict[int, int]] = {i: {} for i in range(size)}
+        for (i, j), entry in self.entries.items():
+            if i == j:
+                self.diagonal[i] = entry
+            else:
+                self.neighbours[i][j] = entry
 
     def solve(self, strategy: Strategy) -> list[list[int]]:
         """Values of the unknowns, one list a right side."""
@@ -103,11 +107,10 @@ class Elimination:
         One step makes an elimination whose order ignores the sizes of masses as accurate as the
         equations themselves (R. D. Skeel, Mathematics of Computation 35, 1980).
         """
-        graph, (entries, sides) = self.graph, self._stated
-        columns = []
-        for right, x in zip(sides, solution, strict=True):
+        graph, columns = self.graph, []
+        for right, x in zip(self._stated, solution, strict=True):
             lack = list(right)
-            for (i, j), entry in entries.items():
+            for (i, j), entry in self.entries.items():
                 lack[i] = graph.sub(lack[i], graph.mul(entry, x[j]))
             for pivot in self._pivots:
                 pivot.prepare(graph, lack)
@@ -126,27 +129,18 @@ class Elimination:
 
     def at(self, i: int, j: int) -> int:
         """The entry (i, j), zero where there is none."""
-        return self.entries.get((i, j), self.graph.zero)
+        return self.diagonal[i] if i == j else self.neighbours[i].get(j, self.graph.zero)
 
-    def _subtract(self, i: int, j: int, value: int) -> None:
-        if value == self.graph.zero:
-            return
-        self.entries[i, j] = self.entries[j, i] = self.graph.sub(self.at(i, j), value)
-        self.labels.entry(self.entries[i, j], i, j, self.duals)
-        if i != j:
-            self.neighbours[i].add(j)
-            self.neighbours[j].add(i)
-
-    def _detach(self, *unknowns: int) -> list[int]:
-        """Take unknowns out of the system; returns those that they were coupled with."""
-        around = set().union(*(self.neighbours.pop(u) for u in unknowns)) - {*unknowns}
-        for j in around:
-            self.neighbours[j] -= {*unknowns}
-        return sorted(around)
+    def _detach(self, unknown: int) -> dict[int, int]:
+        """Take an unknown out of the system; returns its row, in order."""
+        row = self.neighbours.pop(unknown)
+        for j in row:
+            del self.neighbours[j][unknown]
+        return dict(sorted(row.items()))
 
     def _single(self, i: int) -> Iterable[int]:
         """Eliminate an unknown; returns those whose rows change."""
-        graph, labels, pivot = self.graph, self.labels, self.at(i, i)
+        graph, labels, pivot = self.graph, self.labels, self.diagonal[i]
         if i in self.references:
             size = graph.neg(pivot) if i in self.duals else pivot
             known = graph.number(size) is not None and graph.number(self.references[i]) is not None
@@ -155,10 +149,10 @@ class Elimination:
         inverse = graph.div(graph.one, pivot)
         labels.step(f"Eliminate {labels.titles(i)}")
         labels.pivot(pivot, inverse, i)
-        along = {j: self.at(i, j) for j in self._detach(i)}
+        along = self._detach(i)
         across = {j: graph.mul(inverse, entry) for j, entry in along.items()}
         for j, entry in across.items():
-            labels.add(entry, labels.of("L", j, i))
+            labels.name(entry, "L", j, i)
         self._eliminate(Single(i, inverse, along, across))
         return across
 
@@ -182,14 +176,18 @@ class Elimination:
     def _pair(self, k: int, c: int) -> Iterable[int]:
         """Eliminate a coordinate and its constraint; returns the unknowns whose rows change."""
         graph, labels = self.graph, self.labels
-        a, over_b = self.at(k, k), graph.div(graph.one, self.at(k, c))
+        a, b, zero = self.diagonal[k], self.at(k, c), graph.zero
+        over_b = graph.div(graph.one, b)
         labels.step(f"Eliminate {labels.titles(k)} with {labels.titles(c)}")
-        labels.pivot(self.at(k, c), over_b, c)
-        along = {j: self.at(k, j) for j in self._detach(k, c)}
-        across = {j: graph.mul(over_b, self.at(c, j)) for j in along}
-        rest = {j: graph.sub(along[j], graph.mul(a, across[j])) for j in along}
-        for j in along:
-            labels.add(across[j], labels.of("L", c, j))
+        labels.pivot(b, over_b, c)
+        first, second = self._detach(k), self._detach(c)
+        first.pop(c, None)
+        around = sorted({*first, *second})
+        along = {j: first.get(j, zero) for j in around}
+        across = {j: graph.mul(over_b, second.get(j, zero)) for j in around}
+        rest = {j: graph.sub(along[j], graph.mul(a, across[j])) for j in around}
+        for j in around:
+            labels.name(across[j], "L", c, j)
             labels.entry(rest[j], k, j, self.duals)
         self._eliminate(Pair(k, c, a, over_b, along, across, rest))
         return across
@@ -197,15 +195,24 @@ class Elimination:
     def _eliminate(self, pivot: Single | Pair) -> None:
         """Take the unknowns of a pivot out of the rows that they were coupled with."""
         self._pivots.append(pivot)
+        graph, labels, zero = self.graph, self.labels, self.graph.zero
         for right in self.right:
-            pivot.prepare(self.graph, right)
+            pivot.prepare(graph, right)
         around = list(pivot.across)
         for n, i in enumerate(around):
+            row = self.neighbours[i]
             for j in around[n:]:
-                self._subtract(i, j, pivot.update(self.graph, i, j))
+                lost = pivot.update(graph, i, j)
+                if lost == zero:
+                    continue
+                if i == j:
+                    entry = self.diagonal[i] = graph.sub(self.diagonal[i], lost)
+                else:
+                    entry = row[j] = self.neighbours[j][i] = graph.sub(row.get(j, zero), lost)
+                labels.entry(entry, i, j, self.duals)
             for right in self.right:
-                pivot.forward(self.graph, right, i)
-            self.labels.sides(self.right, i)
+                pivot.forward(graph, right, i)
+            labels.sides(self.right, i)
 
     def _last_loop(self) -> tuple[int, int, int] | None:
         """Two coordinates and the constraint that closes a loop, where nothing else is left."""
@@ -230,10 +237,10 @@ class Elimination:
         if c in self.references:
             size = mul(area, self.references[c])
             self.checks.append(Check(form, size, c))
-            labels.add(size, labels.of("limit", c))
+            labels.name(size, "limit", c)
         inverse = graph.div(graph.one, form)
         labels.pivot(form, inverse, c)
-        labels.add(area, labels.of("det_M", i, j))
-        labels.add(minor_i, labels.of("minor", i))
-        labels.add(minor_j, labels.of("minor", j))
+        labels.name(area, "det_M", i, j)
+        labels.name(minor_i, "minor", i)
+        labels.name(minor_j, "minor", j)
         self._loop.append(Loop(i, j, c, u, v, minor_i, minor_j, area, inverse))

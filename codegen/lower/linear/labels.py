@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 
 from codegen.lower.program import Check, Kernel, Label, Output
 
+_label = tuple.__new__  # measured: a named tuple's own takes four times as long
+
 
 @dataclass
 class Labels:
@@ -38,7 +40,12 @@ class Labels:
     def add(self, value: int, name: str) -> None:
         """Name a value, unless it has a name."""
         if self.names and value not in self.by_value:
-            self.by_value[value] = Label(value, name, len(self.steps) - 1)
+            self.by_value[value] = _label(Label, (value, name, len(self.steps) - 1))
+
+    def name(self, value: int, stem: str, *unknowns: int) -> None:
+        """Name a value after a stem and unknowns, unless it has a name."""
+        if self.names and value not in self.by_value:
+            self.add(value, self.of(stem, *unknowns))
 
     def of(self, stem: str, *unknowns: int) -> str:
         """The name from a stem and unknowns."""
@@ -47,10 +54,10 @@ class Labels:
     def pivot(self, value: int, inverse: int, unknown: int) -> None:
         """Name a pivot and its inverse."""
         if self.names:
-            name = self.of("pivot", unknown)
-            self.add(value, name)
-            self.by_value[value] = self.by_value[value]._replace(name=name)
-            self.add(inverse, self.of("inverse", unknown))
+            name, step = self.of("pivot", unknown), len(self.steps) - 1
+            before = self.by_value.get(value)
+            self.by_value[value] = Label(value, name, before.step if before else step)
+            self.name(inverse, "inverse", unknown)
 
     def entry(self, value: int, i: int, j: int, duals: frozenset[int] = frozenset()) -> None:
         """Name an entry of the reduced matrix: Phi of a multiplier and a coordinate."""
@@ -60,7 +67,7 @@ class Labels:
             i, j = j, i
         mixed = j in duals and i not in duals
         stem = "Phi" if mixed else "S" if i in duals else self.matrix
-        pair = (j, i) if mixed else tuple(sorted({i, j}))
+        pair = (j, i) if mixed else (i,) if i == j else (i, j) if i < j else (j, i)
         self.add(value, self.of(stem, *pair))
 
     def sides(self, values: Sequence[Sequence[int]], unknown: int) -> None:

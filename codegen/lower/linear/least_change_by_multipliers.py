@@ -56,11 +56,14 @@ def solve_by_multipliers(
         for k in row:
             users.setdefault(k, []).append(a)
     for a, row in enumerate(rows):
+        weighted: Row = {}  # by column, once it is needed
         for b in sorted({a, *(b for k in row for b in users[k] if b > a)}):
-            other = rows[b]
-            terms = [
-                graph.mul(graph.mul(x, weights[k]), other[k]) for k, x in row.items() if k in other
-            ]
+            other, terms = rows[b], []
+            for k, x in row.items():
+                if k in other:
+                    if k not in weighted:
+                        weighted[k] = graph.mul(x, weights[k])
+                    terms.append(graph.mul(weighted[k], other[k]))
             entries[a, b] = entries[b, a] = graph.total(terms)
             labels.entry(entries[a, b], a, b)
     references = {a: entries[a, a] for a in range(len(rows))}

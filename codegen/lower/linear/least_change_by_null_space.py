@@ -74,7 +74,7 @@ class NullSpace(SparseRows):
         """Name values of unknowns, as far as these are coordinates."""
         for k, value in zip(unknowns, values, strict=True):
             if k < len(self.labels.names):
-                self.labels.add(value, self.labels.of(stem, k))
+                self.labels.name(value, stem, k)
 
     def _give_closures(self, chosen: tuple[int, ...]) -> None:
         """Replace the unknowns of rows by their least solution and one unknown along n."""

@@ -63,7 +63,7 @@ class PivotOrder:
         for i in changed:
             if i not in duals:
                 self._offer(self._primals, (i,), self._single_rank(i), self._single_cost(i))
-            elif neighbours[i] <= duals:
+            elif duals.issuperset(neighbours[i]):
                 self._offer(self._multipliers, (i,), self._single_rank(i), self._single_cost(i))
             else:
                 self._costs.pop((i,), None)
@@ -73,7 +73,7 @@ class PivotOrder:
             if i in duals:
                 self._renew_row(i)
         for i in self._of_bodies(gone, changed):
-            for c in neighbours[i] & duals:
+            for c in duals.intersection(neighbours[i]):
                 if (i, c) in self._costs:
                     self._offer_pair(i, c)
 
@@ -99,16 +99,12 @@ class PivotOrder:
     def _given(self, c: int) -> set[int]:
         """Coordinates with a number in the row of a constraint that no pivot has touched yet."""
         system = self._system
-        if system.at(c, c) != system.graph.zero:
+        if system.diagonal[c] != system.graph.zero:
             return set()
-        sizes = {j: self._size(j, c) for j in system.neighbours[c]}
+        duals, floats = system.duals, system.graph.floats
+        sizes = {j: abs(floats[entry] or 0.0) for j, entry in system.neighbours[c].items()}
         least = LEAST_PIVOT * max(sizes.values(), default=0.0)
-        duals = system.duals
         return {k for k, size in sizes.items() if size > 0.0 and size >= least and k not in duals}
-
-    def _size(self, k: int, c: int) -> float:
-        """Size of an entry of Φ_q that is a number, else 0."""
-        return abs(self._system.graph.floats[self._system.at(k, c)] or 0.0)
 
     def _offer_pair(self, k: int, c: int) -> None:
         self._offer(self._pairs, (k, c), self._pair_rank(k), self._pair_cost(k, c))
@@ -134,7 +130,8 @@ class PivotOrder:
             case "schur":
                 return int(i in system.duals)
             case "leaves":
-                return 3 if i in system.duals or system.neighbours[i] & system.duals else 0
+                free = i not in system.duals and system.duals.isdisjoint(system.neighbours[i])
+                return 0 if free else 3
         return 0
 
     def _pair_rank(self, k: int) -> int:
@@ -143,16 +140,16 @@ class PivotOrder:
             return 0
         system = self._system
         left = [j for j in self._bodies[system.owners[k]] if j in system.neighbours]
-        constraints = set().union(*(system.neighbours[j] & system.duals for j in left))
+        constraints = system.duals.intersection(c for j in left for c in system.neighbours[j])
         return 1 if len({system.owners[c] for c in constraints}) == 1 else 2
 
     def _single_cost(self, i: int) -> int:
         degree = len(self._system.neighbours[i])
-        division = 0 if self._system.graph.settled[self._system.at(i, i)] else DIVISION
+        division = 0 if self._system.graph.settled[self._system.diagonal[i]] else DIVISION
         return division + degree * (degree + 3) // 2
 
     def _pair_cost(self, k: int, c: int) -> int:
         system = self._system
         along, across = len(system.neighbours[k]) - 1, len(system.neighbours[c]) - 1
-        mass = 0 if system.at(k, k) == system.graph.zero else across * (across + 1) // 2
+        mass = 0 if system.diagonal[k] == system.graph.zero else across * (across + 1) // 2
         return across * along + mass + along + across

@@ -103,11 +103,11 @@ class Square(SparseRows):
             # Φ_q Φ_qᵀ; and short arms make it so where nothing is singular.
             square = graph.mul(det, det)
             self.checks.append(Check(square, reference, max(chosen), SHARPER))
-            self.labels.add(square, self.labels.of("det2", *chosen))
-            self.labels.add(reference, self.labels.of("size", *chosen))
+            self.labels.name(square, "det2", *chosen)
+            self.labels.name(reference, "size", *chosen)
         inverse = graph.div(graph.one, det)
-        self.labels.add(det, self.labels.of("det", *chosen))
-        self.labels.add(inverse, self.labels.of("inverse_det", *chosen))
+        self.labels.name(det, "det", *chosen)
+        self.labels.name(inverse, "inverse_det", *chosen)
         columns = list(zip(*minors, strict=True))
         return [[graph.mul(inverse, graph.dot(minor, r)) for minor in columns] for r in right]
 
