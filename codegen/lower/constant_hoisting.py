@@ -83,9 +83,7 @@ def orient_differences(
     return tuple(values), needed_by
 
 
-def _takers(
-    values: Sequence[Value], kernels: tuple[Kernel, ...]
-) -> tuple[list[int], list[int]]:
+def _takers(values: Sequence[Value], kernels: tuple[Kernel, ...]) -> tuple[list[int], list[int]]:
     """Value → the kernels that compute it, as bits, and how often they take or store it."""
     takers, uses = [0] * len(values), [0] * len(values)
     for at, kernel in enumerate(kernels):

@@ -40,7 +40,7 @@ from numba.extending import intrinsic
 from codegen.generated_module_signature_and_import import locked
 from codegen.library_layout import LIBRARY, methods_folder
 from codegen.numba_cache import checked_caches
-from codegen.numba_pipeline import ScalarCompiler
+from codegen.scalar_compiler import ScalarCompiler
 from codegen.separate_compilation import give_interface
 
 F = TypeVar("F", bound=Callable[..., Any])
