@@ -212,8 +212,8 @@ class Machine(MachineStates):
         >>> m = lw.load("pendulum.py", scene="swing")
         >>> m.ensemble(10.0, 101, parameters={"length": np.linspace(0.5, 2.0, 1000)})
         """
+        from codegen.available_cores import available_cores
         from runtime.ensemble.run_ensemble import run_ensemble
-        from runtime.integrate.second_compiler import available_cores
         from runtime.validation.output_instants import uniform
 
         require_motion(self.mechanism, "ensemble")

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from filelock import FileLock, Timeout
 
+from codegen.available_cores import available_cores
 from codegen.errors import InputError, LinkwrightError
 from codegen.object_display import counted
 from codegen.termination_signals import SignalDeferral
-from runtime.integrate.second_compiler import available_cores
 from runtime.machine_facade import Machine
 from runtime.progress_bar import Progress, bar
 from runtime.sweeps import store
