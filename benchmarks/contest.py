@@ -36,9 +36,9 @@ class Peer:
 
 LOOPS = tuple(name for name in PROBLEMS if name.startswith("n_four_bar_"))
 PEERS = {
-    "exudyn": Peer("exudyn", True, ("slider_crank", "andrews", *LOOPS, "chain_10")),
+    "exudyn": Peer("exudyn", True, ("slider_crank", "andrews", *LOOPS, "chain_10", "chain_100")),
     "pinocchio": Peer("pin", True, ("slider_crank", "chain_10")),
-    "mujoco": Peer("mujoco", True, ("slider_crank", "chain_10")),
+    "mujoco": Peer("mujoco", True, ("slider_crank", "chain_10", "chain_100")),
     "pydy": Peer("pydy cython", True, ("slider_crank",)),
     "scipy": Peer("scipy sympy", False, ("slider_crank", "andrews")),
     "casadi": Peer("casadi", False, ("slider_crank", "andrews", "chain_10")),

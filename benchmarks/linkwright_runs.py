@@ -89,6 +89,13 @@ CHAIN = Entry(
     tuple(f"link_{k}.phi" for k in range(LINKS)),
     floors=(("floor", lambda tolerance: floor_chain.answer(LINKS, tolerance)),),
 )
+LONG_LINKS = len(PROBLEMS["chain_100"].reference)
+LONG_CHAIN = Entry(
+    PROBLEMS["chain_100"],
+    lambda folder: load(chain(LONG_LINKS), SCENE, folder=folder),
+    tuple(f"link_{k}.phi" for k in range(LONG_LINKS)),
+    ("cartesian",),
+)
 ENTRIES = {
     "slider_crank": CRANK,
     "andrews": ANDREWS,
@@ -99,6 +106,7 @@ ENTRIES = {
         if name.startswith("n_four_bar_")
     },
     "chain_10": CHAIN,
+    "chain_100": LONG_CHAIN,
 }
 
 

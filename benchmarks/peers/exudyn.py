@@ -283,6 +283,7 @@ SOLVERS = {
     "slider_crank": crank,
     "andrews": squeezer,
     "chain_10": chain,
+    "chain_100": chain,
     **{f"n_four_bar_{n}": loops for n in (2, 5, 10, 40)},
 }
 

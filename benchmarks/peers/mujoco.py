@@ -93,4 +93,4 @@ def chain(problem: Problem) -> None:
 
 
 if __name__ == "__main__":
-    main(["mujoco"], {"slider_crank": crank, "chain_10": chain})
+    main(["mujoco"], {"slider_crank": crank, "chain_10": chain, "chain_100": chain})
