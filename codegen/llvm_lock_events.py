@@ -1,7 +1,7 @@
-"""Numba's events of LLVM's lock, which tell a timer of numba's how long LLVM took.
+"""Numba's events of LLVM's lock, by which a timer of numba's knows how long LLVM took.
 
-Each call of LLVM is two of them, and a first run makes 160 000 calls: the events took a thirtieth
-of compiling. No one here asks that timer.
+Each call of LLVM makes two of them, and a first run makes 160 000 calls: the events took a
+thirtieth of compiling. Nothing here asks that timer.
 """
 
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ _library: Any = ffi.lib
 @contextmanager
 def no_lock_events() -> Iterator[None]:
     """Within the block, LLVM's lock is taken and given back without events."""
-    lock = getattr(_library, "_lock", None)
+    lock: Any = getattr(_library, "_lock", None)
     if not hasattr(lock, "_cblist"):  # another version of LLVM's bindings
         yield
         return

@@ -47,6 +47,7 @@ from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 
 from codegen.damaged_byte_code import CacheWarning
 from codegen.garbage_collection import collection_paused
+from codegen.llvm_lock_events import no_lock_events
 from codegen.numba_operation_types import remembered_operation_types
 from codegen.separate_compilation import StaleCodeError, separate_compilation, symbols_kept
 from codegen.termination_signals import SignalDeferral
@@ -89,6 +90,7 @@ def checked_caches() -> Iterator[None]:
         global_compiler_lock,
         collection_paused(),
         listening,
+        no_lock_events(),
         remembered_operation_types(),
         separate_compilation(),
     ):

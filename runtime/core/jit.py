@@ -39,7 +39,6 @@ from numba.extending import intrinsic
 
 from codegen.generated_module_signature_and_import import locked
 from codegen.library_layout import LIBRARY, methods_folder
-from codegen.llvm_lock_events import no_lock_events
 from codegen.numba_cache import checked_caches
 from codegen.scalar_compiler import ScalarCompiler
 from codegen.separate_compilation import give_interface
@@ -140,7 +139,7 @@ class _Lazy(_Locked):
 
     def prepare(self) -> None:
         """Compile or load it, unless another thread has done so."""
-        with checked_caches(), no_lock_events():
+        with checked_caches():
             if not self.overloads:
                 self.compile(self.signature)
                 self.disable_compile()
