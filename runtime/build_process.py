@@ -39,10 +39,11 @@ def build_beside(model: Path, scene: str | None, folder: Path) -> tuple[Path, st
     if "sympy" in sys.modules or available_cores() < 2 or not sys.executable:
         return None
     arguments = json.dumps([sys.path, [str(model), scene, str(folder)]])
+    warned = [f"-W{option}" for option in sys.warnoptions]
     kinds: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
     try:
         process = subprocess.Popen(
-            [sys.executable, "-P", "-c", PROGRAM, arguments], stdin=subprocess.DEVNULL,
+            [sys.executable, *warned, "-P", "-c", PROGRAM, arguments], stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **kinds,
         )  # fmt: skip
     except OSError:  # no process can be started

@@ -63,6 +63,8 @@ def translate(
     Raises UntranslatableError at what no kernel has.
     """
     module = LlvmModule(names, source, kernel.symbol, kernel.flags)
+    if not kernel.head.isascii():
+        raise UntranslatableError(f"the parameters {kernel.head}")
     parameters = dict(zip((p.arg for p in tree.args.args), kernel.parameters, strict=True))
     function = FunctionTranslation(module, parameters, kernel.results)
     function.run(tree)
@@ -93,7 +95,7 @@ class LlvmModule:
     def table(self, name: str, values: Any) -> Array:
         """An array that the text knows, as a constant."""
         kind = _ITEMS.get(str(values.dtype))
-        if kind is None or not values.flags.c_contiguous:
+        if kind is None or not (values.flags.c_contiguous and name.isascii()):
             raise UntranslatableError(f"the array {name}")
         address = f"@{name}"
         if name not in self.tables:
@@ -116,7 +118,8 @@ class LlvmModule:
         """(symbol, kinds of its results) of a function of the text for arguments of some kinds."""
         if (name, kinds) not in self.callees:
             tree = self.source(self.names[name])
-            if len(tree.args.args) != len(kinds):
+            words = [name, *(p.arg for p in tree.args.args)]
+            if len(words) != 1 + len(kinds) or not "".join(words).isascii():
                 raise UntranslatableError(f"{name} of {len(kinds)} arguments")
             parameters = {
                 p.arg: Number(f"%{p.arg}", k) for p, k in zip(tree.args.args, kinds, strict=True)

@@ -25,5 +25,5 @@ class KernelCompiler:
 
         try:
             return compile_kernel(self._state, function)
-        except UntranslatableError:
+        except (UntranslatableError, RecursionError):  # the latter, where a text nests too deeply
             return _Usual(*self._state).compile_extra(function)

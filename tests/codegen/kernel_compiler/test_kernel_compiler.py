@@ -243,6 +243,37 @@ def test_numba_compiles_what_is_not_translated(
     np.testing.assert_array_equal(out, expected)
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(λ):\n    return 2.0 * λ\n',
+        (
+            "μ = np.array((2.0, 3.0))\n\n\n"
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return μ[0] * x\n'
+        ),
+        (
+            "@numba.njit(**OPTIONS)\ndef zweifach_für(x):\n    return 2.0 * x\n\n\n"
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return zweifach_für(x)\n'
+        ),
+    ],
+)
+def test_names_that_are_no_ascii(text: str, imported: Any, translated: list[str]) -> None:
+    assert imported(EXACT, text).kernel(1.25) == 2.5
+    assert translated == []
+
+
+def test_names_of_values_may_be_no_ascii(imported: Any, translated: list[str]) -> None:
+    text = '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    ω = 2.0 * x\n    return ω\n'
+    assert imported(EXACT, text).kernel(1.25) == 2.5
+    assert translated == ["kernel"]
+
+
+def test_a_long_sum_and_a_deep_expression(imported: Any) -> None:
+    long, deep = " + ".join(["x"] * 800), "(x + " * 90 + "x" + ")" * 90
+    text = f'@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return {long} + {deep}\n'
+    assert imported(EXACT, text).kernel(1.0) == 891.0
+
+
 def test_products_and_sums_may_be_contracted(imported: Any) -> None:
     text = '@numba.njit("f8(f8, f8, f8)", **OPTIONS)\ndef kernel(a, b, c):\n    return a * b + c\n'
     a = 1.0 + 2.0**-30
