@@ -23,8 +23,10 @@ SIZES = {
     "roller_chain": (50, 100, 200),
 }
 QUICK = {"chain": (20, 50), "n_four_bar": (5, 10), "net": (4, 6), "roller_chain": (20, 30)}
-LINEAR = {"n_four_bar": 1.5, "chain": 1.5, "roller_chain": 2.0}
+LINEAR = {"chain": 1.5, "roller_chain": 2.0}
 """Bars: time of an evaluation and part of the largest machine, over that of the smallest."""
+LOOPS = 1.5
+"""Bar: time of a run and loop, with its singular crossings, over that of the smallest machine."""
 DRIFT = 1e-6
 """Bar: departure from the balance of energy over the largest kinetic energy, at that accuracy."""
 
@@ -57,6 +59,10 @@ def verdicts(runs: Sequence[Run]) -> Iterator[str]:
             f"{small.size}:"
         )
         yield verdict(what, pace(large) / pace(small), bar)
+    first, *others = (run for run in runs if run.family == "n_four_bar")
+    for run in others:
+        what = f"n_four_bar, a run and loop with {run.size}, in times of that with {first.size}:"
+        yield verdict(what, run.cpu / run.size / (first.cpu / first.size), LOOPS)
     for run in runs:
         if run.outcome != "OK":
             yield f"{run.family} with {run.size} ended with {run.outcome}."

@@ -251,7 +251,7 @@ def _crossings_note(mechanism: Mechanism, run: Trajectory) -> str:
     first = run.crossings[0]
     worst = max(run.crossings, key=lambda crossing: crossing.error)
     count = len(run.crossings)
-    names = [mechanism.description.constraints.names[row] for row in sorted(first.rows)]
+    names = [mechanism.description.constraints[row].name for row in sorted(first.rows)]
     more = len(names) - _NAMES
     *others, last = names if more <= 1 else [*names[:_NAMES], f"{more} others"]
     dependent = f"s {', '.join(others)} and {last}" if others else f" {last}"

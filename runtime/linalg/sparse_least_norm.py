@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from runtime.core.array_types import Vector
+from runtime.linalg.bordered_matrix import bordered_matrix
 
 SPARSE_FROM = 300
 """measured: coordinates from which on sparse factors are used in place of dense ones, which take
@@ -29,7 +30,7 @@ class LeastNorm:
     """Solutions of least norm of one sparse matrix A, (m, n), of which `factors` counts entries."""
 
     def __init__(self, matrix: Any) -> None:
-        from scipy.sparse import block_array, identity  # small machines load none of it
+        from scipy.sparse import identity  # small machines load none of it
         from scipy.sparse.linalg import splu
 
         self.matrix = matrix.tocsr()
@@ -37,8 +38,8 @@ class LeastNorm:
         m, self.n = self.matrix.shape
         largest = float(self.matrix.multiply(self.matrix).sum(axis=1).max()) if m else 0.0
         damping = _DAMPING * (largest or 1.0)
-        whole = [[identity(self.n), self.transpose], [self.matrix, -damping * identity(m)]]
-        self.lu = splu(block_array(whole, format="csc"), permc_spec="MMD_AT_PLUS_A")
+        whole = bordered_matrix(identity(self.n), self.matrix, -damping * identity(m))
+        self.lu = splu(whole, permc_spec="MMD_AT_PLUS_A")
         self.factors = int(self.lu.nnz)
 
     def _step(self, right: Vector) -> Vector:

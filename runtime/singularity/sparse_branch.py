@@ -8,10 +8,10 @@ sparse too. (Å. Björck, Numerical Methods for Least Squares Problems, 1996, se
 from typing import Any
 
 import numpy as np
-from scipy.sparse import block_array
 from scipy.sparse.linalg import splu
 
 from runtime.core.array_types import Vector
+from runtime.linalg.bordered_matrix import bordered_matrix
 from runtime.singularity.singular_root_search import Passage, Root
 from runtime.singularity.sparse_complement import SparseJacobian
 from runtime.singularity.sparse_forms import difference
@@ -35,8 +35,8 @@ def nearest_passage(jacobian: SparseJacobian, root: Root, rate: Vector) -> Passa
     for iteration in range(_ITERATIONS):
         slopes = left.T @ jacobian.matrix(difference(jacobian, root.z, null @ x)) @ null
         largest = float(slopes.multiply(slopes).sum(axis=1).max()) or 1.0
-        blocks = [[of_null, slopes.T], [slopes, -_REGULAR * largest * of_left]]
-        factors = splu(block_array(blocks, format="csc"), permc_spec="MMD_AT_PLUS_A")
+        whole = bordered_matrix(of_null, slopes, -_REGULAR * largest * of_left)
+        factors = splu(whole, permc_spec="MMD_AT_PLUS_A")
         if iteration == 0:
             weakest, direction = _least_singular_value(factors, of_left, of_null)
         step = factors.solve(np.concatenate([np.zeros(free), -0.5 * (slopes @ x)]))[:free]

@@ -7,10 +7,10 @@ Problem, 1998, section 3.3.)
 """
 
 import numpy as np
-from scipy.sparse import block_array
 from scipy.sparse.linalg import splu
 
 from runtime.core.array_types import Vector
+from runtime.linalg.bordered_matrix import bordered_matrix
 from runtime.singularity.pivot_order_reuse import STRONG, PivotOrder, PivotOrders, count_weak
 from runtime.singularity.scaled_constraints import ScaledConstraints
 from runtime.singularity.sparse_complement import Complement, SparseJacobian
@@ -43,14 +43,9 @@ class SparsePivotOrders(PivotOrders):
 def count_above(left: Complement, level: float) -> int:
     """How many singular values of a complement, between orthonormal vectors, exceed a level."""
     u, n, between = left.left, left.null, left.between
-    blocks = [[level * (u.T @ u), between], [between.T, level * (n.T @ n)]]
+    whole = bordered_matrix(level * (u.T @ u), between.T, level * (n.T @ n))
     options = {"SymmetricMode": True}
-    factors = splu(
-        block_array(blocks, format="csc"),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options=options,
-    )
+    factors = splu(whole, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
     return int(np.sum(factors.U.diagonal() < 0.0))
 
 
