@@ -189,7 +189,7 @@ class _TextLoader(SourceFileLoader):
     @cached_property
     def lines(self) -> list[str]:
         """The lines of the text, each with its end."""
-        return self.text.splitlines(keepends=True)
+        return [f"{line}\n" for line in self.text.split("\n")]
 
     def get_code(self, fullname: str) -> CodeType:
         """The text, compiled, with more options for kernels."""

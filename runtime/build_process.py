@@ -2,10 +2,13 @@
 
 The imports of SymPy and of the compiler and a small machine's translation take as long as the
 imports of numba and of the runtime, and a run needs nothing of the former but the text. So a
-process that has neither lets another one, on another core, write the text. What is wrong with a
-model, what it prints and what it warns of are this process's own affair: it then builds anew.
+process that has neither lets another one, on another core, write the text, if the model is a
+declaration alone: it imports what makes declarations, and asks nothing of the running program. What
+is wrong with it, what it prints and what it warns of are this process's own affair: it then builds
+the machine itself.
 """
 
+import ast
 import contextlib
 import io
 import json
@@ -18,7 +21,8 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-from codegen.available_cores import available_cores
+from codegen.garbage_collection import collection_paused
+from codegen.other_processes import can_start, interpreter, module_path
 
 PROGRAM = """
 import json, sys
@@ -28,6 +32,12 @@ main(*arguments)
 """
 """Its argument holds the path of modules, and the arguments of `main`."""
 
+_DECLARING = frozenset({"codegen", "linkwright", "sympy", "math", "numpy", "dataclasses", "typing"})
+"""Modules that a declaration imports; a program's own may differ from process to process."""
+_ASKING = frozenset(
+    {"random", "open", "input", "exec", "eval", "compile", "globals", "vars", "__import__"}
+)
+"""Names of what asks, or changes, something outside of a declaration."""
 _PAUSE = 0.2  # measured: s between two looks for the starting process, which cost nothing
 
 
@@ -36,31 +46,46 @@ def build_beside(model: Path, scene: str | None, folder: Path) -> tuple[Path, st
 
     Nothing is tried where SymPy is imported already, or where there is one core alone.
     """
-    if "sympy" in sys.modules or available_cores() < 2 or not sys.executable:
+    if "sympy" in sys.modules or not can_start() or not _declares_alone(model):
         return None
-    arguments = json.dumps([sys.path, [str(model), scene, str(folder)]])
-    warned = [f"-W{option}" for option in sys.warnoptions]
+    arguments = json.dumps([module_path(), [str(model), scene, str(folder)]])
     kinds: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
     try:
         process = subprocess.Popen(
-            [sys.executable, *warned, "-P", "-c", PROGRAM, arguments], stdin=subprocess.DEVNULL,
+            [*interpreter(), "-c", PROGRAM, arguments], stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **kinds,
         )  # fmt: skip
     except OSError:  # no process can be started
         return None
     with process:
         try:
-            _prepare_for_a_run()
+            with collection_paused():
+                _prepare_for_a_run()
             assert process.stdout is not None
             answer = process.stdout.read()
         except BaseException:
             process.kill()
             raise
+    with contextlib.suppress(ValueError):
+        match json.loads(answer):
+            case [str(path), str(digest)]:
+                return Path(path), digest
+    return None
+
+
+def _declares_alone(model: Path) -> bool:
+    """Whether a file does nothing but declare, as far as its text shows."""
     try:
-        path, digest = json.loads(answer)
-    except ValueError:
-        return None
-    return Path(path), digest
+        nodes = [*ast.walk(ast.parse(model.read_bytes()))]
+    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
+        return False  # which the build explains
+    modules = [
+        *(name.name for node in nodes if isinstance(node, ast.Import) for name in node.names),
+        *("." * n.level + (n.module or "") for n in nodes if isinstance(n, ast.ImportFrom)),
+    ]
+    names = {node.id for node in nodes if isinstance(node, ast.Name)}
+    names |= {node.attr for node in nodes if isinstance(node, ast.Attribute)}
+    return {name.partition(".")[0] for name in modules} <= _DECLARING and not names & _ASKING
 
 
 def _prepare_for_a_run() -> None:
@@ -83,7 +108,7 @@ def main(model: str, scene: str | None, folder: str) -> None:
 
     said = io.StringIO()
     with (
-        warnings.catch_warnings(record=True) as warned,
+        warnings.catch_warnings(record=True, action="always") as warned,
         contextlib.redirect_stdout(said),
         contextlib.redirect_stderr(said),
     ):

@@ -212,7 +212,7 @@ class Machine(MachineStates):
         >>> m = lw.load("pendulum.py", scene="swing")
         >>> m.ensemble(10.0, 101, parameters={"length": np.linspace(0.5, 2.0, 1000)})
         """
-        from codegen.available_cores import available_cores
+        from codegen.other_processes import available_cores
         from runtime.ensemble.run_ensemble import run_ensemble
         from runtime.validation.output_instants import uniform
 

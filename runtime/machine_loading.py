@@ -38,7 +38,6 @@ _LONGEST_PATH = 1000  # layout: characters of a path in a message
     model=readers.model, scene=readers.optional(readers.scene),
     folder=readers.optional(readers.path), generated=readers.optional(readers.path),
 )  # fmt: skip
-@collection_paused()
 def load(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     folder: str | os.PathLike[str] | None = None,
@@ -139,9 +138,10 @@ def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) 
         built = build_beside(model, scene, generated)
         if built is not None:
             return built
-    from codegen import build
+    with collection_paused():
+        from codegen import build
 
-    report = build(model, scene=scene, out=generated, compile=False)
+        report = build(model, scene=scene, out=generated, compile=False)
     first = report.scenes[0]
     return first.path, first.digest
 

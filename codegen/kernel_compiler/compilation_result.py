@@ -7,7 +7,7 @@ from typing import Any
 
 from llvmlite import binding  # type: ignore[import-untyped]
 from numba import types
-from numba.core import bytecode, compiler, environment, funcdesc
+from numba.core import bytecode, compiler, config, environment, funcdesc
 from numba.core.typing import templates
 
 from codegen.kernel_compiler.llvm_instructions import (
@@ -19,6 +19,7 @@ from codegen.kernel_compiler.llvm_instructions import (
 )
 from codegen.kernel_compiler.llvm_module import Kernel, translate
 
+_config: Any = config
 _compiler: Any = compiler  # numba leaves these untyped
 _Descriptor: Any = funcdesc.PythonFunctionDescriptor
 _Identity: Any = bytecode.FunctionIdentity
@@ -66,7 +67,9 @@ def _descriptor(function: Any, context: Any, arguments: Any, returned: Any, flag
 
 def describe_kernel(descriptor: Any, flags: Any) -> Kernel:
     """A kernel as numba's callers know it: an array is seven parameters of machine code."""
-    checks = flags.boundscheck or flags.debuginfo or flags.error_model != "numpy"
+    checks = (
+        flags.boundscheck or _config.BOUNDSCHECK or flags.debuginfo or flags.error_model != "numpy"
+    )
     entries = not (flags.no_cpython_wrapper and flags.no_cfunc_wrapper)
     if descriptor.restype is None or checks or entries:
         raise UntranslatableError("a function that numba adds something to")
@@ -106,13 +109,21 @@ def syntax_tree(function: Any) -> ast.FunctionDef:
     lines = getattr(loader, "lines", None)
     if lines is None:
         raise UntranslatableError(f"{function.__module__} is no imported text")
-    first = function.__code__.co_firstlineno - 1  # of its decorator
+    code = function.__code__
+    first = code.co_firstlineno - 1  # of its decorator
     last = first + 1
     while last < len(lines) and lines[last][:1] in ("d", " ", ")", "\n"):
         last += 1
-    (tree,) = ast.parse("".join(lines[first:last])).body
-    assert isinstance(tree, ast.FunctionDef)
-    return tree
+    try:
+        body = ast.parse("".join(lines[first:last])).body
+    except SyntaxError as error:
+        raise UntranslatableError(f"the text of {code.co_name}") from error
+    end = first + max(node.end_lineno or 0 for node in body)
+    whole = end >= max(line for _, line, *_ in code.co_positions() if line)
+    match body:
+        case [ast.FunctionDef(name=code.co_name) as tree] if whole:
+            return tree
+    raise UntranslatableError(f"the text of {code.co_name}")
 
 
 def _library(machine: Any, descriptor: Any, text: str) -> Any:
@@ -120,5 +131,9 @@ def _library(machine: Any, descriptor: Any, text: str) -> Any:
     library = machine.create_library(descriptor.qualname)
     library.enable_object_caching()
     head = _HEAD.format(layout=machine._data_layout, environment=descriptor.env_name)
-    library.add_llvm_module(_llvm.parse_assembly(f"{head}{text}"))
+    try:
+        module = _llvm.parse_assembly(f"{head}{text}")
+    except RuntimeError as error:
+        raise UntranslatableError(str(error)) from error
+    library.add_llvm_module(module)
     return library

@@ -2,7 +2,7 @@
 
 import ast
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,8 +25,13 @@ from codegen.kernel_compiler.llvm_instructions import (
 if TYPE_CHECKING:
     from codegen.kernel_compiler.llvm_module import LlvmModule
 
-_INTRINSICS = ("sin", "cos", "exp", "log", "pow")
-_EXTERNALS = ("sqrt", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh")  # in C
+# Functions of `math` by the number of their arguments: LLVM's own, and those of the C library.
+_INTRINSICS = {**dict.fromkeys(("sin", "cos", "exp", "log"), 1), "pow": 2}
+_EXTERNALS = {
+    **dict.fromkeys(("sqrt", "floor", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"), 1),
+    "atan2": 2,
+}
+_NUMBERS = {"float64": FLOAT, "int64": INTEGER}  # numba's names of kinds
 _BINARY: dict[type, str] = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.BitAnd: "and"}
 _SIGNS: dict[type, str] = {
     ast.Eq: "==",
@@ -137,10 +142,16 @@ class ExpressionTranslation:
 
     def _floor_division(self, a: Number, b: Number) -> Number:
         if a.kind == FLOAT and b == float_literal(1.0):
-            return self._intrinsic("floor", a)
+            return self._floor(a)
         if a.kind == INTEGER and b == integer_literal(2):  # which rounds down
             return self.code.calculation("ashr", a, integer_literal(1))
         raise UntranslatableError(f"{a} // {b}")
+
+    def _floor(self, a: Number) -> Number:
+        """The next lower whole number, NaN of what is not finite, as in Python."""
+        rounded = self._intrinsic("floor", a)
+        finite = self.code.comparison("==", self.code.calculation("fsub", a, a), float_literal(0.0))
+        return self.code.selection(finite, rounded, float_literal(float("nan")))
 
     def _negative(self, operand: ast.expr) -> Number:
         match operand:
@@ -156,12 +167,12 @@ class ExpressionTranslation:
         places = index.elts if isinstance(index, ast.Tuple) else [index]
         if not isinstance(array, Array) or len(places) != 1 + len(array.inner_shape):
             raise UntranslatableError(ast.unparse(subscript))
-        first, *others = map(self._integer, places)
+        first, *others = numbers = tuple(map(self._integer, places))
+        if any(is_literal(number) and int(number.text) < 0 for number in numbers):
+            raise UntranslatableError(ast.unparse(subscript))
         for length, other in zip(array.inner_shape, others, strict=True):
             row = self.code.calculation("mul", first, integer_literal(length))
             first = self.code.calculation("add", row, other)
-        if is_literal(first) and int(first.text) < 0:
-            raise UntranslatableError(ast.unparse(subscript))
         return array, first
 
     def _choice(self, test: ast.expr, first: ast.expr, last: ast.expr) -> Number:
@@ -193,6 +204,8 @@ class ExpressionTranslation:
                     self._branch(operand, *ways)
                     self.code.begin(further)
                 self._branch(last, yes, no)
+            case ast.Compare(ops=[_, _, _, *_]):
+                raise UntranslatableError(ast.unparse(test))
             case ast.Compare(left=left, ops=[first, second], comparators=[middle, right]):
                 number, further = self._number(middle), self.code.label()
                 self.code.branch(self._relation(first, self._number(left), number), further, no)
@@ -226,25 +239,41 @@ class ExpressionTranslation:
 
     def _call(self, function: ast.expr, arguments: tuple[Number, ...]) -> Value:
         match function:
+            case ast.Name(id="abs" | "float" as name) if name in self.module.names:
+                raise UntranslatableError(f"another {name}")
             case ast.Name(id="abs") if [number.kind for number in arguments] == [FLOAT]:
                 return self._intrinsic("fabs", *arguments)
             case ast.Name(id="float") if len(arguments) == 1:
                 return self._as(FLOAT, arguments[0])
             case ast.Name(id=name) if hasattr(self.module.names.get(name), "py_func"):
+                arguments = self._declared(self.module.names[name], arguments)
                 symbol, results = self.module.callee(name, tuple(a.kind for a in arguments))
                 if len(results) == 1:
                     return self.code.call(symbol, results[0], *arguments)
                 structure = self.code.call(symbol, structure_of(results), *arguments)
                 return self.code.unpacked(structure, results)
-            case ast.Attribute(value=ast.Name(id="math"), attr="floor"):
+            case ast.Attribute(value=ast.Name(id="math"), attr="floor") if len(arguments) == 1:
                 return self.code.as_integer(self._external("floor", *arguments))
             case ast.Attribute(value=ast.Name(id="numba"), attr="int64") if len(arguments) == 1:
                 return self._as(INTEGER, arguments[0])
-            case ast.Attribute(value=ast.Name(id="math"), attr=name) if name in _INTRINSICS:
+            case ast.Attribute(value=ast.Name(id="math"), attr=name) if _INTRINSICS.get(
+                name
+            ) == len(arguments):
                 return self._intrinsic(name, *arguments)
-            case ast.Attribute(value=ast.Name(id="math"), attr=name) if name in _EXTERNALS:
+            case ast.Attribute(value=ast.Name(id="math"), attr=name) if _EXTERNALS.get(name) == len(
+                arguments
+            ):
                 return self._external(name, *arguments)
         raise UntranslatableError(ast.unparse(function))
+
+    def _declared(self, function: Any, arguments: tuple[Number, ...]) -> tuple[Number, ...]:
+        """Arguments as the function's signature has them, where it has one."""
+        for kinds in getattr(function, "signatures", ())[:1]:
+            wanted = [_NUMBERS.get(str(kind), "") for kind in kinds]
+            if len(wanted) != len(arguments):
+                raise UntranslatableError(f"{len(arguments)} arguments for {len(wanted)}")
+            return tuple(map(self._as, wanted, arguments))
+        return arguments
 
     def _intrinsic(self, name: str, *arguments: Number) -> Number:
         return self._elsewhere(f"llvm.{name}.f64", "", arguments)
@@ -253,6 +282,7 @@ class ExpressionTranslation:
         return self._elsewhere(name, " readonly nounwind", arguments)
 
     def _elsewhere(self, function: str, effects: str, arguments: tuple[Number, ...]) -> Number:
+        """A call of what this module does not define."""
         name = self.module.declared(function, len(arguments), effects)
         return self.code.call(name, FLOAT, *(self._as(FLOAT, number) for number in arguments))
 

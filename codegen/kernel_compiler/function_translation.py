@@ -88,6 +88,8 @@ class FunctionTranslation(ExpressionTranslation):
                     self._store(one, number)
             case ast.Subscript(), Number():
                 array, place = self._element(target)
+                if array.address.startswith("@"):
+                    raise UntranslatableError(f"{ast.unparse(target)} of a table")
                 self.code.store(self._as(array.kind, value), self.code.element(array, place))
             case _:
                 raise UntranslatableError(ast.unparse(target))

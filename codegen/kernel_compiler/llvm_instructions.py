@@ -56,7 +56,9 @@ def float_literal(value: float) -> Number:
 
 
 def integer_literal(value: int) -> Number:
-    """A whole number."""
+    """A whole number of 64 bits."""
+    if not -(1 << 63) <= value < 1 << 63:
+        raise UntranslatableError(str(value))
     return Number(str(value), INTEGER)
 
 
@@ -181,6 +183,10 @@ class Instructions:
         """The number that comes from the block by which one got here."""
         texts = ", ".join(f"[{number.text}, %{label}]" for number, label in sides)
         return self.result(f"phi {kind} {texts}", kind)
+
+    def selection(self, condition: Number, yes: Number, no: Number) -> Number:
+        """One of two numbers that both are there."""
+        return self.result(f"select i1 {condition.text}, {yes}, {no}", yes.kind)
 
     def as_float(self, number: Number) -> Number:
         """A number as a floating-point one."""

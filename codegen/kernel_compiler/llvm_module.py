@@ -97,7 +97,7 @@ class LlvmModule:
         kind = _ITEMS.get(str(values.dtype))
         if kind is None or not (values.flags.c_contiguous and name.isascii()):
             raise UntranslatableError(f"the array {name}")
-        address = f"@{name}"
+        address = f"@table.{name}"
         if name not in self.tables:
             flat = values.ravel()
             numbers = flat.view(np.uint64).tolist() if kind == FLOAT else flat.tolist()

@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
-from codegen.available_cores import available_cores
+from codegen.other_processes import can_start, interpreter, module_path
 from runtime.core.jit import prepare
 
 PROGRAM = """
@@ -40,12 +40,12 @@ def compile_beside(functions: Sequence[Any]) -> None:
     It ends when it has compiled all, and is started where it does not run, unless this process may
     use one core alone.
     """
-    if available_cores() < 2 or not sys.executable:
+    if not can_start():
         return
     names = [(function.__module__, function.__name__) for function in reversed(functions)]
     if _running and _send(_running[-1], names):
         return
-    command = [sys.executable, "-P", "-c", PROGRAM, json.dumps([sys.path, names])]
+    command = [*interpreter(), "-c", PROGRAM, json.dumps([module_path(), names])]
     kinds: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
     quiet = subprocess.DEVNULL
     with contextlib.suppress(OSError):  # no process can be started: one compiles alone

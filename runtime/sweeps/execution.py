@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from filelock import FileLock, Timeout
 
-from codegen.available_cores import available_cores
 from codegen.errors import InputError, LinkwrightError
 from codegen.object_display import counted
+from codegen.other_processes import available_cores
 from codegen.termination_signals import SignalDeferral
 from runtime.machine_facade import Machine
 from runtime.progress_bar import Progress, bar

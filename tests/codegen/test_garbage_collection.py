@@ -41,7 +41,7 @@ def test_what_a_block_makes_counts_as_old() -> None:
     gc.unfreeze()
     try:
         with collection_paused():
-            made = [[k] for k in range(1000)]
+            made = [[k] for k in range(100_000)]
         old = {id(one) for one in gc.get_objects(generation=2)}
         assert all(id(one) in old for one in made)
         assert gc.get_freeze_count() == 0
@@ -50,15 +50,39 @@ def test_what_a_block_makes_counts_as_old() -> None:
             gc.freeze()
 
 
+def test_blocks_that_make_little_leave_garbage_to_be_found() -> None:
+    """Else a loop over such blocks would keep all of it: nothing there counts the old objects."""
+
+    class Node:
+        found = 0
+
+        def __init__(self) -> None:
+            self.me = self
+
+        def __del__(self) -> None:
+            Node.found += 1
+
+    usual = gc.get_threshold()
+    gc.set_threshold(700, 10, 10)
+    try:
+        for _ in range(2000):
+            Node()
+            with collection_paused():
+                pass
+    finally:
+        gc.set_threshold(*usual)
+    assert Node.found > 1000
+
+
 def test_what_a_program_keeps_from_collection_stays_kept() -> None:
     before = gc.get_freeze_count()
     gc.freeze()
     try:
         kept = gc.get_freeze_count()
         with collection_paused():
-            made = [[k] for k in range(1000)]
+            made = [[k] for k in range(100_000)]
         assert gc.get_freeze_count() == kept
-        assert len(made) == 1000
+        assert len(made) == 100_000
     finally:
         if not before:
             gc.unfreeze()

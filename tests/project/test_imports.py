@@ -59,7 +59,7 @@ COMPILER = {
     *(
         "codegen.kernel_compiler",
         "codegen.kernel_compiler.numba_pipeline",
-        *("codegen.available_cores", "codegen.scalar_compiler", "codegen.llvm_lock_events"),
+        *("codegen.other_processes", "codegen.scalar_compiler", "codegen.llvm_lock_events"),
     ),
 }
 

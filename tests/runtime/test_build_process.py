@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from codegen.other_processes import can_start, interpreter, module_path
 from runtime import build_process
 
 MODEL = """
-import sys
-import warnings
 from codegen import Model
 {}
 model = Model("pendulum", gravity=(0, -9.81))
@@ -23,6 +22,7 @@ model.scene("swing", effects=["gravity"], start={{bob.phi: 0.0, bob.omega: 0.0}}
 PROGRAM = """
 import sys
 from linkwright import load
+from codegen.other_processes import can_start, interpreter, module_path
 from runtime import build_process
 {}
 machine = load("pendulum.py", scene="swing")
@@ -45,7 +45,7 @@ def answer(root: Path, tmp_path: Path):
     return run
 
 
-two_cores = pytest.mark.skipif(build_process.available_cores() < 2, reason="one core")
+two_cores = pytest.mark.skipif(not can_start(), reason="one core")
 
 
 @two_cores
@@ -56,7 +56,7 @@ def test_this_process_imports_no_sympy(answer, tmp_path: Path) -> None:
 
 
 def test_with_one_core_it_builds_alone(answer) -> None:
-    done = answer(before="build_process.available_cores = lambda: 1")
+    done = answer(before="build_process.can_start = lambda: False")
     assert done.stdout == "machine bob.x bob.y bob.phi True\n", done.stderr
 
 
@@ -73,15 +73,55 @@ def test_where_no_process_starts_it_builds_alone(answer) -> None:
     ("line", "out", "error"),
     [
         ("print('said')", "", "said\n"),
-        ("print('said', file=sys.stderr)", "", "said\n"),
+        ("import sys; print('said', file=sys.stderr)", "", "said\n"),
         ("import os; os.write(1, b'said')", "said", ""),
-        ("warnings.warn('said')", "", "UserWarning: said"),
+        ("import warnings; warnings.warn('said')", "", "UserWarning: said"),
     ],
 )
 def test_what_a_model_says_is_said_here(answer, line: str, out: str, error: str) -> None:
     done = answer(line)
     assert done.stdout == f"{out}machine bob.x bob.y bob.phi True\n"
     assert error in done.stderr
+
+
+def test_a_model_that_asks_the_program_is_built_by_it(answer, tmp_path: Path) -> None:
+    (tmp_path / "settings.py").write_text("LENGTH = 1.0\n")
+    line = "import settings; assert settings.LENGTH == 7.0"
+    done = answer(line, before="sys.path.insert(0, '.'); import settings; settings.LENGTH = 7.0")
+    assert done.stdout == "machine bob.x bob.y bob.phi True\n", done.stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "alone"),
+    [
+        ("from codegen import Model, t\nfrom sympy import pi\nimport math, numpy as np", True),
+        ("import linkwright as lw\nmodel = lw.Model('m')", True),
+        ("import settings", False),
+        ("from . import settings", False),
+        ("def f():\n    import os", False),
+        ("import numpy as np\nx = np.random.normal()", False),
+        ("x = open('lengths.txt').read()", False),
+        ("__import__('os')", False),
+        ("x = (", False),
+    ],
+)
+def test_what_declares_alone(text: str, alone: bool, tmp_path: Path) -> None:
+    (tmp_path / "model.py").write_text(text)
+    assert build_process._declares_alone(tmp_path / "model.py") == alone
+    assert not build_process._declares_alone(tmp_path / "nowhere.py")
+
+
+def test_another_process_starts_as_this_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    code = "from codegen.other_processes import interpreter; print(*interpreter()[1:])"
+    flags = ["-I", "-X", "utf8", "-W", "error"]
+    done = subprocess.run(
+        [sys.executable, *flags, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert {"-I", "-Werror", "-P"} <= set(done.stdout.split())
+    assert "utf8" in done.stdout
+    monkeypatch.setattr(sys, "path", ["/a", Path("/b"), "/c"])
+    assert module_path() == ["/a", "/c"]
+    assert interpreter()[0] == sys.executable
 
 
 def test_what_is_wrong_is_an_error_here(answer) -> None:
@@ -104,6 +144,7 @@ def test_the_other_process_ends_with_this_one(answer, tmp_path: Path) -> None:
         "import os, time, pathlib\npathlib.Path('pid').write_text(str(os.getpid()))\ntime.sleep(60)"
     )
     before = (
+        "build_process._declares_alone = lambda model: True\n"
         "import os, threading, time, pathlib\n"
         "def end():\n"
         "    while not pathlib.Path('pid').is_file() or not pathlib.Path('pid').read_text():\n"

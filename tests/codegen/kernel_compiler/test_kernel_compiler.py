@@ -1,5 +1,6 @@
 """Kernels are translated for LLVM, and compute what Python and numba take from their text."""
 
+import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -335,3 +336,43 @@ def declared_kernels(path: Path, monkeypatch: pytest.MonkeyPatch) -> list[tuple[
     vars(module)["numba"] = SimpleNamespace(njit=njit)
     exec(compile(code, str(path), "exec"), vars(module))
     return kernels
+
+
+def test_rounding_down_of_what_is_not_finite(imported: Any) -> None:
+    text = '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return x // 1.0\n'
+    kernel = imported(EXACT, text).kernel
+    for x in (0.0, -0.0, 2.5, -2.5, 1e300, -1e-300, math.inf, -math.inf, math.nan):
+        np.testing.assert_array_equal(kernel(x), x // 1.0)
+        assert math.isnan(kernel(x)) or np.signbit(kernel(x)) == np.signbit(x // 1.0)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        (
+            "sqrt = np.array((2.0, 3.0))\n\n\n"
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return sqrt[0] * math.sqrt(x)\n'
+        ),
+        (
+            '@numba.njit("i8(i8)", **OPTIONS)\ndef twice(n):\n    return 2 * n\n\n\n'
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return 1.0 * twice(2) + x\n'
+        ),
+        (
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef half(x):\n    return x / 2 * 1000000000 * x\n\n\n'
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return half(4000000000) + x\n'
+        ),
+        '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    y = 1.0\n# here\n    return x + y\n',
+        '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    """Two\nlines."""\n    return x\n',
+        (
+            "def abs(x):\n    return -10.0 * x\n\n\n"
+            'abs = numba.njit(abs)\n\n\n@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n'
+            "    return abs(x)\n"
+        ),
+        (
+            "T = np.array(((1.0, 2.0), (3.0, 5.0)))\n\n\n"
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return T[1, -1] * x\n'
+        ),
+    ],
+)
+def test_unusual_texts_compute_what_numba_does(text: str, imported: Any) -> None:
+    assert imported(EXACT, text).kernel(9.0) == plain(EXACT, text)["kernel"](9.0)

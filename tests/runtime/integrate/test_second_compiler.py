@@ -15,7 +15,7 @@ _BESIDE = """
 from runtime.core.jit import is_kept, prepare
 from runtime.integrate import second_compiler
 from runtime.integrate.explicit.stability_limit import idle
-second_compiler.available_cores = lambda: 2
+second_compiler.can_start = lambda: True
 before = is_kept(idle)
 second_compiler.compile_beside([idle])
 second_compiler._running[0].wait(300)
@@ -47,7 +47,7 @@ def test_it_ends_with_the_process_that_started_it(tmp_path):
 
 
 def test_one_core_compiles_alone(monkeypatch):
-    monkeypatch.setattr(second_compiler, "available_cores", lambda: 1)
+    monkeypatch.setattr(second_compiler, "can_start", lambda: False)
     before = [*second_compiler._running]
     second_compiler.compile_beside([idle])
     assert second_compiler._running == before
@@ -57,7 +57,7 @@ def test_a_system_that_starts_no_process_compiles_alone(monkeypatch):
     def refuse(*_, **__):
         raise PermissionError
 
-    monkeypatch.setattr(second_compiler, "available_cores", lambda: 2)
+    monkeypatch.setattr(second_compiler, "can_start", lambda: True)
     monkeypatch.setattr(second_compiler.subprocess, "Popen", refuse)
     before = [*second_compiler._running]
     second_compiler.compile_beside([idle])
