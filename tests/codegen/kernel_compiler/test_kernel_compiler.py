@@ -358,7 +358,7 @@ def test_rounding_down_of_what_is_not_finite(imported: Any) -> None:
             '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return 1.0 * twice(2) + x\n'
         ),
         (
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef half(x):\n    return x / 2 * 1000000000 * x\n\n\n'
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef half(x):\n    return x / 2 * 1e9 * x\n\n\n'
             '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return half(4000000000) + x\n'
         ),
         '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    y = 1.0\n# here\n    return x + y\n',
