@@ -59,7 +59,11 @@ _numba: Any = dispatcher
 _Identity: Any = FunctionIdentity
 _Target: Any = CPUContext
 
-_FORMAT = b"sealed machine code of kernels translated by themselves\n"  # every file begins with it
+_TRANSLATOR = sorted(Path(__file__).with_name("kernel_compiler").glob("*.py"))
+# Every file begins with it: what a text means depends on what translates it.
+_FORMAT = b"sealed machine code %s\n" % (
+    hashlib.sha256(b"".join(path.read_bytes() for path in _TRANSLATOR)).hexdigest().encode()
+)
 _OURS = "lw"  # code: in a file's name, pendulum.masses-12.py311.lw.nbi; the longest has 253 letters
 _SEAL = hashlib.sha256().digest_size
 _WAIT = 0.5  # safety: s, for other writers of a folder, who need some milliseconds each

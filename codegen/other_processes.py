@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 _subprocess: Any = subprocess  # its flags of the interpreter are for Python's own library
@@ -16,8 +17,12 @@ def available_cores() -> int:
 
 
 def can_start() -> bool:
-    """Whether another process can run beside this one: not in a frozen program, nor on one core."""
-    return available_cores() > 1 and bool(sys.executable) and not getattr(sys, "frozen", False)
+    """Whether another process can run beside this one, on another core.
+
+    A frozen program, or one that Python is a part of, would start itself again.
+    """
+    is_python = Path(sys.executable or "").stem.lower().startswith(("python", "pypy"))
+    return available_cores() > 1 and is_python and not getattr(sys, "frozen", False)
 
 
 def interpreter() -> list[str]:

@@ -35,7 +35,22 @@ main(*arguments)
 _DECLARING = frozenset({"codegen", "linkwright", "sympy", "math", "numpy", "dataclasses", "typing"})
 """Modules that a declaration imports; a program's own may differ from process to process."""
 _ASKING = frozenset(
-    {"random", "open", "input", "exec", "eval", "compile", "globals", "vars", "__import__"}
+    {
+        *(
+            "random",
+            "open",
+            "input",
+            "exec",
+            "eval",
+            "compile",
+            "globals",
+            "locals",
+            "vars",
+            "hash",
+        ),
+        *("getattr", "setattr", "__import__", "__builtins__", "sys", "os", "modules", "builtins"),
+        *("load", "loadtxt", "genfromtxt", "fromfile", "memmap"),
+    }
 )
 """Names of what asks, or changes, something outside of a declaration."""
 _PAUSE = 0.2  # measured: s between two looks for the starting process, which cost nothing
@@ -44,9 +59,12 @@ _PAUSE = 0.2  # measured: s between two looks for the starting process, which co
 def build_beside(model: Path, scene: str | None, folder: Path) -> tuple[Path, str] | None:
     """Path and hash of the module that another process has written; None if there is none.
 
-    Nothing is tried where SymPy is imported already, or where there is one core alone.
+    Nothing is tried where this process has imported SymPy, or what it would import meanwhile, or
+    may use one core alone.
     """
-    if "sympy" in sys.modules or not can_start() or not _declares_alone(model):
+    if not {"sympy", "runtime.machine_facade"}.isdisjoint(sys.modules) or not can_start():
+        return None
+    if not _declares_alone(model):
         return None
     arguments = json.dumps([module_path(), [str(model), scene, str(folder)]])
     kinds: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
@@ -79,11 +97,12 @@ def _declares_alone(model: Path) -> bool:
         nodes = [*ast.walk(ast.parse(model.read_bytes()))]
     except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
         return False  # which the build explains
-    modules = [
-        *(name.name for node in nodes if isinstance(node, ast.Import) for name in node.names),
-        *("." * n.level + (n.module or "") for n in nodes if isinstance(n, ast.ImportFrom)),
-    ]
-    names = {node.id for node in nodes if isinstance(node, ast.Name)}
+    plain = [name.name for n in nodes if isinstance(n, ast.Import) for name in n.names]
+    origins = ["." * n.level + (n.module or "") for n in nodes if isinstance(n, ast.ImportFrom)]
+    taken = [name.name for n in nodes if isinstance(n, ast.ImportFrom) for name in n.names]
+    modules = [*plain, *origins]
+    names = {part for name in [*modules, *taken] for part in name.split(".")}
+    names |= {node.id for node in nodes if isinstance(node, ast.Name)}
     names |= {node.attr for node in nodes if isinstance(node, ast.Attribute)}
     return {name.partition(".")[0] for name in modules} <= _DECLARING and not names & _ASKING
 

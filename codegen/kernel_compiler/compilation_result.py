@@ -74,6 +74,8 @@ def describe_kernel(descriptor: Any, flags: Any) -> Kernel:
     if descriptor.restype is None or checks or entries:
         raise UntranslatableError("a function that numba adds something to")
     head = ["ptr noalias %.results", "ptr noalias %.exception"]
+    if len(descriptor.args) != len(descriptor.argtypes):
+        raise UntranslatableError("a signature of another length")
     parameters: list[Number | Array] = []
     for name, kind in zip(descriptor.args, descriptor.argtypes, strict=True):
         if isinstance(kind, types.Array):

@@ -2,7 +2,7 @@
 
 import ast
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -31,7 +31,6 @@ _EXTERNALS = {
     **dict.fromkeys(("sqrt", "floor", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"), 1),
     "atan2": 2,
 }
-_NUMBERS = {"float64": FLOAT, "int64": INTEGER}  # numba's names of kinds
 _BINARY: dict[type, str] = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.BitAnd: "and"}
 _SIGNS: dict[type, str] = {
     ast.Eq: "==",
@@ -61,6 +60,7 @@ class ExpressionTranslation:
         self.code = Instructions(module.flags)
         self._values: dict[str, Value] = dict(parameters)
         self._variables: dict[str, tuple[str, str]] = {}  # name → address, kind
+        self._locals: frozenset[str] = frozenset()  # names that the text of the function assigns
 
     def _value(self, expression: ast.expr) -> Value:
         match expression:
@@ -108,7 +108,7 @@ class ExpressionTranslation:
             return self.code.load(*self._variables[name])
         if name in self._values:
             return self._values[name]
-        match self.module.names.get(name):
+        match None if name in self._locals else self.module.names.get(name):
             case np.ndarray() as table:
                 return self.module.table(name, table)
             case float(value):
@@ -239,6 +239,8 @@ class ExpressionTranslation:
 
     def _call(self, function: ast.expr, arguments: tuple[Number, ...]) -> Value:
         match function:
+            case ast.Name(id=name) | ast.Attribute(value=ast.Name(id=name)) if name in self._locals:
+                raise UntranslatableError(f"a call of {name}, which is assigned")
             case ast.Name(id="abs" | "float" as name) if name in self.module.names:
                 raise UntranslatableError(f"another {name}")
             case ast.Name(id="abs") if [number.kind for number in arguments] == [FLOAT]:
@@ -246,8 +248,12 @@ class ExpressionTranslation:
             case ast.Name(id="float") if len(arguments) == 1:
                 return self._as(FLOAT, arguments[0])
             case ast.Name(id=name) if hasattr(self.module.names.get(name), "py_func"):
-                arguments = self._declared(self.module.names[name], arguments)
-                symbol, results = self.module.callee(name, tuple(a.kind for a in arguments))
+                given = tuple(number.kind for number in arguments)
+                wanted, declared = self.module.declaration(name) or (given, ())
+                if len(wanted) != len(arguments):
+                    raise UntranslatableError(f"{name} of {len(arguments)} arguments")
+                arguments = tuple(map(self._as, wanted, arguments))
+                symbol, results = self.module.callee(name, wanted, declared)
                 if len(results) == 1:
                     return self.code.call(symbol, results[0], *arguments)
                 structure = self.code.call(symbol, structure_of(results), *arguments)
@@ -266,15 +272,6 @@ class ExpressionTranslation:
                 return self._external(name, *arguments)
         raise UntranslatableError(ast.unparse(function))
 
-    def _declared(self, function: Any, arguments: tuple[Number, ...]) -> tuple[Number, ...]:
-        """Arguments as the function's signature has them, where it has one."""
-        for kinds in getattr(function, "signatures", ())[:1]:
-            wanted = [_NUMBERS.get(str(kind), "") for kind in kinds]
-            if len(wanted) != len(arguments):
-                raise UntranslatableError(f"{len(arguments)} arguments for {len(wanted)}")
-            return tuple(map(self._as, wanted, arguments))
-        return arguments
-
     def _intrinsic(self, name: str, *arguments: Number) -> Number:
         return self._elsewhere(f"llvm.{name}.f64", "", arguments)
 
@@ -283,7 +280,7 @@ class ExpressionTranslation:
 
     def _elsewhere(self, function: str, effects: str, arguments: tuple[Number, ...]) -> Number:
         """A call of what this module does not define."""
-        name = self.module.declared(function, len(arguments), effects)
+        name = self.module.external(function, len(arguments), effects)
         return self.code.call(name, FLOAT, *(self._as(FLOAT, number) for number in arguments))
 
 

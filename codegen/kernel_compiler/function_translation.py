@@ -37,17 +37,23 @@ class FunctionTranslation(ExpressionTranslation):
         self,
         module: "LlvmModule",
         parameters: Mapping[str, Value],
-        results: tuple[str, ...] | None = None,
+        results: tuple[str, ...] = (),
+        is_kernel: bool = False,
     ) -> None:
-        """Of a kernel with results of these kinds, or of a function that a kernel calls."""
+        """Of a function that a kernel calls, which may declare the kinds of its results."""
         super().__init__(module, parameters)
-        self.results = results or ()
-        self._is_kernel = results is not None
+        self.results = results
+        self._is_kernel = is_kernel
         self._changing: frozenset[str] = frozenset()
 
     def run(self, tree: ast.FunctionDef) -> None:
         """Translate its body."""
         self._changing = _changing(tree)
+        self._locals = frozenset(
+            node.id
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+        ) | frozenset(parameter.arg for parameter in tree.args.args)
         for name in sorted(self._changing & self._values.keys()):
             self._assign(name, self._values.pop(name))
         self._statements(tree.body)
@@ -103,7 +109,9 @@ class FunctionTranslation(ExpressionTranslation):
         if name not in self._variables:
             self._variables[name] = self.code.variable(value.kind), value.kind
         address, kind = self._variables[name]
-        self.code.store(self._as(kind, value), address)
+        if kind != value.kind:  # numba has a variable for each kind
+            raise UntranslatableError(f"{name} is of two kinds")
+        self.code.store(value, address)
 
     def _if(self, test: ast.expr, body: list[ast.stmt], other: list[ast.stmt]) -> None:
         code = self.code

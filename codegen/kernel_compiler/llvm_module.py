@@ -23,6 +23,8 @@ from codegen.kernel_compiler.llvm_instructions import (
     structure_of,
 )
 
+_OPTIONS = {"error_model": "numpy"}
+_NUMBERS = {"float64": FLOAT, "int64": INTEGER}  # numba's names of kinds
 _ITEMS = {"float64": FLOAT, "int64": INTEGER, "uint32": UNSIGNED}
 
 
@@ -65,8 +67,10 @@ def translate(
     module = LlvmModule(names, source, kernel.symbol, kernel.flags)
     if not kernel.head.isascii():
         raise UntranslatableError(f"the parameters {kernel.head}")
+    if len(tree.args.args) != len(kernel.parameters):
+        raise UntranslatableError("parameters of another kind")
     parameters = dict(zip((p.arg for p in tree.args.args), kernel.parameters, strict=True))
-    function = FunctionTranslation(module, parameters, kernel.results)
+    function = FunctionTranslation(module, parameters, kernel.results, is_kernel=True)
     function.run(tree)
     module.define(f'i32 @"{kernel.symbol}"({kernel.head})', function.code)
     return module.text()
@@ -95,7 +99,7 @@ class LlvmModule:
     def table(self, name: str, values: Any) -> Array:
         """An array that the text knows, as a constant."""
         kind = _ITEMS.get(str(values.dtype))
-        if kind is None or not (values.flags.c_contiguous and name.isascii()):
+        if kind is None or not (values.ndim and values.flags.c_contiguous and name.isascii()):
             raise UntranslatableError(f"the array {name}")
         address = f"@table.{name}"
         if name not in self.tables:
@@ -108,13 +112,36 @@ class LlvmModule:
             )
         return Array(address, kind, values.shape[1:])
 
-    def declared(self, function: str, arguments: int, effects: str) -> str:
+    def external(self, function: str, arguments: int, effects: str) -> str:
         """The name of a function elsewhere, from floating-point numbers to one."""
         kinds = ", ".join([FLOAT] * arguments)
         self.declarations[function] = f"declare {FLOAT} @{function}({kinds}){effects}"
         return function
 
-    def callee(self, name: str, kinds: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
+    def declaration(self, name: str) -> tuple[tuple[str, ...], tuple[str, ...]] | None:
+        """Kinds of the arguments and results that a function of the text declares, if it does."""
+        function = self.names[name]
+        options = getattr(function, "targetoptions", _OPTIONS | {"fastmath": self.flags.split()})
+        strict = options.get("error_model") == "numpy" and not options.get("boundscheck")
+        allowed = options.get("fastmath") or ()
+        if not strict or allowed is True or set(allowed) != set(self.flags.split()):
+            raise UntranslatableError(f"{name} is compiled with other options")
+        if getattr(function, "_can_compile", True):
+            return None
+        (result,) = function.overloads.values()
+        returned = result.signature.return_type
+        each = returned if hasattr(returned, "types") else (returned,)
+        kinds = tuple(
+            tuple(_NUMBERS.get(str(one), "") for one in some)
+            for some in (result.signature.args, each)
+        )
+        if "" in (*kinds[0], *kinds[1]):
+            raise UntranslatableError(f"{name} has other than numbers")
+        return kinds[0], kinds[1]
+
+    def callee(
+        self, name: str, kinds: tuple[str, ...], declared: tuple[str, ...]
+    ) -> tuple[str, tuple[str, ...]]:
         """(symbol, kinds of its results) of a function of the text for arguments of some kinds."""
         if (name, kinds) not in self.callees:
             tree = self.source(self.names[name])
@@ -124,7 +151,7 @@ class LlvmModule:
             parameters = {
                 p.arg: Number(f"%{p.arg}", k) for p, k in zip(tree.args.args, kinds, strict=True)
             }
-            function = FunctionTranslation(self, parameters)
+            function = FunctionTranslation(self, parameters, declared)
             function.run(tree)
             results = function.results
             symbol = f'"{self.symbol}.{name}.{len(self.callees)}"'

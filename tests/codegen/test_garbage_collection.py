@@ -4,6 +4,7 @@ import gc
 
 import pytest
 
+from codegen import garbage_collection
 from codegen.garbage_collection import collection_paused
 
 
@@ -36,7 +37,8 @@ def test_collection_that_was_off_stays_off() -> None:
     assert gc.isenabled()
 
 
-def test_what_a_block_makes_counts_as_old() -> None:
+def test_once_what_a_block_makes_counts_as_old(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(garbage_collection, "_promoted", False)
     kept = gc.get_freeze_count()  # those of the tests' process
     gc.unfreeze()
     try:
@@ -45,6 +47,10 @@ def test_what_a_block_makes_counts_as_old() -> None:
         old = {id(one) for one in gc.get_objects(generation=2)}
         assert all(id(one) in old for one in made)
         assert gc.get_freeze_count() == 0
+        with collection_paused():
+            more = [[k] for k in range(100_000)]
+        old = {id(one) for one in gc.get_objects(generation=2)}
+        assert not all(id(one) in old for one in more)
     finally:
         if kept:
             gc.freeze()

@@ -60,6 +60,22 @@ def test_with_one_core_it_builds_alone(answer) -> None:
     assert done.stdout == "machine bob.x bob.y bob.phi True\n", done.stderr
 
 
+@two_cores
+def test_a_second_scene_starts_no_other_process(answer) -> None:
+    """It would import SymPy again, with nothing to import here meanwhile."""
+    before = (
+        "load('pendulum.py', scene='swing')\n"
+        "import pathlib\n"
+        "pathlib.Path('generated/pendulum__swing.py').unlink()"
+    )
+    assert answer(before=before).stdout == "machine bob.x bob.y bob.phi True\n"
+
+
+def test_a_program_that_is_no_interpreter_starts_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "executable", "/usr/bin/cad")
+    assert not can_start()
+
+
 def test_with_sympy_it_builds_alone(answer) -> None:
     assert answer(before="import sympy").stdout == "machine bob.x bob.y bob.phi True\n"
 
@@ -100,6 +116,9 @@ def test_a_model_that_asks_the_program_is_built_by_it(answer, tmp_path: Path) ->
         ("from . import settings", False),
         ("def f():\n    import os", False),
         ("import numpy as np\nx = np.random.normal()", False),
+        ("from numpy import random as r", False),
+        ("import numpy.random as r", False),
+        ("import dataclasses\nx = dataclasses.sys.argv", False),
         ("x = open('lengths.txt').read()", False),
         ("__import__('os')", False),
         ("x = (", False),

@@ -73,7 +73,7 @@ def kernel(t, q, modes, out):
     for k in range(4):
         total += q[PLACES[k]] * (k + 1)
         if total > 1e3 and x > LIMIT or not x < 7.0:
-            total = 1
+            total = 1.0
     for k in range(1, 3):
         out[k + 3] = total * k
     w = math.nan if -1.0 <= x <= LIMIT else 2
@@ -371,6 +371,30 @@ def test_rounding_down_of_what_is_not_finite(imported: Any) -> None:
         (
             "T = np.array(((1.0, 2.0), (3.0, 5.0)))\n\n\n"
             '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return T[1, -1] * x\n'
+        ),
+        (
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    y = x\n    y = 0\n'
+            "    return math.atan2(-y, -1.0)\n"
+        ),
+        (
+            '@numba.njit("i8(f8)", **OPTIONS)\ndef f(x):\n    return math.floor(x * 1.5)\n\n\n'
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return f(x) * 1.0\n'
+        ),
+        (
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef f(x):\n    return 0\n\n\n'
+            '@numba.njit("f8(f8)", **OPTIONS)\n'
+            "def kernel(x):\n    return math.atan2(-f(x), -1.0)\n"
+        ),
+        (
+            "@numba.njit(**OPTIONS)\ndef neg(n):\n    return -n\n\n\n"
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef first(x):\n    return neg(x) + len((1, 2))\n\n\n'
+            '@numba.njit("f8(f8)", **OPTIONS)\n'
+            "def kernel(x):\n    return math.atan2(neg(0), -1.0)\n"
+        ),
+        (
+            '@numba.njit("f8(f8)", fastmath=True, error_model="numpy")\n'
+            "def f(x):\n    return (x + 1e300) - 1e300\n\n\n"
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return f(x)\n'
         ),
     ],
 )
