@@ -13,12 +13,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba.core.sigutils import normalize_signature
 
-from codegen.generated_module_signature_and_import import _TextLoader, import_generated
+from codegen.generated_module_signature_and_import import _TextLoader
 from codegen.kernel_compiler import compilation_result
+from tests.codegen.kernel_compiler.kernel_texts import EXACT, HEAD, plain, python_only
 
-EXACT = 'OPTIONS = {"cache": False, "error_model": "numpy", "_nrt": False}'
 CONTRACTED = 'OPTIONS = {"cache": False, "error_model": "numpy", "fastmath": {"contract"}}'
-HEAD = "import math\n\nimport numba\nimport numpy as np\n\n"
 CONSTRUCTS = '''
 LIMIT = 0.5
 KNOTS = np.array((-1.0, 0.0, 0.5, 2.0))
@@ -93,43 +92,9 @@ def kernel(t, q, modes, out):
 '''
 
 
-@pytest.fixture
-def imported(tmp_path: Path) -> Callable[[str, str], ModuleType]:
-    """Imports a text as a generated one, or as numba compiles it."""
-
-    def load(options: str, text: str) -> ModuleType:
-        path = tmp_path / f"kernels_{len(list(tmp_path.iterdir()))}.py"
-        path.write_text(f"{HEAD}{options}\n{text}")
-        return import_generated(path)
-
-    return load
-
-
-@pytest.fixture
-def translated(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The names of the kernels that are translated from now on."""
-    names: list[str] = []
-    translate = compilation_result.translate
-
-    def recorded(tree: Any, *arguments: Any) -> str:
-        text = translate(tree, *arguments)
-        names.append(tree.name)
-        return text
-
-    monkeypatch.setattr(compilation_result, "translate", recorded)
-    return names
-
-
 def outputs(kernel: Callable[..., Any], q: Any, mode: int) -> list[Any]:
     out = np.full(9, -1.0)
     return [kernel(0.75, q.copy(), np.array([mode]), out), *out.tolist()]
-
-
-def plain(options: str, text: str) -> dict[str, Any]:
-    """The names of a text that Python itself executes, whose functions numba compiles."""
-    names: dict[str, Any] = {}
-    exec(compile(f"{HEAD}{options}\n{text}", "plain", "exec"), names)
-    return names
 
 
 def test_every_construct(imported: Any, translated: list[str]) -> None:
@@ -145,14 +110,6 @@ def test_every_construct(imported: Any, translated: list[str]) -> None:
             np.testing.assert_array_equal(result, outputs(python, q, mode))
             answers.add(result[0])
     assert answers == {0, 1, 2, 3}
-
-
-def python_only(text: str) -> dict[str, Any]:
-    """The names of a text whose functions stay Python's."""
-    kept = "\n".join(line for line in text.splitlines() if not line.startswith("@numba.njit"))
-    names: dict[str, Any] = {}
-    exec(compile(f"{HEAD}{kept}", "python", "exec"), names)
-    return names
 
 
 NUMBERS = st.sampled_from(["x", "y", "z", "0.5", "-2.0", "k", "q[1]"])
@@ -217,56 +174,6 @@ def test_programs_compute_what_python_does(parts: tuple[str, ...], q: list[float
     result = module.kernel(np.array(q), ours)
     assert result == python_only(text)["kernel"](np.array(q), python)
     np.testing.assert_array_equal(ours, python)
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "out[0] = sum(q)",
-        "out[0] = q[-1]",
-        "out[0] = len(q)",
-        "out[:] = 1.0",
-        "x = q[0] > 1.0; out[0] = x + 1.0",
-        "while True:\n        break",
-        "out[0] = math.log1p(q[0])",
-        "out[0] = q[0] % 2.0",
-        "try:\n        out[0] = 1.0\n    finally:\n        pass",
-    ],
-)
-def test_numba_compiles_what_is_not_translated(
-    line: str, imported: Any, translated: list[str]
-) -> None:
-    text = f'@numba.njit("void(f8[::1], f8[::1])", **OPTIONS)\ndef kernel(q, out):\n    {line}\n'
-    module, out, expected = imported(EXACT, text), np.zeros(2), np.zeros(2)
-    module.kernel(np.array([1.25, 3.0]), out)
-    python_only(text)["kernel"](np.array([1.25, 3.0]), expected)
-    assert translated == []
-    np.testing.assert_array_equal(out, expected)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(λ):\n    return 2.0 * λ\n',
-        (
-            "μ = np.array((2.0, 3.0))\n\n\n"
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return μ[0] * x\n'
-        ),
-        (
-            "@numba.njit(**OPTIONS)\ndef zweifach_für(x):\n    return 2.0 * x\n\n\n"
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return zweifach_für(x)\n'
-        ),
-    ],
-)
-def test_names_that_are_no_ascii(text: str, imported: Any, translated: list[str]) -> None:
-    assert imported(EXACT, text).kernel(1.25) == 2.5
-    assert translated == []
-
-
-def test_names_of_values_may_be_no_ascii(imported: Any, translated: list[str]) -> None:
-    text = '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    ω = 2.0 * x\n    return ω\n'
-    assert imported(EXACT, text).kernel(1.25) == 2.5
-    assert translated == ["kernel"]
 
 
 def test_a_long_sum_and_a_deep_expression(imported: Any) -> None:
@@ -344,59 +251,3 @@ def test_rounding_down_of_what_is_not_finite(imported: Any) -> None:
     for x in (0.0, -0.0, 2.5, -2.5, 1e300, -1e-300, math.inf, -math.inf, math.nan):
         np.testing.assert_array_equal(kernel(x), x // 1.0)
         assert math.isnan(kernel(x)) or np.signbit(kernel(x)) == np.signbit(x // 1.0)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        (
-            "sqrt = np.array((2.0, 3.0))\n\n\n"
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return sqrt[0] * math.sqrt(x)\n'
-        ),
-        (
-            '@numba.njit("i8(i8)", **OPTIONS)\ndef twice(n):\n    return 2 * n\n\n\n'
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return 1.0 * twice(2) + x\n'
-        ),
-        (
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef half(x):\n    return x / 2 * 1e9 * x\n\n\n'
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return half(4000000000) + x\n'
-        ),
-        '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    y = 1.0\n# here\n    return x + y\n',
-        '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    """Two\nlines."""\n    return x\n',
-        (
-            "def abs(x):\n    return -10.0 * x\n\n\n"
-            'abs = numba.njit(abs)\n\n\n@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n'
-            "    return abs(x)\n"
-        ),
-        (
-            "T = np.array(((1.0, 2.0), (3.0, 5.0)))\n\n\n"
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return T[1, -1] * x\n'
-        ),
-        (
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    y = x\n    y = 0\n'
-            "    return math.atan2(-y, -1.0)\n"
-        ),
-        (
-            '@numba.njit("i8(f8)", **OPTIONS)\ndef f(x):\n    return math.floor(x * 1.5)\n\n\n'
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return f(x) * 1.0\n'
-        ),
-        (
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef f(x):\n    return 0\n\n\n'
-            '@numba.njit("f8(f8)", **OPTIONS)\n'
-            "def kernel(x):\n    return math.atan2(-f(x), -1.0)\n"
-        ),
-        (
-            "@numba.njit(**OPTIONS)\ndef neg(n):\n    return -n\n\n\n"
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef first(x):\n    return neg(x) + len((1, 2))\n\n\n'
-            '@numba.njit("f8(f8)", **OPTIONS)\n'
-            "def kernel(x):\n    return math.atan2(neg(0), -1.0)\n"
-        ),
-        (
-            '@numba.njit("f8(f8)", fastmath=True, error_model="numpy")\n'
-            "def f(x):\n    return (x + 1e300) - 1e300\n\n\n"
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return f(x)\n'
-        ),
-    ],
-)
-def test_unusual_texts_compute_what_numba_does(text: str, imported: Any) -> None:
-    assert imported(EXACT, text).kernel(9.0) == plain(EXACT, text)["kernel"](9.0)

@@ -1,0 +1,39 @@
+"""Kernels that are imported as generated ones, and a record of those that are translated."""
+
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from codegen.generated_module_signature_and_import import import_generated
+from codegen.kernel_compiler import compilation_result
+from tests.codegen.kernel_compiler.kernel_texts import HEAD
+
+
+@pytest.fixture
+def imported(tmp_path: Path) -> Callable[[str, str], ModuleType]:
+    """Imports a text as a generated one, or as numba compiles it."""
+
+    def load(options: str, text: str) -> ModuleType:
+        path = tmp_path / f"kernels_{len(list(tmp_path.iterdir()))}.py"
+        path.write_text(f"{HEAD}{options}\n{text}")
+        return import_generated(path)
+
+    return load
+
+
+@pytest.fixture
+def translated(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The names of the kernels that are translated from now on."""
+    names: list[str] = []
+    translate = compilation_result.translate
+
+    def recorded(tree: Any, *arguments: Any) -> str:
+        text = translate(tree, *arguments)
+        names.append(tree.name)
+        return text
+
+    monkeypatch.setattr(compilation_result, "translate", recorded)
+    return names

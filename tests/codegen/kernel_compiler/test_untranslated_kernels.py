@@ -1,0 +1,114 @@
+"""Numba compiles what is not translated, and unusual texts compute what they do in numba."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.codegen.kernel_compiler.kernel_texts import EXACT, plain, python_only
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "out[0] = sum(q)",
+        "out[0] = q[-1]",
+        "out[0] = len(q)",
+        "out[:] = 1.0",
+        "x = q[0] > 1.0; out[0] = x + 1.0",
+        "while True:\n        break",
+        "out[0] = math.log1p(q[0])",
+        "out[0] = q[0] % 2.0",
+        "try:\n        out[0] = 1.0\n    finally:\n        pass",
+    ],
+)
+def test_numba_compiles_what_is_not_translated(
+    line: str, imported: Any, translated: list[str]
+) -> None:
+    text = f'@numba.njit("void(f8[::1], f8[::1])", **OPTIONS)\ndef kernel(q, out):\n    {line}\n'
+    module, out, expected = imported(EXACT, text), np.zeros(2), np.zeros(2)
+    module.kernel(np.array([1.25, 3.0]), out)
+    python_only(text)["kernel"](np.array([1.25, 3.0]), expected)
+    assert translated == []
+    np.testing.assert_array_equal(out, expected)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(λ):\n    return 2.0 * λ\n',
+        (
+            "μ = np.array((2.0, 3.0))\n\n\n"
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return μ[0] * x\n'
+        ),
+        (
+            "@numba.njit(**OPTIONS)\ndef zweifach_für(x):\n    return 2.0 * x\n\n\n"
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return zweifach_für(x)\n'
+        ),
+    ],
+)
+def test_names_that_are_no_ascii(text: str, imported: Any, translated: list[str]) -> None:
+    assert imported(EXACT, text).kernel(1.25) == 2.5
+    assert translated == []
+
+
+def test_names_of_values_may_be_no_ascii(imported: Any, translated: list[str]) -> None:
+    text = '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    ω = 2.0 * x\n    return ω\n'
+    assert imported(EXACT, text).kernel(1.25) == 2.5
+    assert translated == ["kernel"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        (
+            "sqrt = np.array((2.0, 3.0))\n\n\n"
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return sqrt[0] * math.sqrt(x)\n'
+        ),
+        (
+            '@numba.njit("i8(i8)", **OPTIONS)\ndef twice(n):\n    return 2 * n\n\n\n'
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return 1.0 * twice(2) + x\n'
+        ),
+        (
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef half(x):\n    return x / 2 * 1e9 * x\n\n\n'
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return half(4000000000) + x\n'
+        ),
+        '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    y = 1.0\n# here\n    return x + y\n',
+        '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    """Two\nlines."""\n    return x\n',
+        (
+            "def abs(x):\n    return -10.0 * x\n\n\n"
+            'abs = numba.njit(abs)\n\n\n@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n'
+            "    return abs(x)\n"
+        ),
+        (
+            "T = np.array(((1.0, 2.0), (3.0, 5.0)))\n\n\n"
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return T[1, -1] * x\n'
+        ),
+        (
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    y = x\n    y = 0\n'
+            "    return math.atan2(-y, -1.0)\n"
+        ),
+        (
+            '@numba.njit("i8(f8)", **OPTIONS)\ndef f(x):\n    return math.floor(x * 1.5)\n\n\n'
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return f(x) * 1.0\n'
+        ),
+        (
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef f(x):\n    return 0\n\n\n'
+            '@numba.njit("f8(f8)", **OPTIONS)\n'
+            "def kernel(x):\n    return math.atan2(-f(x), -1.0)\n"
+        ),
+        (
+            "@numba.njit(**OPTIONS)\ndef neg(n):\n    return -n\n\n\n"
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef first(x):\n    return neg(x) + len((1, 2))\n\n\n'
+            '@numba.njit("f8(f8)", **OPTIONS)\n'
+            "def kernel(x):\n    return math.atan2(neg(0), -1.0)\n"
+        ),
+        (
+            '@numba.njit("f8(f8)", fastmath=True, error_model="numpy")\n'
+            "def f(x):\n    return (x + 1e300) - 1e300\n\n\n"
+            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return f(x)\n'
+        ),
+    ],
+)
+def test_unusual_texts_compute_what_numba_does(text: str, imported: Any) -> None:
+    assert imported(EXACT, text).kernel(9.0) == plain(EXACT, text)["kernel"](9.0)
