@@ -35,13 +35,14 @@ def _mass_problems(model: Model, body: Body) -> Iterator[str]:
         if problem := expression_problem(value):  # of a body that a modeller made by hand
             yield f"{word} of body '{body.name}': {problem}"
             continue
-        if unknown := sorted(s.name for s in value.free_symbols if s not in model.defaults):
+        symbols = value.free_symbols
+        if unknown := sorted(s.name for s in symbols if s not in model.defaults):
             yield (
                 f"{word} of body '{body.name}': unknown symbol {', '.join(map(repr, unknown))}; "
                 "a mass is a number or an expression of parameters."
             )
             continue
-        number = value.subs(model.defaults)
+        number = value.subs(model.defaults) if symbols else value
         try:
             size = constant_value(number)
         except FAILURES:  # it is complex, or zoo

@@ -37,10 +37,7 @@ def examine(equations: Equations, lowered: Lowered) -> Findings:
     if not rows:
         return Findings((), (), 0)
     poses, coordinates = Poses(lowered), equations.coordinates
-    probes = (_jacobian_near(poses, k) for k in range(PROBES))
-    # Of as many, the last ones: at a singular position an earlier row depends on others by chance.
-    found = min(map(_dependent_rows, probes), key=lambda rows: (len(rows), [-i for i in rows]))
-    dependent = [rows[i] for i in found]
+    dependent = [rows[i] for i in _least_dependent(poses)]
     independent = len(rows) - len(dependent)
     positions = len(coordinates) - len(equations.states)
     if not dependent:
@@ -61,6 +58,19 @@ def examine(equations: Equations, lowered: Lowered) -> Findings:
         f"avoid both."
     )
     return Findings((), (note,), independent)
+
+
+def _least_dependent(poses: Poses) -> list[int]:
+    """The rows that depend on earlier ones at the probe where they are fewest.
+
+    Of as many, the last ones: at a singular position an earlier row depends on others by chance.
+    """
+    probes = []
+    for k in range(PROBES):
+        probes.append(_dependent_rows(_jacobian_near(poses, k)))
+        if not probes[-1]:
+            break
+    return min(probes, key=lambda rows: (len(rows), [-i for i in rows]))
 
 
 def _jacobian_near(poses: Poses, probe: int) -> Any:

@@ -1,7 +1,8 @@
 """The protocols of joints, drivers and forces, the same for the library's and a user's elements."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache, wraps
 from inspect import Parameter, Signature
 from itertools import chain
 from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
@@ -17,6 +18,17 @@ from codegen.public_callables import error_boundary_class, immutable
 from codegen.readable_signatures import readable_class
 
 
+def _formed_once(formula: Callable[["Frame"], sympy.Matrix]) -> Callable[["Frame"], sympy.Matrix]:
+    """A matrix of a frame that is multiplied out once; each caller may change his own copy."""
+    known = cache(formula)
+
+    @wraps(formula)
+    def copy(frame: "Frame") -> sympy.Matrix:
+        return known(frame).copy()
+
+    return copy
+
+
 @dataclass(frozen=True)
 class Frame(Pose):
     """A body in the equations of an element: its coordinates before any model is known."""
@@ -24,25 +36,35 @@ class Frame(Pose):
     name: str
 
     @property
+    @_formed_once
     def r(self) -> sympy.Matrix:
         """Position of the origin, 2 × 1."""
         return sympy.Matrix([self.x, self.y])
 
     @property
+    @_formed_once
     def A(self) -> sympy.Matrix:
         """Rotation matrix from the body's frame to the global one, 2 × 2 (Haug 2.4.4)."""
         c, s = sympy.cos(self.phi), sympy.sin(self.phi)
         return sympy.Matrix([[c, -s], [s, c]])
 
     @property
+    @_formed_once
     def s(self) -> sympy.Matrix:
         """Placeholder for a point s' of the body, 2 × 1."""
         return sympy.Matrix([given(f"{self.name}_sx"), given(f"{self.name}_sy")])
 
     @property
+    @_formed_once
+    def arm(self) -> sympy.Matrix:
+        """From the origin to the point, in global axes: A s'."""
+        return self.A * self.s
+
+    @property
+    @_formed_once
     def point(self) -> sympy.Matrix:
         """Global position of the point: r + A s'."""
-        return self.r + self.A * self.s
+        return self.r + self.arm
 
     def bind(self, point: Point) -> dict[sympy.Symbol, sympy.Expr]:
         """Placeholders of this frame → their values for a point of a body in a model."""

@@ -20,12 +20,14 @@ def plain_expression(value: Any) -> sympy.Expr:
     """A number or an expression as an expression; KindError for text, a condition, a matrix."""
     if isinstance(value, sympy.Symbol) and value.is_commutative:
         return value
+    if isinstance(value, sympy.Number):  # of which SymPy would derive all that it can assume
+        return value if value or not value.is_Float else sympy.S.Zero
     if isinstance(value, sympy.Expr):
         if value.is_Matrix or (not value.is_commutative and value.is_commutative is not None):
             raise KindError
         if unit := _unit_of_sympy(value):
             raise KindError(f"{unit} is a unit of SymPy; give a quantity of pint")
-        return sympy.S.Zero if value.is_Float and value.is_zero else value
+        return value
     number = plain_number(value)
     if number == 0:
         return sympy.S.Zero  # also 0.0, which SymPy tells from 0

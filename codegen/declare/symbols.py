@@ -288,9 +288,15 @@ def given(name: str) -> Given:
     return Given(name, real=True)
 
 
+@lru_cache(maxsize=4096)
+def symbols_in(expression: sympy.Basic) -> frozenset[sympy.Basic]:
+    """The free symbols of an expression; joints of one kind state the same one."""
+    return frozenset(expression.free_symbols)
+
+
 def kinds(expression: sympy.Basic, *classes: type[Any]) -> list[Any]:
     """Symbols of the given classes in an expression, in the order of their names."""
-    symbols = [s for s in expression.free_symbols if isinstance(s, classes)]
+    symbols = [s for s in symbols_in(expression) if isinstance(s, classes)]
     return sorted(symbols, key=lambda s: s.name)
 
 

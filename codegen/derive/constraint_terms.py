@@ -59,7 +59,7 @@ def statement_terms(statement: Statement) -> ConstraintTerms:
     """Everything that follows from a statement."""
     reaction = statement.reaction
     if isinstance(reaction, JointReaction):  # in matrices that can be the key of a cache
-        arm = reaction.on.A * reaction.on.s if reaction.arm is None else reaction.arm
+        arm = reaction.on.arm if reaction.arm is None else reaction.arm
         direction, arm = map(sympy.ImmutableMatrix, (reaction.direction, arm))
         reaction = replace(reaction, direction=direction, arm=arm)
     return _derive(statement.phi, reaction)

@@ -34,16 +34,12 @@ def _inside(program: Program, number: int, level: int) -> str:
 
 def folded_numbers(program: Program) -> Iterator[str]:
     """A comment with a line a number, in the order of size; nothing where none was computed."""
-    origins = {
-        value.literal: value.origin
-        for value in program.values
-        if value.op is Op.CONST and value.origin is not None
-    }
+    constants = {k: v for k, v in enumerate(program.values) if v.op is Op.CONST}
+    origins = {v.literal: v.origin for v in constants.values() if v.origin is not None}
     needed = {
-        abs(program.values[number].literal)  # type: ignore[arg-type]
+        abs(constants[number].literal)  # type: ignore[arg-type]
         for kernel in program.kernels
-        for number in program.reachable(kernel)
-        if program.values[number].op is Op.CONST
+        for number in constants.keys() & program.reachable(kernel)
     }
     folded: dict[float, Folded] = {}
     while needed:

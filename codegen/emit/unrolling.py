@@ -60,6 +60,5 @@ def _text_in_loops(
 
 def statements(program: Program, kernel: Kernel) -> int:
     """Operations and outputs of a kernel, negations and choices among them."""
-    hoisted, reachable = program.hoisted(kernel), program.reachable(kernel)
-    computed = sum(program.values[k].op not in LEAVES and k not in hoisted for k in reachable)
-    return computed + len(kernel.outputs)
+    counts = program.counts(kernel).items()
+    return sum(count for op, count in counts if op not in LEAVES) + len(kernel.outputs)

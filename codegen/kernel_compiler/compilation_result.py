@@ -83,7 +83,8 @@ def describe_kernel(descriptor: Any, flags: Any) -> Kernel:
                 raise UntranslatableError(str(kind))
             owner = f"ptr %{name}.owner, ptr %{name}.parent, i64 %{name}.size, i64 %{name}.item"
             head.append(f"{owner}, ptr %{name}, i64 %{name}.length, i64 %{name}.stride")
-            parameters.append(Array(f"%{name}", _kind(kind.dtype)))
+            length = Number(f"%{name}.length", INTEGER)
+            parameters.append(Array(f"%{name}", _kind(kind.dtype), (length,)))
         else:
             number = Number(f"%{name}", _kind(kind))
             head.append(str(number))

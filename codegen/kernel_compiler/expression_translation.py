@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,8 +46,6 @@ _SIGNS: dict[type, str] = {
 class ExpressionTranslation:
     """Evaluates expressions; UntranslatableError at what no kernel has.
 
-    Arrays are indexed from their beginning.
-
     Attributes
     ----------
     module
@@ -59,7 +58,7 @@ class ExpressionTranslation:
         self.module = module
         self.code = Instructions(module.flags)
         self._values: dict[str, Value] = dict(parameters)
-        self._variables: dict[str, tuple[str, str]] = {}  # name → address, kind
+        self._variables: dict[str, Number] = {}  # with their addresses as texts
         self._locals: frozenset[str] = frozenset()  # names that the text of the function assigns
 
     def _value(self, expression: ast.expr) -> Value:
@@ -105,7 +104,8 @@ class ExpressionTranslation:
 
     def _named(self, name: str) -> Value:
         if name in self._variables:
-            return self.code.load(*self._variables[name])
+            variable = self._variables[name]
+            return replace(self.code.load(variable.text, variable.kind), unsigned=variable.unsigned)
         if name in self._values:
             return self._values[name]
         match None if name in self._locals else self.module.names.get(name):
@@ -129,6 +129,8 @@ class ExpressionTranslation:
         return number
 
     def _calculation(self, op: ast.operator, a: Number, b: Number) -> Number:
+        if a.unsigned and b.unsigned:
+            raise UntranslatableError(f"{type(op).__name__} of two entries without sign")
         if isinstance(op, ast.FloorDiv):
             return self._floor_division(a, b)
         if isinstance(op, ast.Div):
@@ -157,7 +159,7 @@ class ExpressionTranslation:
         match operand:
             case ast.Constant(value=int(value) | float(value)):
                 return self._number(ast.Constant(-value))
-        number = self._number(operand)
+        number = signed(self._number(operand))
         if number.kind == FLOAT:
             return self.code.calculation("fsub", float_literal(-0.0), number)
         return self.code.calculation("sub", integer_literal(0), self._as(INTEGER, number))
@@ -165,15 +167,22 @@ class ExpressionTranslation:
     def _element(self, subscript: ast.Subscript) -> tuple[Array, Number]:
         array, index = self._value(subscript.value), subscript.slice
         places = index.elts if isinstance(index, ast.Tuple) else [index]
-        if not isinstance(array, Array) or len(places) != 1 + len(array.inner_shape):
+        if not isinstance(array, Array) or len(places) != len(array.shape):
             raise UntranslatableError(ast.unparse(subscript))
-        first, *others = numbers = tuple(map(self._integer, places))
-        if any(is_literal(number) and int(number.text) < 0 for number in numbers):
-            raise UntranslatableError(ast.unparse(subscript))
-        for length, other in zip(array.inner_shape, others, strict=True):
-            row = self.code.calculation("mul", first, integer_literal(length))
+        numbers = map(self._integer, places)
+        first, *others = map(self._from_the_beginning, numbers, array.shape)
+        for length, other in zip(array.shape[1:], others, strict=True):
+            row = self.code.calculation("mul", first, length)
             first = self.code.calculation("add", row, other)
         return array, first
+
+    def _from_the_beginning(self, place: Number, length: Number) -> Number:
+        """A place in an array, which counts from its end if it is negative."""
+        if place.unsigned or (is_literal(place) and int(place.text) >= 0):
+            return place
+        from_end = self.code.calculation("add", place, length)
+        negative = self.code.comparison("<", place, integer_literal(0))
+        return self.code.selection(negative, from_end, place)
 
     def _choice(self, test: ast.expr, first: ast.expr, last: ast.expr) -> Number:
         code = self.code
@@ -182,7 +191,7 @@ class ExpressionTranslation:
         sides: list[tuple[Number, str]] = []
         for label, expression in zip(labels, (first, last), strict=True):
             code.begin(label)
-            number = self._number(expression)
+            number = signed(self._number(expression))
             sides.append((number, code.block or ""))
             code.jump(behind)
         code.begin(behind)
@@ -250,6 +259,8 @@ class ExpressionTranslation:
             case ast.Name(id=name) if hasattr(self.module.names.get(name), "py_func"):
                 given = tuple(number.kind for number in arguments)
                 wanted, declared = self.module.declaration(name) or (given, ())
+                if wanted is given:
+                    arguments = tuple(map(signed, arguments))
                 if len(wanted) != len(arguments):
                     raise UntranslatableError(f"{name} of {len(arguments)} arguments")
                 arguments = tuple(map(self._as, wanted, arguments))
@@ -261,7 +272,7 @@ class ExpressionTranslation:
             case ast.Attribute(value=ast.Name(id="math"), attr="floor") if len(arguments) == 1:
                 return self.code.as_integer(self._external("floor", *arguments))
             case ast.Attribute(value=ast.Name(id="numba"), attr="int64") if len(arguments) == 1:
-                return self._as(INTEGER, arguments[0])
+                return replace(self._as(INTEGER, arguments[0]), unsigned=False)
             case ast.Attribute(value=ast.Name(id="math"), attr=name) if _INTRINSICS.get(
                 name
             ) == len(arguments):
@@ -289,3 +300,10 @@ def number_of(value: Value) -> Number:
     if not isinstance(value, Number):
         raise UntranslatableError(f"{type(value).__name__} in place of a number")
     return value
+
+
+def signed(number: Number) -> Number:
+    """A number of which numba keeps the kind that this module gives it."""
+    if number.unsigned:
+        raise UntranslatableError("an entry without sign")
+    return number

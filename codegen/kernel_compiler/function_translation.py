@@ -3,9 +3,10 @@
 import ast
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from codegen.kernel_compiler.expression_translation import ExpressionTranslation, number_of
+from codegen.kernel_compiler.expression_translation import ExpressionTranslation, number_of, signed
 from codegen.kernel_compiler.llvm_instructions import (
     INTEGER,
     Group,
@@ -107,11 +108,11 @@ class FunctionTranslation(ExpressionTranslation):
         if not isinstance(value, Number):
             raise UntranslatableError(f"{name}, which changes, is no number")
         if name not in self._variables:
-            self._variables[name] = self.code.variable(value.kind), value.kind
-        address, kind = self._variables[name]
-        if kind != value.kind:  # numba has a variable for each kind
+            self._variables[name] = replace(value, text=self.code.variable(value.kind))
+        variable = self._variables[name]
+        if (variable.kind, variable.unsigned) != (value.kind, value.unsigned):  # numba has both
             raise UntranslatableError(f"{name} is of two kinds")
-        self.code.store(value, address)
+        self.code.store(value, variable.text)
 
     def _if(self, test: ast.expr, body: list[ast.stmt], other: list[ast.stmt]) -> None:
         code = self.code
@@ -130,9 +131,9 @@ class FunctionTranslation(ExpressionTranslation):
         code = self.code
         match turns:
             case ast.Call(func=ast.Name(id="range"), args=[stop], keywords=[]):
-                first, last = integer_literal(0), self._integer(stop)
+                first, last = integer_literal(0), signed(self._integer(stop))
             case ast.Call(func=ast.Name(id="range"), args=[start, stop], keywords=[]):
-                first, last = self._integer(start), self._integer(stop)
+                first, last = signed(self._integer(start)), signed(self._integer(stop))
             case _:
                 raise UntranslatableError(ast.unparse(turns))
         counter = code.variable(INTEGER)
@@ -163,7 +164,7 @@ class FunctionTranslation(ExpressionTranslation):
         value = Group(()) if expression is None else self._value(expression)
         numbers = value.numbers if isinstance(value, Group) else (number_of(value),)
         if not self._is_kernel and not self.results:
-            self.results = tuple(number.kind for number in numbers)
+            self.results = tuple(signed(number).kind for number in numbers)
         if len(numbers) != len(self.results):
             raise UntranslatableError(f"a return of {len(numbers)} numbers")
         numbers = tuple(map(self._as, self.results, numbers))

@@ -2,7 +2,7 @@
 
 import struct
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import count
 
 FLOAT, INTEGER, TRUTH = "double", "i64", "i1"  # code: LLVM's names of the kinds of numbers
@@ -16,10 +16,18 @@ class UntranslatableError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """A number, or the truth of a condition: its text as an operand, and its kind."""
+    """A number, or the truth of a condition: its text as an operand, and its kind.
+
+    Attributes
+    ----------
+    unsigned
+        Whether it is an entry of a table of whole numbers without sign; numba calculates with two
+        such numbers in another way.
+    """
 
     text: str
     kind: str
+    unsigned: bool = False
 
     def __str__(self) -> str:
         return f"{self.kind} {self.text}"
@@ -27,11 +35,11 @@ class Number:
 
 @dataclass(frozen=True, slots=True)
 class Array:
-    """A contiguous array: the address of its first number, its kind, its shape but the first."""
+    """A contiguous array: the address of its first number, its kind, and its lengths."""
 
     address: str
     kind: str
-    inner_shape: tuple[int, ...] = ()
+    shape: tuple[Number, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +137,9 @@ class Instructions:
     def read(self, array: Array, place: Number) -> Number:
         """An element of an array."""
         number = self.load(self.element(array, place), array.kind)
-        return self.result(f"zext {number} to i64", INTEGER) if array.kind == UNSIGNED else number
+        if array.kind != UNSIGNED:
+            return number
+        return replace(self.result(f"zext {number} to i64", INTEGER), unsigned=True)
 
     def variable(self, kind: str) -> str:
         """The address of a new variable."""

@@ -20,6 +20,7 @@ from codegen.kernel_compiler.llvm_instructions import (
     Instructions,
     Number,
     UntranslatableError,
+    integer_literal,
     structure_of,
 )
 
@@ -110,7 +111,7 @@ class LlvmModule:
             self.tables[name] = (
                 f"{address} = internal unnamed_addr constant [{flat.size} x {kind}] [{entries}]"
             )
-        return Array(address, kind, values.shape[1:])
+        return Array(address, kind, tuple(map(integer_literal, values.shape)))
 
     def external(self, function: str, arguments: int, effects: str) -> str:
         """The name of a function elsewhere, from floating-point numbers to one."""

@@ -15,14 +15,16 @@ _FREE = LEAVES | LOGICAL  # operations that are none of arithmetic
 
 def operations(program: Program, kernel: Kernel) -> int:
     """Arithmetic operations of a kernel, each counted once."""
-    return len(_computed(program, kernel))
+    return sum(count for op, count in program.counts(kernel).items() if op not in _FREE)
 
 
 def by_element(program: Program, kernel: Kernel) -> Counter[str]:
     """Operations of a kernel by the element for which they were first needed."""
     counts: Counter[str] = Counter()
-    for number in _computed(program, kernel):
-        counts[program.values[number].serves] += 1
+    hoisted, values = program.hoisted(kernel), program.values
+    for number in program.reachable(kernel):
+        if number not in hoisted and values[number].op not in _FREE:
+            counts[values[number].serves] += 1
     return counts
 
 
@@ -39,12 +41,7 @@ def cheapest(graph: Graph, kernels: Sequence[Kernel]) -> Kernel:
 
 def weighted_operations(program: Program, kernel: Kernel) -> int:
     """Operations of a program's kernel, weighted by their time."""
-    ops = (program.values[number].op for number in _computed(program, kernel))
     slow = FUNCTIONS - {Op.SQRT}
-    return sum(20 if op in slow else WEIGHTS.get(op, 1) for op in ops) + 2 * len(kernel.checks)
-
-
-def _computed(program: Program, kernel: Kernel) -> list[int]:
-    hoisted, values = program.hoisted(kernel), program.values
-    numbers = (k for k in program.reachable(kernel) if values[k].op not in _FREE)
-    return [k for k in numbers if k not in hoisted]
+    weights = {op: 20 if op in slow else WEIGHTS.get(op, 1) for op in Op if op not in _FREE}
+    counts = program.counts(kernel).items()
+    return sum(weights.get(op, 0) * count for op, count in counts) + 2 * len(kernel.checks)

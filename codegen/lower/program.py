@@ -6,6 +6,7 @@ one number. A *kernel* is a named list of (output slot, value). There is no cont
 inputs and outputs.
 """
 
+from collections import Counter
 from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
@@ -160,6 +161,9 @@ class Program:
     _reachable: dict[int, tuple[int, ...]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+    _counts: dict[int, Counter[Op]] = field(  # the same of the kinds of its operations
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     @cached_property
     def lookups(self) -> frozenset[Lookup]:
@@ -182,6 +186,17 @@ class Program:
         place = self._place(kernel)
         assert place is not None
         self._reachable[place] = tuple(numbers)
+
+    def counts(self, kernel: Kernel) -> Counter[Op]:
+        """How many values of each kind `kernel` computes or takes, without constants of p."""
+        place = self._place(kernel)
+        if place is not None and place in self._counts:
+            return self._counts[place]
+        hoisted, values = self.hoisted(kernel), self.values
+        found = Counter(values[k].op for k in self.reachable(kernel) if k not in hoisted)
+        if place is not None:
+            self._counts[place] = found
+        return found
 
     def _place(self, kernel: Kernel) -> int | None:
         return next((k for k, own in enumerate(self.kernels) if own is kernel), None)

@@ -8,7 +8,7 @@ what belongs together: a bar's terms, its elimination, then the next bar.
 
 from collections.abc import Container, Sequence
 
-from codegen.lower.program import LEAVES, Kernel, Op, Value
+from codegen.lower.program import Kernel, Op, Value
 
 
 def order_on_demand(
@@ -25,17 +25,19 @@ def order_on_demand(
             behind.setdefault(values[root].args[0], []).append(root)
     for check in kernel.checks:
         behind.setdefault(check.pivot, []).append(check.reference)
-    visited, found = set[int](), list[int]()
+    visited, found = bytearray(len(values)), list[int]()
     stack = [*reversed(kernel.roots)]
     while stack:
         number = stack.pop()
         if number < 0:  # all that it takes is there
-            found.append(~number)
-            stack += reversed(behind.get(~number, ()))
-        elif number not in visited:
-            visited.add(number)
-            value = values[number]
-            if number not in constants and value.op not in LEAVES:
+            number = ~number
+            found.append(number)
+            if number in behind:
+                stack += reversed(behind[number])
+        elif not visited[number]:
+            visited[number] = True
+            args = values[number].args
+            if args and number not in constants:
                 stack.append(~number)
-                stack += value.args[::-1]
+                stack += args[::-1]
     return found

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from codegen.lower.program import LOGICAL, Input, Kernel, Label, Op, Output, Program, Value
+from codegen.lower.program import Input, Kernel, Label, Op, Output, Program, Value
 from codegen.reroll.affine_accesses import with_affine_accesses
 from codegen.reroll.parts import (
     Carried,
@@ -115,7 +115,7 @@ class _Rerolling:
         """What kind of number each value is in the text: a float, a truth value or a mode."""
         seq = self.sequence
         sorts = np.zeros(len(self.values), dtype=np.int64)
-        sorts[seq.numbers] = [self.values[k].op in LOGICAL for k in seq.numbers.tolist()]
+        sorts[seq.numbers] = seq.logical
         if "modes" in seq.homes:
             sorts[seq.home_of == seq.homes.index("modes")] = 2
         return sorts

@@ -1,15 +1,18 @@
 """The values of a kernel as arrays: operations in the order of evaluation, and what they take."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import chain
 
 import numpy as np
 
-from codegen.lower.program import COMMUTATIVE, LOGICAL, Input, Kernel, Lookup, Op, Program
+from codegen.lower.program import COMMUTATIVE, LOGICAL, Input, Kernel, Lookup, Op, Program, Value
 from codegen.reroll.evaluation_order import order_on_demand
 from codegen.reroll.parts import Slots
 
 OPERANDS = 3  # layout: of an operation at the most
 _CODES = {op: k for k, op in enumerate(Op)}
+_IS_COMMUTATIVE = np.array([op in COMMUTATIVE for op in Op])
+_IS_LOGICAL = np.array([op in LOGICAL for op in Op])
 NUMBER, TIME = "number", "t"
 """Where a leaf stands that is in no array."""
 
@@ -26,6 +29,8 @@ class OperationSequence:
         and products stand in the order in which they are computed, leaves first.
     codes
         Equal for operations of one kind, shape (k,).
+    logical
+        Whether they are true or false, shape (k,).
     place
         Value → its place among the computed, -1 for leaves; shape (all values,).
     home_of, slot_of
@@ -43,22 +48,27 @@ class OperationSequence:
         self.numbers = np.array(computed, dtype=np.int64)
         self.place = np.full(len(values), -1, dtype=np.int64)
         self.place[self.numbers] = np.arange(len(computed))
-        lookups: dict[Lookup, int] = {}
-        codes = []
-        for k in computed:
-            code, literal = _CODES[values[k].op], values[k].literal
-            if isinstance(literal, Lookup):
-                code = len(_CODES) + lookups.setdefault(literal, len(lookups))
-            codes.append(code)
-        self.codes = np.array(codes, dtype=np.int64)
+        operations = [values[k] for k in computed]
+        self.codes = np.array([_CODES[value.op] for value in operations], dtype=np.int64)
         self.operands = np.full((len(computed), OPERANDS), -1, dtype=np.int64)
-        taken = [values[number].args for number in computed]
-        counts = np.array([len(args) for args in taken], dtype=np.int64)
+        taken = [value.args for value in operations]
+        counts = np.fromiter(map(len, taken), dtype=np.int64, count=len(taken))
         rows = np.repeat(np.arange(len(computed)), counts)
         columns = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
-        self.operands[rows, columns] = [number for args in taken for number in args]
-        self._order_commutative(computed)
+        everything = chain.from_iterable(taken)
+        self.operands[rows, columns] = np.fromiter(everything, np.int64, count=len(rows))
+        self.logical = _IS_LOGICAL[self.codes]
+        self._order_commutative()
+        self._tell_lookups_apart(operations)
         self._find_leaves(kernel)
+
+    def _tell_lookups_apart(self, operations: Sequence[Value]) -> None:
+        """Give the lookups of each table and derivative a code of their own."""
+        found: dict[Lookup, int] = {}
+        for k in np.flatnonzero(self.codes == _CODES[Op.TABLE]).tolist():
+            literal = operations[k].literal
+            assert isinstance(literal, Lookup)
+            self.codes[k] = len(_CODES) + found.setdefault(literal, len(found))
 
     def _find_leaves(self, kernel: Kernel) -> None:
         self.home_of, self.slot_of = np.zeros((2, len(self.place)), dtype=np.int64)
@@ -73,9 +83,8 @@ class OperationSequence:
                 self.slot_of[number] = self.slot(number)
         self.homes = tuple(homes)
 
-    def _order_commutative(self, computed: list[int]) -> None:
-        values, operands = self.program.values, self.operands
-        rows = np.array([values[k].op in COMMUTATIVE for k in computed], dtype=bool)
+    def _order_commutative(self) -> None:
+        operands, rows = self.operands, _IS_COMMUTATIVE[self.codes]
         first, second = operands[rows, 0], operands[rows, 1]
         places = self.place[first], self.place[second]
         swap = places[0] > places[1]

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from codegen import Model
-from codegen.declare.body import Body, Point
 from codegen.declare.scene import Scene
 from codegen.derive.equations import derive
 from codegen.driver import valid_scenes
@@ -92,17 +91,13 @@ def unlike(model: Model, effects: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def declared(model: Model, name: str) -> object:
-    """What an effect declares, but for its name and for the bodies that it acts between."""
+    """What an effect declares, but for its name and those of the bodies that it acts between."""
     if name not in model.effects:
         return name
     effect = model.effects[name]
-    values = {key: value for key, value in vars(effect).items() if key != "name"}
-    for key, value in values.items():
-        if isinstance(value, Body):
-            values[key] = None
-        elif isinstance(value, Point):
-            values[key] = (value.sx, value.sy)
-    return type(effect), repr(values)
+    values = repr({key: value for key, value in vars(effect).items() if key != "name"})
+    bodies = "|".join(sorted(map(re.escape, model.bodies), key=len, reverse=True))
+    return type(effect), re.sub(rf"(?<![a-z])({bodies})(?![0-9])", "body", values)
 
 
 MACHINES = [path.stem for path in library(Path(__file__).resolve().parents[2])]

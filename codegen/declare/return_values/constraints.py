@@ -26,7 +26,7 @@ from codegen.declare.return_values.calls import (
     unit,
 )
 from codegen.declare.return_values.elements import problems_of
-from codegen.declare.symbols import KINDS, Coordinate, alpha, kinds
+from codegen.declare.symbols import KINDS, Coordinate, alpha, kinds, symbols_in
 from codegen.errors import FAILURES, ModelError
 from codegen.plain_values import plain_float, shown
 
@@ -70,10 +70,10 @@ def _read_statement(constraint: Any) -> el.Statement:
 
 def bound_symbols(statement: el.Statement, expressions: tuple[sympy.Basic, ...]) -> set[Any]:
     """The symbols of expressions whose placeholders are bound."""
-    symbols: set[Any] = set().union(*(e.free_symbols for e in expressions))
+    symbols: set[Any] = set().union(*map(symbols_in, expressions))
     for place, value in statement.bindings.items():
-        if places := place.free_symbols & symbols:
-            symbols = (symbols - places) | {_Bound(s) for s in value.free_symbols}
+        if places := symbols_in(place) & symbols:
+            symbols = (symbols - places) | {_Bound(s) for s in symbols_in(value)}
     return {s.symbol if isinstance(s, _Bound) else s for s in symbols}
 
 

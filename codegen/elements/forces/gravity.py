@@ -19,8 +19,9 @@ class Gravity(Effect):
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
         """Potential energy of the bodies, zero at the global origin."""
-        centres = ((b.mass, b.mass_centre) for b in bodies if b.mass is not None)
-        return sympy.Add(*(-m * (self.gx * x + self.gy * y) for m, (x, y) in centres))
+        axes = [(k, g) for k, g in enumerate((self.gx, self.gy)) if g != 0]
+        centres = ((b.mass, tuple(b.mass_centre)) for b in bodies if b.mass is not None)
+        return sympy.Add(*(-m * sympy.Add(*(g * r[k] for k, g in axes)) for m, r in centres))
 
     def weights(self, bodies: tuple[Body, ...]) -> tuple[tuple[str, sympy.Expr, sympy.Expr], ...]:
         """(body, mass, acceleration) of the products m g in the potential."""

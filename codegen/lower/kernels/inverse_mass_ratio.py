@@ -91,8 +91,10 @@ def _inertias(scene: SceneGraph) -> dict[int, float]:
         if i != k:
             continue
         own = mass.free_symbols  # of these alone: to substitute all takes as long as all masses
-        known = mass.subs({symbol: declared[symbol] for symbol in own if symbol in declared})
-        size = float(known.subs({symbol: pose[symbol] for symbol in own if symbol in pose}))
+        known = mass
+        for numbers in (declared, pose) if own else ():
+            known = known.subs({symbol: numbers[symbol] for symbol in own if symbol in numbers})
+        size = float(known)
         if size > 0.0:
             sizes[k] = size
     return sizes

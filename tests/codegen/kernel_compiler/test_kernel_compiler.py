@@ -176,6 +176,30 @@ def test_programs_compute_what_python_does(parts: tuple[str, ...], q: list[float
     np.testing.assert_array_equal(ours, python)
 
 
+FROM_THE_END = """
+TABLE = np.array(((1.0, 2.0, 3.0), (4.0, 5.0, 6.0)))
+PLACES = np.array((2, 0, 1), dtype=np.uint32)
+
+
+@numba.njit("f8(i8[::1], f8[::1])", **OPTIONS)
+def kernel(modes, out):
+    for k in range(-3, 3):
+        out[k] = out[k] + TABLE[-1, k] * TABLE[modes[0], -2]
+        out[k - PLACES[1]] = out[k] - 0.25 * k
+    out[-1] = PLACES[-2] * out[-2]
+    return out[modes[-1]]
+"""
+
+
+def test_places_may_count_from_the_end(imported: Any, translated: list[str]) -> None:
+    results = []
+    for names in (vars(imported(EXACT, FROM_THE_END)), plain(EXACT, FROM_THE_END)):
+        out = np.arange(3.0)
+        results.append([names["kernel"](np.array([-2, 1, -3]), out), *out.tolist()])
+    assert translated == ["kernel"]
+    assert results[0] == results[1]
+
+
 def test_a_long_sum_and_a_deep_expression(imported: Any) -> None:
     long, deep = " + ".join(["x"] * 800), "(x + " * 90 + "x" + ")" * 90
     text = f'@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return {long} + {deep}\n'
