@@ -23,6 +23,8 @@ from typing import Any, NamedTuple
 from llvmlite import binding  # type: ignore[import-untyped]
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 
+from codegen.loaded_llvm_modules import find_modules_by_address
+
 _Library: Any = JITCodeLibrary  # numba and LLVM's bindings are untyped
 _Codegen: Any = JITCPUCodegen
 _llvm: Any = binding
@@ -94,6 +96,7 @@ class ObjectCode(_Library):  # type: ignore[misc]
 
     def finalize(self) -> None:
         """Optimize and translate; keep those of the callees that are still called by symbols."""
+        find_modules_by_address(self._codegen._engine._ee)
         super().finalize()
         called = {f.name for f in self._final_module.functions if f.is_declaration}
         self._reload_init = {
@@ -121,6 +124,7 @@ class ObjectCode(_Library):  # type: ignore[misc]
         if kind != _KIND:
             return super()._unserialize(codegen, state)
         code, bitcode, symbols = data
+        find_modules_by_address(codegen._engine._ee)
         library = codegen.create_library(name)
         library.enable_object_caching()
         library._set_compiled_object(code)

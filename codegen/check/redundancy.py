@@ -61,7 +61,7 @@ def examine(equations: Equations, lowered: Lowered) -> Findings:
 
 
 def _least_dependent(poses: Poses) -> list[int]:
-    """The rows that depend on earlier ones at the probe where they are fewest.
+    """The rows that depend on earlier ones at the probe where they are fewest, if need be none.
 
     Of as many, the last ones: at a singular position an earlier row depends on others by chance.
     """

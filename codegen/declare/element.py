@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache, wraps
+from functools import wraps
 from inspect import Parameter, Signature
 from itertools import chain
 from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
@@ -19,14 +19,17 @@ from codegen.readable_signatures import readable_class
 
 
 def _formed_once(formula: Callable[["Frame"], sympy.Matrix]) -> Callable[["Frame"], sympy.Matrix]:
-    """A matrix of a frame that is multiplied out once; each caller may change his own copy."""
-    known = cache(formula)
+    """A matrix that a frame forms once and keeps; each caller may change his own copy."""
+    name = f"_{formula.__name__}"
 
     @wraps(formula)
-    def copy(frame: "Frame") -> sympy.Matrix:
-        return known(frame).copy()
+    def matrix(frame: "Frame") -> sympy.Matrix:
+        kept = vars(frame)
+        if name not in kept:
+            kept[name] = formula(frame)
+        return kept[name].copy()
 
-    return copy
+    return matrix
 
 
 @dataclass(frozen=True)

@@ -290,7 +290,7 @@ def given(name: str) -> Given:
 
 @lru_cache(maxsize=4096)
 def symbols_in(expression: sympy.Basic) -> frozenset[sympy.Basic]:
-    """The free symbols of an expression; joints of one kind state the same one."""
+    """The free symbols of an immutable expression; joints of one kind state the same one."""
     return frozenset(expression.free_symbols)
 
 

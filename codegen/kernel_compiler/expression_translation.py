@@ -58,7 +58,7 @@ class ExpressionTranslation:
         self.module = module
         self.code = Instructions(module.flags)
         self._values: dict[str, Value] = dict(parameters)
-        self._variables: dict[str, Number] = {}  # with their addresses as texts
+        self._variables: dict[str, Number] = {}  # its text is the address
         self._locals: frozenset[str] = frozenset()  # names that the text of the function assigns
 
     def _value(self, expression: ast.expr) -> Value:
@@ -258,9 +258,10 @@ class ExpressionTranslation:
                 return self._as(FLOAT, arguments[0])
             case ast.Name(id=name) if hasattr(self.module.names.get(name), "py_func"):
                 given = tuple(number.kind for number in arguments)
-                wanted, declared = self.module.declaration(name) or (given, ())
-                if wanted is given:
+                declaration = self.module.declaration(name)
+                if declaration is None:
                     arguments = tuple(map(signed, arguments))
+                wanted, declared = declaration or (given, ())
                 if len(wanted) != len(arguments):
                     raise UntranslatableError(f"{name} of {len(arguments)} arguments")
                 arguments = tuple(map(self._as, wanted, arguments))
@@ -270,7 +271,7 @@ class ExpressionTranslation:
                 structure = self.code.call(symbol, structure_of(results), *arguments)
                 return self.code.unpacked(structure, results)
             case ast.Attribute(value=ast.Name(id="math"), attr="floor") if len(arguments) == 1:
-                return self.code.as_integer(self._external("floor", *arguments))
+                return self.code.as_integer(self._external("floor", *map(signed, arguments)))
             case ast.Attribute(value=ast.Name(id="numba"), attr="int64") if len(arguments) == 1:
                 return replace(self._as(INTEGER, arguments[0]), unsigned=False)
             case ast.Attribute(value=ast.Name(id="math"), attr=name) if _INTRINSICS.get(
@@ -303,7 +304,7 @@ def number_of(value: Value) -> Number:
 
 
 def signed(number: Number) -> Number:
-    """A number of which numba keeps the kind that this module gives it."""
+    """The number; UntranslatableError if it is an entry without sign, of which numba differs."""
     if number.unsigned:
         raise UntranslatableError("an entry without sign")
     return number

@@ -21,8 +21,8 @@ class Number:
     Attributes
     ----------
     unsigned
-        Whether it is an entry of a table of whole numbers without sign; numba calculates with two
-        such numbers in another way.
+        Whether it is an entry of a table of whole numbers without sign, with which numba calculates
+        in another way where no number with a sign takes part.
     """
 
     text: str

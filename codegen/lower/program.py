@@ -7,10 +7,11 @@ inputs and outputs.
 """
 
 from collections import Counter
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
+from types import MappingProxyType
 from typing import NamedTuple
 
 from codegen.piecewise_cubic import Table
@@ -161,7 +162,7 @@ class Program:
     _reachable: dict[int, tuple[int, ...]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
-    _counts: dict[int, Counter[Op]] = field(  # the same of the kinds of its operations
+    _counts: dict[int, Counter[Op]] = field(  # how many values of each kind these are
         default_factory=dict, init=False, repr=False, compare=False
     )
 
@@ -186,17 +187,18 @@ class Program:
         place = self._place(kernel)
         assert place is not None
         self._reachable[place] = tuple(numbers)
+        self._counts.pop(place, None)
 
-    def counts(self, kernel: Kernel) -> Counter[Op]:
-        """How many values of each kind `kernel` computes or takes, without constants of p."""
+    def counts(self, kernel: Kernel) -> Mapping[Op, int]:
+        """How many values of each kind `kernel` reaches, leaves too, without constants of p."""
         place = self._place(kernel)
         if place is not None and place in self._counts:
-            return self._counts[place]
+            return MappingProxyType(self._counts[place])
         hoisted, values = self.hoisted(kernel), self.values
         found = Counter(values[k].op for k in self.reachable(kernel) if k not in hoisted)
         if place is not None:
             self._counts[place] = found
-        return found
+        return MappingProxyType(found)
 
     def _place(self, kernel: Kernel) -> int | None:
         return next((k for k, own in enumerate(self.kernels) if own is kernel), None)

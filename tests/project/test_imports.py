@@ -60,6 +60,7 @@ COMPILER = {
         "codegen.kernel_compiler",
         "codegen.kernel_compiler.numba_pipeline",
         *("codegen.other_processes", "codegen.scalar_compiler", "codegen.llvm_lock_events"),
+        "codegen.loaded_llvm_modules",
     ),
 }
 

@@ -28,6 +28,7 @@ def kernel(q, out):
         "out[0] = PLACES[0] - PLACES[1]",
         "out[0] = PLACES[0] * PLACES[1] - 1",
         "out[0] = -PLACES[1]",
+        "out[0] = math.floor(PLACES[1]) - PLACES[0]",
         "k = PLACES[1] if q[0] > 0.0 else PLACES[0]\n    out[0] = k - PLACES[0]",
         "out[0] = difference(PLACES[1], PLACES[0])",
         "for k in range(PLACES[1], PLACES[0]):\n        out[0] = k - PLACES[0]",
