@@ -175,9 +175,9 @@ def _is_local(file: Path) -> bool:
 
 @cache
 def _installed() -> tuple[Path, ...]:
-    """Folders of installed packages."""
+    """Folders of installed packages, by paths without symbolic links."""
     folders = sysconfig.get_paths()
-    return tuple(Path(folders[key]) for key in ("stdlib", "purelib", "platlib"))
+    return tuple(Path(folders[key]).resolve() for key in ("stdlib", "purelib", "platlib"))
 
 
 def _imported_names(path: Path, package: str) -> list[str]:

@@ -1,5 +1,6 @@
 """Mistakes that were once made: one test each."""
 
+import sysconfig
 from math import cos, pi, sin
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 import sympy
 from sympy import Abs
 
-from codegen import Effect, InputError, Model, build
+from codegen import Effect, InputError, Model, build, model_file
 from codegen.declare.element import ConjugateReaction, Statement
 from codegen.driver import valid_scenes, with_settings
 from codegen.errors import ModelError
@@ -180,6 +181,19 @@ def test_all_local_files_are_sources(tmp_path: Path) -> None:
     path = write_model(tmp_path, text)
     sources = [source for source, _ in read_model(path).sources]
     assert sources == [path, package / "__init__.py", package / "inner.py", data]
+
+
+def test_packages_behind_a_symbolic_link_are_installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folders = sysconfig.get_paths()
+    link = tmp_path / "environment"
+    link.symlink_to(Path(folders["purelib"]).resolve())
+    linked = folders | {"purelib": str(link), "platlib": str(link)}
+    monkeypatch.setattr(sysconfig, "get_paths", lambda: linked)
+    monkeypatch.setattr(model_file, "_installed", model_file._installed.__wrapped__)
+    path = write_model(tmp_path, "import sympy\nmodel = Model('m')\nmodel.body('a', 1, 1)\n")
+    assert [source for source, _ in read_model(path).sources] == [path]
 
 
 def test_a_missing_data_file_is_named(tmp_path: Path) -> None:
