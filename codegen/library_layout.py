@@ -1,9 +1,11 @@
-"""Where the library's own files lie: in a checkout, or in an installed wheel.
+"""Where the library's own files lie, in a checkout or an installed wheel, and where packages do.
 
 A checkout has `models` and `generated` beside the packages. A wheel has neither, since no other
 name belongs to it at the top level of an environment: its explicit methods lie in the runtime.
 """
 
+import sysconfig
+from functools import cache
 from pathlib import Path
 
 LIBRARY = Path(__file__).resolve().parent.parent
@@ -15,6 +17,14 @@ _IN_WHEELS = "runtime/generated"
 def is_checkout(library: Path = LIBRARY) -> bool:
     """Whether `models` and `generated` beside the packages are the library's own."""
     return not (library / _IN_WHEELS).is_dir()
+
+
+@cache
+def installed_folders() -> frozenset[Path]:
+    """Folders of Python's own modules and of installed packages, without symbolic links."""
+    paths = sysconfig.get_paths()
+    names = ("stdlib", "platstdlib", "purelib", "platlib")
+    return frozenset(Path(paths[name]).resolve() for name in names)
 
 
 def models_folder(library: Path = LIBRARY) -> Path | None:

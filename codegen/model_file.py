@@ -7,11 +7,9 @@ import importlib.util
 import io
 import os
 import sys
-import sysconfig
 import traceback
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
@@ -20,7 +18,13 @@ from typing import cast
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.errors import InputError, ModelFileError
 from codegen.generated_module_signature_and_import import is_signed
-from codegen.library_layout import LIBRARY, file_beside, model_names, models_folder
+from codegen.library_layout import (
+    LIBRARY,
+    file_beside,
+    installed_folders,
+    model_names,
+    models_folder,
+)
 from codegen.model import Model
 from codegen.plain_values import one_line, shown
 from codegen.sympy_remedies import sympy_remedy
@@ -170,14 +174,7 @@ def _package(path: Path) -> str:
 def _is_local(file: Path) -> bool:
     """Whether a file belongs to the user or the library of models, rather than to a package."""
     ours = (LIBRARY / name for name in ("linkwright", "codegen", "runtime", "generated"))
-    return not any(file.is_relative_to(folder) for folder in (*ours, *_installed()))
-
-
-@cache
-def _installed() -> tuple[Path, ...]:
-    """Folders of installed packages, by paths without symbolic links."""
-    folders = sysconfig.get_paths()
-    return tuple(Path(folders[key]).resolve() for key in ("stdlib", "purelib", "platlib"))
+    return not any(file.is_relative_to(folder) for folder in (*ours, *installed_folders()))
 
 
 def _imported_names(path: Path, package: str) -> list[str]:

@@ -94,9 +94,12 @@ class ObjectCode(_Library):  # type: ignore[misc]
     interface: Any = None
     _reload_init: set[Any]
 
+    def __init__(self, codegen: Any, name: str) -> None:
+        super().__init__(codegen, name)
+        find_modules_by_address(codegen._engine._ee)
+
     def finalize(self) -> None:
         """Optimize and translate; keep those of the callees that are still called by symbols."""
-        find_modules_by_address(self._codegen._engine._ee)
         super().finalize()
         called = {f.name for f in self._final_module.functions if f.is_declaration}
         self._reload_init = {
@@ -124,7 +127,6 @@ class ObjectCode(_Library):  # type: ignore[misc]
         if kind != _KIND:
             return super()._unserialize(codegen, state)
         code, bitcode, symbols = data
-        find_modules_by_address(codegen._engine._ee)
         library = codegen.create_library(name)
         library.enable_object_caching()
         library._set_compiled_object(code)

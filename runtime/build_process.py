@@ -36,20 +36,9 @@ _DECLARING = frozenset({"codegen", "linkwright", "sympy", "math", "numpy", "data
 """Modules that a declaration imports; a program's own may differ from process to process."""
 _ASKING = frozenset(
     {
-        *(
-            "random",
-            "open",
-            "input",
-            "exec",
-            "eval",
-            "compile",
-            "globals",
-            "locals",
-            "vars",
-            "hash",
-        ),
-        *("getattr", "setattr", "__import__", "__builtins__", "sys", "os", "modules", "builtins"),
-        *("load", "loadtxt", "genfromtxt", "fromfile", "memmap"),
+        *("open", "input", "load", "loadtxt", "genfromtxt", "fromfile", "memmap"),
+        *("exec", "eval", "compile", "globals", "locals", "vars", "getattr", "setattr"),
+        *("__import__", "__builtins__", "sys", "os", "modules", "builtins", "random", "hash"),
     }
 )
 """Names of what asks, or changes, something outside of a declaration."""

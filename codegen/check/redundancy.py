@@ -61,9 +61,10 @@ def examine(equations: Equations, lowered: Lowered) -> Findings:
 
 
 def _least_dependent(poses: Poses) -> list[int]:
-    """The rows that depend on earlier ones at the probe where they are fewest, if need be none.
+    """The rows that depend on earlier ones where they are fewest.
 
     Of as many, the last ones: at a singular position an earlier row depends on others by chance.
+    A probe without any is the last one.
     """
     probes = []
     for k in range(PROBES):

@@ -56,8 +56,6 @@ def peaked_functions(
     """The functions of constraints, potentials and forces that may peak, each argument once."""
     found: dict[tuple[Kind, bool, sympy.Expr], PeakedFunction] = {}
     for element, expression, _ in element_expressions(constraints, effects, _FUNCTIONS):
-        if not expression.has(*_FUNCTIONS):
-            continue
         for function in _functions(element, expression):
             if not _is_translatable(function.argument, switches):
                 continue

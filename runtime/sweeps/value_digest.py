@@ -10,7 +10,6 @@ import dis
 import functools
 import hashlib
 import sys
-import sysconfig
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -26,6 +25,8 @@ from types import (
 from typing import Any
 
 import numpy as np
+
+from codegen.library_layout import installed_folders
 
 _OWN = ("runtime", "codegen")  # packages whose sources a sweep compares as a whole
 _PLAIN = (type(None), bool, int, complex, str, bytes, range, slice, type(Ellipsis))
@@ -204,13 +205,6 @@ def _globals_of(code: CodeType) -> set[str]:
     return names.union(*(_globals_of(x) for x in code.co_consts if isinstance(x, CodeType)))
 
 
-@cache
-def _folders() -> tuple[Path, ...]:
-    paths = sysconfig.get_paths()
-    names = ("stdlib", "platstdlib", "purelib", "platlib")
-    return tuple({Path(paths[name]).resolve() for name in names})
-
-
 def _file_of(module: str) -> Path | None:
     file = getattr(sys.modules.get(module), "__file__", None)
     return None if file is None else Path(file).resolve()
@@ -224,7 +218,7 @@ def _is_installed(module: str) -> bool:
     if module == "__main__" or module not in sys.modules:
         return False
     file = _file_of(module)
-    return file is None or any(file.is_relative_to(folder) for folder in _folders())
+    return file is None or any(file.is_relative_to(folder) for folder in installed_folders())
 
 
 def _file_hash(module: str) -> str:

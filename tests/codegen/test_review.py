@@ -13,6 +13,7 @@ from codegen import Effect, InputError, Model, build, model_file
 from codegen.declare.element import ConjugateReaction, Statement
 from codegen.driver import valid_scenes, with_settings
 from codegen.errors import ModelError
+from codegen.library_layout import installed_folders
 from codegen.model_file import read_model
 from tests.codegen.complaints import complaints
 from tests.codegen.workbench import Interpreted, State, write_model
@@ -191,7 +192,7 @@ def test_packages_behind_a_symbolic_link_are_installed(
     link.symlink_to(Path(folders["purelib"]).resolve())
     linked = folders | {"purelib": str(link), "platlib": str(link)}
     monkeypatch.setattr(sysconfig, "get_paths", lambda: linked)
-    monkeypatch.setattr(model_file, "_installed", model_file._installed.__wrapped__)
+    monkeypatch.setattr(model_file, "installed_folders", installed_folders.__wrapped__)
     path = write_model(tmp_path, "import sympy\nmodel = Model('m')\nmodel.body('a', 1, 1)\n")
     assert [source for source, _ in read_model(path).sources] == [path]
 
