@@ -231,7 +231,7 @@ FLAGS = SimpleNamespace(
 def test_the_library_is_translated(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """No kernel of a generated file is left to numba, which would take several times as long."""
     paths = sorted((root / "generated").glob("[a-z]*__*.py"))
-    assert len(paths) > 100
+    assert len(paths) > 30
     for path in paths:
         kernels = declared_kernels(path, monkeypatch)
         assert kernels, path
