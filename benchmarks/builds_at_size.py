@@ -21,7 +21,7 @@ import numpy as np
 from benchmarks.kernel_timing import TIME, interleaved, many_solutions, no_solution
 from benchmarks.one_build import FAMILIES, STAGES, arrays, start_of
 from benchmarks.report import Report, records, verdict
-from codegen.generated_module_signature_and_import import import_generated
+from codegen.files.generated_modules import import_generated
 
 SIZES = (10, 40, 100, 400, 1000)
 STRAIGHT = (10, 40)

@@ -17,7 +17,7 @@ from benchmarks.linkwright_runs import Entry
 from benchmarks.precision import time_to
 from benchmarks.problems import GRAVITY, Problem, n_four_bar
 from benchmarks.report import Report, records
-from codegen.generated_module_signature_and_import import companion_path, import_generated
+from codegen.files.generated_modules import companion_path, import_generated
 from models.hard.n_four_bar import n_four_bar as loops_of
 from runtime import Machine, load
 

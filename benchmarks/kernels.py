@@ -22,7 +22,7 @@ from benchmarks.kernel_timing import (
 from benchmarks.operation_counts import operations
 from benchmarks.states import turn_of_the_crank
 from codegen import build
-from codegen.generated_module_signature_and_import import import_generated
+from codegen.files.generated_modules import import_generated
 
 STATES = 256
 BAR = 2.0

@@ -18,7 +18,7 @@ from benchmarks.floor import chain as floor_chain
 from benchmarks.floor import slider_crank as floor_crank
 from benchmarks.precision import Point
 from benchmarks.problems import PROBLEMS, Problem
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
 from models.hard.andrews import model as squeezer
 from models.hard.n_four_bar import n_four_bar
 from runtime import Machine, load

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from benchmarks.chain import SCENE, chain
 from codegen import Model, build
 from codegen.declare.symbols import dotted
-from codegen.generated_module_signature_and_import import import_generated
+from codegen.files.generated_modules import import_generated
 from models.hard.n_four_bar import n_four_bar
 
 FAMILIES: dict[str, tuple[Callable[[int], Model], str]] = {

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.kernel_timing import interleaved, many_solutions, no_solution
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
 from models.coil_spring import machine as spring
 from runtime import Machine, load
 

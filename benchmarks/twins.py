@@ -12,13 +12,14 @@ import numpy.typing as npt
 from benchmarks import kernel_timing
 from benchmarks.operation_counts import cost, operations
 from codegen import Model
-from codegen.driver import GENERATOR, translate, valid_scenes
+from codegen.driver import GENERATOR, translate
 from codegen.emit.module import module_text
+from codegen.files.generated_modules import import_generated
 from codegen.generated_files.generated_file import Clock, write_if_changed
 from codegen.generated_files.provenance import origin
-from codegen.generated_module_signature_and_import import import_generated
 from codegen.lower import operation_count as ledger
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
+from codegen.reading.scene_selection import valid_scenes
 
 Array = npt.NDArray[np.float64]
 Modes = npt.NDArray[np.int64]

@@ -277,7 +277,7 @@ def elements(
     check: CheckOption = False,
 ) -> None:
     """Joints, drivers and forces: a list, the page of one kind, or all pages as files."""
-    from codegen.model_file import read_model
+    from codegen.reading.model_file import read_model
     from codegen.reference.pages import chosen_kinds, find_kind, page, write
 
     declared = read_model(model).model if model else None

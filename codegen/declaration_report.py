@@ -12,11 +12,12 @@ from codegen.check.assembly import Assembly, assemble_at_start
 from codegen.check.declaration import check_model, check_scene
 from codegen.check.joint_places import joints_at_one_point, one_joint_bodies
 from codegen.derive.equations import Equations
-from codegen.driver import translate, valid_scenes, with_settings, without_overridden
+from codegen.driver import translate
 from codegen.errors import FAILURES, LinkwrightError, SceneError
 from codegen.generated_files.generated_file import Clock, Progress
 from codegen.model import Model
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
+from codegen.reading.scene_selection import valid_scenes, with_settings, without_overridden
 
 
 @dataclass(frozen=True)

@@ -12,12 +12,12 @@ from codegen.derive.equations import derive
 from codegen.drawing.layout import SAMPLES
 from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture
-from codegen.driver import valid_scenes, with_settings
 from codegen.lower.interpreter import FAILURES, evaluate
 from codegen.lower.kernels.picture_kernels import CURVES, NAME, lower_picture
 from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.poses_near_start import FloatArray, Poses
 from codegen.model import Model
+from codegen.reading.scene_selection import valid_scenes, with_settings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

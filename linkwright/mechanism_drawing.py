@@ -6,7 +6,7 @@ from typing import Any
 
 from codegen.errors import InputError
 from codegen.figures_and_html import check_parent, save_figure
-from codegen.whole_files import whole_file
+from codegen.files.whole_files import whole_file
 
 ENDINGS = (".png", ".svg", ".pdf")
 
@@ -38,7 +38,7 @@ def save_drawing(
     check_parent(out)
     progress("drawing")
     if t is None:
-        from codegen.model_file import read_model
+        from codegen.reading.model_file import read_model
 
         figure = read_model(model).model.draw(scene, parameters=parameters, **drawing)
     else:

@@ -15,7 +15,7 @@ from typing import Annotated, Any, NamedTuple, get_args, get_origin
 from typer.models import ArgumentInfo, OptionInfo
 
 from codegen.errors import InputError
-from codegen.library_layout import model_names
+from codegen.files.library_folders import model_names
 from linkwright import shell_completion
 
 MACHINE, TIME, INTEGRATION, STUDY, OUTPUT = "Machine", "Time", "Integration", "Study", "Output"

@@ -10,7 +10,7 @@ from typing import Any
 
 import typer
 
-from codegen.library_layout import LIBRARY, model_names, models_folder
+from codegen.files.library_folders import LIBRARY, model_names, models_folder
 from linkwright.command_panels_and_examples import KINDS
 from linkwright.static_model_reading import ModelText, find_model_text
 

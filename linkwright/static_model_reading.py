@@ -10,7 +10,7 @@ import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
-from codegen.library_layout import model_names, models_folder
+from codegen.files.library_folders import model_names, models_folder
 
 # Methods of a model whose first argument is no name of an element of the machine.
 _OTHERS = {"alternatives", "altered", "at", "body", "misfits", "parameter", "particle", "recompose"}

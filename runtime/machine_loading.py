@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING
 from codegen import __version__
 from codegen import argument_readers as readers
 from codegen.errors import ModelFileError, SupersededError
-from codegen.garbage_collection import collection_paused
-from codegen.generated_module_signature_and_import import (
+from codegen.files.generated_modules import (
     FIRST_KERNEL,
     check_signature,
     import_generated,
     read_generated,
     text_hash,
 )
-from codegen.library_layout import LIBRARY as _LIBRARY
-from codegen.library_layout import file_beside, model_names, models_folder
+from codegen.files.library_folders import LIBRARY as _LIBRARY
+from codegen.files.library_folders import file_beside, model_names, models_folder
+from codegen.garbage_collection import collection_paused
 from codegen.plain_values import one_line, shown
 from runtime.build_process import build_beside
 from runtime.progress_bar import compilation_shown

@@ -20,7 +20,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from codegen.errors import InputError
-from codegen.library_layout import LIBRARY, methods_folder
+from codegen.files.library_folders import LIBRARY, methods_folder
 from codegen.termination_signals import take_over
 from runtime.core.jit import ROOMS, compile_functions, prepare
 from runtime.integrate.method import GENERATED, METHODS, REGISTER, find_method

@@ -13,7 +13,7 @@ from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
-from codegen.library_layout import LIBRARY, methods_folder
+from codegen.files.library_folders import LIBRARY, methods_folder
 
 Progress = Callable[[float], None]
 Arguments = ParamSpec("Arguments")

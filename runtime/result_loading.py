@@ -14,7 +14,7 @@ import numpy as np
 
 from codegen import argument_readers as readers
 from codegen.errors import FAILURES, InputError, LinkwrightError
-from codegen.generated_module_signature_and_import import content_hash
+from codegen.files.generated_modules import content_hash
 from codegen.plain_values import KindError
 from runtime.results.saved_result import GROUP, KINDS, events_of, partitions_of
 

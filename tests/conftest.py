@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
-from codegen import generated_module_signature_and_import
+from codegen.files import generated_modules
 from tests.machine_code import compile_apart
 
 os.environ.setdefault("MPLBACKEND", "Agg")
@@ -113,7 +113,7 @@ def compilation_apart(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None
     if sys.platform != "linux":  # elsewhere a fork of a process with threads is not safe
         yield
         return
-    execute = generated_module_signature_and_import._execute
+    execute = generated_modules._execute
     folder = tmp_path_factory.getbasetemp()
     kept = (folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "machine_code"
 
@@ -122,7 +122,7 @@ def compilation_apart(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None
         return execute(name, path, text)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(generated_module_signature_and_import, "_execute", compile_and_execute)
+        patch.setattr(generated_modules, "_execute", compile_and_execute)
         yield
 
 

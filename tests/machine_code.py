@@ -23,13 +23,14 @@ from numba.core.caching import CompileResultCacheImpl
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.environment import Environment
 
-from codegen import generated_module_signature_and_import, numba_cache
+from codegen import numba_cache
+from codegen.files import generated_modules
 
 _Cache: Any = numba_cache.CheckedCache
 _Reduction: Any = CompileResultCacheImpl  # numba leaves these untyped
 _Dispatcher: Any = dispatcher.Dispatcher
 
-_execute = generated_module_signature_and_import._execute
+_execute = generated_modules._execute
 
 
 def compile_apart(name: str, path: Path, text: str, kept: Path) -> None:

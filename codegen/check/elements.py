@@ -42,10 +42,10 @@ from codegen.declare.symbols import (
     kinds,
     side,
 )
-from codegen.declare.table_function import Interpolant
 from codegen.errors import ModelError
 from codegen.model import Model
 from codegen.plain_values import shown
+from codegen.tables.table_function import Interpolant
 
 
 def element_problems(

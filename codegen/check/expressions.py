@@ -12,10 +12,10 @@ from codegen.declare.element import Constraint, label
 from codegen.declare.expression_rules import is_costly, number_problem
 from codegen.declare.return_values.constraints import statement_of
 from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
-from codegen.declare.table_function import Interpolant
 from codegen.derive.piecewise_conditions import KINKED, STEPS, is_known_beforehand
 from codegen.lower.sympy_translation import FUNCTIONS
 from codegen.real_range import unreal_part
+from codegen.tables.table_function import Interpolant
 
 KNOWN = ", ".join(sorted({f.__name__ for f in (*FUNCTIONS, *KINKED, *STEPS)}))
 ARITHMETIC = (sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow)

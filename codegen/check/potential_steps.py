@@ -23,7 +23,6 @@ from codegen.declare.return_values.calls import name_errors
 from codegen.declare.return_values.effects import optional_terms, potential_of
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, Time, kinds
-from codegen.declare.table_function import Interpolant
 from codegen.derive.piecewise_conditions import (
     as_pieces,
     conditions,
@@ -33,6 +32,7 @@ from codegen.derive.piecewise_conditions import (
 from codegen.elements.forces.spring_damper_contact import GapSprings
 from codegen.model import Model
 from codegen.plain_values import shown
+from codegen.tables.table_function import Interpolant
 
 _LINES = 24  # safety: random lines along which a surface is sought, of sizes from 1e-3 to 1e3
 _FOUND = 6  # safety: points of a surface that are looked at

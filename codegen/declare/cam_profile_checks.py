@@ -10,7 +10,7 @@ import sympy
 from codegen.condition_evaluation import ALPHAS, shape_problems
 from codegen.declare.body import Curve
 from codegen.declare.symbols import alpha
-from codegen.declare.table_function import TableAtom
+from codegen.tables.table_function import TableAtom
 
 UNDEFINED = (ArithmeticError, ValueError, TypeError, NameError)
 """Errors that functions of numbers raise outside their domain."""

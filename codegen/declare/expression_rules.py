@@ -18,7 +18,6 @@ from codegen.declare.symbols import (
     Velocity,
     alpha,
 )
-from codegen.declare.table_function import Interpolant, TableAtom
 from codegen.errors import FAILURES
 from codegen.plain_values import TINY, one_line, shown
 from codegen.public_callables import unreadable
@@ -29,6 +28,7 @@ from codegen.real_range import (
     evaluated,
     unreal_part,
 )
+from codegen.tables.table_function import Interpolant, TableAtom
 from codegen.values_of_long_numbers import maximal_numbers
 
 INTERNAL = (Given, Side, Speed, Multiplier, Acceleration)

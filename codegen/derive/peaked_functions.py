@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import sympy
 
 from codegen.declare.symbols import Coordinate, Parameter, Time
-from codegen.declare.table_function import Interpolant
 from codegen.derive.element_expressions import element_expressions
 from codegen.derive.piecewise_conditions import (
     STEPS,
@@ -24,6 +23,7 @@ from codegen.derive.piecewise_conditions import (
 )
 from codegen.derive.switching_functions import Switch, find_switch
 from codegen.real_range import powers_with_number_outside
+from codegen.tables.table_function import Interpolant
 
 if TYPE_CHECKING:
     from codegen.derive.equations import ConstraintEquations, EffectEquations

@@ -14,11 +14,11 @@ from sympy.core.relational import Relational
 from sympy.logic.boolalg import Boolean
 
 from codegen.declare.symbols import Coordinate, Parameter, Speed, Time, Velocity, kinds
-from codegen.declare.table_function import Interpolant, TableAtom
 from codegen.derive.poles_of_conditions import without_poles
 from codegen.errors import ModelError
-from codegen.piecewise_cubic import Table
-from codegen.table_branches import branches, end_pieces, range_function, without_ends
+from codegen.tables.branches import branches, end_pieces, range_function, without_ends
+from codegen.tables.piecewise_cubic import Table
+from codegen.tables.table_function import Interpolant, TableAtom
 
 _MOVING = (Coordinate, Velocity, Time, Speed)
 KINKED = (sympy.Abs, sympy.Max, sympy.Min, sympy.sign, sympy.Heaviside)

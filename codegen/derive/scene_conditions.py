@@ -13,8 +13,8 @@ from codegen.declare.element_conditions import Condition, hold_conditions
 from codegen.declare.return_values.constraints import closed_curves, statement_of
 from codegen.declare.return_values.elements import conditions_of
 from codegen.declare.symbols import Parameter, ParameterDeclaration, alpha, kinds, t
-from codegen.declare.table_function import Interpolant
 from codegen.derive.effect_terms import effect_terms
+from codegen.tables.table_function import Interpolant
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from sympy.core.relational import Relational
 
 from codegen.declare.element import Hold, OneWay, Rigid, Sticking
 from codegen.declare.symbols import Acceleration, Coordinate, Side, Velocity, kinds, side, t
-from codegen.declare.table_function import Interpolant
 from codegen.derive.effect_terms import EffectTerms
 from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import (
@@ -20,6 +19,7 @@ from codegen.derive.piecewise_conditions import (
     switching_function,
 )
 from codegen.public_callables import errors_at
+from codegen.tables.table_function import Interpolant
 
 Named = tuple[str, EffectTerms]
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import sympy
 
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
-from codegen.declare.table_function import Interpolant
 from codegen.derive.element_expressions import element_expressions
 from codegen.derive.switching_functions import rate
+from codegen.tables.table_function import Interpolant
 
 if TYPE_CHECKING:
     from codegen.derive.equations import ConstraintEquations, EffectEquations

@@ -10,7 +10,7 @@ from codegen.emit.readable_formula import folded_numbers, formula
 from codegen.emit.sincos_function import FUNCTION
 from codegen.emit.table_lookup import lookups, spline_lines
 from codegen.emit.unrolling import Unroll, kernel_texts
-from codegen.generated_module_signature_and_import import MARK, UNSIGNED, signed
+from codegen.files.generated_modules import MARK, UNSIGNED, signed
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.module_tables import Pattern
 from codegen.lower.operation_count import operations

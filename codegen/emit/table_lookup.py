@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from codegen.emit.line_wrapping import assignment, literal, prose
 from codegen.lower.program import Lookup, Program
-from codegen.piecewise_cubic import MARGIN, Table
+from codegen.tables.piecewise_cubic import MARGIN, Table
 
 BEYOND = {
     "stop": "nan beyond its ends",

@@ -21,7 +21,7 @@ from codegen.explain.kernel_timer import ROUNDS, States, Timed, times
 from codegen.explain.ledger_records import Ledger, Part, RunCosts
 from codegen.explain.operations_by_part import Stage, timing_stages
 from codegen.explain.sample_states import COUNT, about_the_start, at, parameters
-from codegen.generated_module_signature_and_import import import_generated
+from codegen.files.generated_modules import import_generated
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.lower.program import Program
 

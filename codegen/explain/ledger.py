@@ -6,7 +6,6 @@ from pathlib import Path
 
 from codegen.declare.scene import Scene
 from codegen.derive.equations import derive
-from codegen.driver import valid_scenes
 from codegen.errors import InputError
 from codegen.explain import operations_by_part as costs
 from codegen.explain.elements_and_outputs_in_scene import Inventory, output_inventory
@@ -14,7 +13,8 @@ from codegen.explain.ledger_records import Ledger, Part
 from codegen.explain.loops import loops_sentence
 from codegen.lower.kernels.scene_kernels import Lowered
 from codegen.model import Model
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
+from codegen.reading.scene_selection import valid_scenes
 
 SHARED = {costs.SOLUTION: "solution of M q̈ + Φ_qᵀ λ = Q", "correction": "recovery of q and q̇"}
 

@@ -16,7 +16,7 @@ from codegen.figures_and_html import (
     new_figure,
     save_figure,
 )
-from codegen.whole_files import whole_file
+from codegen.files.whole_files import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

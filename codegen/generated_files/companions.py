@@ -11,8 +11,8 @@ from codegen.derive.equations import Equations
 from codegen.emit.module import Origin, operation_table
 from codegen.emit.tangents_and_reduced_modules import picture_text, reduced_text, tangents_text
 from codegen.errors import SceneError
+from codegen.files.generated_modules import companion_path
 from codegen.generated_files.generated_file import Clock, File
-from codegen.generated_module_signature_and_import import companion_path
 from codegen.lower.differentiation.program_tangents import tangent_program
 from codegen.lower.kernels.picture_kernels import lower_picture
 from codegen.lower.kernels.scene_kernels import Lowered

@@ -8,8 +8,8 @@ from time import perf_counter
 from typing import NamedTuple
 
 from codegen.errors import GeneratedFileError
-from codegen.generated_module_signature_and_import import alone, text_hash
-from codegen.whole_files import whole_file
+from codegen.files.generated_modules import alone, text_hash
+from codegen.files.whole_files import whole_file
 
 Progress = Callable[[str], None]
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 
-from codegen.generated_module_signature_and_import import import_generated
+from codegen.files.generated_modules import import_generated
 
 
 def compile_modules(paths: Sequence[Path]) -> list[float]:

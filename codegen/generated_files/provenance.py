@@ -10,8 +10,8 @@ from codegen.derive.equations import Equations
 from codegen.emit.line_wrapping import literal
 from codegen.emit.module import Origin
 from codegen.emit.unrolling import Unroll
-from codegen.library_layout import LIBRARY, models_folder
-from codegen.model_file import ModelFile
+from codegen.files.library_folders import LIBRARY, models_folder
+from codegen.reading.model_file import ModelFile
 
 
 def default_folder(file: ModelFile) -> Path:

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from codegen.emit.runge_kutta import module_text
+from codegen.files.library_folders import methods_folder
 from codegen.generated_files.generated_file import Written, write_folder
-from codegen.library_layout import methods_folder
 from codegen.tableaus import tableaus
 
 

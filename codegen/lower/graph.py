@@ -7,7 +7,7 @@ from functools import reduce
 
 from codegen.lower.program import Lookup, Op
 from codegen.lower.value_numbering import Numbering, Setting
-from codegen.piecewise_cubic import Table
+from codegen.tables.piecewise_cubic import Table
 
 ODD = frozenset({Op.SIN, Op.TAN, Op.ASIN, Op.ATAN, Op.SINH, Op.TANH})
 EVEN = frozenset({Op.COS, Op.COSH})

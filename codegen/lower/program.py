@@ -14,7 +14,7 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import NamedTuple
 
-from codegen.piecewise_cubic import Table
+from codegen.tables.piecewise_cubic import Table
 
 
 class Op(Enum):

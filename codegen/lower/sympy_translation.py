@@ -14,7 +14,6 @@ import sympy
 from sympy.core.relational import Relational
 
 from codegen.declare.symbols import Coordinate, Velocity, kinds
-from codegen.declare.table_function import Interpolant
 from codegen.derive.piecewise_conditions import (
     INVERSES,
     KINKED,
@@ -31,6 +30,7 @@ from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op, dependencies
 from codegen.public_callables import unreadable
 from codegen.real_range import constant_value, powers_with_number_outside
+from codegen.tables.table_function import Interpolant
 
 FUNCTIONS = {getattr(sympy, name): Op(name) for name in ELEMENTARY if name not in ("sqrt", "pow")}
 

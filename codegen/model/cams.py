@@ -7,11 +7,9 @@ from typing import Any
 
 import sympy
 
-from codegen.cubic_spline import fit
 from codegen.declare.body import Body, Curve
 from codegen.declare.cam_profile_checks import pace, profile_problems
 from codegen.declare.symbols import alpha
-from codegen.declare.table_function import FEWEST, TableFunction
 from codegen.elements.joints.cam_flat_follower import CamFlatFollower
 from codegen.elements.joints.cam_follower import CamFollower
 from codegen.elements.joints.point_follower import PointFollower
@@ -19,6 +17,8 @@ from codegen.errors import FAILURES
 from codegen.model.base import Declarations, Pair, Place
 from codegen.object_display import counted
 from codegen.plain_values import is_a, members, shown
+from codegen.tables.cubic_spline import fit
+from codegen.tables.table_function import FEWEST, TableFunction
 
 # accuracy: first and last point of a path that agree to this part of its size are one
 ROUNDING = 1e-9

@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Any, get_args
 from warnings import warn
 
-from codegen.cubic_spline import Ends, Kind, fit
 from codegen.declare import units as quantities
 from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule
-from codegen.declare.table_function import FEWEST, TableFunction, point_problems
 from codegen.errors import FAILURES, TableWarning
 from codegen.model.base import Declarations
-from codegen.piecewise_cubic import Beyond, Table, excess
 from codegen.plain_values import one_line, plain_name, shown
+from codegen.tables.cubic_spline import Ends, Kind, fit
+from codegen.tables.piecewise_cubic import Beyond, Table, excess
+from codegen.tables.table_function import FEWEST, TableFunction, point_problems
 
 _EXCESS = 0.05  # safety: of the range of the data; a curve that leaves it by more swings
 

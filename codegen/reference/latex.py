@@ -9,7 +9,7 @@ import sympy
 from sympy.printing.latex import LatexPrinter, translate
 
 from codegen.declare.symbols import KINDS, Coordinate, Given, Multiplier, Side, Velocity
-from codegen.declare.table_function import Interpolant
+from codegen.tables.table_function import Interpolant
 
 WIDTH = 84  # characters of a line that a page shows without scrolling, nearly
 

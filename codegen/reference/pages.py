@@ -8,7 +8,6 @@ from pathlib import Path
 from codegen.declare.element import Constraint
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.derive.equations import Equations, derive
-from codegen.driver import valid_scenes
 from codegen.elements.registry import Kind, kinds_of_elements
 from codegen.errors import ModelError
 from codegen.generated_files.generated_file import Written, write_folder
@@ -16,6 +15,7 @@ from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.operation_count import by_element
 from codegen.model import Model
 from codegen.plain_values import shown
+from codegen.reading.scene_selection import valid_scenes
 from codegen.reference.equations import constraint_sections, effect_sections
 from codegen.reference.examples import Example, example_of
 

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from codegen import argument_readers as readers
 from codegen.errors import InputError
+from codegen.files.whole_files import whole_file
 from codegen.object_display import html_of
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class, immutable, named_attributes
-from codegen.whole_files import whole_file
 from runtime.cases.document import ENDINGS, Entry, entry_of, errors_at, place, read_document
 from runtime.cases.fields import FORMAT, RUN, case_record
 from runtime.cases.machine_values import arguments_of, values_of
@@ -104,7 +104,7 @@ class Case:
         guess: Mapping[str, float | str] | None = None, run: Mapping[str, Any] | None = None,
     ) -> None:  # fmt: skip
         if hasattr(scene, "request"):
-            from codegen.scene_data import data_of_scene
+            from codegen.reading.scenes_as_data import data_of_scene
 
             scene = data_of_scene(scene)  # type: ignore[arg-type]
         given = {
@@ -168,7 +168,7 @@ class Case:
         """
         if not isinstance(self.scene, dict):
             return self.model_path, self.scene
-        from codegen.scene_data import scene_of_data
+        from codegen.reading.scenes_as_data import scene_of_data
 
         with errors_at(place(self._file or "Case", self._entry.value["scene"].line)):
             return scene_of_data(self.model_path, entry_of(self.scene).plain())

@@ -37,8 +37,8 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
 
-from codegen.generated_module_signature_and_import import locked
-from codegen.library_layout import LIBRARY, methods_folder
+from codegen.files.generated_modules import locked
+from codegen.files.library_folders import LIBRARY, methods_folder
 from codegen.numba_cache import checked_caches
 from codegen.scalar_compiler import ScalarCompiler
 from codegen.separate_compilation import give_interface

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from codegen.errors import AnalysisError, InputError
-from codegen.generated_module_signature_and_import import content_hash
+from codegen.files.generated_modules import content_hash
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.driven_motion_past_kinks import follow_past_kinks
 from runtime.dynamics.output_quantities import evaluate

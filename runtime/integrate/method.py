@@ -10,8 +10,8 @@ from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, NamedTuple
 
-from codegen.generated_module_signature_and_import import import_generated
-from codegen.library_layout import methods_folder
+from codegen.files.generated_modules import import_generated
+from codegen.files.library_folders import methods_folder
 
 if TYPE_CHECKING:
     from runtime.core.array_types import Integers

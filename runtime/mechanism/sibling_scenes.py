@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from codegen.errors import AnalysisError
-from codegen.generated_module_signature_and_import import (
+from codegen.files.generated_modules import (
     check_signature,
     import_generated,
     read_generated,

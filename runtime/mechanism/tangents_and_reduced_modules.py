@@ -11,7 +11,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from codegen.errors import AnalysisError, SupersededError
-from codegen.generated_module_signature_and_import import (
+from codegen.files.generated_modules import (
     check_signature,
     companion_path,
     import_generated,

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.whole_files import require_replaceable, whole_file, whole_folder
+from codegen.files.whole_files import require_replaceable, whole_file, whole_folder
 from runtime.results.dataset import dataset
 from runtime.results.result import Result
 from runtime.results.result_signature import signature

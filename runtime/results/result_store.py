@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.whole_files import whole_folder
+from codegen.files.whole_files import whole_folder
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
 from runtime.results.dataset import dataset

@@ -15,7 +15,7 @@ from codegen.drawing.motion_figure import MovieFigure, phase_figure, without
 from codegen.drawing.picture import Picture
 from codegen.errors import InputError
 from codegen.figures_and_html import save_figure
-from codegen.whole_files import whole_file
+from codegen.files.whole_files import whole_file
 from runtime.progress_bar import bar
 from runtime.show.file_endings import MOVIES
 from runtime.show.pictures import Pictures, pictures_at

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from runtime.machine_facade import Machine
 
 CACHE = ".linkwright_cache"  # folder for modules of undeclared scenes, in the user's folder
-LEFT_OUT = "none"  # fidelity of an effect left out: `codegen.one_change_scenes.Variant.word`
+LEFT_OUT = "none"  # fidelity of an effect left out: `codegen.reading.scene_variants.Variant.word`
 
 _VALUES = readers.optional(readers.values('{"mass": 2.0}'))
 _INSTANT = readers.number("a finite number of seconds")
@@ -55,7 +55,7 @@ def read_source(
     folder: str | os.PathLike[str] | None, generated: str | os.PathLike[str] | None = None,
 ) -> Source:  # fmt: skip
     """Read the model, and find the scene in it: the first unless one is named."""
-    from codegen.one_change_scenes import declared
+    from codegen.reading.scene_variants import declared
 
     read = declared(Path(model) if isinstance(model, os.PathLike) else model, scene)
     return Source(model, scene, folder, generated, *read)

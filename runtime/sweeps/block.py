@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from codegen.errors import SupersededError
-from codegen.generated_module_signature_and_import import (
+from codegen.files.generated_modules import (
     companion_path,
     import_generated,
     read_generated,

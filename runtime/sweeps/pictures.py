@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from codegen.figures_and_html import finish_axes, new_figure
-from codegen.whole_files import whole_file
+from codegen.files.whole_files import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

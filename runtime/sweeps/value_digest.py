@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from codegen.library_layout import installed_folders
+from codegen.files.library_folders import installed_folders
 
 _OWN = ("runtime", "codegen")  # packages whose sources a sweep compares as a whole
 _PLAIN = (type(None), bool, int, complex, str, bytes, range, slice, type(Ellipsis))

@@ -12,7 +12,7 @@ from benchmarks.__main__ import save
 from benchmarks.hand import slider_crank as hand
 from benchmarks.states import consistent, modes_at, turn_of_the_crank
 from codegen import build
-from codegen.generated_module_signature_and_import import import_generated
+from codegen.files.generated_modules import import_generated
 
 
 @pytest.fixture(scope="session")

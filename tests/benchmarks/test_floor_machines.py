@@ -13,7 +13,7 @@ from benchmarks.growth import hanging
 from benchmarks.operation_counts import cost
 from benchmarks.problems import ANDREWS, PROBLEMS, crank_of_loops
 from codegen import build
-from codegen.generated_module_signature_and_import import companion_path, import_generated
+from codegen.files.generated_modules import companion_path, import_generated
 from models.hard.n_four_bar import n_four_bar
 
 STARTED = 14222.4439199541138705911625887

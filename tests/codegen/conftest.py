@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from codegen import build
-from codegen.driver import valid_scenes
-from codegen.generated_module_signature_and_import import import_generated
-from codegen.model_file import read_model
+from codegen.files.generated_modules import import_generated
+from codegen.reading.model_file import read_model
+from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.machines import ODD
 from tests.codegen.workbench import Interpreted
 

@@ -11,12 +11,12 @@ import pytest
 from codegen import Model
 from codegen.declare.scene import Scene
 from codegen.derive.equations import derive
-from codegen.driver import valid_scenes
 from codegen.emit.module import Origin, module_text
 from codegen.explain.operations_by_part import marginal_operations
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.lower.operation_count import operations
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
+from codegen.reading.scene_selection import valid_scenes
 
 NAMES = ("MODEL", "SCENE", "LEFT_OUT", "UNUSED")
 """Tables of the header that list names of what is not there."""

@@ -22,8 +22,8 @@ from codegen import (
 )
 from codegen.declare.element import I
 from codegen.declare.symbols import SPEED, side
-from codegen.driver import valid_scenes, with_settings
 from codegen.errors import ParameterError
+from codegen.reading.scene_selection import valid_scenes, with_settings
 
 Declare = Callable[["Machine"], object]
 

@@ -13,12 +13,13 @@ import codegen
 from benchmarks.chain import SCENE, chain
 from codegen.declare.return_values.calls import memoize_methods
 from codegen.derive.equations import derive
-from codegen.driver import translate, valid_scenes
+from codegen.driver import translate
 from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.unrolling import KernelTexts, kernel_texts
 from codegen.generated_files.generated_file import Clock
 from codegen.generated_files.provenance import fingerprint
 from codegen.model import Model
+from codegen.reading.scene_selection import valid_scenes
 from models.hard.n_four_bar import n_four_bar
 
 SOURCE = str(Path(codegen.__file__).parent)

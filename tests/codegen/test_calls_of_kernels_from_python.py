@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numba import types
 
-from codegen.generated_module_signature_and_import import import_generated
+from codegen.files.generated_modules import import_generated
 from runtime.core.array_types import f8, vector
 
 TEXT = """import numba

@@ -17,11 +17,11 @@ from codegen import Model
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Parameter, side
 from codegen.derive.equations import EffectEquations, Equations, derive
-from codegen.driver import valid_scenes
 from codegen.explain.sample_states import about_the_start, parameters
 from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered, lower
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
+from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.test_absent_effects import MACHINES, library
 
 WITH_COEFFICIENTS = (

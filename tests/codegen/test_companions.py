@@ -13,7 +13,7 @@ import codegen.driver
 from codegen import build
 from codegen.cli import app
 from codegen.errors import SceneError
-from codegen.generated_module_signature_and_import import check_signature, companion_path
+from codegen.files.generated_modules import check_signature, companion_path
 from tests.codegen.workbench import write_model
 
 PENDULUM = """

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen import Model, ModelError
-from codegen.driver import valid_scenes
+from codegen.reading.scene_selection import valid_scenes
 from runtime import Result, load
 from tests.codegen.workbench import Interpreted
 

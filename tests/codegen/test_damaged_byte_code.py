@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-CODE = "import codegen.figures_and_html, codegen.model_file, runtime; runtime.load"
+CODE = "import codegen.figures_and_html, codegen.reading.model_file, runtime; runtime.load"
 LOADED_FIRST = ("codegen/__init__", "codegen/damaged_byte_code", "runtime/__init__")
 
 

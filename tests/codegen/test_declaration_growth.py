@@ -12,7 +12,7 @@ from codegen.check import expressions, potential_steps
 from codegen.declare.return_values import calls, constraints
 from codegen.declare.return_values.calls import memoize_methods
 from codegen.declare.symbols import Coordinate, ModelSymbol
-from codegen.driver import valid_scenes
+from codegen.reading.scene_selection import valid_scenes
 from models.hard.n_four_bar import n_four_bar
 
 

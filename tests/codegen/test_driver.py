@@ -12,8 +12,8 @@ import pytest
 
 from codegen import build
 from codegen.errors import GeneratedFileError, InputError
+from codegen.files.generated_modules import check_signature, import_generated
 from codegen.generated_files.generated_file import write_if_changed
-from codegen.generated_module_signature_and_import import check_signature, import_generated
 from tests.codegen.workbench import write_model
 
 PENDULUM = """

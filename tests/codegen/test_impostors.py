@@ -9,7 +9,7 @@ import pytest
 import sympy
 
 from codegen import Body, LinkwrightError, Model, ModelError, Point
-from codegen.driver import valid_scenes
+from codegen.reading.scene_selection import valid_scenes
 
 
 def machine() -> Model:

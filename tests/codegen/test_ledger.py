@@ -16,7 +16,6 @@ from benchmarks.chain import chain
 from codegen import Model
 from codegen.cli import app
 from codegen.derive.equations import derive
-from codegen.driver import valid_scenes
 from codegen.errors import InputError
 from codegen.explain import element_times as timing
 from codegen.explain import kernel_timer as clock
@@ -36,7 +35,8 @@ from codegen.explain.sample_states import about_the_start
 from codegen.explain.terminal_table import notes
 from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.operation_count import operations
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
+from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.workbench import write_model
 
 

@@ -9,8 +9,8 @@ from typer.testing import CliRunner
 
 from codegen.cli import app
 from codegen.errors import ModelFileError
-from codegen.library_layout import LIBRARY
-from codegen.model_file import execute_model_file
+from codegen.files.library_folders import LIBRARY
+from codegen.reading.model_file import execute_model_file
 from tests.codegen.complaints import HEAD, check, complaints
 from tests.codegen.workbench import write_model
 

@@ -15,7 +15,7 @@ import pytest
 
 from codegen import numba_cache
 from codegen.damaged_byte_code import CacheWarning
-from codegen.generated_module_signature_and_import import _TextLoader, import_generated
+from codegen.files.generated_modules import _TextLoader, import_generated
 from codegen.numba_cache import checked_caches
 
 TEXT = """import numba

@@ -216,7 +216,7 @@ def test_processes_that_write_one_cache_without_a_lock_disturb_none(tmp_path: Pa
 RUNTIME = """
 import sys
 from pathlib import Path
-from codegen.generated_module_signature_and_import import import_generated
+from codegen.files.generated_modules import import_generated
 import runtime.core.dense_output
 print(import_generated(Path(sys.argv[1])).scaled(1.0))
 """

@@ -10,7 +10,7 @@ from codegen import Model, ModelError, t
 from codegen.check.potential_steps import find_step
 from codegen.declare.body import Body
 from codegen.derive.piecewise_conditions import as_pieces
-from codegen.driver import valid_scenes
+from codegen.reading.scene_selection import valid_scenes
 
 Expression = Callable[[sympy.Symbol, sympy.Symbol, sympy.Symbol, sympy.Symbol], sympy.Expr]
 

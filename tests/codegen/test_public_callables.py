@@ -33,8 +33,8 @@ from codegen import (
     given,
     t,
 )
-from codegen.driver import valid_scenes
-from codegen.whole_files import whole_file
+from codegen.files.whole_files import whole_file
+from codegen.reading.scene_selection import valid_scenes
 
 
 def machine() -> Model:

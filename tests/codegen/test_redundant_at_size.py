@@ -7,13 +7,13 @@ from scipy.sparse import csr_array
 from codegen.check import redundancy
 from codegen.check.redundancy import TOLERANCE, Findings, examine
 from codegen.derive.equations import derive
-from codegen.driver import valid_scenes
 from codegen.lower import poses_near_start
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.lower.level_evaluation import LevelEvaluation
 from codegen.lower.poses_near_start import Poses
 from codegen.lower.sparse_steps import dependent_rows, least_norm
 from codegen.model import Model
+from codegen.reading.scene_selection import valid_scenes
 from models.hard.n_four_bar import n_four_bar
 from models.hard.parallel_linkage import parallel_linkage
 from tests.codegen.lower.test_poses_near_start import chain

@@ -7,7 +7,7 @@ import pytest
 
 from codegen import LinkwrightError, Model, build
 from codegen.errors import ModelFileError
-from codegen.model_file import execute_model_file
+from codegen.reading.model_file import execute_model_file
 
 
 def test_a_word_that_is_nearly_one_is_answered_with_it() -> None:

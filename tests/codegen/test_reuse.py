@@ -7,8 +7,8 @@ import pytest
 from codegen.derive import constraint_terms, effect_terms
 from codegen.derive import switching_functions as switches
 from codegen.derive.equations import derive
-from codegen.driver import valid_scenes
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
+from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.workbench import Interpreted
 
 DERIVED = (constraint_terms._derive, effect_terms._pieces, switches.rate)

@@ -9,12 +9,13 @@ import pytest
 import sympy
 from sympy import Abs
 
-from codegen import Effect, InputError, Model, build, model_file
+from codegen import Effect, InputError, Model, build
 from codegen.declare.element import ConjugateReaction, Statement
-from codegen.driver import valid_scenes, with_settings
 from codegen.errors import ModelError
-from codegen.library_layout import installed_folders
-from codegen.model_file import read_model
+from codegen.files.library_folders import installed_folders
+from codegen.reading import model_file
+from codegen.reading.model_file import read_model
+from codegen.reading.scene_selection import valid_scenes, with_settings
 from tests.codegen.complaints import complaints
 from tests.codegen.workbench import Interpreted, State, write_model
 

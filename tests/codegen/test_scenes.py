@@ -8,9 +8,9 @@ import pytest
 from codegen import Model, ModelError, build
 from codegen.declare.scene import Scene
 from codegen.derive.equations import derive
-from codegen.driver import valid_scenes
 from codegen.errors import InputError
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
+from codegen.reading.scene_selection import valid_scenes
 
 
 def sledge() -> Model:

@@ -13,11 +13,11 @@ from numpy.testing import assert_allclose
 from scipy.interpolate import Akima1DInterpolator, CubicSpline, PchipInterpolator, interp1d
 
 from codegen import Model, ModelError, alpha, t
-from codegen.cubic_spline import Kind, fit
-from codegen.driver import valid_scenes
 from codegen.errors import TableWarning
-from codegen.piecewise_cubic import Beyond
-from codegen.table_branches import branches
+from codegen.reading.scene_selection import valid_scenes
+from codegen.tables.branches import branches
+from codegen.tables.cubic_spline import Kind, fit
+from codegen.tables.piecewise_cubic import Beyond
 from tests.codegen.workbench import Interpreted, State, complex_step
 
 pytestmark = pytest.mark.filterwarnings("ignore::codegen.errors.TableWarning")  # of random data

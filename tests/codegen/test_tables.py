@@ -13,8 +13,8 @@ from numpy.testing import assert_allclose
 from scipy.interpolate import CubicSpline
 
 from codegen import Model, ModelError, t
-from codegen.cubic_spline import fit
-from codegen.driver import valid_scenes
+from codegen.reading.scene_selection import valid_scenes
+from codegen.tables.cubic_spline import fit
 from runtime import load
 from runtime.core.outcomes import Outcome
 from tests.codegen.workbench import (

@@ -4,8 +4,8 @@ import pytest
 
 from codegen import Model, ModelError
 from codegen.derive.equations import derive
-from codegen.driver import valid_scenes
 from codegen.lower.kernels.scene_kernels import lower
+from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.test_scenes import sledge
 
 

@@ -13,8 +13,8 @@ from sympy.physics import units as of_sympy
 
 from codegen import Model, ModelError, t
 from codegen.declare.units import COHERENT, in_unit, known_unit, si_factor
-from codegen.driver import valid_scenes
 from codegen.quantities import pint_form
+from codegen.reading.scene_selection import valid_scenes
 
 u = get_application_registry()
 
@@ -156,7 +156,7 @@ def test_coherent_names_that_make_no_unit_are_refused(unit: str) -> None:
 
 def test_a_model_in_coherent_units_does_not_load_pint(root: Path) -> None:
     code = (
-        "from pathlib import Path; import sys; from codegen.model_file import read_model; "
+        "from pathlib import Path; import sys; from codegen.reading.model_file import read_model; "
         "read_model(Path('models/slider_crank.py')); print('pint' in sys.modules)"
     )
     words = [sys.executable, "-c", code]

@@ -11,12 +11,12 @@ import numpy as np
 
 from codegen import Model
 from codegen.derive.equations import Equations, derive
-from codegen.driver import valid_scenes
 from codegen.elements.registry import kinds_of_elements
 from codegen.emit.module import Origin, module_text
 from codegen.generated_files.provenance import fingerprint
 from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered, lower
+from codegen.reading.scene_selection import valid_scenes
 
 STEP = 1e-40
 RETURNED = {"potential", "kinetic_energy"}

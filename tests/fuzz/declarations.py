@@ -18,11 +18,12 @@ from random import Random
 from typing import Any
 
 from codegen import LinkwrightError, Model
-from codegen.driver import translate, valid_scenes
+from codegen.driver import translate
 from codegen.emit.module import Origin, module_text
 from codegen.errors import FAILURES
 from codegen.generated_files.generated_file import Clock
 from codegen.plain_values import shown
+from codegen.reading.scene_selection import valid_scenes
 from tests.fuzz.declared_arguments import Scenery
 from tests.fuzz.declared_methods import BAD_NAMES, METHODS, NO_NAME
 from tests.fuzz.declared_misuse import misuse

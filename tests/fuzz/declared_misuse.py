@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import codegen
 from codegen import Curve, I, Model, Point, Scene, Statement, coordinate, element, given, t
-from codegen.driver import valid_scenes, with_settings
 from codegen.plain_values import finite_float, is_a, is_flag, shown
+from codegen.reading.scene_selection import valid_scenes, with_settings
 from tests.fuzz.declared_arguments import Scenery, is_pair
 from tests.fuzz.declared_methods import METHODS
 from tests.fuzz.declared_nonsense import of_object, of_scalar

@@ -20,9 +20,9 @@ from random import Random
 from time import monotonic
 
 import codegen
-from codegen.driver import valid_scenes
 from codegen.errors import LinkwrightError
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
+from codegen.reading.scene_selection import valid_scenes
 
 COMPILER = Path(codegen.__file__).parent
 SLOW = 20.0  # seconds after which a file counts as hanging

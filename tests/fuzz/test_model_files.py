@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
 from tests.fuzz import campaign, model_files
 
 

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from codegen.elements.registry import kinds_of_elements
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
 from linkwright import shell_completion
 from linkwright.commands import app
 from linkwright.static_model_reading import models_in, read_model_text

@@ -45,7 +45,12 @@ def test_an_import_loads_no_more_than_it_needs(
 
 COMPILER = {
     *("codegen.argument_readers", "codegen.damaged_byte_code", "codegen.errors"),
-    *("codegen.library_layout", "codegen.object_display", "codegen.plain_values"),
+    *(
+        "codegen.files",
+        "codegen.files.library_folders",
+        "codegen.object_display",
+        "codegen.plain_values",
+    ),
     *("codegen.public_callables", "codegen.readable_signatures"),
     *(
         "codegen.garbage_collection",
@@ -55,7 +60,7 @@ COMPILER = {
         "codegen.condition_evaluation",
         "codegen.termination_signals",
     ),
-    *("codegen.generated_module_signature_and_import", "codegen.calls_of_kernels_from_python"),
+    *("codegen.files.generated_modules", "codegen.calls_of_kernels_from_python"),
     *(
         "codegen.kernel_compiler",
         "codegen.kernel_compiler.numba_pipeline",

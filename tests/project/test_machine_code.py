@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from codegen.generated_module_signature_and_import import import_generated, module_name
+from codegen.files.generated_modules import import_generated, module_name
 from tests.machine_code import compile_apart
 
 ATTRIBUTES = """import math

@@ -15,7 +15,7 @@ EXECUTES = {
     *("yaml.full_load", "numpy.load", "np.load", "runpy.run_path", "os.system"),
 }
 PERMITTED = {
-    "codegen/generated_module_signature_and_import.py": {"compile"},  # generated modules
+    "codegen/files/generated_modules.py": {"compile"},  # generated modules
     "codegen/numba_cache.py": {"pickle.loads"},  # of the user's own cache folder
     "codegen/reference/examples.py": {"exec"},  # the examples of elements, from their classes
     "runtime/results/packed_values.py": {"np.load"},  # with allow_pickle=False

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import linkwright
+from codegen.files.generated_modules import companion_path
 from codegen.generated_files.companions import COMPANIONS
-from codegen.generated_module_signature_and_import import companion_path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 DOCS = ROOT / "docs"

@@ -6,7 +6,7 @@ import tarfile
 import zipfile
 from pathlib import Path
 
-from codegen.library_layout import LIBRARY, is_checkout, methods_folder, models_folder
+from codegen.files.library_folders import LIBRARY, is_checkout, methods_folder, models_folder
 
 
 def test_a_wheel_has_three_names_at_the_top(wheel: zipfile.ZipFile) -> None:
@@ -53,7 +53,7 @@ def test_an_installed_wheel_finds_its_methods_and_nothing_that_is_not_its_own(
         (tmp_path / name).write_text("raise SystemExit('of another package')")
     code = (
         "import linkwright\n"
-        "from codegen.library_layout import is_checkout, methods_folder, models_folder\n"
+        "from codegen.files.library_folders import is_checkout, methods_folder, models_folder\n"
         "print(linkwright.__file__, is_checkout(), models_folder(), methods_folder(), sep='\\n')\n"
         "linkwright.load('pump')"
     )

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from codegen.driver import valid_scenes
+from codegen.reading.scene_selection import valid_scenes
 from tests.random_mechanisms import DRIVEN, FAMILIES, RandomMechanism, Scales, random_mechanism
 from tests.random_mechanisms.pose_analysis import column_sizes, constraint_rows
 

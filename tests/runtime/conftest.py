@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from codegen.generated_files.generated_file import write_if_changed
-from codegen.model_file import file_hash
+from codegen.reading.model_file import file_hash
 from runtime import load
 from runtime.machine_facade import Machine
 from runtime.mechanism.tangents_and_reduced_modules import Origin

@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 from codegen import Effect, Model, ModelError, element
 from codegen.declare.element import QUANTITIES, Measure
 from codegen.declare.symbols import SPEED
-from codegen.driver import valid_scenes
 from codegen.errors import InputError
+from codegen.reading.scene_selection import valid_scenes
 from runtime import Machine, Result, load
 from runtime.results import effect_series
 from runtime.studies.effect_ranking.quantity import parse_quantity

@@ -12,8 +12,8 @@ import pytest
 from typer.testing import CliRunner
 
 from codegen.errors import GeneratedFileError, InputError
+from codegen.files.whole_files import whole_file
 from codegen.generated_files.generated_file import write_if_changed
-from codegen.whole_files import whole_file
 from runtime.cli import app as command_line
 from runtime.machine_facade import Machine
 from runtime.results.result import Result

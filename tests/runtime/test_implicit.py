@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from codegen.errors import InputError
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
 from runtime import Machine, Result, load
 from runtime.core.outcomes import Outcome
 from runtime.integrate.method import IMPLICIT

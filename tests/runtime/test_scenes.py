@@ -146,7 +146,7 @@ def test_scene_of_a_model_file(folder: Path) -> None:
         "model.force('wind', on=ball, fx=2.0)\n"
         "model.scene('fall', ['gravity', 'wind'], start={ball.x: 0.0, ball.y: 0.0})\n"
     )
-    from codegen.model_file import read_model
+    from codegen.reading.model_file import read_model
 
     scene = read_model(path).model.scene("fall").without("wind")
     found = load(path, scene, folder=folder).simulate(1.0)

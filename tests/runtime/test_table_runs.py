@@ -10,9 +10,9 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
 from codegen import Effect, Model, element, t
-from codegen.cubic_spline import Kind
 from codegen.errors import AnalysisError
-from codegen.piecewise_cubic import Table
+from codegen.tables.cubic_spline import Kind
+from codegen.tables.piecewise_cubic import Table
 from runtime import load
 from runtime.core.outcomes import Outcome
 

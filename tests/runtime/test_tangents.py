@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 
 import codegen
 from codegen.errors import AnalysisError, GeneratedFileError, SupersededError
-from codegen.generated_module_signature_and_import import companion_path
-from codegen.model_file import read_model
+from codegen.files.generated_modules import companion_path
+from codegen.reading.model_file import read_model
 from runtime import load
 from runtime.core.jit import ADDRESSES, compiled
 from runtime.core.kernel_abi import accelerations_tangent_of, correction_tangent_of

@@ -9,8 +9,8 @@ from types import ModuleType
 
 import pytest
 
-from codegen import generated_module_signature_and_import as generated
 from codegen.errors import GeneratedFileError
+from codegen.files import generated_modules as generated
 from codegen.generated_files.generated_file import is_current
 from runtime.machine_loading import _fresh_module
 

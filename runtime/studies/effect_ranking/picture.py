@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
 from codegen.figures_and_html import check_parent, finish_axes, new_figure
-from codegen.whole_files import whole_file
+from codegen.files.whole_files import whole_file
 from runtime.studies.effect_ranking.ranking import Matters, Row, Verdict
 
 if TYPE_CHECKING:

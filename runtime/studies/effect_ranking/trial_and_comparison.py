@@ -25,7 +25,7 @@ from runtime.studies.timing import Stopwatch, processor_time
 
 if TYPE_CHECKING:
     from codegen import Scene
-    from codegen.one_change_scenes import Variant
+    from codegen.reading.scene_variants import Variant
 
 COARSER = 100.0  # accuracy: ratio of the tolerances of the two runs
 LEAST_RTOL = 1e-13  # accuracy: tightest rtol of the second run

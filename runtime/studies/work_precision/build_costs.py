@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _LOAD = """
 import sys, pathlib, time
 import numba
-from codegen.generated_module_signature_and_import import import_generated
+from codegen.files.generated_modules import import_generated
 began = time.perf_counter()
 import_generated(pathlib.Path(sys.argv[1]))
 sys.stdout.write(repr(time.perf_counter() - began))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
 from codegen.figures_and_html import check_parent, finish_axes, new_figure
-from codegen.whole_files import whole_file
+from codegen.files.whole_files import whole_file
 from runtime.integrate.method import METHODS
 from runtime.studies.work_precision.diagram import Line, Point, WorkPrecision
 from runtime.studies.work_precision.interpretation import front, headline

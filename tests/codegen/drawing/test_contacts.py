@@ -16,8 +16,8 @@ from codegen.drawing.moving_strokes import moving_strokes
 from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture
 from codegen.drawing.rigid_strokes import rigid_strokes
-from codegen.model_file import read_model
 from codegen.picture_at_start import picture_at_start
+from codegen.reading.model_file import read_model
 
 SLOPE = 0.4
 

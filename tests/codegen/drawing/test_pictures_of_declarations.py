@@ -14,8 +14,8 @@ from codegen.drawing.picture import Picture, places
 from codegen.drawing.shapes import Place, Profile, Reaction, Shape
 from codegen.elements.registry import kinds_of_elements
 from codegen.errors import ModelError
-from codegen.model_file import read_model
 from codegen.picture_at_start import picture_at_start
+from codegen.reading.model_file import read_model
 from codegen.reference.examples import example_of
 from tests.codegen.elements.turned_body import TurnedBody
 

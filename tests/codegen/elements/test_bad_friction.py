@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from codegen import Model, ModelError
-from codegen.driver import valid_scenes
+from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.complaints import check, complaints
 from tests.fuzz.declared_nonsense import Raises
 

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from codegen import Model, ModelError, alpha, t
 from codegen.check.declaration import check_model
-from codegen.driver import valid_scenes
+from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.workbench import (
     A,
     B,

@@ -8,11 +8,11 @@ import sympy
 
 from codegen import Body, Model, Statement, build, element
 from codegen.declare.element import Constraint, Effect, FrictionLaw
-from codegen.driver import valid_scenes
 from codegen.elements import registry
 from codegen.elements.forces.spring import Spring
 from codegen.elements.registry import kinds_of_elements
 from codegen.explain.elements_and_outputs_in_scene import Inventory
+from codegen.reading.scene_selection import valid_scenes
 
 
 @pytest.fixture(autouse=True)

@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose
 
 from codegen import Model, ModelError, t
 from codegen.declare.body import Body, Point
-from codegen.driver import valid_scenes
+from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.workbench import Interpreted, along, complex_step, library_kinds
 
 EXACT = {"rtol": 1e-10, "atol": 1e-11}

@@ -11,11 +11,12 @@ import sympy
 import xarray as xr
 
 from codegen import Effect, Model, build
-from codegen.driver import translate, valid_scenes
+from codegen.driver import translate
 from codegen.emit.line_wrapping import checked, identifier, literal, prose
 from codegen.emit.module import Origin, module_text
 from codegen.errors import GeneratedFileError, LinkwrightError
 from codegen.generated_files.generated_file import Clock
+from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.workbench import write_model
 
 CODE = "raise SystemExit"

@@ -20,8 +20,8 @@ STEPS = r"    # (Sizes|Eliminate|Solve|Substitute|The matrix|W Φ|Refine|Frictio
 HASHES = """
 from hashlib import sha256
 from pathlib import Path
-from codegen.driver import valid_scenes
-from codegen.model_file import read_model
+from codegen.reading.scene_selection import valid_scenes
+from codegen.reading.model_file import read_model
 from tests.codegen.machines import ODD
 from tests.codegen.workbench import Interpreted
 for model in (read_model(Path("models/slider_crank.py")).model, *(declare() for declare in ODD)):

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from codegen.generated_module_signature_and_import import import_generated
+from codegen.files.generated_modules import import_generated
 from codegen.kernel_compiler import compilation_result
 from tests.codegen.kernel_compiler.kernel_texts import HEAD
 

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba.core.sigutils import normalize_signature
 
-from codegen.generated_module_signature_and_import import _TextLoader
+from codegen.files.generated_modules import _TextLoader
 from codegen.kernel_compiler import compilation_result
 from tests.codegen.kernel_compiler.kernel_texts import EXACT, HEAD, plain, python_only
 

@@ -6,7 +6,6 @@ import pytest
 
 from benchmarks.chain import SCENE, chain
 from codegen.derive.equations import derive
-from codegen.driver import valid_scenes
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.kernels import elimination_choice
 from codegen.lower.kernels.accelerations import accelerations, dynamics_kernel
@@ -18,6 +17,7 @@ from codegen.lower.linear.structural_cost import CostExceededError, Structure
 from codegen.lower.operation_count import operations
 from codegen.lower.scene_graph import SceneGraph
 from codegen.model import Model
+from codegen.reading.scene_selection import valid_scenes
 from models.hard.n_four_bar import n_four_bar
 from models.hard.spring_chain import model as spring_chain
 

@@ -13,7 +13,7 @@ from codegen.lower.interpreter import evaluate
 from codegen.lower.linear.least_change_by_null_space import NullSpace
 from codegen.lower.linear.sparse_row_elimination import Task
 from codegen.lower.operation_count import operations
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
 from tests.codegen.workbench import Interpreted, State, plain, python_functions
 
 SPREAD = 1e12

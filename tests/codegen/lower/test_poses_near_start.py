@@ -6,10 +6,10 @@ import pytest
 from codegen import Model
 from codegen.derive.equations import derive
 from codegen.drawing.moving_strokes import moving_strokes
-from codegen.driver import valid_scenes
 from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.poses_near_start import Poses
 from codegen.picture_at_start import picture_at_start
+from codegen.reading.scene_selection import valid_scenes
 
 
 def chain(links: int, length: float = 0.1) -> Model:

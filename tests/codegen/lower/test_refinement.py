@@ -18,7 +18,7 @@ from codegen.lower.kernels.accelerations import dynamics_kernel
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.program import Program
 from codegen.lower.scene_graph import SceneGraph
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
 from tests.codegen.workbench import Interpreted, State, random_machine
 
 FOLDED = 1e-12

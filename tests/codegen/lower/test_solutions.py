@@ -13,7 +13,7 @@ from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.accelerations import dynamics_kernel
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.scene_graph import SceneGraph
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
 from tests.codegen.workbench import A, Interpreted, State, plain, python_functions, random_machine
 
 STRATEGIES: tuple[Strategy, ...] = ("substitute", "mixed", "schur", "leaves")

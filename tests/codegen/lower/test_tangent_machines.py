@@ -15,7 +15,7 @@ from codegen.emit.tangents_and_reduced_modules import tangents_text
 from codegen.lower.differentiation.program_tangents import tangent_program
 from codegen.lower.operation_count import operations
 from codegen.lower.program import Program
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
 from tests.codegen.directions import assembled, by_complex_step, by_tangent, dependent
 from tests.codegen.elements.rubbing_slider_crank import rubbing_slider_crank
 from tests.codegen.workbench import STEP, Interpreted, State, plain, python_functions

@@ -10,13 +10,13 @@ import numpy as np
 from benchmarks.chain import chain
 from codegen import Model
 from codegen.derive.equations import derive
-from codegen.driver import valid_scenes
 from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.rolled_kernel import RolledKernelText
 from codegen.emit.sincos_function import FUNCTION
 from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.lower.program import Kernel
+from codegen.reading.scene_selection import valid_scenes
 from codegen.reroll.parts import RolledKernel
 from models.hard.n_four_bar import n_four_bar
 from models.hard.roller_chain import roller_chain

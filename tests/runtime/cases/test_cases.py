@@ -152,7 +152,7 @@ run: {t_end: 3}
 
 
 def test_a_declared_scene_as_data_is_that_scene(folder: Path) -> None:
-    from codegen.model_file import read_model
+    from codegen.reading.model_file import read_model
 
     scene = read_model(folder / "cased.py").model.scene("swing")
     case = Case(folder / "cased.py", scene, run={"t_end": 0.2})

@@ -12,8 +12,8 @@ from codegen import Model, t
 from codegen.drawing.layout import VERSION
 from codegen.drawing.picture import Picture
 from codegen.drawing.shapes import Pin, Place, Reaction, Rod
-from codegen.model_file import read_model
 from codegen.picture_at_start import picture_at_start
+from codegen.reading.model_file import read_model
 from runtime import load
 from runtime.mechanism.dense_equations import Equations
 from runtime.show.pictures import Pictures, pictures, pictures_at

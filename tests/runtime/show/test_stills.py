@@ -11,8 +11,8 @@ from codegen import Model
 from codegen.drawing.figure import figure
 from codegen.drawing.label_texts import engineering
 from codegen.errors import InputError, ModelError
-from codegen.model_file import read_model
 from codegen.picture_at_start import picture_at_start
+from codegen.reading.model_file import read_model
 from runtime import load
 from runtime.machine_facade import Machine
 

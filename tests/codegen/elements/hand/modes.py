@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
 from tests.codegen.workbench import Interpreted, State
 
 

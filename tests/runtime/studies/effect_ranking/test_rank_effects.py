@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
 from codegen.figures_and_html import terminal_width
-from codegen.one_change_scenes import declared, variants
+from codegen.reading.scene_variants import declared, variants
 from runtime import Result, load, matters
 from runtime.cli.app import app
 from runtime.studies.effect_ranking import Matters, Verdict

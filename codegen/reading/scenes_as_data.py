@@ -8,11 +8,11 @@ from codegen.condition_texts import read_condition
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import Request, Scene
 from codegen.declare.symbols import dotted, t
-from codegen.driver import valid_scenes
 from codegen.errors import SceneError
 from codegen.model import Model
-from codegen.model_file import read_model
 from codegen.quantities import QuantityError, number_in
+from codegen.reading.model_file import read_model
+from codegen.reading.scene_selection import valid_scenes
 
 _VALUES = ("start", "guess", "parameters")
 

@@ -8,7 +8,7 @@ import sysconfig
 from functools import cache
 from pathlib import Path
 
-LIBRARY = Path(__file__).resolve().parent.parent
+LIBRARY = Path(__file__).resolve().parents[2]
 """The folder that holds the library's packages."""
 
 _IN_WHEELS = "runtime/generated"

@@ -17,8 +17,8 @@ from typing import cast
 
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.errors import InputError, ModelFileError
-from codegen.generated_module_signature_and_import import is_signed
-from codegen.library_layout import (
+from codegen.files.generated_modules import is_signed
+from codegen.files.library_folders import (
     LIBRARY,
     file_beside,
     installed_folders,

@@ -5,12 +5,12 @@ from pathlib import Path
 
 from codegen.declare.return_values.elements import replaced_body
 from codegen.declare.scene import Scene
-from codegen.driver import valid_scenes
 from codegen.model import Model
 from codegen.model.base import TRACKED
 from codegen.model.bodies import FORMS
 from codegen.model.fidelities import NONE
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
+from codegen.reading.scene_selection import valid_scenes
 
 
 @dataclass(frozen=True)

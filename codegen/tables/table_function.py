@@ -7,15 +7,15 @@ from typing import Any
 
 import sympy
 
-from codegen.cubic_spline import Kind
 from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import Coordinate, Time, Velocity
 from codegen.declare.units import in_unit, is_quantity, same_dimension
 from codegen.errors import FAILURES, ModelError
 from codegen.object_display import counted
-from codegen.piecewise_cubic import Table
 from codegen.plain_values import KindError, plain_float, shown
 from codegen.public_callables import error_boundary
+from codegen.tables.cubic_spline import Kind
+from codegen.tables.piecewise_cubic import Table
 
 DEGREE = 3
 # formula: the fewest points of each kind; of a periodic table one more, its first point again

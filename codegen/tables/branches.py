@@ -12,7 +12,7 @@ from functools import cache
 from itertools import pairwise
 from typing import NamedTuple
 
-from codegen.piecewise_cubic import Row, Table, derivative_at
+from codegen.tables.piecewise_cubic import Row, Table, derivative_at
 
 # accuracy: of the sizes of a derivative on both sides, and of the values; less is rounding
 _CONTINUOUS = 1e-12

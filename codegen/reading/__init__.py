@@ -1,0 +1,1 @@
+"""The model of a file, and its scenes: chosen, varied, as data."""
