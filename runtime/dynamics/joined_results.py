@@ -1,7 +1,7 @@
 """One result of runs that follow one another with other joints."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -95,7 +95,7 @@ def _union(descriptions: Sequence[Description]) -> Description:
     gone = {*tables["effects"]}
     tables["left_out"] = type(first.left_out)(row for row in first.left_out if row not in gone)
     drivers = tuple(dict.fromkeys(name for d in descriptions for name in d.drivers))
-    return first._replace(**tables, drivers=drivers)
+    return replace(first, **tables, drivers=drivers)
 
 
 def _in_tables(result: Result, description: Description, samples: Samples) -> Samples:

@@ -1,14 +1,17 @@
 """The tables of a generated module, typed: the only place that knows its layout."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass, field, fields
+from functools import cached_property
 from types import ModuleType
-from typing import Any, NamedTuple, get_args, get_origin
+from typing import Any, get_args, get_origin
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.condition_evaluation import ConditionRow, ProfileRow
 from runtime.core.modes_and_event_kinds import Boundary, TablePart
+from runtime.mechanism.series_table import SeriesTable
 from runtime.mechanism.table_rows import (
     TRACKED,
     Constraint,
@@ -29,8 +32,9 @@ from runtime.mechanism.table_rows import (
 Indices = npt.NDArray[np.int64]
 
 
-class Description(NamedTuple):
-    """The literals of a generated module."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Description:
+    """The literals of a generated module, and what follows from them."""
 
     generator: str
     model: str
@@ -64,7 +68,7 @@ class Description(NamedTuple):
     # constraints whose multipliers are answered; None: all
     recovered: tuple[int, ...] | None = None
     kernels: frozenset[str] = frozenset()  # what the module defines, its kernels among it
-    rigid: Table[RigidContact] = Table()
+    rigid: Table[RigidContact] = field(default=Table())
     stiction: tuple[int, ...] = ()
     shares: tuple[int, ...] = ()  # switches of which the share of both modes stands in `p`
     weak_pivot: float = 0.0  # part of its reference below which a pivot is weak; 0: none is watched
@@ -74,10 +78,10 @@ class Description(NamedTuple):
     peaks: tuple[tuple[str, str, float], ...] = ()
     conditions: tuple[ConditionRow, ...] = ()  # on parameters, judged before each run
     profiles: tuple[ProfileRow, ...] = ()
-    states: Table[State] = Table()
+    states: Table[State] = field(default=Table())
     sampled: tuple[str, ...] = ()  # states that clocks renew
     triggers: tuple[int, ...] = ()  # of each the condition that renews it, -1: a clock
-    watched: Table[Watched] = Table()  # conditions that a run watches
+    watched: Table[Watched] = field(default=Table())  # conditions that a run watches
     controllers: tuple[str, ...] = ()  # those among them whose samples a run brings
     workspace: int = 0  # entries of `p` behind the constants that kernels write
 
@@ -85,6 +89,11 @@ class Description(NamedTuple):
     def title(self) -> str:
         """`model/scene`, as messages name it."""
         return f"{self.model}/{self.scene}"
+
+    @cached_property
+    def series(self) -> SeriesTable:
+        """The series of the scene's results: of each name its column, unit and kind."""
+        return SeriesTable(self)
 
     @property
     def parameter_slots(self) -> int:
@@ -229,9 +238,9 @@ class Description(NamedTuple):
 
 def describe(module: ModuleType) -> Description:
     """Read the literals of a loaded generated module, each called as its field in capitals."""
-    fields = {name: name.upper() for name in Description._fields}
-    literals = {k: getattr(module, name) for k, name in fields.items() if hasattr(module, name)}
-    kinds: dict[str, Any] = Description.__annotations__
+    kinds: dict[str, Any] = {one.name: one.type for one in fields(Description)}
+    names = {name: name.upper() for name in kinds}
+    literals = {k: getattr(module, name) for k, name in names.items() if hasattr(module, name)}
     for name, kind in kinds.items():
         if get_origin(kind) is Table:
             (row,) = get_args(kind)

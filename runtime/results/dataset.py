@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.results.effect_series import quantity_of
+from runtime.mechanism.series_table import Series
 from runtime.results.result import Result
 
 if TYPE_CHECKING:
@@ -161,16 +161,13 @@ def _add_motion(labels: Labels, result: Result) -> None:
 
 
 def _add_reactions(labels: Labels, result: Result) -> None:
-    description = result.description
-    effects = description.effects.names
-    columns = [k for k, row in enumerate(description.reactions) if row.element not in effects]
-    rows = [description.reactions[k] for k in columns]
+    rows = result.description.series.of_kind("reaction")
     joints = {name: k for k, name in enumerate(dict.fromkeys(row.element for row in rows))}
     units = {row.component: row.unit for row in rows}
     components = {name: k for k, name in enumerate(units)}
     places = np.full((len(joints), len(components)), -1)
-    for column, row in zip(columns, rows, strict=True):
-        places[joints[row.element], components[row.component]] = column
+    for row in rows:
+        places[joints[row.element], components[row.component]] = row.column
     flat = places.ravel().tolist()
     labels.coords["joint"], labels.coords["component"] = _texts(joints), _texts(components)
     labels.coords["component_unit"] = "component", _texts(units.values())
@@ -183,23 +180,19 @@ def _add_reactions(labels: Labels, result: Result) -> None:
 
 def _add_effects(labels: Labels, result: Result) -> None:
     """A variable for each quantity of effects, over time and effect; not a number of others."""
-    description = result.description
-    effects = {*description.effects.names} - {*description.tracked}
-    found: dict[str, dict[str, tuple[int, str]]] = {}  # quantity → label → column and unit
-    for column, row in enumerate(description.reactions):
-        if row.element in effects:
-            quantity = quantity_of(row) or "component"
-            part = row.component.removeprefix(quantity).removeprefix(".")
-            label = f"{row.element}.{part}" if part else row.element
-            found.setdefault(quantity, {})[label] = column, row.unit
+    found: dict[str, dict[str, Series]] = {}  # quantity → label → series
+    for row in result.description.series.of_kind("effect"):
+        quantity = row.quantity or "component"
+        part = row.component.removeprefix(quantity).removeprefix(".")
+        found.setdefault(quantity, {})[f"{row.element}.{part}" if part else row.element] = row
     names = list(dict.fromkeys(name for parts in found.values() for name in parts))
     if names:
         labels.coords["effect"] = _texts(names)
     for quantity, parts in found.items():
-        columns = [parts[name][0] if name in parts else -1 for name in names]
-        units = {unit for _, unit in parts.values()}
+        columns = [parts[name].column if name in parts else -1 for name in names]
+        units = {row.unit for row in parts.values()}
         if len(units) > 1:
-            of_name = (parts[name][1] if name in parts else "" for name in names)
+            of_name = (parts[name].unit if name in parts else "" for name in names)
             labels.coords[f"{quantity}_unit"] = "effect", _texts(of_name)
         about = {"units": units.pop()} if len(units) == 1 else {}
         labels.add(quantity, "time effect", _reactions_in(columns), about)

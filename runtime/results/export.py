@@ -69,29 +69,19 @@ def save(result: Result, path: Path) -> Path:
     return path
 
 
+_HEADINGS = {"power": "power({})", "nonconservative power": "nonconservative power({})"}
+"""Kind of a series → its name in the heading of a column, where that is not its own."""
+
+
 def columns(result: Result) -> dict[str, FloatArray]:
     """The result as columns over time, named `series [unit]`."""
-    description, samples = result.description, result.samples
-    table = {"time [s]": samples.t}
-    rows = [(k, row) for k, row in enumerate(description.coordinates) if not row.is_state]
-    for index, row in rows:
-        table[f"{row.name} [{row.unit}]"] = samples.q[:, index]
-    for index, row in rows:
-        table[f"{row.velocity} [{row.velocity_unit}]"] = samples.v[:, index]
-    for index, row in rows:
-        table[f"a({row.name}) [{row.acceleration_unit}]"] = samples.a[:, index]
-    for state in description.states:
-        table[f"{state.name} [{state.unit or '1'}]"] = result.y(state.name)
-    for index, part in enumerate(description.reactions):
-        table[f"{part.name} [{part.unit}]"] = samples.reaction[:, index]
-    for name, index in description.whole_powers.items():
-        table[f"power({name}) [W]"] = samples.power[:, index]
-    for index, source in enumerate(description.powers):
-        if source.kind == "nonconservative":
-            table[f"nonconservative power({source.name}) [W]"] = samples.power[:, index]
-    for name in result.works:
-        table[f"work({name}) [J]"] = result.work(name)
-    if description.has_masses:
+    samples, table = result.samples, {"time [s]": result.t}
+    for row in result.description.series:
+        known = row.kind != "work" or row.element in result.works
+        if known and row.kind not in ("bookkeeping", "rate of state", "energy"):
+            name = _HEADINGS.get(row.kind, "{}").format(row.name)
+            table[f"{name} [{row.unit}]"] = result.column(row)
+    if result.description.has_masses:  # not a number where the scene leaves them out
         table["kinetic energy [J]"] = samples.energy[:, 0]
         table["potential energy [J]"] = samples.energy[:, 1]
     table["constraint residual"] = samples.residual[:, 0]

@@ -1,23 +1,148 @@
-"""Series of a result by name: reactions, modes, energies; and any series."""
+"""Series of a result by name: motion, reactions, quantities of effects, energies, powers, works."""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
+from codegen.plain_values import is_a, shown
 from codegen.public_callables import checked_class
+from runtime.mechanism.module_tables import Description
+from runtime.mechanism.series_table import Series
 from runtime.mechanism.table_rows import unknown
-from runtime.results.effect_series import QUANTITIES, EffectSeries
-from runtime.results.motion_lookup import FloatArray, by_names
+from runtime.results.samples import Samples
 
-ENERGIES = ("kinetic", "potential", "total")
+FloatArray = npt.NDArray[np.float64]
+Names = ParamSpec("Names")
+Column = TypeVar("Column")
+Owner = TypeVar("Owner", bound="TimeSeries")
+Lookup = Callable[Concatenate[Owner, Names], Column]
+
+
+def by_names(lookup: Lookup[Owner, Names, Column]) -> Lookup[Owner, Names, Column]:
+    """A lookup that refuses arguments that are no texts."""
+
+    @wraps(lookup)
+    def checked(result: Owner, /, *names: Names.args, **keywords: Names.kwargs) -> Column:
+        for name in (*names, *keywords.values()):
+            if not is_a(name, str):
+                raise InputError(
+                    f"{result.description.title}: {lookup.__name__}({shown(name)}): a name is "
+                    f"a text, such as {result.description.coordinates.names[0]!r} of a coordinate."
+                )
+        return lookup(result, *names, **keywords)
+
+    return checked
 
 
 @checked_class
-class TimeSeries(EffectSeries):
+class TimeSeries:
     """Samples of a motion, with the tables that name them; see `Result`.
 
     A name that the scene does not have is refused by an `InputError` with the nearest ones.
     """
+
+    description: Description
+    samples: Samples
+    works: dict[str, FloatArray]
+    analysis: str
+
+    @by_names
+    def q(self, name: str) -> FloatArray:
+        """A coordinate over time.
+
+        Parameters
+        ----------
+        name
+            Of the coordinate, such as "crank.phi".
+
+        Returns
+        -------
+        (k,) float64
+            In the coordinate's unit, m or rad.
+        """
+        return self.samples.q[:, self.description.series.coordinate(name, velocity=False)]
+
+    @by_names
+    def v(self, name: str) -> FloatArray:
+        """A velocity over time.
+
+        Parameters
+        ----------
+        name
+            Of the velocity, such as "crank.omega", or of its coordinate.
+
+        Returns
+        -------
+        (k,) float64
+            In m/s or rad/s.
+        """
+        return self.samples.v[:, self.description.series.coordinate(name, velocity=True)]
+
+    @by_names
+    def a(self, name: str) -> FloatArray:
+        """An acceleration over time.
+
+        Parameters
+        ----------
+        name
+            Of its coordinate or velocity, or of a state, whose rate it then is.
+
+        Returns
+        -------
+        (k,) float64
+            In m/s² or rad/s², or the unit of a state per second; not a number in singular
+            configurations.
+        """
+        return self.samples.a[:, self.description.series.coordinate(name, velocity=True)]
+
+    @by_names
+    def y(self, name: str) -> FloatArray:
+        """A first-order state, a sampled value or a latch over time.
+
+        Parameters
+        ----------
+        name
+            Of the state, such as "current".
+
+        Returns
+        -------
+        (k,) float64
+            In the state's unit; of a latch 1 where it holds, else 0. `a` has the rate of a state.
+
+        Raises
+        ------
+        InputError
+            If the scene has no such state.
+        """
+        return self.column(self.description.series.state(name))
+
+    @by_names
+    def point(self, name: str, component: str = "") -> FloatArray:
+        """Place of a tracked point over time, in global axes.
+
+        Parameters
+        ----------
+        name
+            Of the point.
+        component
+            "x" or "y", in m, or "vx" or "vy", in m/s; without it, x and y.
+
+        Returns
+        -------
+        (k, 2) or, of a component, (k,) float64
+
+        Raises
+        ------
+        InputError
+            If there is no such point or component, or the scene leaves it out.
+        """
+        if component:
+            return self.column(self.description.series.point(name, component))
+        return np.column_stack([self.point(name, axis) for axis in "xy"])
 
     @by_names
     def reaction(self, joint: str, component: str) -> FloatArray:
@@ -42,24 +167,7 @@ class TimeSeries(EffectSeries):
         InputError
             If there is no such joint or component, or the scene was declared without it.
         """
-        rows = self.description.reactions
-        if joint in self.description.tracked:
-            raise InputError(
-                f"{self.description.title}: '{joint}' is a tracked point and transmits nothing; "
-                f"ask for point({joint!r})."
-            )
-        if f"{joint}.{component}" in rows.names:
-            return self.samples.reaction[:, rows.index(f"{joint}.{component}")]
-        of_joint = [row.component for row in rows if row.element == joint]
-        if of_joint:
-            raise InputError(
-                f"{self.description.title}: joint {joint} has no reaction {component!r}; "
-                f"it has {', '.join(of_joint)}."
-            )
-        joints = {row.element for row in self.description.constraints}
-        if joint in joints | {*self.description.effects.names}:
-            self._require_output("reaction", joint)
-        raise self._unknown("reaction of", joint, dict.fromkeys(row.element for row in rows))
+        return self.column(self.description.series.reaction(joint, component))
 
     @by_names
     def mode(self, condition: str) -> npt.NDArray[np.int64]:
@@ -117,13 +225,145 @@ class TimeSeries(EffectSeries):
         InputError
             If there is no such part, bodies have no mass, or the scene was declared without it.
         """
-        if part not in ENERGIES:
-            raise InputError(unknown("energy", part, ENERGIES))
-        if not self.description.has_masses:
-            raise InputError(self.description.need_masses("energy"))
-        self._require_output("energy")
-        energies = self.samples.energy
-        return energies.sum(axis=1) if part == "total" else energies[:, ENERGIES.index(part)]
+        return self.column(self.description.series.energy(part))
+
+    @by_names
+    def force(self, effect: str, component: str = "") -> FloatArray:
+        """Force of an effect over time, an output ``force(NAME)`` of the scene.
+
+        Of a spring, damper or actuator the tension, positive where it pulls its ends together; of a
+        contact the force that pushes its bodies apart, positive; of a friction the force along its
+        slip; of a joint with clearance "normal", which pushes, and "friction" on the journal,
+        counter-clockwise about the bearing; of an applied force its components "fx" and "fy" in the
+        axes in which it is given; of a bushing "fx" and "fy" on its second body, in the axes of the
+        first; of gears with backlash and of elastic belts "first" and "second" for each flank or
+        strand; of any other effect the generalized forces by coordinate, "bob.x".
+
+        Parameters
+        ----------
+        effect
+            Its name; that of a joint or driver means its reaction.
+        component
+            Where there are several; "normal" and "limit" of a friction.
+
+        Returns
+        -------
+        (k,) float64
+            In N.
+
+        Raises
+        ------
+        InputError
+            If there is no such effect or component, or the scene was declared without it.
+        """
+        return self._quantity("force", effect, component)
+
+    @by_names
+    def torque(self, effect: str, component: str = "") -> FloatArray:
+        """Torque of an effect over time, an output ``torque(NAME)`` of the scene.
+
+        Of a torsion spring that on its first body, of a bushing that on its second, of a motor that
+        on its rotor; of a one-way clutch that on its driven body, from 0 to the capacity; of a
+        friction in a revolute joint that along its slip; of a stop of an angle that which pushes
+        away from the limit, positive; of an effect without a torque of its own the
+        generalized forces on angles, "bob.phi". Arguments and errors are those of `force`; in N m.
+        """
+        return self._quantity("torque", effect, component)
+
+    @by_names
+    def length(self, effect: str) -> FloatArray:
+        """Length of a spring or damper over time, in m; an output ``length(NAME)``."""
+        return self._quantity("length", effect)
+
+    @by_names
+    def angle(self, effect: str) -> FloatArray:
+        """Angle φ_j - φ_i of a torsion spring over time, in rad; an output ``angle(NAME)``."""
+        return self._quantity("angle", effect)
+
+    @by_names
+    def rate(self, effect: str, component: str = "") -> FloatArray:
+        """Rate of a length, an angle or a gap, or the slip of a friction, in m/s or rad/s.
+
+        An output ``rate(NAME)`` of the scene. A bushing has the components "x", "y" and "phi".
+        """
+        return self._quantity("rate", effect, component)
+
+    @by_names
+    def deflection(self, effect: str, component: str = "") -> FloatArray:
+        """Length less free length of a spring, or angle less free angle, in m or rad.
+
+        An output ``deflection(NAME)`` of the scene. A bushing has the components "x", "y" and
+        "phi", in the axes of its first body.
+        """
+        return self._quantity("deflection", effect, component)
+
+    @by_names
+    def gap(self, effect: str, component: str = "") -> FloatArray:
+        """Gap of a contact over time, in m, negative where it is penetrated; ``gap(NAME)``.
+
+        Gears with backlash and elastic belts have two, "first" and "second".
+        """
+        return self._quantity("gap", effect, component)
+
+    @by_names
+    def penetration(self, effect: str, component: str = "") -> FloatArray:
+        """Penetration of a contact that yields, in m, 0 where it is open; ``penetration(NAME)``."""
+        return self._quantity("penetration", effect, component)
+
+    @by_names
+    def potential(self, effect: str) -> FloatArray:
+        """Potential energy of an effect over time, in J; an output ``potential(NAME)``."""
+        return self._quantity("potential", effect)
+
+    @by_names
+    def power(self, source: str, part: str = "whole") -> FloatArray:
+        """Power of an effect or driver on the machine.
+
+        Parameters
+        ----------
+        source
+            Name of the effect or driver.
+        part
+            "whole": of all that it exerts; of an effect with a potential it has to be an output,
+            ``power(NAME)`` or ``powers``. "nonconservative": less the forces of its potential, such
+            as the damper of a spring, which changes the energy of the machine.
+
+        Returns
+        -------
+        (k,) float64
+            In W.
+
+        Raises
+        ------
+        InputError
+            If there is no such effect or driver, or the scene was declared without its power.
+        """
+        return self.column(self.description.series.power(source, part))
+
+    @by_names
+    def work(self, source: str) -> FloatArray:
+        """Work of an effect or driver on the machine since the start of a simulation.
+
+        The integral of its `power`, of all that it exerts. Impacts, which change velocities at an
+        instant, do no work here; see `runtime.dynamics.work`.
+
+        Parameters
+        ----------
+        source
+            Name of the effect or driver.
+
+        Returns
+        -------
+        (k,) float64
+            In J.
+
+        Raises
+        ------
+        InputError
+            If there is no such effect or driver, the scene was declared without its work, or the
+            analysis was no simulation.
+        """
+        return self.column(self.description.series.work(source))
 
     @by_names
     def series(self, name: str) -> tuple[FloatArray, str]:
@@ -141,36 +381,24 @@ class TimeSeries(EffectSeries):
         values : (k,) float64
         unit : str
         """
-        description = self.description
-        for row in description.coordinates:
-            if name == row.name:
-                return self.q(name), row.unit
-            if name == row.velocity:
-                return self.v(name), row.velocity_unit
-            if name == f"a({row.velocity if row.is_state else row.name})":
-                return self.a(row.name), row.acceleration_unit
-        if name in description.reactions.names:
-            reaction = description.reactions[name]
-            return self.samples.reaction[:, description.reactions.index(name)], reaction.unit
-        if name in ENERGIES and description.has_masses:
-            return self.energy(name), "J"
-        if name in description.whole_powers:
-            return self.power(name), "W"
-        word, _, rest = name.partition("(")
-        if rest.endswith(")") and word in (*QUANTITIES, "power", "work"):
-            return self._of_effect(word, rest[:-1])
-        owner, _, component = name.partition(".")
-        if owner in description.effects.names and component in QUANTITIES:
-            return self._of_effect(component, owner)
-        names = [*description.variables, *description.reactions.names]
-        raise self._unknown("series", name, names)
+        row = self.description.series.find(name)
+        return self.column(row), row.unit
 
-    def _of_effect(self, word: str, effect: str) -> tuple[FloatArray, str]:
-        """A quantity of an effect that has one component, or its power or work, and the unit."""
-        if word in ("power", "work"):
-            return getattr(self, word)(effect), "W" if word == "power" else "J"
-        column = self._row_of(word, effect)
-        return self.samples.reaction[:, column], self.description.reactions[column].unit
+    def column(self, row: Series) -> FloatArray:
+        """The values of a series of `Description.series`, (k,)."""
+        if row.array == "works":
+            if row.element not in self.works:
+                raise InputError(
+                    f"{self.description.title}: {row.name} is integrated along the steps of a "
+                    f"simulation, and this is a result of {self.analysis}; ask for simulate, or "
+                    f"for power({row.element})."
+                )
+            return self.works[row.element]
+        array: FloatArray = getattr(self.samples, row.array)
+        return array.sum(axis=1) if row.column < 0 else array[:, row.column]
+
+    def _quantity(self, quantity: str, effect: str, component: str = "") -> FloatArray:
+        return self.column(self.description.series.of_effect(quantity, effect, component))
 
     def _switch(self, condition: str) -> int:
         switches = self.description.switches
@@ -180,4 +408,4 @@ class TimeSeries(EffectSeries):
         of_effect = [k for k, row in enumerate(switches) if row.name == condition]
         if len(of_effect) == 1:
             return of_effect[0]
-        raise self._unknown("condition", condition, full)
+        raise InputError(f"{self.description.title}: {unknown('condition', condition, full)}")

@@ -7,10 +7,9 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from runtime.mechanism.module_tables import Description
+from runtime.mechanism.series_table import ENERGIES, quantity_of
 from runtime.mechanism.table_rows import ReactionRow, unknown
-from runtime.results.effect_series import quantity_of
 from runtime.results.result import Result
-from runtime.results.series_lookup import ENERGIES
 
 FloatArray = npt.NDArray[np.float64]
 OR = "|"  # between the names of a quantity of which a scene has one or another: ``a.x|b.x``

@@ -18,7 +18,7 @@ from runtime.mechanism.table_rows import StartValue, Table
 
 def starting(machine: Machine, *start: tuple[str, float, str]) -> Machine:
     """The machine with another start in its scene; the kernels know of none."""
-    description = machine.description._replace(start=Table(StartValue(*row) for row in start))
+    description = replace(machine.description, start=Table(StartValue(*row) for row in start))
     return Machine(replace(machine.mechanism, description=description, origin=None))
 
 

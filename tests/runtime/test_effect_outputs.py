@@ -13,7 +13,7 @@ from codegen.declare.symbols import SPEED
 from codegen.errors import InputError
 from codegen.reading.scene_selection import valid_scenes
 from runtime import Machine, Result, load
-from runtime.results import effect_series
+from runtime.mechanism import series_table
 from runtime.studies.effect_ranking.quantity import parse_quantity
 
 INSTANTS = np.linspace(0.0, 1.0, 201)
@@ -106,7 +106,7 @@ def plain(folder: Path) -> Machine:
 
 
 def test_both_rooms_know_the_same_quantities() -> None:
-    assert effect_series.QUANTITIES == QUANTITIES
+    assert series_table.QUANTITIES == QUANTITIES
 
 
 def test_lengths_and_forces_are_those_of_the_laws(whole: Result) -> None:

@@ -7,8 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from runtime.results.effect_series import quantity_of
-from runtime.results.series_lookup import ENERGIES
+from runtime.mechanism.series_table import ENERGIES, quantity_of
 from runtime.show.animation.curve_panels import MAX_LINES
 from runtime.show.animation.payload import Arrays
 

@@ -56,7 +56,7 @@ def _unknown_quantities(description: Description, names: Sequence[str]) -> list[
     """
     if any(row.reconnects for row in description.watched):
         return []
-    from runtime.results.series_lookup import ENERGIES
+    from runtime.mechanism.series_table import ENERGIES
     from runtime.studies.series_by_name import own_name, series_names, unknown_series
 
     known = series_names(description)

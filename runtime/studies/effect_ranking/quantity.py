@@ -17,10 +17,9 @@ import numpy as np
 from codegen.errors import InputError, UnknownNameError
 from codegen.object_display import counted
 from runtime.mechanism.module_tables import Description
+from runtime.mechanism.series_table import ENERGIES, QUANTITIES
 from runtime.mechanism.table_rows import unknown
-from runtime.results.effect_series import QUANTITIES
 from runtime.results.result import Result
-from runtime.results.series_lookup import ENERGIES
 from runtime.studies.series_by_name import FloatArray, series_names, unknown_series
 
 Function = Callable[[Result], float]

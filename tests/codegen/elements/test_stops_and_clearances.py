@@ -10,8 +10,8 @@ from scipy.optimize import brentq
 
 from codegen import Model
 from runtime import Outcome, Result, load
+from runtime.mechanism.series_table import quantity_of
 from runtime.mechanism.table_rows import ReactionRow
-from runtime.results.effect_series import quantity_of
 from tests.codegen.elements.test_library_forces import (
     S_I,
     S_J,
