@@ -6,7 +6,6 @@ holds its equations in the placeholders of the frames `I` and `J`. They load Sym
 are first used, so that the runtime can ask for the errors alone.
 """
 
-from codegen.damaged_byte_code import keep_no_byte_code
 from codegen.errors import (
     AnalysisError,
     AssemblyError,
@@ -46,7 +45,6 @@ if TYPE_CHECKING:
     from codegen.model import Model
 
 __version__ = "0.1.0"
-keep_no_byte_code(__spec__)
 
 _ROOMS = {
     "codegen.model": ("Model",),

@@ -10,11 +10,9 @@ import sys
 if __name__ == "__main__":
     if not sys.flags.safe_path and sys.path[:1] == [os.getcwd()]:  # noqa: PTH109 (no import)
         sys.path.append(sys.path.pop(0))
-    from codegen.damaged_byte_code import keep_no_byte_code
     from codegen.termination_signals import take_over
 
     take_over()  # before anything that takes time
-    keep_no_byte_code(__spec__)
     from codegen.cli import main
 
     main()

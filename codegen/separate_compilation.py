@@ -23,8 +23,6 @@ from typing import Any, NamedTuple
 from llvmlite import binding  # type: ignore[import-untyped]
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 
-from codegen.loaded_llvm_modules import find_modules_by_address
-
 _Library: Any = JITCodeLibrary  # numba and LLVM's bindings are untyped
 _Codegen: Any = JITCPUCodegen
 _llvm: Any = binding
@@ -93,10 +91,6 @@ class ObjectCode(_Library):  # type: ignore[misc]
     bitcode: bytes | None = None
     interface: Any = None
     _reload_init: set[Any]
-
-    def __init__(self, codegen: Any, name: str) -> None:
-        super().__init__(codegen, name)
-        find_modules_by_address(codegen._engine._ee)
 
     def finalize(self) -> None:
         """Optimize and translate; keep those of the callees that are still called by symbols."""

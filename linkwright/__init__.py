@@ -14,28 +14,15 @@ user's folder has a file `codegen.py` or `runtime.py`.
 
 import os
 import sys
-from _frozen_importlib_external import PathFinder
 
 _LIBRARY = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))  # noqa: PTH100, PTH120 (no import)
 
-if "codegen" not in sys.modules:  # which finds our other packages beside itself from then on
-
-    class _Beside:
-        """Finds the package `codegen` beside this one."""
-
-        @staticmethod
-        def find_spec(name: str, *_: object) -> object:
-            """Its specification; None for all others."""
-            return PathFinder.find_spec(name, [_LIBRARY]) if name == "codegen" else None
-
-    sys.meta_path.insert(0, _Beside)  # type: ignore[arg-type]
-    try:
-        import codegen
-    finally:
-        sys.meta_path.remove(_Beside)  # type: ignore[arg-type]
-
-import codegen  # noqa: E402
-import runtime  # noqa: E402
+sys.path.insert(0, _LIBRARY)
+try:
+    import codegen
+    import runtime
+finally:
+    sys.path.remove(_LIBRARY)
 
 for _package in (codegen, runtime):
     if os.path.dirname(os.path.dirname(str(_package.__file__))) != _LIBRARY:  # noqa: PTH120
@@ -44,7 +31,6 @@ for _package in (codegen, runtime):
             f"{_package.__file__} was imported by that name before; rename that file, or import "
             "linkwright first."
         )
-codegen.damaged_byte_code.keep_no_byte_code(__spec__)
 
 TYPE_CHECKING = False  # type checkers take it as true; importing typing would load modules
 if TYPE_CHECKING:

@@ -8,14 +8,6 @@
 Importing this package loads neither numba nor the code generator; `load` does what it needs.
 """
 
-import os
-
-# Python reads this byte code before `codegen.damaged_byte_code` can look after it.
-try:  # noqa: SIM105 (no import)
-    os.unlink(__spec__.cached)  # type: ignore[arg-type]  # noqa: PTH108
-except (OSError, TypeError, AttributeError):
-    pass
-
 TYPE_CHECKING = False  # type checkers take it as true; importing typing would load modules
 if TYPE_CHECKING:
     from runtime.cases.case import Case, load_case
@@ -62,7 +54,6 @@ def __getattr__(name: str) -> object:
         raise AttributeError(f"module 'runtime' has no attribute {name!r}")
     from importlib import import_module
 
-    import_module("codegen")  # which reads byte code with care
     value = getattr(import_module(_HOMES[name]), name)
     globals()[name] = value
     return value

@@ -11,6 +11,7 @@ from codegen.errors import InputError
 from codegen.public_callables import checked_class, immutable, named_attributes
 from runtime.machine_states import MachineStates
 from runtime.mechanism.mechanism_tables_and_kernels import Values
+from runtime.processors import available_cores
 from runtime.progress_bar import bar, shows_compilation
 from runtime.validation.arguments import check
 from runtime.validation.output_instants import instants_of_motion
@@ -212,7 +213,6 @@ class Machine(MachineStates):
         >>> m = lw.load("pendulum.py", scene="swing")
         >>> m.ensemble(10.0, 101, parameters={"length": np.linspace(0.5, 2.0, 1000)})
         """
-        from codegen.other_processes import available_cores
         from runtime.ensemble.run_ensemble import run_ensemble
         from runtime.validation.output_instants import uniform
 

@@ -23,7 +23,6 @@ from codegen.files.library_folders import LIBRARY as _LIBRARY
 from codegen.files.library_folders import file_beside, model_names, models_folder
 from codegen.garbage_collection import collection_paused
 from codegen.plain_values import one_line, shown
-from runtime.build_process import build_beside
 from runtime.progress_bar import compilation_shown
 
 if TYPE_CHECKING:
@@ -134,10 +133,6 @@ def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> 
 
 def _build(model: "Path | Model", scene: "str | Scene | None", generated: Path) -> tuple[Path, str]:
     """Have the code generator write the module; scene None builds all and takes the first."""
-    if isinstance(model, Path) and not (scene is not None and not isinstance(scene, str)):
-        built = build_beside(model, scene, generated)
-        if built is not None:
-            return built
     with collection_paused():
         from codegen import build
 

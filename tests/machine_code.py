@@ -98,8 +98,7 @@ class _SharingCache(_Cache):  # type: ignore[misc]
         place = self._place(signature)
         if place.exists():
             key = self._index_key(signature, target.codegen())
-            content = place.read_bytes().removeprefix(numba_cache._FORMAT)
-            self._cache_file.save(key, pickle.loads(content))
+            self._cache_file.save(key, pickle.loads(place.read_bytes()))
         return super()._load_overload(signature, target)
 
     def _save_overload(self, signature: Any, result: Any) -> None:

@@ -11,13 +11,11 @@ from numpy.typing import ArrayLike
 from codegen.errors import AssemblyError
 from runtime.assembly.assemble import assemble
 from runtime.assembly.start_values import start_note
-from runtime.core.jit import is_kept
 from runtime.dynamics.controllers import Functions, controllers_of
 from runtime.dynamics.end_check_screening import exceed_bound, screen
 from runtime.dynamics.output_quantities import evaluate_samples
 from runtime.dynamics.start_of_clocks import discrete_at_start
 from runtime.integrate.problem import Discrete, Options, Stops
-from runtime.integrate.second_compiler import compile_beside
 from runtime.integrate.trajectory import Trajectory
 from runtime.integrate.wiring import begin_compiling
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
@@ -65,12 +63,10 @@ def lost_samples_note(lost: Sequence[str]) -> str:
 
 def _begin_compiling(mechanism: Mechanism) -> None:
     """Let a second process compile what a first run needs at its end, and the loop."""
-    if not is_kept(evaluate_samples):
-        description = mechanism.description
-        checks: list[Any] = [exceed_bound] if description.constraints else []
-        checks += [screen] if description.switches else []
-        compile_beside([*checks, evaluate_samples])
-    begin_compiling(mechanism.system)
+    description = mechanism.description
+    checks: list[Any] = [exceed_bound] if description.constraints else []
+    checks += [screen] if description.switches else []
+    begin_compiling(mechanism.system, [*checks, evaluate_samples])
 
 
 class PreparedSimulation:

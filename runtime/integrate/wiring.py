@@ -1,5 +1,6 @@
 """The table of addresses for one run, and the arrays that it points to."""
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Any, NamedTuple, cast
 
@@ -27,7 +28,7 @@ from runtime.hybrid import (
 )
 from runtime.integrate import energy_balance, initialization, loop, sampling, step, step_control
 from runtime.integrate.clocks import queue_length, read_clocks
-from runtime.integrate.method import LEADING, find_method
+from runtime.integrate.method import find_method
 from runtime.integrate.second_compiler import compile_beside
 from runtime.linalg.sparse_least_norm import SPARSE_FROM
 from runtime.linalg.symbolic_elimination_and_replay import plan_capacity
@@ -43,7 +44,6 @@ _OF_SWITCHES = (
     "balance_event",
 )  # fmt: skip
 """Parts of the loop that only switching functions call; they take half of compiling it."""
-_SELDOM = frozenset({*_OF_SWITCHES, "impact", "guard_branches"})
 
 
 class Wiring(NamedTuple):
@@ -96,15 +96,15 @@ def _refuse() -> int:
 
 
 @cache
-def _begin(left_out: frozenset[str]) -> None:
+def _begin(left_out: frozenset[str], behind: tuple[Any, ...]) -> None:
     parts = [part for name, part in _parts().items() if name not in left_out]
     if not is_kept(parts[-1]):
-        compile_beside([*parts, initialization.start, loop.advance])
+        compile_beside([*parts, initialization.start, loop.advance, *behind])
 
 
-def begin_compiling(system: System) -> None:
-    """Let a second process compile the loop of a machine, unless it is compiled."""
-    _begin(_left_out(system))
+def begin_compiling(system: System, behind: Sequence[Any] = ()) -> None:
+    """Let a second process compile the loop of a machine, and what the run needs behind it."""
+    _begin(_left_out(system), tuple(behind))
 
 
 @cache
@@ -112,17 +112,8 @@ def _loop(left_out: frozenset[str]) -> Integers:
     """Addresses in _LOOP_SLOTS; parts that are left out are neither compiled nor loaded."""
     parts = _parts()
     names = list(ft.TABLE.slots)[_LOOP_SLOTS]
-    _begin(left_out)
     wanted = {name: parts[name] for name in names if name in parts and name not in left_out}
     return addresses(wanted.get(name, _refuse) for name in names)
-
-
-def load_usual_parts() -> None:
-    """Load what nearly every run calls, if it is compiled already."""
-    usual = [part for name, part in _parts().items() if name not in _SELDOM]
-    if all(map(is_kept, usual)):
-        function_table(LEADING)
-        addresses([*usual, initialization.start, loop.advance])
 
 
 @cache

@@ -15,9 +15,9 @@ from filelock import FileLock, Timeout
 
 from codegen.errors import InputError, LinkwrightError
 from codegen.object_display import counted
-from codegen.other_processes import available_cores
 from codegen.termination_signals import SignalDeferral
 from runtime.machine_facade import Machine
+from runtime.processors import available_cores
 from runtime.progress_bar import Progress, bar
 from runtime.sweeps import store
 from runtime.sweeps.block import BlockReport, Job

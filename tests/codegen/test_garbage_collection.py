@@ -4,7 +4,6 @@ import gc
 
 import pytest
 
-from codegen import garbage_collection
 from codegen.garbage_collection import collection_paused
 
 
@@ -37,25 +36,6 @@ def test_collection_that_was_off_stays_off() -> None:
     assert gc.isenabled()
 
 
-def test_once_what_a_block_makes_counts_as_old(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(garbage_collection, "_promoted", False)
-    kept = gc.get_freeze_count()  # those of the tests' process
-    gc.unfreeze()
-    try:
-        with collection_paused():
-            made = [[k] for k in range(100_000)]
-        old = {id(one) for one in gc.get_objects(generation=2)}
-        assert all(id(one) in old for one in made)
-        assert gc.get_freeze_count() == 0
-        with collection_paused():
-            more = [[k] for k in range(100_000)]
-        old = {id(one) for one in gc.get_objects(generation=2)}
-        assert not all(id(one) in old for one in more)
-    finally:
-        if kept:
-            gc.freeze()
-
-
 def test_blocks_that_make_little_leave_garbage_to_be_found() -> None:
     """Else a loop over such blocks would keep all of it: nothing there counts the old objects."""
 
@@ -78,17 +58,3 @@ def test_blocks_that_make_little_leave_garbage_to_be_found() -> None:
     finally:
         gc.set_threshold(*usual)
     assert Node.found > 1000
-
-
-def test_what_a_program_keeps_from_collection_stays_kept() -> None:
-    before = gc.get_freeze_count()
-    gc.freeze()
-    try:
-        kept = gc.get_freeze_count()
-        with collection_paused():
-            made = [[k] for k in range(100_000)]
-        assert gc.get_freeze_count() == kept
-        assert len(made) == 100_000
-    finally:
-        if not before:
-            gc.unfreeze()

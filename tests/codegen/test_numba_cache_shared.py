@@ -1,7 +1,6 @@
 """Several processes that use one cache of machine code, at once or one after the other."""
 
 import os
-import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -115,7 +114,7 @@ def test_a_reader_between_two_files_of_a_writer_finds_nothing_damaged(
     """Whatever file has been written last, another process may read the cache just then."""
     path = tmp_path / "scaled.py"
     numba_cache._noted.clear()
-    usual, answers, reading = numba_cache._CheckedFiles._open_for_write, [], []
+    usual, answers, reading = numba_cache._IndexLast._open_for_write, [], []
 
     @contextmanager
     def watched(files: object, name: str) -> Iterator[object]:
@@ -126,7 +125,7 @@ def test_a_reader_between_two_files_of_a_writer_finds_nothing_damaged(
             answers.append(_execute(path))
             reading.clear()
 
-    monkeypatch.setattr(numba_cache._CheckedFiles, "_open_for_write", watched)
+    monkeypatch.setattr(numba_cache._IndexLast, "_open_for_write", watched)
     try:
         for factor in (2.0, 3.0, 4.0):
             path.write_text(TEXT.format(factor=factor))
@@ -136,57 +135,6 @@ def test_a_reader_between_two_files_of_a_writer_finds_nothing_damaged(
         assert not numba_cache._noted
     finally:
         sys.modules.pop("scaled", None)
-    assert len(list(tmp_path.glob("__pycache__/*.nbc"))) == 1
-
-
-# Types that a function is compiled for, here and in another process at the same time.
-SAVED = """
-import sys
-from codegen.numba_cache import _CheckedFiles
-folder, mine = sys.argv[1:]
-files = _CheckedFiles(folder, "scaled", ("source", "module"))
-for k in range(100):
-    files.save((mine, k), f"machine code {mine} {k}")
-"""
-
-
-def test_no_process_takes_machine_code_of_another_out_of_the_index(tmp_path: Path) -> None:
-    _output(*[_process(SAVED, tmp_path, str(tmp_path), name) for name in ("one", "two")])
-    files = numba_cache._CheckedFiles(str(tmp_path), "scaled", ("source", "module"))
-    for name in ("one", "two"):
-        for k in range(100):
-            assert files.load((name, k)) == f"machine code {name} {k}"
-
-
-# A process that has the turn, and is stopped before it has written.
-STOPPED = """
-import sys, time
-from codegen.numba_cache import _CheckedFiles
-files = _CheckedFiles(sys.argv[1], "scaled", ("source", "module"))
-with files._turn() as alone:
-    print(alone, flush=True)
-    time.sleep(60)
-"""
-
-
-def test_a_writer_that_is_stopped_blocks_none(tmp_path: Path) -> None:
-    stopped = _process(STOPPED, tmp_path, str(tmp_path))
-    assert stopped.stdout
-    assert stopped.stdout.readline() == "True\n"
-    stopped.send_signal(signal.SIGSTOP)
-    files = numba_cache._CheckedFiles(str(tmp_path), "scaled", ("source", "module"))
-    half = tmp_path / "scaled.0123.nbc.tmp.4567"  # of the writer, for all we know
-    half.touch()
-    try:
-        files.save("key", "machine code")
-        assert files.load("key") == "machine code"
-        assert half.exists()
-    finally:
-        stopped.kill()
-        stopped.communicate()
-    files.save("key", "other machine code")  # a lock ends with its process
-    assert files.load("key") == "other machine code"
-    assert not half.exists()
 
 
 # Each round is a new source, as a new name of the module says, which all processes compile at once,

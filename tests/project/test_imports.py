@@ -44,7 +44,7 @@ def test_an_import_loads_no_more_than_it_needs(
 
 
 COMPILER = {
-    *("codegen.argument_readers", "codegen.damaged_byte_code", "codegen.errors"),
+    *("codegen.argument_readers", "codegen.errors"),
     *(
         "codegen.files",
         "codegen.files.library_folders",
@@ -55,7 +55,6 @@ COMPILER = {
     *(
         "codegen.garbage_collection",
         "codegen.numba_cache",
-        "codegen.numba_operation_types",
         "codegen.separate_compilation",
         "codegen.condition_evaluation",
         "codegen.termination_signals",
@@ -64,8 +63,7 @@ COMPILER = {
     *(
         "codegen.kernel_compiler",
         "codegen.kernel_compiler.numba_pipeline",
-        *("codegen.other_processes", "codegen.scalar_compiler", "codegen.llvm_lock_events"),
-        "codegen.loaded_llvm_modules",
+        "codegen.scalar_compiler",
     ),
 }
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.robustness import full_disks, kills, signals, truncated_caches
+from tests.robustness import full_disks, kills, signals
 from tests.robustness.command_line import Workplace, descendants
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes are read from /proc")
@@ -23,13 +23,6 @@ def test_signals(place: Workplace) -> None:
     found = signals.campaign(place, 4, 1, signals.COMMANDS[:1])
     assert not found.faults
     assert found.kinds.total() == 4
-
-
-@pytest.mark.slow
-def test_truncated_caches(place: Workplace) -> None:
-    found = truncated_caches.campaign(place, 2 * truncated_caches.EACH, 1)
-    assert not found.faults
-    assert found.kinds.total() == 2 * truncated_caches.EACH
 
 
 @pytest.mark.slow
