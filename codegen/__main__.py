@@ -1,8 +1,4 @@
-"""``python -m codegen``.
-
-`python -m` looks for modules in the working folder first. A model file there may bear the name of
-a module that the compiler needs, so that the folder is put last before anything is imported.
-"""
+"""`python -m codegen`, as the command `linkwright`; the working folder is put last."""
 
 import os
 import sys
@@ -10,9 +6,6 @@ import sys
 if __name__ == "__main__":
     if not sys.flags.safe_path and sys.path[:1] == [os.getcwd()]:  # noqa: PTH109 (no import)
         sys.path.append(sys.path.pop(0))
-    from codegen.termination_signals import take_over
+    from linkwright.command_line import main
 
-    take_over()  # before anything that takes time
-    from codegen.cli import main
-
-    main()
+    main("python -m codegen")

@@ -8,10 +8,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import typer
 from typer.main import get_command
 
-from linkwright.command_panels_and_examples import EXAMPLES, PANELS
-from linkwright.commands import app
+from linkwright.cli.application import app
 
 PAGE = Path(__file__).resolve().parent / "reference" / "command-line.md"
 
@@ -40,42 +40,31 @@ The examples run in a folder with the file that `linkwright new four_bar` writes
 """
 
 
-def text_of(parameter: Any) -> str:
-    """Help of a parameter, with its default where that is a number or a word."""
-    about = " ".join((parameter.help or "").split()).replace("|", r"\|")
-    if parameter.required:
-        return f"{about} Required."
-    default = parameter.default
-    if isinstance(default, int | float | str) and not isinstance(default, bool):
-        return f"{about} Default: {default}."
-    return about
-
-
-def written(parameter: Any) -> str:
-    """How a parameter is typed."""
-    if parameter.param_type_name == "argument":
-        return f"`{parameter.metavar or parameter.name.upper()}`"
-    names = ", ".join(f"`{name}`" for name in (*parameter.opts, *parameter.secondary_opts))
-    return names if parameter.is_flag else f"{names} `{parameter.metavar}`"
-
-
 def section(command: Any) -> str:
-    """The section of a command."""
-    parameters = [p for p in command.params if p.name != "help"]
-    rows = "".join(f"| {written(p)} | {text_of(p)} |\n" for p in parameters)
+    """The section of a command: its parameters as its help has them, and its examples."""
+    context = typer.Context(command, info_name=command.name)
+    records = [p.get_help_record(context) for p in command.params]
+    rows = ""
+    for names, text in filter(None, records):
+        cell = " ".join(text.split()).replace(r"\[", "[").replace("|", r"\|")
+        rows += f"| `{names}` | {cell} |\n"
     about = " ".join((command.help or "").split())
-    table = f"\n| argument or option | meaning |\n|---|---|\n{rows}" if rows else ""
-    examples = "\n".join(EXAMPLES[command.name])
-    return f"\n### `linkwright {command.name}`\n\n{about}\n{table}\n```\n{examples}\n```\n"
+    _, *examples = command.epilog.split("\n\n")
+    lines = "\n".join(examples)
+    return (
+        f"\n### `linkwright {command.name}`\n\n{about}\n\n"
+        f"| argument or option | meaning |\n|---|---|\n{rows}\n```\n{lines}\n```\n"
+    )
 
 
 def page() -> str:
-    """The text of docs/command-line.md."""
-    commands = get_command(app).commands
-    parts = [HEAD]
-    for panel, names in PANELS.items():
-        parts.append(f"\n## {panel}\n")
-        parts += [section(commands[name]) for name in names if name in commands]
+    """The text of docs/reference/command-line.md."""
+    parts, panel = [HEAD], ""
+    for command in get_command(app).commands.values():
+        if command.rich_help_panel != panel:
+            panel = command.rich_help_panel
+            parts.append(f"\n## {panel}\n")
+        parts.append(section(command))
     return "".join(parts)
 
 

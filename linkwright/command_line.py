@@ -1,27 +1,27 @@
-"""The command `linkwright`: all commands of `python -m codegen` and of `python -m runtime`.
+"""The program: `linkwright`, `python -m linkwright`, `python -m codegen`, `python -m runtime`.
 
-Its folder of programs comes first on the path of modules, and not the working folder, so that no
-file of the user's stands for a module of the library. The working folder comes last, since model
-files may import what lies there.
+The working folder comes last on the path of modules, so that no file of the user's stands for a
+module of the library; it is there because model files may import what lies in it.
 """
 
 import os
 import sys
 
 
-def main() -> None:
-    """Entry point."""
+def main(name: str = "linkwright") -> None:
+    """Run the command that the arguments of the process name; the process ends with its status."""
     from codegen.termination_signals import finish, take_over
 
     take_over()  # before anything that takes time
     here = os.getcwd()  # noqa: PTH109 (no import)
     if here not in sys.path and not sys.flags.safe_path:
         sys.path.append(here)
-    from linkwright.commands import app
-    from runtime.cli.common import show_warnings_as_notes
+    import warnings
 
-    show_warnings_as_notes()
+    from linkwright.cli.application import app
+
+    warnings.formatwarning = lambda message, *_, **__: f"note: {message}\n"
     try:
-        app(prog_name="linkwright")
+        app(prog_name=name)
     finally:
         finish()

@@ -1,4 +1,4 @@
-"""`python -m runtime`: see `runtime.cli.app`; the working folder is put last, as in `codegen`."""
+"""`python -m runtime`, as the command `linkwright`; the working folder is put last."""
 
 import os
 import sys
@@ -6,9 +6,6 @@ import sys
 if __name__ == "__main__":
     if not sys.flags.safe_path and sys.path[:1] == [os.getcwd()]:  # noqa: PTH109 (no import)
         sys.path.append(sys.path.pop(0))
-    from codegen.termination_signals import take_over
+    from linkwright.command_line import main
 
-    take_over()  # before anything that takes time
-    from runtime.cli.app import main
-
-    main()
+    main("python -m runtime")

@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from codegen import InputError, build
-from codegen.cli import app
+from linkwright.cli.application import app
 from tests.codegen.workbench import write_model
 
 HEAD = """

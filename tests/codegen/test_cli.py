@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 import codegen.driver
-from codegen.cli import app
+from linkwright.cli.application import app
 from tests.codegen.workbench import write_model
 
 MODEL = """

@@ -11,9 +11,9 @@ from typer.testing import CliRunner
 
 import codegen.driver
 from codegen import build
-from codegen.cli import app
 from codegen.errors import SceneError
 from codegen.files.generated_modules import check_signature, companion_path
+from linkwright.cli.application import app
 from tests.codegen.workbench import write_model
 
 PENDULUM = """

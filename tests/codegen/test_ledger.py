@@ -14,7 +14,6 @@ from typer.testing import CliRunner
 
 from benchmarks.chain import chain
 from codegen import Model
-from codegen.cli import app
 from codegen.derive.equations import derive
 from codegen.errors import InputError
 from codegen.explain import element_times as timing
@@ -37,6 +36,7 @@ from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.operation_count import operations
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes
+from linkwright.cli.application import app
 from tests.codegen.workbench import write_model
 
 

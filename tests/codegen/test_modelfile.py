@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from codegen.cli import app
 from codegen.errors import ModelFileError
 from codegen.files.library_folders import LIBRARY
 from codegen.reading.model_file import execute_model_file
+from linkwright.cli.application import app
 from tests.codegen.complaints import HEAD, check, complaints
 from tests.codegen.workbench import write_model
 

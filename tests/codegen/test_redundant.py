@@ -6,8 +6,8 @@ import pytest
 from typer.testing import CliRunner
 
 from codegen import build
-from codegen.cli import app
 from codegen.generated_files.build_report import SceneReport
+from linkwright.cli.application import app
 from tests.codegen.complaints import HEAD
 from tests.codegen.workbench import write_model
 

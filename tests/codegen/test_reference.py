@@ -12,7 +12,6 @@ from numpy.testing import assert_allclose
 from typer.testing import CliRunner
 
 from codegen import ModelError
-from codegen.cli import app
 from codegen.declare.element import Constraint
 from codegen.declare.symbols import given
 from codegen.derive.constraint_terms import constraint_terms
@@ -23,6 +22,7 @@ from codegen.reference.latex import WIDTH, aligned, latex, symbol, width
 from codegen.reference.pages import markdown, page, slug, write
 from codegen.reference.repeated_sums import Abbreviations
 from codegen.reference.vector_letters import MEANINGS, lettered
+from linkwright.cli.application import app
 from tests.codegen.elements.drum import StringOnDrum, winch
 
 LIBRARY = {name: kind for name, kind in kinds_of_elements().items() if not kind.is_user_defined}

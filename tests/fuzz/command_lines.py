@@ -2,7 +2,7 @@
 
     python -m tests.fuzz command_lines --count 10000 --seed 1
 
-A command of a program gets arguments and options at random, most of them nonsense. It must
+A command gets arguments and options at random, most of them nonsense. It must
 end with the status 0, 1 or 2, in sentences, soon; what Python itself would say is never one.
 """
 
@@ -15,17 +15,11 @@ from typing import Any
 from typer.main import get_command
 from typer.testing import CliRunner
 
-from codegen.cli import app as compiler
-from linkwright.commands import app as both
-from runtime.cli.app import app as analyses
+from linkwright.cli.application import app
 from tests.fuzz import model_files
 
-PROGRAMS = {"codegen": compiler, "runtime": analyses, "linkwright": both}
-COMMANDS: dict[str, dict[str, Any]] = {
-    program: vars(get_command(app))["commands"] for program, app in PROGRAMS.items()
-}
-for _name in (*COMMANDS["codegen"], *COMMANDS["runtime"], "precompile"):
-    del COMMANDS["linkwright"][_name]  # those that it shares, and what compiles for minutes
+COMMANDS: dict[str, Any] = {**vars(get_command(app))["commands"]}
+del COMMANDS["precompile"]  # which compiles for minutes
 GOOD = {
     "model": "sound.py", "scene": "swing", "t_end": "0.1", "points": "5", "rtol": "1e-6",
     "settings": "length=2", "quantity": "range:bob.phi", "out": "out.csv",
@@ -61,12 +55,11 @@ def _folder() -> Path:
     return folder
 
 
-def line(draw: Random) -> tuple[str, list[str]]:
-    """A program, and the words behind it."""
-    program = draw.choice([*PROGRAMS])
-    command = draw.choice([*COMMANDS[program]])
+def line(draw: Random) -> list[str]:
+    """The words of a command line."""
+    command = draw.choice([*COMMANDS])
     words = [command if draw.random() < 0.97 else draw.choice(WORDS)]
-    for parameter in COMMANDS[program][command].params:
+    for parameter in COMMANDS[command].params:
         writes = parameter.name == "out"
         word = draw.choice([w for w in WORDS if not (writes and w in WRITES)])
         if parameter.name in GOOD and draw.random() < 0.6:
@@ -80,13 +73,13 @@ def line(draw: Random) -> tuple[str, list[str]]:
             )
     if draw.random() < RARELY / 3:
         words.insert(draw.randrange(len(words)), draw.choice(WORDS[:20]))
-    return program, words
+    return words
 
 
-def fault(program: str, words: list[str]) -> str:
+def fault(words: list[str]) -> str:
     """What is wrong with the answer to a command line; nothing if it is as it should be."""
     with chdir(_folder()):
-        answer = CliRunner().invoke(PROGRAMS[program], words)
+        answer = CliRunner().invoke(app, words)
     error = answer.exception
     if error is not None and not isinstance(error, SystemExit):
         return f"{type(error).__name__}: {error}"
@@ -101,6 +94,6 @@ def fault(program: str, words: list[str]) -> str:
 def judge(random: Random) -> str | None:
     """What is wrong about the answer to one command line; None: nothing."""
     os.environ["COLUMNS"] = "200"
-    program, words = line(random)
-    found = fault(program, words)
-    return f"{found}\n{program} {words!a}" if found else None
+    words = line(random)
+    found = fault(words)
+    return f"{found}\n{words!a}" if found else None

@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 
 from codegen import Model, t
 from codegen.errors import AnalysisError
+from linkwright.cli.application import app
 from models.hard.parallel_linkage import parallel_linkage
 from runtime import Machine, Outcome, load
-from runtime.cli.app import app
 from tests.hard.driven import STANDING
 from tests.hard.start_and_guess import start_and_guess
 

@@ -8,9 +8,7 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 import codegen
-from codegen.cli import app as compiler
-from linkwright.commands import app
-from runtime.cli.app import app as analyses
+from linkwright.cli.application import app
 
 PROGRAM = Path(sys.executable).with_name("linkwright")
 MODEL = """
@@ -30,15 +28,19 @@ def run(*words: str, folder: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-def commands(of: object) -> set[str]:
-    return set(vars(get_command(of))["commands"])  # type: ignore[arg-type]
-
-
-def test_the_command_has_the_commands_of_both_programs() -> None:
-    own = {"check", "draw", "new", "list", "precompile"}
-    assert commands(app) == commands(compiler) | commands(analyses) | own
-    assert not commands(compiler) & commands(analyses)
-    assert {"build", "explain", "elements", "simulate", "kinematics", "report"} < commands(app)
+def test_all_names_offer_the_same_application(tmp_path: Path) -> None:
+    commands = set(vars(get_command(app))["commands"])
+    assert commands == {
+        *("new", "list", "elements", "check", "draw", "build", "explain", "precompile", "methods"),
+        *("equilibrium", "kinematics", "inverse", "inverse-dynamics", "simulate", "report"),
+        *("accuracy", "matters", "sweep"),
+    }
+    pages = set()
+    for name in ("codegen", "runtime", "linkwright"):
+        done = run(sys.executable, "-m", name, "draw", "--help", folder=tmp_path)
+        assert done.returncode == 0, done.stderr
+        pages.add(" ".join(done.stdout.partition("[MODEL]")[2].split()))
+    assert len(pages) == 1
 
 
 def test_version(tmp_path: Path) -> None:

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
-from linkwright.command_panels_and_examples import KINDS
-from linkwright.commands import app
-from linkwright.new_model import text_of
+from linkwright.cli.application import app
+from linkwright.cli.completion import MODELS_TO_START_FROM as KINDS
+from linkwright.cli.new_model import text_of
 
 
 @pytest.fixture(autouse=True)

@@ -8,8 +8,8 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import linkwright as lw
-from linkwright.command_panels_and_examples import KINDS
-from linkwright.commands import app
+from linkwright.cli.application import app
+from linkwright.cli.completion import MODELS_TO_START_FROM as KINDS
 
 WORDS = ("# A parameter", "# A guess", "# A scene", "frame of its body", "ffect", "bod", "oint")
 

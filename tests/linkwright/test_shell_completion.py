@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 
 from codegen.elements.registry import kinds_of_elements
 from codegen.reading.model_file import read_model
-from linkwright import shell_completion
-from linkwright.commands import app
-from linkwright.static_model_reading import models_in, read_model_text
+from linkwright.cli import completion
+from linkwright.cli.application import app
+from linkwright.cli.model_text import models_in, read_model_text
 from runtime.integrate.method import METHODS
 
 MODEL = '''"""A stone.
@@ -122,8 +122,8 @@ def test_scenes_have_their_lines(folder: Path) -> None:
 def test_kinds_are_those_that_are_registered() -> None:
     library = (name for name, kind in kinds_of_elements().items() if not kind.is_user_defined)
     there = {name.replace(" ", "-") for name in library}
-    assert set(shell_completion.kinds("")) == there
+    assert set(completion.kinds("")) == there
 
 
 def test_methods_are_all_of_them() -> None:
-    assert shell_completion.methods("") == sorted(METHODS)
+    assert completion.methods("") == sorted(METHODS)

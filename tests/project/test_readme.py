@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 from typer.main import get_command
 
-from linkwright.commands import app
+from linkwright.cli.application import app
 from runtime.results.export import columns
 
 ROOT = Path(__file__).resolve().parent.parent.parent

@@ -14,7 +14,8 @@ from typer.testing import CliRunner
 from codegen.errors import GeneratedFileError, InputError
 from codegen.files.whole_files import whole_file
 from codegen.generated_files.generated_file import write_if_changed
-from runtime.cli import app as command_line
+from linkwright.cli.analyses import save as save_or_rescue
+from linkwright.cli.application import app
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
 
@@ -75,7 +76,7 @@ def test_a_result_that_took_time_is_saved_elsewhere(
         return save(self, path)
 
     monkeypatch.setattr(Result, "save", full)
-    saved = command_line._save(result, tmp_path / "run.csv")
+    saved = save_or_rescue(result, tmp_path / "run.csv")
     assert saved.parent != tmp_path
     assert len(saved.read_text().splitlines()) == 502
     assert "error: cannot write it: no space" in capsys.readouterr().err
@@ -109,8 +110,6 @@ def test_a_missing_library_is_named_before_the_run(
     monkeypatch.chdir(workshop)
     ending = {"netCDF4": ".nc", "pyarrow": ".parquet"}[library]
     out = str(tmp_path / f"run{ending}")
-    done = CliRunner().invoke(
-        command_line.app, ["simulate", "rod_pendulum", "--t-end", "1", "--out", out]
-    )
+    done = CliRunner().invoke(app, ["simulate", "rod_pendulum", "--t-end", "1", "--out", out])
     assert done.exit_code == 2
     assert f"needs the library {library}" in done.stderr

@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from codegen.errors import InputError
-from linkwright.commands import app
+from linkwright.cli.application import app
 from runtime.core.jit import ROOMS
 from runtime.integrate.method import EXPLICIT, LEADING, METHODS, REGISTER
 from runtime.precompile import import_graph, precompile

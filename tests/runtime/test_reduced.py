@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 
 from codegen.errors import AnalysisError, InputError
 from codegen.generated_files.generated_file import write_if_changed
+from linkwright.cli.application import app
 from runtime import load
-from runtime.cli.app import app
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import _mobility
 from runtime.machine_facade import Machine

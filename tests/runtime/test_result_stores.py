@@ -13,8 +13,8 @@ from typer.testing import CliRunner
 
 from codegen import Model
 from codegen.errors import InputError
+from linkwright.cli.application import app
 from runtime import load
-from runtime.cli.app import app
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.simulation import simulate
 from runtime.integrate import recording_buffers

@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 from typer.testing import CliRunner
 
 from codegen.errors import AssemblyError, InputError
+from linkwright.cli.application import app
 from runtime import load, matters
-from runtime.cli.app import app
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
 

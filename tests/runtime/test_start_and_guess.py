@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 
 from codegen import Model
 from codegen.errors import AssemblyError, InputError
+from linkwright.cli.application import app
 from runtime import accuracy, load, matters
-from runtime.cli.app import app
 from runtime.machine_facade import Machine
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result

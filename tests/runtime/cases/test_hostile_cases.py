@@ -11,8 +11,8 @@ import pytest
 
 from codegen.condition_texts import FORM, read_condition
 from codegen.errors import InputError
+from linkwright.cli import request
 from runtime import load_case
-from runtime.cli import run_options
 
 
 @pytest.fixture
@@ -175,7 +175,7 @@ def test_conditions_of_many_spaces_are_read_at_once(read: Callable[..., str]) ->
         )
         assert not re.search(FORM, text)
         with pytest.raises(InputError, match="--until"):
-            run_options.words({"until": [f"{gap}a{gap}:{text}"]}, {})
+            request.words({"until": [f"{gap}a{gap}:{text}"]}, {})
     assert read_condition(f"{gap}a b{gap}<{gap}3 mm{gap}") == ("a b", "<", "3 mm")
 
 

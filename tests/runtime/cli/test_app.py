@@ -1,14 +1,12 @@
 """The command line: exit statuses, streams, JSON, files."""
 
-import importlib.util
 import json
-import py_compile
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner, Result
 
-from runtime.cli.app import app
+from linkwright.cli.application import app
 from runtime.machine_facade import Machine
 from runtime.results.result import Result as AnalysisResult
 
@@ -185,21 +183,3 @@ def test_events_are_told_and_listed() -> None:
     assert len(answer) == 17
     assert (answer[-1]["what"], answer[-1]["word"]) == ("holds", "rests")
     assert answer[-1]["t"] == pytest.approx(1.35457092, abs=1e-8)
-
-
-def test_damaged_byte_code_of_a_library_is_named(run, monkeypatch, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
-    """The command line would say "Aborted." alone."""
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr("sys.dont_write_bytecode", False)
-    library = tmp_path / "damaged_library.py"
-    library.write_text("VALUE = 1\n")
-    cached = Path(importlib.util.cache_from_source(str(library)))
-    py_compile.compile(str(library), str(cached))
-    cached.write_bytes(cached.read_bytes()[:20])
-    monkeypatch.setattr(
-        "runtime.cli.common.start_values", lambda *_: importlib.import_module("damaged_library")
-    )
-    done = run("simulate", "rod_pendulum", "--t-end", "1")
-    assert done.exit_code == 1
-    assert "the byte code of damaged_library is damaged (marshal data too short)" in done.stderr
-    assert "Aborted" not in done.stderr

@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner, Result
 
-from linkwright.commands import app as whole
-from runtime.cli.app import app
+from linkwright.cli.application import app
 
 _MODEL = """
 from linkwright import Model, t
@@ -50,8 +49,8 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def run(place: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
     monkeypatch.chdir(place)
 
-    def call(*words: str | Path, program: Any = app) -> Result:
-        return CliRunner().invoke(program, [str(word) for word in words])
+    def call(*words: str | Path) -> Result:
+        return CliRunner().invoke(app, [str(word) for word in words])
 
     return call
 
@@ -62,14 +61,13 @@ def facts(done: Result) -> dict[str, Any]:
     return answer
 
 
-@pytest.mark.parametrize("program", [app, whole])
-def test_a_case_says_what_no_option_says(run: Callable[..., Result], program: Any) -> None:
-    of_case = facts(run("simulate", "swing.yaml", "--json", program=program))
+def test_a_case_says_what_no_option_says(run: Callable[..., Result]) -> None:
+    of_case = facts(run("simulate", "swing.yaml", "--json"))
     of_options = facts(
         run(
             "simulate", "commanded.py", "--scene", "swing", "--set", "damping=0.5", "--start",
             "bob.phi=0.5235987755982988", "--t-end", "0.5", "--points", "6", "--rtol", "1e-6",
-            "--method", "tsit5", "--json", program=program,
+            "--method", "tsit5", "--json",
         )
     )  # fmt: skip
     for answer in (of_case, of_options):

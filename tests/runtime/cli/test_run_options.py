@@ -8,10 +8,10 @@ import pytest
 from typer.main import get_command
 from typer.testing import CliRunner, Result
 
-from codegen.cli import app as compiler
 from codegen.errors import AnalysisError, InputError
+from linkwright.cli.application import app
+from linkwright.cli.request import Request
 from runtime import accuracy, load, matters
-from runtime.cli.app import app
 from runtime.machine_facade import Machine
 
 IN_ANOTHER_FORM = {"t_end", "t_eval", "parameters", "max_bytes", "progress", "self"}
@@ -36,14 +36,13 @@ def names(command: str) -> set[str]:
 
 def test_simulate_and_report_take_what_simulate_takes() -> None:
     words = set(signature(Machine.simulate).parameters) - IN_ANOTHER_FORM
-    words = words - {"quantities"} | {"quantity"}
     assert words <= names("simulate")
     assert names("simulate") - names("report") == {"stream"}
 
 
 def test_studies_take_what_they_do_not_set_themselves() -> None:
     words = set(signature(Machine.simulate).parameters) - IN_ANOTHER_FORM
-    words = words - {"quantities", "accuracy"} | {"quantity"}
+    words = words - {"quantities", "accuracy"}
     assert words <= names("matters")
     assert words - {"rtol", "correction"} <= names("accuracy")
     assert not {"accuracy"} & (names("matters") | names("accuracy"))
@@ -76,8 +75,8 @@ def test_options_reach_the_runs_of_studies(rod: Path) -> None:
 
 
 def test_all_analyses_take_values_and_the_folder_of_modules() -> None:
-    commands = set(vars(get_command(app))["commands"])
-    for command in commands:
+    analyses = {"equilibrium", "kinematics", "inverse", "inverse-dynamics", "simulate", "report"}
+    for command in (*analyses, "accuracy", "matters", "sweep"):
         assert {"model", "scene", "settings", "guess", "generated", "as_json"} <= names(command)
 
 
@@ -190,7 +189,7 @@ def rod(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_what_build_wrote_elsewhere_is_found_again(rod: Path) -> None:
     place = rod.parent / "kernels"
-    built = CliRunner().invoke(compiler, ["build", str(rod), "--out", str(place)])
+    built = CliRunner().invoke(app, ["build", str(rod), "--out", str(place)])
     assert built.exit_code == 0, built.output
     before = {path: path.stat().st_mtime_ns for path in place.glob("*.py")}
     assert len(before) == 1
@@ -222,10 +221,8 @@ def test_start_values_are_kept(run) -> None:  # type: ignore[no-untyped-def]
 
 
 def test_a_value_given_twice_is_refused() -> None:
-    from runtime.cli.common import start_values
-
     with pytest.raises(InputError) as caught:
-        start_values(["m=2", "m=3"], None, ["a=1", "a = 2"])
+        Request("x", settings=["m=2", "m=3"], start=["a=1", "a = 2"]).values()
     assert caught.value.problems == (
         "--set m is given twice; give one value.",
         "--start a is given twice; give one value.",

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from typer.testing import CliRunner
 
+from linkwright.cli.application import app
 from runtime import load
-from runtime.cli.app import app
 from runtime.show.html_report import page
 from tests.runtime.show.page_data import header_of
 

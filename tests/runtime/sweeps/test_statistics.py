@@ -11,8 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 from codegen.errors import InputError
+from linkwright.cli.application import app
 from runtime import sweep
-from runtime.cli.app import app
 from runtime.sweeps import Study
 
 OVER = {"J1": "400:500", "motor_torque": ("normal", 41450.0, 1.0)}

@@ -11,8 +11,9 @@ import pytest
 from typer.testing import CliRunner
 
 from codegen.errors import InputError
+from linkwright.cli.analyses import summary
+from linkwright.cli.application import app
 from models.hard.suite.linkages import crank_angle
-from runtime.cli.app import app, summary
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 from runtime.results.result import Result

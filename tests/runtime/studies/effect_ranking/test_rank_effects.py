@@ -15,8 +15,8 @@ from codegen import Model
 from codegen.errors import InputError, LinkwrightError
 from codegen.figures_and_html import terminal_width
 from codegen.reading.scene_variants import declared, variants
+from linkwright.cli.application import app
 from runtime import Result, load, matters
-from runtime.cli.app import app
 from runtime.studies.effect_ranking import Matters, Verdict
 from runtime.studies.effect_ranking import picture as matters_picture
 from runtime.studies.effect_ranking import terminal_table as matters_table

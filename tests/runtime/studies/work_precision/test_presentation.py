@@ -11,7 +11,7 @@ from click.testing import Result
 from numpy.testing import assert_allclose
 from typer.testing import CliRunner
 
-from runtime.cli.app import app
+from linkwright.cli.application import app
 from runtime.integrate.method import METHODS
 from runtime.studies.work_precision import WorkPrecision, json_records
 from runtime.studies.work_precision import picture as accuracy_picture

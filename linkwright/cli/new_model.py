@@ -4,9 +4,9 @@ from pathlib import Path
 
 from codegen.declare.name_rules_and_hints import name_problem, nearest
 from codegen.errors import GeneratedFileError, InputError
-from linkwright.command_panels_and_examples import KINDS
+from linkwright.cli.completion import MODELS_TO_START_FROM as KINDS
 
-_TEMPLATES = Path(__file__).with_name("templates")
+_TEMPLATES = Path(__file__).parents[1] / "templates"
 _PLACEHOLDER = "NAME"  # layout: in a template, where the name of the model stands
 
 

@@ -7,7 +7,7 @@ as those of scenes declared in a loop, are found in the file's docstring alone, 
 
 import ast
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from codegen.files.library_folders import model_names, models_folder
@@ -36,8 +36,8 @@ class ModelText:
     """
 
     path: Path
-    summary: str
-    scenes: dict[str, str]
+    summary: str = ""
+    scenes: dict[str, str] = field(default_factory=dict)
     parameters: tuple[str, ...] = ()
     bodies: tuple[str, ...] = ()
     elements: tuple[str, ...] = ()
@@ -114,15 +114,7 @@ def models_in(folder: Path) -> list[ModelText]:
 
 def find_model_text(model: str) -> ModelText | None:
     """The names in the file of a model, given by path or by name; None where there is none."""
-    library = models_folder()
-    given = Path(model)
-    if given.suffix == ".py":
-        candidates = [given]
-    else:
-        folders = [Path("models"), *([library] if library else [])]
-        candidates = [folder / f"{model}.py" for folder in folders]
-    try:
-        path = next((path for path in candidates if path.is_file()), None)
-    except (OSError, ValueError):
-        return None
-    return None if path is None else read_model_text(path)
+    folders = [Path("models"), models_folder()]
+    named = [folder / f"{model}.py" for folder in folders if folder]
+    candidates = [Path(model)] if model.endswith(".py") else named
+    return next((text for path in candidates if (text := read_model_text(path))), None)

@@ -6,8 +6,8 @@ from typing import Any
 
 from codegen.errors import InputError
 from codegen.plain_values import one_line, shown
-from linkwright.static_model_reading import LIBRARY, ModelText, folders_of_models, models_in
-from runtime.cli.common import write_line
+from linkwright.cli.model_text import LIBRARY, ModelText, folders_of_models, models_in
+from linkwright.cli.output import write_line
 
 _MARKS = re.compile(r"(\*\*?|``?)(\S.*?)\1")
 _LONGEST = 2000  # layout: characters of a line from a docstring

@@ -1,0 +1,1 @@
+"""The command line, one application under all names of the program."""

@@ -1,0 +1,250 @@
+"""Commands that analyse: equilibrium, kinematics, inverse dynamics, simulation, report."""
+
+import math
+import sys
+import tempfile
+from collections.abc import Callable, Iterable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from codegen.errors import InputError
+from codegen.object_display import counted, without_rounding
+from codegen.termination_signals import keep_results
+from linkwright.cli.options import MotionStart, Points, TEnd, examples, option, output, time
+from linkwright.cli.output import print_json, write_error, write_line
+from linkwright.cli.request import Request, refuse_run_options, with_request, words
+from runtime.show.file_endings import is_page
+
+if TYPE_CHECKING:
+    from runtime.machine_facade import Machine
+    from runtime.results.result import Result
+
+app = typer.Typer()
+command = partial(app.command, rich_help_panel="Analyse")
+Out = Annotated[
+    Path | None, output("File for the result: .nc, .zarr, .csv, .parquet, .mat or .html.")
+]
+TStart = Annotated[float, time("First instant in s; the start values belong to t = 0.")]
+Values = dict[str, Any]
+_SHOWN = 12  # events, before it says how many more there are
+
+
+@command(epilog=examples("linkwright equilibrium four_bar.py --scene swing"))
+@partial(with_request, without=("start",))
+def equilibrium(
+    request: Request, method: Annotated[str, option("energy or settling.")] = "energy",
+    t: Annotated[float, time("Instant at which the drivers stand, in s.")] = 0.0, out: Out = None,
+) -> None:  # fmt: skip
+    """Where it rests: the position of equilibrium, and whether it is stable."""
+    _carry_out(request, out, lambda machine, values: machine.equilibrium(method, t=t, **values))
+
+
+@command(
+    epilog=examples("linkwright kinematics four_bar.py --scene driven --t-end 1 --out motion.csv")
+)
+@with_request
+def kinematics(
+    request: Request, t_end: TEnd, t_start: TStart = 0.0, points: Points = None, out: Out = None
+) -> None:
+    """How it must move: the motion that drivers prescribe, one for every degree of freedom."""
+
+    def analyse(machine: "Machine", values: Values) -> "Result":
+        return machine.kinematics(**_driven(request, t_start, t_end, points, values))
+
+    _carry_out(request, out, analyse)
+
+
+@command("inverse-dynamics", epilog=examples(
+    "linkwright inverse-dynamics four_bar.py --scene driven --t-end 1"))  # fmt: skip
+@command("inverse", epilog=examples(
+    "linkwright inverse four_bar.py --scene driven --t-end 1 --out torque.csv"))  # fmt: skip
+@with_request
+def inverse(
+    request: Request, t_end: TEnd, t_start: TStart = 0.0, points: Points = None, out: Out = None
+) -> None:
+    """What it takes to move it so: inverse dynamics, the forces of the prescribed motion."""
+
+    def analyse(machine: "Machine", values: Values) -> "Result":
+        return machine.inverse_dynamics(**_driven(request, t_start, t_end, points, values))
+
+    _carry_out(request, out, analyse)
+
+
+@command(
+    epilog=examples(
+        "linkwright simulate four_bar.py --t-end 5 --out run.nc",
+        "linkwright simulate four_bar.py --t-end 5 --set AB=0.08 --json",
+        "linkwright simulate four_bar.py --t-end 5 --accuracy 1e-6",
+    )
+)
+@with_request
+def simulate(
+    request: Request, t_end: TEnd, t_start: MotionStart = 0.0, points: Points = None,
+    out: Out = None,
+    stream: Annotated[
+        bool,
+        output("Write --out, a .zarr that is not there, in chunks while the run goes on.",
+               "--stream"),
+    ] = False,
+    **run: Any,
+) -> None:  # fmt: skip
+    """How it will move: the motion under the forces that act on it."""
+    if stream and out is None:
+        raise InputError("--stream: name the store, --out run.zarr.")
+
+    def analyse(machine: "Machine", values: Values) -> "Result":
+        store = {"out": out} if stream else {}
+        return _simulated(machine, t_end, t_start, points, words(run, values) | store)
+
+    _carry_out(request, out, analyse, stream=stream)
+
+
+@app.command(
+    rich_help_panel="Show",
+    epilog=examples("linkwright report four_bar.py --t-end 5 --out run.html"),
+)
+@with_request
+def report(
+    request: Request, out: Annotated[Path, output("The page to write, .html.")],
+    t_end: TEnd = 1.0, t_start: MotionStart = 0.0, points: Points = None, **run: Any,
+) -> None:  # fmt: skip
+    """Write a page about a run: a simulation, or the driven motion where no freedom is left."""
+    if not is_page(out):
+        raise InputError(f"{out}: a report is an .html page. Change the ending.")
+
+    def analyse(machine: "Machine", values: Values) -> "Result":
+        if not (machine.description.drivers and machine.is_determined):
+            return _simulated(machine, t_end, t_start, points, words(run, values))
+        refuse_run_options(run, machine.description.title)
+        inverse = machine.description.has_masses
+        driven = machine.inverse_dynamics if inverse else machine.kinematics
+        return driven(**_driven(request, t_start, t_end, points, values))
+
+    _carry_out(request, out, analyse)
+
+
+def _simulated(
+    machine: "Machine", t_end: float, t_start: float, points: int | None, words: Values
+) -> "Result":
+    t_eval = _instants(words, points)
+    return machine.simulate(t_end, t_start=t_start, t_eval=t_eval, **words)
+
+
+def _driven(
+    request: Request, t_start: float, t_end: float, points: int | None, values: Values
+) -> Values:
+    """The arguments of a prescribed motion; the start values of a case belong to its first instant.
+
+    A condition that ends a simulation is none of them.
+    """
+    t_eval = _instants(values, points)
+    values.pop("until", None)
+    if request.case is not None:
+        return {"t_end": t_end, "t_eval": t_eval, "t_start": t_start, **values}
+    if not (math.isfinite(t_start) and math.isfinite(t_end) and t_end > t_start):
+        raise InputError(
+            f"The time span from {t_start:g} to {t_end:g} s must be finite and positive."
+        )
+    step = (t_end - t_start) / (t_eval - 1)
+    return {"t_end": [*(t_start + k * step for k in range(t_eval - 1)), t_end], **values}
+
+
+def _instants(values: Values, points: int | None) -> Any:
+    """The output instants: as many as an option or a case says, or those that the case lists."""
+    listed = values.pop("t_eval", None)
+    return points or (501 if listed is None else listed)
+
+
+def _carry_out(
+    request: Request, out: Path | None, analyse: "Callable[[Machine, Values], Result]", *,
+    stream: bool = False,
+) -> None:  # fmt: skip
+    """Load, analyse, save and summarise; ends the process with the exit status."""
+    if out is not None:
+        from runtime.results.export import check_place
+
+        check_place(out)
+    machine = request.machine()
+    keep_results()
+    result = analyse(machine, request.values(machine))
+    saved = out if stream or out is None else save(result, out)
+    failed = result.failed or saved != out
+    error = [] if result.accuracy is None else result.accuracy.sentences()[1:]
+    for line in (result.headline, *(f"  {sentence}" for sentence in error), *_event_lines(result)):
+        write_line(line)
+    if saved is not None:
+        count = len(result.t)
+        until = f" up to t = {result.t[-1]:g} s" if failed and count else ""
+        subject = "What was computed" if failed else "Saved"
+        write_line(f"  {subject}: {counted(count, 'instant')}{until} in {saved}")
+    elif failed:
+        write_line("  Nothing was saved; give --out FILE to keep what was computed.")
+    if request.as_json:
+        print_json(summary(result, saved))
+    elif not failed:
+        _print_ends(result)
+    raise typer.Exit(1 if failed else 0)
+
+
+def save(result: "Result", out: Path) -> Path:
+    """Save a result, where that fails in the system's folder for temporary files: it took time."""
+    try:
+        return result.save(out)
+    except InputError as error:
+        folder = Path(tempfile.mkdtemp(prefix="linkwright-"))
+        try:
+            saved = result.save(folder / out.name)
+        except InputError:
+            folder.rmdir()
+            raise error from None
+        write_error(str(error))
+        return saved
+
+
+def summary(result: "Result", saved: Path | None) -> dict[str, Any]:
+    """The JSON object of a run."""
+    from runtime.results.samples import plain
+
+    about, some = result.description, len(result.t) > 0
+
+    def last(names: Iterable[str], series: Callable[[str], Any]) -> dict[str, Any]:
+        return {name: plain(series(name)[-1]) for name in names} if some else {}
+
+    return {
+        "ok": not result.failed,
+        **result.facts(),
+        "instants": len(result.t),
+        "t": [float(result.t[0]), float(result.t[-1])] if some else [],
+        "q": last([row.name for row in about.positions], result.q),
+        "v": last([row.velocity for row in about.positions], result.v),
+        **({"y": last(about.states.names, result.y)} if about.states else {}),
+        "events": [
+            {"t": e.time, "name": e.name, "element": e.element, "what": e.what, "word": e.word}
+            for e in result.events
+        ],
+        "saved": None if saved is None else str(saved),
+    }
+
+
+def _event_lines(result: "Result") -> list[str]:
+    """The events, a line each; of many, the first and the last ones."""
+    lines = [f"  t = {e.time:<14.9g} {e.text}" for e in result.events]
+    if len(lines) <= _SHOWN:
+        return lines
+    half = _SHOWN // 2
+    return [*lines[:half], f"  … {len(lines) - 2 * half} more events …", *lines[-half:]]
+
+
+def _print_ends(result: "Result") -> None:
+    """The last values of all coordinates and states, a line each."""
+    import numpy as np
+
+    about = result.description
+    names = [*(row.name for row in about.positions), *about.states.names]
+    columns = [result.series(name) for name in names]
+    ends = without_rounding(np.array([values[-1] for values, _ in columns]))
+    for name, value, (_, unit) in zip(names, ends, columns, strict=True):
+        sys.stdout.write(f"{name:<{max(map(len, names))}}  {value: .9g} {unit}\n")

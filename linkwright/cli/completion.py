@@ -1,0 +1,98 @@
+"""Completion of the words of a command line: models, scenes, parameters, elements, methods.
+
+Names come from the text of the model file that stands on the line, without executing it.
+"""
+
+import re
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import typer
+
+from codegen.files.library_folders import LIBRARY, model_names, models_folder
+from linkwright.cli.model_text import ModelText, find_model_text
+
+MODELS_TO_START_FROM = ("four-bar", "slider-crank", "pendulum", "cam-follower")
+"""Kinds of models that `new` writes: each is a file of `linkwright/templates`."""
+
+_KIND = re.compile(r'^    kind = "([^"]+)"', re.MULTILINE)
+
+
+def models(incomplete: str) -> list[str]:
+    """Model files and folders that go on from what is typed, and models by name."""
+    typed = Path(incomplete)
+    folder = typed if incomplete.endswith("/") or not incomplete else typed.parent
+    found = [(folder / f"{name}.py").as_posix() for name in model_names(folder.resolve())]
+    if incomplete:
+        inside = (path for path in folder.glob("[!._]*") if path.is_dir())
+        found += sorted(f"{path.as_posix()}/" for path in inside)
+    for place in (Path("models"), models_folder()):
+        found += model_names(place) if place and "/" not in incomplete else []
+    return [name for name in dict.fromkeys(found) if name.startswith(incomplete)]
+
+
+def scenes(ctx: typer.Context, incomplete: str) -> list[tuple[str, str]]:
+    """Scenes of the model on the line, with their descriptions."""
+    found = _model(ctx).scenes.items()
+    return [(name, line) for name, line in found if name.startswith(incomplete)]
+
+
+def settings(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Parameters of the model on the line, each with the = that follows."""
+    return [f"{name}=" for name in _model(ctx).parameters if name.startswith(incomplete)]
+
+
+def coordinates(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Coordinates of the bodies of the model on the line, each with the = that follows."""
+    return [f"{name}=" for name in _model(ctx).coordinates if name.startswith(incomplete)]
+
+
+def quantities(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Series of the model on the line: coordinates, and components of reactions."""
+    text = _model(ctx)
+    reactions = (f"{name}.{axis}" for name in text.elements for axis in ("fx", "fy", "torque"))
+    prefix, colon, rest = incomplete.rpartition(":")
+    series = (*text.coordinates, *reactions)
+    return [f"{prefix}{colon}{one}" for one in series if one.startswith(rest)]
+
+
+def one_of(names: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]:
+    """A completion by the names that a function returns."""
+
+    def complete(incomplete: str) -> list[str]:
+        return sorted(name for name in set(names()) if name.startswith(incomplete))
+
+    return complete
+
+
+def _methods() -> Iterable[str]:
+    from runtime.integrate.method import METHODS
+
+    return METHODS
+
+
+def _kinds() -> Iterable[str]:
+    """Kinds of elements of the library, with hyphens between their words."""
+    files = (LIBRARY / "codegen" / "elements").rglob("*.py")
+    found = (kind for path in files for kind in _KIND.findall(path.read_text(encoding="utf-8")))
+    return (kind.replace(" ", "-") for kind in found)
+
+
+methods, kinds = one_of(_methods), one_of(_kinds)
+models_to_start_from = one_of(lambda: MODELS_TO_START_FROM)
+corrections = one_of(lambda: ("step", "stage", "projection", "baumgarte", "hybrid"))
+formulations = one_of(lambda: ("cartesian", "reduced"))
+analyses = one_of(lambda: ("simulate", "kinematics", "inverse-dynamics", "equilibrium"))
+
+
+def _model(ctx: typer.Context) -> ModelText:
+    """The text of the model on the line, or of the only one in the folder; empty without any.
+
+    Words that stand before an option without its value are not parsed: they are in `args`.
+    """
+    given = ctx.params.get("model") or ()
+    words = [str(w) for w in (*((given,) if isinstance(given, str) else given), *ctx.args) if w]
+    local = model_names(Path.cwd())
+    words += [f"{local[0]}.py"] if len(local) == 1 else []
+    texts = (find_model_text(word) for word in words if not word.startswith("-"))
+    return next((text for text in texts if text), ModelText(Path()))
