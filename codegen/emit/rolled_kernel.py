@@ -11,16 +11,8 @@ from codegen.emit.solution_step_order_and_names import PREFIXES
 from codegen.emit.statements import NOTHING, Scope, Statements
 from codegen.emit.table_lookup import lookups
 from codegen.lower.program import LOGICAL, Input, Kernel, Lookup, Output, Program
-from codegen.reroll.parts import (
-    Batches,
-    Carried,
-    Entries,
-    Numbers,
-    Part,
-    RolledKernel,
-    Slots,
-    Watch,
-)
+from codegen.reroll.parts import Batches, Carried, Entries, Numbers, Part, RolledKernel, Watch
+from codegen.reroll.sequence import Slots
 
 COUNTER, RUN = "k", "run"
 Text = Callable[[], str]

@@ -4,14 +4,15 @@ A *part* is a small program that is run `count` times. What it takes from outsid
 entries of arrays, one a turn, numbers, one a turn, or what the turn before it left in a scalar.
 """
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from codegen.lower.program import Label, Value
+from codegen.lower.program import Input, Kernel, Label, Op, Output, Value
+from codegen.reroll.sequence import NUMBER, OperationSequence, Slots
 
-Slots = npt.NDArray[np.int64]
 Numbers = npt.NDArray[np.float64]
 
 
@@ -108,3 +109,120 @@ class RolledKernel:
     def statements(self) -> int:
         """Values that are written in the text."""
         return sum(part.statements for part in self.parts)
+
+
+class Workspace:
+    """Slots of ``p`` behind the constants, for values that one part computes and another reads.
+
+    First all that needs a slot is named (`need`), then slots are given (`assign`), then operands
+    are asked for.
+    """
+
+    def __init__(self, sequence: OperationSequence, kernel: Kernel, base: int) -> None:
+        """`base`: the first slot."""
+        self.sequence, self.kernel, self.base = sequence, kernel, base
+        self.needed = np.zeros(len(sequence.program.values), dtype=bool)
+        # value → its slot, -1 where it has none
+        self.slots: Slots = np.full(len(self.needed), -1, dtype=np.int64)
+        self.leaves: list[int] = []  # leaves with a slot: copies, before anything is computed
+        self.size = 0
+
+    def need(self, *numbers: int) -> None:
+        """Ask for slots of values."""
+        self.needed[list(numbers)] = True
+
+    def need_column(self, numbers: Sequence[int]) -> None:
+        """Ask for slots of what an operand is, turn after turn."""
+        column, homes = np.array(numbers), self._homes(numbers)
+        array = homes[0] if len(np.unique(homes)) == 1 else "p"
+        is_there = (self.sequence.home_of[column] > 0) & (homes == array)
+        self.needed[column[~is_there]] = True
+
+    def _homes(self, numbers: Sequence[int]) -> npt.NDArray[np.str_]:
+        """The array of each value, the workspace of those that are computed."""
+        names = np.array([home or "p" for home in self.sequence.homes])
+        homes: npt.NDArray[np.str_] = names[self.sequence.home_of[np.array(numbers)]]
+        return homes
+
+    def need_results(self, outputs: Iterable[Output]) -> None:
+        """Ask for slots of what the checks and these outputs read."""
+        for check in self.kernel.checks:
+            self.need(check.pivot, check.reference)
+        self.need(*(out.value for out in outputs if self.sequence.home(out.value) == ""))
+
+    def assign(self, blocks: Iterable[Slots]) -> None:
+        """Give slots turn by turn, so that what a turn writes stands together.
+
+        Parameters
+        ----------
+        blocks
+            Values that are computed, each of shape (turns, period); a value of one turn that has a
+            slot gives one to those of all its turns.
+        """
+        free = self.base
+        for turns in blocks:
+            stored = turns[:, self.needed[turns].any(axis=0)]
+            self.slots[stored.ravel()] = np.arange(free, free + stored.size)
+            free += stored.size
+        self.leaves = np.flatnonzero(self.needed & (self.slots < 0)).tolist()
+        self.slots[self.leaves] = np.arange(free, free + len(self.leaves))
+        self.size = free + len(self.leaves) - self.base
+
+    def operand(self, numbers: Sequence[int]) -> Entries | Numbers:
+        """The operand that is these values, turn after turn."""
+        seq, column, homes = self.sequence, np.array(numbers), self._homes(numbers)
+        array = str(homes[0]) if (homes == homes[0]).all() else "p"
+        if array == NUMBER:
+            return np.array([seq.program.values[n].literal for n in numbers], dtype=np.float64)
+        is_there = (seq.home_of[column] > 0) & (homes == array)
+        slots = np.where(is_there, seq.slot_of[column], self.slots[column])
+        if (slots < 0).any():
+            raise KeyError(f"a value of kernel {self.kernel.name} is read that nothing stores")
+        logical = not is_there[0] and seq.home(numbers[0]) == "" and seq.is_logical(numbers[0])
+        return Entries(array, slots, logical)
+
+    def first(self, number: int) -> Entries | float:
+        """Where a value stands, for one that is read once."""
+        if self.sequence.home(number) == NUMBER:
+            return float(self.sequence.program.values[number].literal)  # type: ignore[arg-type]
+        operand = self.operand((number,))
+        assert isinstance(operand, Entries)
+        return operand
+
+    def copies_of_leaves(self) -> list[Part]:
+        """Parts that copy the leaves to their slots."""
+        return self._copies([(k, "p", int(self.slots[k])) for k in self.leaves])
+
+    def copies_of_outputs(self, outputs: Iterable[Output]) -> list[Part]:
+        """Parts that copy values to the arrays of outputs."""
+        return self._copies([(out.value, out.array, out.slot) for out in outputs])
+
+    def _copies(self, copies: Sequence[tuple[int, str, int]]) -> list[Part]:
+        """Parts that copy leaves, or values of the workspace, to (array, slot)."""
+        groups: dict[tuple[str, str], list[tuple[int, int]]] = {}
+        for number, array, slot in copies:
+            from_ = self.sequence.home(number) or "p"
+            groups.setdefault((from_, array), []).append((number, slot))
+        parts = []
+        for (_, array), pairs in groups.items():
+            numbers, slots = zip(*sorted(pairs, key=lambda pair: pair[1]), strict=True)
+            body = (Value(Op.INPUT, literal=Input("", 0, "x")),)
+            store = Store(array, np.array(slots), 0)
+            parts.append(Part(len(slots), body, (self.operand(numbers),), (store,)))
+        return parts
+
+    def watch(self) -> Watch | None:
+        """The checks on pivots, where the kernel has any."""
+        checks = self.kernel.checks
+        if not self.kernel.watched:
+            return None
+        return Watch(
+            np.array([self._slot(check.pivot) for check in checks], dtype=np.int64),
+            np.array([self._slot(check.reference) for check in checks], dtype=np.int64),
+            np.array([check.part for check in checks]),
+            np.array([1 + check.constraint for check in checks], dtype=np.int64),
+        )
+
+    def _slot(self, number: int) -> int:
+        constants = self.sequence.constants
+        return constants[number] if number in constants else int(self.slots[number])

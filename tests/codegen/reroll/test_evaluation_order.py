@@ -1,7 +1,7 @@
 """The order of evaluation on demand."""
 
 from codegen.lower.program import LEAVES, Kernel
-from codegen.reroll.evaluation_order import order_on_demand
+from codegen.reroll.sequence import order_on_demand
 from tests.codegen.reroll.machines import lowered
 
 LONG = 300  # operations, those of three bars

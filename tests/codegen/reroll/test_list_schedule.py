@@ -1,7 +1,7 @@
 """The schedule of expression trees."""
 
 from codegen.emit.argument_docstrings import Arguments
-from codegen.reroll.expression_trees import ExpressionTrees, list_schedule
+from codegen.reroll.batching import ExpressionTrees, list_schedule
 from codegen.reroll.sequence import OperationSequence
 from tests.codegen.reroll.machines import lowered
 

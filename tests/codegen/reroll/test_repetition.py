@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from codegen.reroll.repetition import Stretch, stretches
+from codegen.reroll.sequence import Stretch, stretches
 
 
 def cut(text: str) -> tuple[Stretch, ...]:
