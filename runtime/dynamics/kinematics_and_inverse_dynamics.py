@@ -19,8 +19,8 @@ from runtime.assembly.masses_far_apart import suited_to_masses
 from runtime.assembly.start_values import start_note, start_values
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.checks.end_checks import check_result
 from runtime.dynamics.driven_motion_past_kinks import follow_past_kinks
-from runtime.dynamics.end_checks import check_result
 from runtime.dynamics.motion_at_instants import DrivenMotionAtInstants
 from runtime.dynamics.output_quantities import evaluate
 from runtime.integrate.problem import Options

@@ -12,15 +12,14 @@ from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.modes_and_event_kinds import KNOTS
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.checks.end_checks import check_result, describe_unresolved_switches
+from runtime.dynamics.checks.jamming import describe_jam, end_at_jam
+from runtime.dynamics.checks.screening import screen_run
 from runtime.dynamics.controllers import Functions
-from runtime.dynamics.end_check_screening import screen_run
-from runtime.dynamics.end_checks import check_result
 from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formulate
-from runtime.dynamics.friction_jam import describe_jam, end_at_jam
 from runtime.dynamics.motion_at_instants import SimulatedMotion
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import Handover, PreparedSimulation
-from runtime.dynamics.switches_within_tolerance import describe_unresolved_switches
 from runtime.dynamics.work import integrate_works
 from runtime.integrate.problem import MOST_STEPS, Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory

@@ -19,7 +19,7 @@ from runtime.core.kernel_abi import conditions_of, constants_of, jacobian_of, ma
 from runtime.core.loop_record import run_record
 from runtime.core.modes_and_event_kinds import KNOTS, SLIDING
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.end_check_screening import REVERSALS, count_unresolved, exceed_bound, screen
+from runtime.dynamics.checks.screening import REVERSALS, count_unresolved, exceed_bound, screen
 from runtime.dynamics.output_quantities import evaluate_samples
 from runtime.dynamics.sliding_outputs import mix_rows
 from runtime.ensemble.member_arrays import COMMON, DONE, LEFT, OWN, RESULTS, WAITING

@@ -9,12 +9,12 @@ import numpy as np
 from runtime.assembly.masses_far_apart import DOUBTFUL, MOST_SPREAD
 from runtime.assembly.regular_start import allow, let_lead
 from runtime.assembly.start_values import Start, start_note, start_values
-from runtime.dynamics.end_check_screening import APART, CLOSED, RESIDUAL
+from runtime.dynamics.checks.end_checks import sentence_of_unresolved
+from runtime.dynamics.checks.screening import APART, CLOSED, RESIDUAL
 from runtime.dynamics.formulations import CartesianCoordinates
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import text_of_end
 from runtime.dynamics.sliding_outputs import wire_mixing
-from runtime.dynamics.switches_within_tolerance import sentence_of_unresolved
 from runtime.ensemble.member_arrays import Common, Own
 from runtime.ensemble.members import FloatArray, Members
 from runtime.integrate.problem import Options

@@ -16,8 +16,9 @@ from codegen.errors import AssemblyError
 from runtime import load
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.core.outcomes import Outcome
-from runtime.dynamics import end_checks, simulation
-from runtime.dynamics.end_check_screening import Suspicions, screen_run
+from runtime.dynamics import simulation
+from runtime.dynamics.checks import end_checks, energy_balance
+from runtime.dynamics.checks.screening import Suspicions, screen_run
 from runtime.integrate.recording_buffers import Recording, in_order
 from runtime.integrate.trajectory import Events, Trajectory
 from runtime.machine_facade import Machine
@@ -248,7 +249,7 @@ def test_reduced_run_that_a_check_contradicts_is_repeated_in_all_coordinates(
     whole = machine.simulate(0.2, t)
     wrong = "The energy changes by 3 J."
     found = iter([wrong])  # of the first run alone
-    monkeypatch.setattr(end_checks, "describe_unexplained_energy", lambda *_: next(found, ""))
+    monkeypatch.setattr(energy_balance, "describe_unexplained_energy", lambda *_: next(found, ""))
     less = machine.simulate(0.2, t, formulation="reduced")
     assert less.outcome is Outcome.OK
     np.testing.assert_array_equal(less.samples.q, whole.samples.q)

@@ -8,7 +8,7 @@ import pytest
 from codegen import Model
 from runtime import load
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.friction_jam import blocking_rows
+from runtime.dynamics.checks.jamming import blocking_rows
 from runtime.machine_facade import Machine
 from tests.random_mechanisms import Scales, random_mechanism
 from tests.random_mechanisms.dense_dynamics import Dense

@@ -7,7 +7,7 @@ import pytest
 
 from models.hard.suite.linkages import crank_angle
 from runtime.core.outcomes import Outcome
-from runtime.dynamics import end_checks
+from runtime.dynamics.checks import energy_balance
 from runtime.dynamics.formulations import formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.integrate.problem import Options
@@ -36,7 +36,7 @@ def test_a_search_goes_on_in_all_coordinates_where_a_check_contradicts_reduced_o
 ) -> None:
     machine, t = library("hard/n_four_bar", "fall"), np.linspace(0.0, 1.0, 21)
     found = iter(["The energy changes."])  # of the first result alone
-    monkeypatch.setattr(end_checks, "describe_unexplained_energy", lambda *_: next(found, ""))
+    monkeypatch.setattr(energy_balance, "describe_unexplained_energy", lambda *_: next(found, ""))
     run = machine.simulate(1.0, t, accuracy=1e-6, formulation="reduced", progress=False)
     assert run.outcome is Outcome.OK
     assert run.accuracy is not None

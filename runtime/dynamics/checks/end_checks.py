@@ -1,11 +1,17 @@
-"""Checks at the end of a run that reached its end: what they find contradicts the outcome OK."""
+"""Checks at the end of a run that reached its end: what they find contradicts the outcome OK.
+
+Switches that turned and turned back by less than the tolerance do little, and are named: their
+events may be error alone. A motion may touch a switching surface and not cross it, as a slider does
+whose dead centre is where a force begins, or may stay beside it, as two bodies do that part from a
+stiff contact. A looser run then has events that a tighter one has not.
+"""
 
 import numpy as np
 import numpy.typing as npt
 
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.end_check_screening import (
+from runtime.dynamics.checks.screening import (
     APART,
     CLOSED,
     HUGE,
@@ -13,11 +19,14 @@ from runtime.dynamics.end_check_screening import (
     SIDE,
     TINY,
     Suspicions,
+    find_unresolved,
+    measure_change_of_switch,
+    write_switching_values,
 )
-from runtime.dynamics.energy_balance_at_samples import describe_unexplained_energy
 from runtime.integrate.problem import Options
-from runtime.integrate.trajectory import Trajectory
+from runtime.integrate.trajectory import Events, Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
 from runtime.results.samples import Samples
 
@@ -26,6 +35,7 @@ Rows = npt.NDArray[np.intp] | slice
 _JUDGED = 8  # measured: samples at which a missed event is looked for, of each function
 _SIDE_TOLERANCES = 10.0  # safety: of a switching function; by as much a mode may miss its sign
 UNSCREENED = Suspicions(residuals=True)  # of a result without a run
+_SHOWN = 3  # layout: switches that the sentence names
 
 
 def check_result(
@@ -48,6 +58,8 @@ def check_result(
         if suspicions.modes:
             modes = _sides_of_modes(equations, samples, sizes, options, run)
         if energy:
+            from runtime.dynamics.checks.energy_balance import describe_unexplained_energy
+
             steps = run.statistics.steps
             unexplained = describe_unexplained_energy(equations, samples, sizes, options, steps)
         found = " ".join(filter(None, [order, modes, found, unexplained]))
@@ -135,9 +147,6 @@ def _sides_of_modes(
 
     By more than the tolerances of coordinates and velocities explain: an event was missed.
     """
-    # compiled: almost no run comes here
-    from runtime.dynamics.switching_values import measure_change_of_switch
-
     switches, g = equations.description.switches, np.zeros(len(equations.description.switches))
     wrong = _wrong_sides(equations, samples, run)
     t, q, v = samples.t, samples.q, samples.v
@@ -168,9 +177,6 @@ def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> Flo
     a function of time, unless they do on both sides. Behind it those modes count that the next
     sample has, if there is no event between the two.
     """
-    # compiled: almost no run comes here
-    from runtime.dynamics.switching_values import write_switching_values
-
     modes, moves = samples.modes, bool(equations.description.time_functions)
     apart = APART * max(abs(run.first_t), abs(run.final_t))
 
@@ -209,3 +215,40 @@ def _wrong_sides(equations: Equations, samples: Samples, run: Trajectory) -> Flo
         wrong[:-1] = np.where(wrong[:-1] == 0.0, behind, wrong[:-1])
     wrong[:-1] = np.where(wrong[:-1] == 0.0, again, wrong[:-1])
     return wrong
+
+
+def describe_unresolved_switches(
+    equations: Equations, events: Events, suspicions: Suspicions
+) -> tuple[int, str]:
+    """The number of events within the tolerance, and a sentence that names them; 0 and empty.
+
+    Between two events of a switch, each the other's reverse, its function is taken at the middle of
+    Hermite's polynomial through both states. It may err by what it changes with each coordinate and
+    velocity by their tolerances `atol + rtol |y|`.
+    """
+    if not suspicions.reversals:
+        return 0, ""
+    description = equations.description
+    parts, found = np.array(description.table_parts), np.zeros((len(description.switches), 4))
+    find_unresolved(events.t, events.index, *suspicions[-3:], parts, found)
+    return int(found[:, 0].sum()), sentence_of_unresolved(description, found, len(events.t))
+
+
+def sentence_of_unresolved(description: Description, found: FloatArray, count: int) -> str:
+    """A sentence on switches with events within the tolerance, of `count` in all; or empty.
+
+    `found`, (s, 4), is what `find_unresolved` writes.
+    """
+    within = np.flatnonzero(found[:, 0])
+    if not len(within):
+        return ""
+    clauses = [
+        f"{description.switches[int(k)].title} ({found[k, 0]:.0f} from t = {found[k, 1]:.6g} s on, "
+        f"past zero by {found[k, 2]:.1g}, permitted {found[k, 3]:.1g})"
+        for k in within
+    ]
+    shown = "; ".join(clauses[:_SHOWN]) + (" and others" if len(clauses) > _SHOWN else "")
+    return (
+        f" {found[:, 0].sum():.0f} of {count} events lie within the tolerance, and a tighter rtol "
+        f"may not have them: {shown}."
+    )

@@ -1,4 +1,9 @@
-"""Changes of energy between samples that no work explains: compiled, loaded for reduced runs."""
+"""Balance of energy between samples, for runs in reduced coordinates, whose loop knows no energy.
+
+Where nothing but potentials acts, the energy stays. Where powers act, they are integrated between
+the samples if these are the ends of steps: by Gauss' rule, on the quintic through positions,
+velocities and accelerations. Scenes with switches or kinks of functions of time are not judged.
+"""
 
 from typing import Any
 
@@ -9,7 +14,10 @@ from runtime.core import kernel_abi as abi
 from runtime.core.array_types import f8, i8, integers, matrix, vector
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.integrate.energy_tolerances import CERTAIN, ERRORS, PART, ROUNDING
+from runtime.integrate.problem import Options
 from runtime.integrate.sampling import NODES, WEIGHTS
+from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.results.samples import Samples
 
 _WAYS = (1e-9, 1e-6)  # measured: of coordinates' sizes, at which rounding is looked for
 _PARTS = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # measured: of these ways
@@ -182,3 +190,36 @@ def find_unexplained(
         if abs(change - work) > permitted + CERTAIN * rounding and k < wrong:
             wrong, found[0], found[1] = k, change, work
     return wrong if wrong < t.size else -1
+
+
+def describe_unexplained_energy(
+    equations: Equations, samples: Samples, sizes: FloatArray, options: Options, steps: int
+) -> str:
+    """A sentence on a change of energy that the tolerances do not permit; empty for none.
+
+    Between two samples lie `steps` steps at most, or one where the samples are the ends of steps.
+    """
+    description, t, q = equations.description, samples.t, samples.q
+    rows = description.balanced_rows
+    if len(t) < 2 or rows < 0 or description.switches:
+        return ""
+    if rows and (options.t_eval is not None or description.time_functions):
+        return ""
+    if not rows and any(equations.velocity_rhs(float(t[0]), q[0]).tolist()):
+        return ""
+    v, a, energy, power = samples.v, samples.a, samples.energy, samples.power
+    widths = equations.n, equations.m, len(description.powers), len(description.mass_rows)
+    within, found = 2.0 if options.t_eval is None else 1.0 + steps, np.zeros(2 + WORST)
+    k = find_unexplained(
+        equations.table, t, q, v, a, energy, power, np.zeros(0, np.int64), equations.p, equations.m,
+        rows, description.mass_rows, description.mass_columns, sizes,
+        options.absolute(sizes, options.rtol), options.rtol, within, WEIGHTS_OF_ENDS,
+        np.zeros((5, max(widths))), np.zeros(WORST, np.int64), found,
+    )  # fmt: skip
+    if k < 0:
+        return ""
+    what = f"powers do {found[1]:.6g} J of work" if rows else "nothing does work"
+    return (
+        f"From t = {t[k]:.9g} to {t[k + 1]:.9g} s the energy changes by {found[0]:.6g} J, "
+        f"and {what}."
+    )
