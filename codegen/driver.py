@@ -34,8 +34,7 @@ from codegen.errors import (
 from codegen.garbage_collection import collection_paused
 from codegen.generated_files.build_report import BuildReport, report
 from codegen.generated_files.companions import COMPANIONS
-from codegen.generated_files.generated_file import Clock, File, Progress
-from codegen.generated_files.machine_code import compile_modules
+from codegen.generated_files.generated_file import Clock, File, Progress, compile_modules
 from codegen.generated_files.provenance import default_folder, file_name, origin
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.model import Model

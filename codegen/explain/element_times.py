@@ -2,31 +2,171 @@
 
 This is the one place where the compiler uses the runtime: when a run is requested, not when the
 module is imported. The import rules name the exception.
+
+Kernels are timed in turns inside one compiled loop, at states about the start or along a run. Other
+work on the computer only adds to a time, so the minimum of many rounds is kept, and every kernel
+has its turn in each round, so that all see the same conditions. The loop with an empty kernel takes
+its turn too, and its time is subtracted; as numba takes about 0.1 ms to pass a function, every turn
+has the same number of calls.
 """
 
+import math
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache, partial
 from pathlib import Path
+from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
+from numba import njit, types
 
 from codegen.derive.equations import Equations
 from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.module import Origin, assemble_module
 from codegen.errors import InputError
-from codegen.explain.kernel_timer import ROUNDS, States, Timed, times
-from codegen.explain.ledger_records import Ledger, Part, RunCosts
+from codegen.explain.ledger import Ledger, Part, RunCosts
 from codegen.explain.operations_by_part import Stage, timing_stages
-from codegen.explain.sample_states import COUNT, about_the_start, at, parameters
 from codegen.files.generated_modules import import_generated
+from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.poses_near_start import Poses
 from codegen.lower.program import Program
+from codegen.numba_cache import checked_caches
 
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+F8, VECTOR, ROWS = types.float64, types.float64[::1], types.float64[:, ::1]
+MODES, MODE_ROWS = types.int64[::1], types.int64[:, ::1]
+SIGNATURE = types.int64(F8, VECTOR, VECTOR, VECTOR, MODES, VECTOR, VECTOR)
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy"}
+
+TURN = 5e-4  # measured: s that the slowest kernel has in a round
+ROUNDS = 500  # measured: rounds of turns, of which the least time of a kernel is kept
+COUNT = 64  # measured: states at which kernels are timed
+SPREAD = 1e-3  # measured: m or rad, and m/s or rad/s, by which states about a start differ
 ORIGIN = Origin("linkwright", (), "0" * 64, "python -m codegen explain")
 MEASURED = 2  # measured: runs of which the faster counts; the first may find cold caches
+
+
+class States(NamedTuple):
+    """Instants at which kernels are called: (k,), (k, n), (k, n), (k, s)."""
+
+    t: Floats
+    q: Floats
+    v: Floats
+    modes: Integers
+
+
+class Timed(NamedTuple):
+    """A kernel `accelerations`, its parameters with the constants, and how long λ must be."""
+
+    kernel: Any
+    p: Floats
+    slots: int
+
+
+def _loop(
+    kernel: Any, t: Any, q: Any, v: Any, modes: Any, p: Any, a: Any, lam: Any, count: int
+) -> float:
+    total, row = 0.0, 0
+    q_now, v_now, modes_now = q[0].copy(), v[0].copy(), modes[0].copy()
+    for _ in range(count):
+        for k in range(q_now.size):
+            q_now[k], v_now[k] = q[row, k], v[row, k]
+        for k in range(modes_now.size):
+            modes_now[k] = modes[row, k]
+        kernel(t[row], q_now, v_now, p, modes_now, a, lam)
+        total += a[0]
+        row = row + 1 if row + 1 < len(q) else 0
+    return total
+
+
+def _nothing(t: float, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> int:
+    a[0] = q[0]
+    return 0
+
+
+@cache
+def _compiled() -> tuple[Any, Any]:
+    function = types.FunctionType(SIGNATURE)
+    loop = F8(function, VECTOR, ROWS, ROWS, MODE_ROWS, VECTOR, VECTOR, VECTOR, types.int64)
+    with checked_caches():
+        return njit(loop, **OPTIONS)(_loop), njit(SIGNATURE, **OPTIONS)(_nothing)
+
+
+def times(kernels: Sequence[Timed], states: States, rounds: int = ROUNDS) -> list[float]:
+    """Nanoseconds a call of each kernel, the loop's own taken off."""
+    loop, nothing = _compiled()
+    n = states.q.shape[1]
+    runs = [
+        partial(loop, kernel, *states, p, np.zeros(n), np.zeros(slots))
+        for kernel, p, slots in (Timed(nothing, np.zeros(1), 1), *kernels)
+    ]
+    count = _calls(runs)
+    best = [np.inf] * len(runs)
+    for _ in range(rounds):
+        for k, run in enumerate(runs):
+            best[k] = min(best[k], _seconds(run, count))
+    return [1e9 * (least - best[0]) / count for least in best[1:]]
+
+
+def _calls(runs: Sequence[Callable[[int], float]]) -> int:
+    """How many calls of the slowest kernel fill a turn."""
+    slowest = 0.0
+    for run in runs:
+        few, many = (min(_seconds(run, count) for _ in range(5)) for count in (100, 1100))
+        slowest = max(slowest, (many - few) / 1000)
+    return min(max(int(TURN / max(slowest, 1e-9)), 100), 100_000)
+
+
+def _seconds(run: Callable[[int], float], count: int) -> float:
+    started = perf_counter()
+    run(count)
+    return perf_counter() - started
+
+
+def parameters(equations: Equations) -> list[float]:
+    """The parameters that kernels take, without the constants behind them."""
+    return [] if equations.scene.frozen else [p.value for p in equations.parameters]
+
+
+def about_the_start(lowered: Lowered) -> States:
+    """The start that the scene names, its joints closed where they can be, with a little noise."""
+    description, poses = lowered.description, Poses(lowered)
+    known = {name: value for name, value, _ in description.start}
+    closed = poses.start()
+    q = poses.guess if closed is None else closed[0]
+    v = np.array([known.get(rate, 0.0) for _, rate, _ in description.coordinates])
+    noise = np.random.default_rng(1).normal(size=(2, COUNT, len(q)), scale=SPREAD)
+    return at(lowered, np.zeros(COUNT), q + noise[0], v + noise[1])
+
+
+def at(lowered: Lowered, t: Floats, q: Floats, v: Floats) -> States:
+    """States with the modes that hold at them; a condition on its edge does not hold."""
+    equations = lowered.scene.equations
+    modes = np.zeros((len(t), len(equations.switches)), dtype=np.int64)
+    p = parameters(equations)
+    for k in range(len(t) if equations.switches else 0):
+        state = {"t": float(t[k]), "q": q[k].tolist(), "v": v[k].tolist(), "p": p}
+        for slot, g in _outputs(lowered, "switching", state).get("g", {}).items():
+            modes[k, slot] = g > 0.0
+    times, places, rates = (np.ascontiguousarray(array) for array in (t, q, v))
+    return States(times, places, rates, modes)
+
+
+def _outputs(
+    lowered: Lowered, name: str, arguments: dict[str, object]
+) -> dict[str, dict[int, float]]:
+    """Outputs of a kernel; nothing where it has no value, as at a singular position."""
+    try:
+        return evaluate(lowered.program, name, arguments, math)
+    except (ArithmeticError, ValueError):
+        return {}
 
 
 class Run(NamedTuple):
@@ -87,7 +227,7 @@ def measure(
         return None
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         kernels = [
-            _compiled(equations, stage.program, Path(folder) / f"stage_{k}.py")
+            _stage_kernel(equations, stage.program, Path(folder) / f"stage_{k}.py")
             for k, stage in enumerate((*stages, stages[-1]))
         ]
         *cumulative, whole = times(kernels, states, rounds)
@@ -95,7 +235,7 @@ def measure(
     return Measured(dict(zip((stage.part for stage in stages), added, strict=True)), whole)
 
 
-def _compiled(equations: Equations, program: Program, path: Path) -> Timed:
+def _stage_kernel(equations: Equations, program: Program, path: Path) -> Timed:
     declared = parameters(equations)
     docstring = ['"""A stage of a ledger.', '"""']
     text = assemble_module(program, ORIGIN, docstring, {}, Arguments(len(declared)))

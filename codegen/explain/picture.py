@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from codegen.errors import InputError
-from codegen.explain.ledger_records import Ledger, Part
+from codegen.explain.ledger import Ledger, Part
 from codegen.figures_and_html import (
     finish_axes,
     html_figure,
@@ -17,6 +17,7 @@ from codegen.figures_and_html import (
     save_figure,
 )
 from codegen.files.whole_files import whole_file
+from codegen.object_display import html_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -136,17 +137,12 @@ def page(ledgers: Sequence[Ledger]) -> str:
 
 def _table(ledger: Ledger) -> str:
     heads = ("part", "", "kind", "why", "accelerations", "all kernels", "ns", "events")
-    lines = ["<tr>" + "".join(f"<th>{h}</th>" for h in heads) + "</tr>"]
-    for part in ledger.parts:
-        texts = (part.name, "in" if part.acts else "out", part.kind, part.why)
-        numbers = (
-            part.solving or "",
-            part.total or "",
-            "" if part.nanoseconds is None else f"{part.nanoseconds:.1f}",
+    rows = [
+        (
+            part.name, "in" if part.acts else "out", part.kind, part.why, part.solving or "",
+            part.total or "", "" if part.nanoseconds is None else f"{part.nanoseconds:.1f}",
             len(part.events) or "",
         )
-        cells = "".join(f"<td>{escape(text)}</td>" for text in texts)
-        cells += "".join(f'<td class="number">{number}</td>' for number in numbers)
-        out = "" if part.acts else ' class="out"'
-        lines.append(f"<tr{out}>{cells}</tr>")
-    return f"<table>{''.join(lines)}</table>"
+        for part in ledger.parts
+    ]  # fmt: skip
+    return html_table(heads, rows)

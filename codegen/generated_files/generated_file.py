@@ -1,6 +1,6 @@
-"""A generated file: its text, the time that each stage took, and writing it in one step."""
+"""A generated file: its text, the time that each stage took, writing and compiling it."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -8,7 +8,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 from codegen.errors import GeneratedFileError
-from codegen.files.generated_modules import alone, text_hash
+from codegen.files.generated_modules import alone, import_generated, text_hash
 from codegen.files.whole_files import whole_file
 
 Progress = Callable[[str], None]
@@ -53,6 +53,16 @@ class File:
         """Write the file unless it is current or this is a check; note whether it was stale."""
         stale = not is_current(self.path, self.text)
         self.changed = stale if check else write_if_changed(self.path, self.text)
+
+
+def compile_modules(paths: Sequence[Path]) -> list[float]:
+    """Compile the kernels of each file into numba's cache; returns the seconds that each took."""
+    seconds = []
+    for path in paths:
+        started = perf_counter()
+        import_generated(path)
+        seconds.append(perf_counter() - started)
+    return seconds
 
 
 class Written(NamedTuple):

@@ -4,7 +4,6 @@ import ast
 import contextlib
 import hashlib
 import importlib.util
-import io
 import os
 import sys
 import traceback
@@ -13,7 +12,6 @@ from dataclasses import dataclass
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
-from typing import cast
 
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.errors import InputError, ModelFileError
@@ -100,8 +98,7 @@ def execute_model_file(path: Path) -> ModelFile:
             "model and the scene that it names in its first lines."
         )
     namespace, files = _execute(path)
-    found = (v for v in namespace.values() if issubclass(type(v), Model))
-    models = {id(v): cast("Model", v) for v in found}
+    models = {id(v): v for v in namespace.values() if isinstance(v, Model)}
     declared = models.get(id(namespace.get("model")))
     if declared is None:
         if len(models) != 1:
@@ -201,7 +198,7 @@ def _execute(path: Path) -> tuple[dict[str, object], list[Path]]:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     try:
-        with _fresh_imports(path.parent), contextlib.redirect_stdout(_Output()):
+        with _fresh_imports(path.parent), contextlib.redirect_stdout(sys.stderr):
             spec.loader.exec_module(module)
             files = local_files(path)
     except KeyboardInterrupt:
@@ -215,21 +212,10 @@ def _execute(path: Path) -> tuple[dict[str, object], list[Path]]:
             raise
         if isinstance(error, SyntaxError) and error.filename == str(path):
             line = f", line {error.lineno}" if error.lineno else ""
-        try:
-            remedy = sympy_remedy(error)
-            why = f"{type(error).__name__}: {error}" + (f". Note: {remedy}." if remedy else "")
-        except Exception:
-            why = f"{type(error).__name__}, whose text cannot be had"
+        remedy = sympy_remedy(error)
+        why = f"{type(error).__name__}: {error}" + (f". Note: {remedy}." if remedy else "")
         raise ModelFileError(f"{path}{line}: the model file fails with {why}") from error
     return vars(module), files
-
-
-class _Output(io.TextIOBase):
-    """Prints of a model file, on stderr; closing it closes nothing else."""
-
-    def write(self, text: str) -> int:
-        """Pass the text on."""
-        return sys.stderr.write(text)
 
 
 class _Siblings:

@@ -178,8 +178,8 @@ def explain(
     as_json: Json = False,
 ) -> None:  # fmt: skip
     """Explain a scene: the parts compiled into it or left out, why, and the cost of each."""
+    from codegen.explain.ledger import compare as compare_ledgers
     from codegen.explain.ledger import explain as ledgers_of
-    from codegen.explain.ledger_records import compare as compare_ledgers
     from codegen.explain.picture import write
     from codegen.explain.terminal_table import show
 

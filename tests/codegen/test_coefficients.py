@@ -17,7 +17,7 @@ from codegen import Model
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Parameter, side
 from codegen.derive.equations import EffectEquations, Equations, derive
-from codegen.explain.sample_states import about_the_start, parameters
+from codegen.explain.element_times import about_the_start, parameters
 from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.reading.model_file import read_model

@@ -17,11 +17,8 @@ from codegen import Model
 from codegen.derive.equations import derive
 from codegen.errors import InputError
 from codegen.explain import element_times as timing
-from codegen.explain import kernel_timer as clock
-from codegen.explain.element_times import measure
-from codegen.explain.ledger import explain
-from codegen.explain.ledger_records import Ledger, Part, compare
-from codegen.explain.loops import loops_sentence
+from codegen.explain.element_times import about_the_start, measure
+from codegen.explain.ledger import Ledger, Part, compare, explain, loops_sentence
 from codegen.explain.operations_by_part import (
     cumulative_programs,
     marginal_operations,
@@ -30,7 +27,6 @@ from codegen.explain.operations_by_part import (
     timing_stages,
 )
 from codegen.explain.picture import figure, page
-from codegen.explain.sample_states import about_the_start
 from codegen.explain.terminal_table import notes
 from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.operation_count import operations
@@ -162,10 +158,10 @@ def test_measured_parts_telescope(root: Path, monkeypatch: pytest.MonkeyPatch) -
     programs = cumulative_programs(equations)
     chain = timing_stages(programs)
     states = about_the_start(programs[-1])
-    seen: list[clock.Timed] = []
-    real = clock.times
+    seen: list[timing.Timed] = []
+    real = timing.times
 
-    def counting(kernels: list[clock.Timed], states: clock.States, rounds: int) -> list[float]:
+    def counting(kernels: list[timing.Timed], states: timing.States, rounds: int) -> list[float]:
         seen.extend(kernels)
         found = real(kernels, states, rounds)
         assert len(found) == len(kernels)

@@ -15,13 +15,12 @@ from codegen import ModelError
 from codegen.declare.element import Constraint
 from codegen.declare.symbols import given
 from codegen.derive.constraint_terms import constraint_terms
+from codegen.elements.joints.weld import Weld
 from codegen.elements.registry import kinds_of_elements
-from codegen.reference import examples
+from codegen.reference.abbreviations import MEANINGS, Abbreviations, lettered
 from codegen.reference.examples import Pair, example_of
 from codegen.reference.latex import WIDTH, aligned, latex, symbol, width
 from codegen.reference.pages import markdown, page, slug, write
-from codegen.reference.repeated_sums import Abbreviations
-from codegen.reference.vector_letters import MEANINGS, lettered
 from linkwright.cli.application import app
 from tests.codegen.elements.drum import StringOnDrum, winch
 
@@ -179,8 +178,8 @@ def test_an_own_element_without_a_model_is_asked_for_one() -> None:
 
 
 def test_a_kind_of_the_library_without_an_example_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delitem(examples._DECLARATIONS, "weld")
-    with pytest.raises(ModelError, match="element 'weld' has no example; add one to JOINTS of"):
+    monkeypatch.delattr(Weld, "example")
+    with pytest.raises(ModelError, match="element 'weld' has no example; add one to Weld of"):
         page("weld")
 
 

@@ -71,9 +71,14 @@ def test_every_kind_with_problems_has_bad_input(root: Path) -> None:
 def test_page_about_new_elements_shows_the_source(root: Path) -> None:
     page = (root / "docs" / "development" / "new-element.md").read_text(encoding="utf-8")
     shown = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
-    sources = ("elements/joints/weld.py", "model/joints.py")
+    sources = (
+        *("codegen/elements/joints/weld.py", "codegen/model/joints.py"),
+        *("codegen/elements/forces/motor.py", "codegen/model/transmissions.py"),
+        "tests/codegen/elements/test_exerted_by_bodies.py",
+        "tests/codegen/elements/test_bad_forces.py",
+    )
     for snippet, source in zip(shown, sources, strict=True):
-        assert snippet in (root / "codegen" / source).read_text(encoding="utf-8")
+        assert snippet in (root / source).read_text(encoding="utf-8"), source
 
 
 @pytest.mark.usefixtures("own_kinds")

@@ -20,6 +20,11 @@ class PointDriver(Driver):
     """
 
     kind = "point driver"
+    example = """
+        points = [0, 1, 2, 3, 4], [0, 0.3, 0.8, 1, 0.8]
+        lift = model.table("lift", *points, units=("s", "m"), kind="spline")
+        model.point_driver("hand", Q, "y", lift(t))
+    """
     name: str
     point: Point
     letter: Letter

@@ -32,6 +32,7 @@ class DistanceDriver(Driver):
     """
 
     kind = "distance driver"
+    example = 'model.distance_driver("cylinder", P, Q, 2 + sin(3 * t) / 2)'
     name: str
     i: Point
     j: Point

@@ -21,6 +21,8 @@ class RelativeDriver(Driver):
     """
 
     kind = "relative driver"
+    example = 'model.rotation_driver("motor", P, Q, 2 * t**2)'
+    declared_by = ("relative_driver", "rotation_driver")
     name: str
     i: Point
     j: Point

@@ -21,6 +21,7 @@ class TranslationDriver(Driver):
     """
 
     kind = "translation driver"
+    example = 'model.translation_driver("slide", P, Q, sin(3 * t), axis=(2, 1))'
     name: str
     i: Point
     j: Point

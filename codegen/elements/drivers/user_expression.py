@@ -15,6 +15,10 @@ class Motion(Driver):
     """driven - law(t) = 0; its reaction is the force that the driver exerts along `driven`."""
 
     kind = "driver"
+    example = """
+        omega = model.parameter("omega", 2.0, unit="rad/s")
+        model.driver("motor", i.phi, pi / 4 + omega * t)
+    """
     name: str
     driven: sympy.Expr
     law: sympy.Expr

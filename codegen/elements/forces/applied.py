@@ -21,6 +21,7 @@ class AppliedForce(Effect):
     """
 
     kind = "force"
+    example = 'model.force("brake", on=P, fx=-5 * i.vx, fy=3.0, frame="body")'
     name: str
     point: Point
     fx: sympy.Expr
@@ -87,6 +88,7 @@ class AppliedTorque(Effect):
     """
 
     kind = "torque"
+    example = 'model.torque("motor", on=j, value=10 - 2 * j.omega, when=j.omega > 0)'
     name: str
     body: Body
     value: sympy.Expr

@@ -23,6 +23,11 @@ class Bushing(Effect):
     """
 
     kind = "bushing"
+    example = """
+        kx, ky = (model.parameter(k, 90.0, unit="N/m") for k in ("k_x", "k_y"))
+        cx, cy = (model.parameter(c, 3.0, unit="N s/m") for c in ("c_x", "c_y"))
+        model.bushing("rubber", P, Q, stiffness=(kx, ky, 5.0), damping=(cx, cy, 0.2))
+    """
     name: str
     i: Point
     j: Point

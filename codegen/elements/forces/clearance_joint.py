@@ -29,6 +29,12 @@ class ClearanceJoint(Effect):
     """
 
     kind = "clearance joint"
+    example = """
+        K = model.parameter("K", 1e9)
+        mu = model.parameter("mu", 0.1)
+        model.clearance_joint("pin", P, Q, clearance=1e-4, stiffness=K, damping=0.5, coefficient=mu,
+                              creep=1e-3, radius=0.01)
+    """
     name: str
     i: Point
     j: Point

@@ -29,6 +29,10 @@ class ElasticBelt(WheelPair, GapSprings):
     """
 
     kind = "elastic belt"
+    example = """
+        k = model.parameter("k", 2e4, unit="N/m")
+        model.elastic_belt("belt", i, j, 0.1, 0.3, stiffness=k, pretension=50.0)
+    """
     name: str
     i: Body
     j: Body

@@ -31,6 +31,11 @@ class GearWithBacklash(WheelPair, GapSprings):
     """
 
     kind = "gear with backlash"
+    example = """
+        k = model.parameter("k", 5e6, unit="N/m")
+        c = model.parameter("c", 200.0, unit="N s/m")
+        model.gear_with_backlash("mesh", i, j, 0.1, 0.3, backlash=1e-4, stiffness=k, damping=c)
+    """
     name: str
     i: Body
     j: Body

@@ -62,6 +62,10 @@ class DryFriction(Effect):
     """
 
     kind = "dry friction"
+    example = """
+        mu, mu_s = model.parameter("mu", 0.2), model.parameter("mu_s", 0.3)
+        model.dry_friction("rub", P, Q, axis=(1, 0), normal=50.0, coefficient=mu, static=mu_s)
+    """
     name: str
     slip: sympy.Expr
     normal: sympy.Expr

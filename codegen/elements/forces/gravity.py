@@ -13,6 +13,7 @@ class Gravity(Effect):
     """V = -Σ m (g_x x + g_y y)."""
 
     kind = "gravity"
+    example = 'model.gravity("weight", (0, -9.81))'
     name: str
     gx: sympy.Expr
     gy: sympy.Expr

@@ -46,6 +46,11 @@ class JointFriction(el.Effect):
     """
 
     kind = "friction"
+    example = """
+        mu = model.parameter("mu", 0.2)
+        pin = model.revolute("pin", P, Q)
+        model.friction("rub", pin, mu, creep=1e-3, radius=0.02)
+    """
     name: str
     joint: Any
     coefficient: sympy.Expr

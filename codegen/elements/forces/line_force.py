@@ -18,6 +18,10 @@ class LineForce(SpanMeasures, Effect):
     """
 
     kind = "line force"
+    example = """
+        p = model.table("p", [0, 1, 2, 3, 4], [9e3, 4e3, 2e3, 1e3, 5e2], units=("m", "N"))
+        model.line_force("cylinder", P, Q, lambda length, rate: -p(length) + 30 * rate)
+    """
     name: str
     i: Point
     j: Point

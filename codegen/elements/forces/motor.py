@@ -22,6 +22,11 @@ class Motor(measures.TurnMeasures, Effect):
     """
 
     kind = "motor"
+    example = """
+        T_s = model.parameter("T_s", 0.8, unit="N m")
+        omega_0 = model.parameter("omega_0", 300.0, unit="rad/s")
+        model.motor("motor", on=j, from_=i, stall_torque=T_s, no_load_speed=omega_0)
+    """
     name: str
     i: Body
     j: Body

@@ -31,6 +31,7 @@ class OneWayClutch(measures.TurnMeasures, Effect):
     """
 
     kind = "one-way clutch"
+    example = 'model.one_way_clutch("freewheel", driver=i, driven=j)'
     name: str
     i: Body
     j: Body

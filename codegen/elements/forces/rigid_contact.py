@@ -33,6 +33,10 @@ class RigidContact(Effect):
     """
 
     kind = "rigid contact"
+    example = """
+        e = model.parameter("e", 0.5)
+        model.contact("stop", P, Q, restitution=e, free_length=1, direction=(1, 0))
+    """
     name: str
     gap: sympy.Expr
     restitution: sympy.Expr

@@ -25,6 +25,12 @@ class Spring(measures.SpanMeasures, measures.SpringDamper):
     """
 
     kind = "spring"
+    example = """
+        k = model.parameter("k", 200.0, unit="N/m")
+        l0 = model.parameter("l_0", 0.8, unit="m")
+        c = model.parameter("c", 3.0, unit="N s/m")
+        model.spring("strut", P, Q, stiffness=k, free_length=l0, damping=c)
+    """
     name: str
     i: Point
     j: Point

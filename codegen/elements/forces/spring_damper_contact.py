@@ -131,6 +131,11 @@ class Contact(GapSprings):
     """
 
     kind = "contact"
+    example = """
+        k = model.parameter("k", 1e4, unit="N/m")
+        c = model.parameter("c", 20.0, unit="N s/m")
+        model.contact("stop", P, Q, stiffness=k, damping=c, free_length=1, direction=(1, 0))
+    """
     name: str
     gap: sympy.Expr
     stiffness: sympy.Expr

@@ -21,6 +21,11 @@ class Stop(GapSprings):
     """
 
     kind = "stop"
+    example = """
+        k = model.parameter("k", 500.0, unit="N m/rad")
+        pin = model.revolute("pin", P, Q)
+        model.stop("limit", pin, lower=-pi / 3, upper=pi / 2, stiffness=k)
+    """
     name: str
     scalar: sympy.Expr
     lower: sympy.Expr | None

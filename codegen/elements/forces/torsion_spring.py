@@ -20,6 +20,11 @@ class TorsionSpring(measures.TurnMeasures, measures.SpringDamper):
     """
 
     kind = "torsion spring"
+    example = """
+        k = model.parameter("k", 30.0, unit="N m/rad")
+        c = model.parameter("c", 0.4, unit="N m s/rad")
+        model.torsion_spring("coil", i, j, stiffness=k, free_angle=pi / 6, damping=c)
+    """
     unit = "rad"
     name: str
     i: Body

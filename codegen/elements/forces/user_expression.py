@@ -13,6 +13,7 @@ class Potential(Effect):
     """Potential energy V(q), in joule; its forces are -∂V/∂q."""
 
     kind = "potential"
+    example = 'model.potential("pendulum", 20 * (1 - cos(i.phi)))'
     name: str
     energy: sympy.Expr
     on: tuple[Body, ...]
@@ -35,6 +36,7 @@ class GeneralizedForce(Effect):
     """Forces Q along coordinates, N for lengths and N m for angles."""
 
     kind = "generalized force"
+    example = 'model.generalized_force("friction", {j.phi: -0.1 * (j.omega - i.omega)})'
     name: str
     components: tuple[tuple[Coordinate, sympy.Expr], ...]
     on: tuple[Body, ...]

@@ -18,6 +18,7 @@ class Absolute(Constraint):
     """x_j^P = c, y_j^P = c or φ_j = c; the reaction is that of the ground on the body."""
 
     kind = "absolute"
+    example = 'model.absolute("level", Q, "y", 0.5)'
     name: str
     ground: Body
     point: Point

@@ -32,6 +32,10 @@ class Belt(WheelPair, Constraint):
     """
 
     kind = "belt"
+    example = """
+        r_i, r_j = (model.parameter(r, 0.2, unit="m") for r in ("r_i", "r_j"))
+        model.belt("chain", i, j, r_i, r_j)
+    """
     name: str
     i: Body
     j: Body

@@ -34,6 +34,10 @@ class CamFlatFollower(Constraint):
     """
 
     kind = "cam and flat-faced follower"
+    example = """
+        e = model.parameter("e", 0.1, unit="m")
+        model.cam_flat_follower("touch", i.circle(0.5, center=(e, 0)), Q, axis=(1, 0))
+    """
     name: str
     cam: Curve
     face: Point

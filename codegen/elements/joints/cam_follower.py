@@ -32,6 +32,10 @@ class CamFollower(Constraint):
     """
 
     kind = "cam and follower"
+    example = """
+        e = model.parameter("e", 0.1, unit="m")
+        model.cam_follower("touch", i.circle(0.5, center=(e, 0)), j.circle(0.25))
+    """
     name: str
     cam: Curve
     follower: Curve

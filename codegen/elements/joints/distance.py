@@ -13,3 +13,4 @@ class Distance(RevoluteRevolute):
     """
 
     kind = "distance"
+    example = 'model.distance("wire", P, Q, 2.0)'

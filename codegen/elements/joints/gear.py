@@ -48,6 +48,7 @@ class Gear(Constraint):
     """
 
     kind = "gear"
+    example = 'model.gear("mesh", i, j, 0.2, 0.3)'
     name: str
     i: Point
     j: Point

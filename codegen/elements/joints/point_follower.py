@@ -28,6 +28,10 @@ class PointFollower(Constraint):
     """
 
     kind = "point follower"
+    example = """
+        a = model.parameter("a", 0.6, unit="m")
+        model.point_follower("slot", i.curve(a * cos(alpha), 0.5 * sin(alpha)), Q)
+    """
     name: str
     curve: Curve
     point: Point

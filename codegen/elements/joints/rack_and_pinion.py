@@ -30,6 +30,7 @@ class RackAndPinion(Constraint):
     """
 
     kind = "rack-and-pinion"
+    example = 'model.rack_and_pinion("teeth", pinion=Q, rack=P, radius=0.2, axis=(1, 0))'
     name: str
     pinion: Point
     rack: Point

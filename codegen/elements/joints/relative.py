@@ -25,6 +25,7 @@ class Relative(Constraint):
     """
 
     kind = "relative"
+    example = 'model.relative("beside", P, Q, "x", 0.5)'
     name: str
     i: Point
     j: Point

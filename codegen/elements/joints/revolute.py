@@ -16,6 +16,7 @@ class Revolute(Constraint):
     """r_i + A_i s'_i - r_j - A_j s'_j = 0; the reaction axes are those of the first body."""
 
     kind = "revolute"
+    example = 'model.revolute("pin", P, Q)'
     name: str
     i: Point
     j: Point

@@ -23,6 +23,7 @@ class RevoluteRevolute(Constraint):
     """
 
     kind = "revolute-revolute"
+    example = 'model.revolute_revolute("link", P, Q, 2.0)'
     name: str
     i: Point
     j: Point

@@ -25,6 +25,7 @@ class RevoluteTranslational(Constraint):
     """
 
     kind = "revolute-translational"
+    example = 'model.revolute_translational("slot", P, Q, axis=(2, 1))'
     name: str
     i: Point
     j: Point

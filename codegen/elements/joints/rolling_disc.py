@@ -28,6 +28,7 @@ class RollingDisc(Constraint):
     """
 
     kind = "rolling disc"
+    example = 'model.rolling_disc("roll", disc=Q, line=P, radius=0.2, axis=(1, 0))'
     name: str
     disc: Point
     line: Point

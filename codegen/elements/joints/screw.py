@@ -27,6 +27,10 @@ class Screw(Constraint):
     """
 
     kind = "screw"
+    example = """
+        spindle = model.body("spindle", mass=1.0, inertia=0.002)
+        model.screw("thread", P, Q, spindle, lead=0.05, axis=(1, 0))
+    """
     name: str
     frame: Point
     nut: Point

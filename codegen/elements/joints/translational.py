@@ -24,6 +24,7 @@ class Translational(Constraint):
     """
 
     kind = "translational"
+    example = 'model.translational("guide", P, Q, axis=(2, 1), angle=0.3)'
     name: str
     i: Point
     j: Point

@@ -13,6 +13,7 @@ class ExpressionConstraint(Constraint):
     """Any equations of coordinates, parameters and t; each expression is kept at zero."""
 
     kind = "constraint"
+    example = 'model.constraint("pulley", i.y + 2 * j.y - 1)'
     name: str
     phi: tuple[sympy.Expr, ...]
     on: tuple[Body, ...]

@@ -23,6 +23,7 @@ class Weld(Constraint):
     """
 
     kind = "weld"
+    example = 'model.weld("seam", P, Q, angle=0.3)'
     name: str
     i: Point
     j: Point

@@ -11,7 +11,7 @@ from codegen.declare.element import Constraint, Effect, FrictionLaw
 from codegen.elements import registry
 from codegen.elements.forces.spring import Spring
 from codegen.elements.registry import kinds_of_elements
-from codegen.explain.elements_and_outputs_in_scene import Inventory
+from codegen.explain.ledger import Inventory
 from codegen.reading.scene_selection import valid_scenes
 
 
