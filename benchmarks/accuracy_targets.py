@@ -21,10 +21,10 @@ from benchmarks.single_runs import GRID, LONG, Single, error_of, prepared, singl
 from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
+    from runtime.accuracy_target.run_comparison import Quantities
     from runtime.machine_facade import Machine
     from runtime.results.accuracy_target_record import ReachedAccuracy
     from runtime.results.result import Result
-    from runtime.studies.accuracy_target.run_difference import Quantities
 
 Array = npt.NDArray[np.float64]
 
@@ -132,7 +132,7 @@ def _of_scene(
     repeats: int,
     grid: Sequence[float],
 ) -> Iterator[Row]:
-    from runtime.studies.accuracy_target.run_difference import quantities_of
+    from runtime.accuracy_target.run_comparison import quantities_of
 
     t = np.linspace(0.0, t_end, POINTS)
     quantities = quantities_of(machine.description, None, prepared(machine, t).sizes)

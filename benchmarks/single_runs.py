@@ -13,13 +13,13 @@ import numpy.typing as npt
 from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
+    from runtime.accuracy_target.run_comparison import Quantities
     from runtime.dynamics.formulations import Coordinates
     from runtime.dynamics.prepared_simulation import PreparedSimulation
     from runtime.integrate.problem import Options
     from runtime.integrate.trajectory import Trajectory
     from runtime.machine_facade import Machine
     from runtime.results.result import Result
-    from runtime.studies.accuracy_target.run_difference import Quantities
 
 Array = npt.NDArray[np.float64]
 
@@ -103,7 +103,7 @@ def prepared(machine: "Machine", t: Array) -> "PreparedSimulation":
 
 def error_of(reference: "Result", values: Array, quantities: "Quantities") -> float:
     """Largest |y - r| / (s + |r|) at the instants that `values` has."""
-    from runtime.studies.accuracy_target.run_difference import difference
+    from runtime.accuracy_target.run_comparison import difference
 
     count = len(values)
     return difference(

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -140,7 +141,6 @@ class Machine(MachineStates):
         """
         from runtime.dynamics.output_conditions import read_conditions, simulate_until
         from runtime.dynamics.scene_of_start import parameters_there, scene_of_start
-        from runtime.studies.accuracy_target import accuracy_or_tolerances
 
         require_motion(self.mechanism, "simulate")
         mechanism = scene_of_start(self.mechanism, start)
@@ -161,7 +161,15 @@ class Machine(MachineStates):
             refuse_store(mechanism, settings, until)
             given["out"] = Path(place)
         conditions = () if until is None else read_conditions(mechanism.description, until)
-        analyse = accuracy_or_tolerances(mechanism, **settings)
+        if accuracy is None and quantities is None:
+            from runtime.dynamics.connected_simulation import simulate
+
+            given |= {name: value for name, value in settings.items() if value is not None}
+            analyse: Callable[..., Result] = partial(simulate, mechanism)
+        else:
+            from runtime.accuracy_target import prepare_search
+
+            analyse = prepare_search(mechanism, **settings)
         with bar(f"simulate {mechanism.title}", given.pop("progress")) as report:
             if until is None:
                 return analyse(**given, progress=report)

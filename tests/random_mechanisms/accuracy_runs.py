@@ -19,9 +19,9 @@ import numpy as np
 
 from codegen.errors import LinkwrightError
 from runtime import Machine, Outcome, load
+from runtime.accuracy_target.run_comparison import Quantities, difference, quantities_of
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.results.result import Result
-from runtime.studies.accuracy_target.run_difference import Quantities, difference, quantities_of
 from tests.random_mechanisms import Scales, random_mechanism
 
 TARGETS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)

@@ -140,6 +140,6 @@ def test_unknown_quantities_are_refused_before_anything_runs(
     def never(*_: object, **__: object) -> None:
         raise AssertionError("a run was prepared")
 
-    monkeypatch.setattr("runtime.studies.accuracy_target.search.PreparedSimulation", never)
+    monkeypatch.setattr("runtime.accuracy_target.search.PreparedSimulation", never)
     with pytest.raises(InputError, match=r"no series 'a'.*\n.*no series 'b'"):
         pendulum.simulate(0.01, accuracy=1e-4, quantities=np.array(["a", "b"]), progress=False)  # type: ignore[arg-type]

@@ -9,9 +9,9 @@ from codegen.errors import UnknownNameError
 from codegen.object_display import counted, html_of, html_table
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class
+from runtime.accuracy_target.error_norms import Errors, Scale
 from runtime.integrate.method import IMPLICIT
 from runtime.results.samples import plain
-from runtime.studies.error_norms import Errors, Scale
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,14 +15,15 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from codegen.errors import InputError, LinkwrightError
+from runtime.accuracy_target.error_norms import Errors, Scale, errors, scaled_errors, scales
+from runtime.accuracy_target.run_comparison import own_instants
 from runtime.integrate.method import LEADING, MULTISTEP, REGISTER, SWITCHING
 from runtime.mechanism.dense_equations import Equations, magnitudes
 from runtime.results.result import Result
 from runtime.studies import series_by_name as by_name
-from runtime.studies.ends_and_reconnections import Places, own_instants
-from runtime.studies.error_norms import Errors, Scale, errors, scaled_errors, scales
 from runtime.studies.series_by_name import FloatArray
 from runtime.studies.work_precision.diagram import Check, Reference, Setting
 from runtime.studies.work_precision.timed_runs import Runner, outcome_name
@@ -108,6 +109,41 @@ def read_reference(
         raise InputError(f"{where} it ends at t = {table[-1, 0]:g} s, before {t_end:g} s.")
     table = table[table[:, 0] <= (np.inf if t_end is None else t_end)]
     return ReferenceFile(path, names, table[:, 0].copy(), table[:, 1:].copy())
+
+
+class Places(NamedTuple):
+    """The instants of a run with which others are compared."""
+
+    t: FloatArray  # s, (k,); where a condition ended it, the last is that end
+    start: float  # s
+    instants: dict[str, float]  # its own, s
+    are_compared: bool  # whether these, and its end, are quantities
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of its own instants, where they are quantities."""
+        return tuple(self.instants) if self.are_compared else ()
+
+    def rows(self, result: Result) -> npt.NDArray[np.int64]:
+        """The rows of another run with the same ways, (k,); behind its end that of its end."""
+        last = len(result.t) - 1
+        rows: npt.NDArray[np.int64] = np.minimum(np.searchsorted(result.t, self.t), last)
+        if self.are_compared and result.ended_by:
+            rows[-1:] = last
+        return rows
+
+    def columns(self, result: Result) -> FloatArray:
+        """The instants of a run as quantities over time, s since the start, (k, m)."""
+        own = own_instants(result)
+        values = [own[name] - self.start for name in self.names]
+        return np.tile(values, (len(self.t), 1)).reshape(len(self.t), len(values))
+
+    def difference(self, result: Result) -> str:
+        """Sentence on a run that ends, or changes joints, otherwise; empty where it does not."""
+        ways = [", ".join(one) or "none" for one in (own_instants(result), self.instants)]
+        if ways[0] == ways[1]:
+            return ""
+        return f"Its own instants are {ways[0]}, and those of the reference {ways[1]}."
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,11 @@ from sympy import pi
 from codegen import Model
 from codegen.errors import InputError
 from runtime import load
+from runtime.accuracy_target.run_comparison import own_instants
 from runtime.results.reconnection import Reconnection
 from runtime.studies.effect_ranking import matters
-from runtime.studies.ends_and_reconnections import Places, own_instants
 from runtime.studies.work_precision import accuracy
+from runtime.studies.work_precision.reference_solution import Places
 
 G = 9.81
 K = G / 1.1

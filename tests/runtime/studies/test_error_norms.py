@@ -8,7 +8,7 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 from runtime import load
-from runtime.studies.error_norms import Scale, errors, scales
+from runtime.accuracy_target.error_norms import Scale, errors, scales
 from runtime.studies.series_by_name import group_magnitude
 
 

@@ -5,7 +5,7 @@ import math
 
 from numpy.testing import assert_allclose
 
-from runtime.studies.error_norms import Errors, Scale
+from runtime.accuracy_target.error_norms import Errors, Scale
 from runtime.studies.work_precision.diagram import (
     Check,
     Choice,

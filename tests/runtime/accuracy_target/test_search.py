@@ -14,11 +14,11 @@ from codegen.errors import InputError
 from linkwright.cli.analyses import summary
 from linkwright.cli.application import app
 from models.hard.suite.linkages import crank_angle
+from runtime.accuracy_target.run_comparison import Quantities, difference, is_resolved
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
 from runtime.show.html_report import page
-from runtime.studies.accuracy_target.run_difference import Quantities, difference, is_resolved
 
 TARGETS = (1e-3, 1e-5, 1e-7, 1e-9)
 

@@ -4,7 +4,7 @@ The error of a run is about C times its relative tolerance, with C from 1 to 300
 and known for none beforehand; it scatters about that line by a power of ten. A run is therefore
 compared with another of much tighter tolerance. Their difference is the error of the first run, or
 of the second if that is larger by chance. From the first to the second, errors fall by the ratio of
-the tolerances as a rule; `run_difference` says what is counted on. If the estimate is below the
+the tolerances as a rule; `run_comparison` says what is counted on. If the estimate is below the
 target, the second run is the result; otherwise the difference shows how much tighter the next run
 must be.
 
@@ -17,13 +17,24 @@ concluded. With an implicit method, where it costs more, the gap is narrower.
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
 from codegen.termination_signals import SignalDeferral
+from runtime.accuracy_target.estimated_error import with_accuracy
+from runtime.accuracy_target.run_comparison import (
+    DIVERGED,
+    ROUNDING,
+    Pair,
+    Quantities,
+    Run,
+    compare,
+    quantities_of,
+    sufficient_ratio,
+)
+from runtime.accuracy_target.runs import WIDE, Choice, Choices, make_run, second_ratio
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.controllers import Functions
 from runtime.dynamics.formulations import formulate
@@ -36,20 +47,6 @@ from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.result import Result
-from runtime.studies.accuracy_target import run_difference as runs
-from runtime.studies.accuracy_target.choice_of_coordinates import (
-    WIDE,
-    Choice,
-    Choices,
-    second_ratio,
-)
-from runtime.studies.accuracy_target.result_with_estimated_error import with_accuracy
-from runtime.studies.accuracy_target.run_difference import Quantities
-from runtime.studies.accuracy_target.run_pair import Pair, Run, compare
-from runtime.studies.accuracy_target.runs_with_reconnections import run_with_reconnections
-from runtime.studies.ends_and_reconnections import own_instants
-from runtime.studies.series_by_name import require_numbers
-from runtime.studies.timing import processor_time
 
 _FIRST, _SLOPE = 5e-4, 0.9  # measured: rtol of the first run for a target of 1e-3; its power law
 _LOOSEST, _TIGHTEST = 1e-3, 1e-14  # safety: rtol of any run
@@ -96,13 +93,9 @@ def simulate_to(
         t_eval=ready.instants(t_eval), time_scale=time_scale, first_step=first_step,
         h_max=max_step, max_steps=max_steps, max_bytes=max_bytes,
     )  # fmt: skip
-    chosen = runs.quantities_of(mechanism.description, quantities, ready.sizes)
+    chosen = quantities_of(mechanism.description, quantities, ready.sizes)
     choices = Choices(ready, method, formulation, correction)
-    given = {
-        "t_start": t_start, "parameters": parameters, "guess": guess, "start": start,
-        "controllers": controllers,
-    }  # fmt: skip
-    return _Search(ready, given, choices, accuracy, chosen, options, progress).result(began)
+    return _Search(ready, choices, accuracy, chosen, options, progress).result(began)
 
 
 class _InterruptedError(Exception):
@@ -114,7 +107,6 @@ class _Search:
     """The runs, each planned from those before."""
 
     ready: PreparedSimulation
-    given: dict[str, Any]  # arguments of what is ready
     choices: Choices
     target: float
     quantities: Quantities
@@ -215,8 +207,8 @@ class _Search:
     def _is_final(self, pair: Pair) -> bool:
         """Whether no further run is needed, or helps."""
         largest, rtol = pair.difference.largest, pair.tight.options.rtol
-        margin = _MARGIN if rtol > runs.ROUNDING else 1.0  # a tighter run errs as much
-        small = largest < runs.DIVERGED and pair.share * largest <= margin * self.target
+        margin = _MARGIN if rtol > ROUNDING else 1.0  # a tighter run errs as much
+        small = largest < DIVERGED and pair.share * largest <= margin * self.target
         if pair.conclusive and small:
             return True
         return pair.tight_fails or rtol <= _tightest(pair) or len(self.runs) >= _MOST_RUNS
@@ -224,12 +216,12 @@ class _Search:
     def _tighter(self, pair: Pair) -> float:
         """rtol of the next run, so that its estimated error is the target less a margin."""
         largest, rtol = pair.difference.largest, pair.tight.options.rtol
-        if largest >= runs.DIVERGED or not pair.conclusive:
+        if largest >= DIVERGED or not pair.conclusive:
             return max(_TIGHTEST, _NEXT * rtol)
         error = largest * (rtol / pair.loose.options.rtol) ** _EXPECTED_POWER
-        factor = runs.sufficient_ratio(_MARGIN * self.target / error)
+        factor = sufficient_ratio(_MARGIN * self.target / error)
         following = rtol * min(_NEAR, max(_FAR, factor))
-        return max(following, runs.ROUNDING if rtol > runs.ROUNDING else _tightest(pair))
+        return max(following, ROUNDING if rtol > ROUNDING else _tightest(pair))
 
     def _run(self, choice: Choice, rtol: float) -> Run:
         """A run; the longest step, where it bounds the error, decreases as tolerances do.
@@ -246,46 +238,16 @@ class _Search:
             self.options, method=choice.method, rtol=rtol, h_max=longest,
             correction=choice.coordinates.correction,
         )  # fmt: skip
-        made = self._measured(choice, options)
+        made = make_run(
+            self.ready, choice, options, self.quantities, self.choices.correction, self.progress
+        )
         self.runs.append(made)
         if self.signals.arrived or made.path.outcome is Outcome.INTERRUPTED:
             raise _InterruptedError
         return made
 
-    def _measured(self, choice: Choice, options: Options) -> Run:
-        """A run with these settings, and the values of the quantities in it."""
-        ready, coordinates, quantities = self.ready, choice.coordinates, self.quantities
-        about, result = ready.mechanism.description, None
-        if any(row.reconnects for row in about.watched):
-            options = replace(options, correction=self.choices.correction)
-            result, path = run_with_reconnections(
-                ready, self.given, choice.formulation, options, self.progress
-            )
-            seconds = path.statistics.seconds
-        else:
-            path, seconds = processor_time(lambda: ready.run(coordinates, options, self.progress))
-        if result is None and quantities.are_states:
-            values, wholes = quantities.of_run(path.q, path.v), np.zeros(1)
-            ended_by = about.watched[path.stopped_by].name if path.stopped_by >= 0 else ""
-            if ended_by and not (len(path.t) and path.t[-1] == path.final_t):
-                end = quantities.of_run(path.final_q[None], path.final_v[None])
-                values = np.vstack([values, end])
-        else:
-            found = result or finish_simulation(
-                ready, coordinates, options, clock.perf_counter(), silent, path
-            )
-            values, wholes = quantities.of_result(found), quantities.wholes(found)
-            ended_by = found.ended_by
-            if path.outcome is Outcome.OK:  # else another run may go further
-                require_numbers(found.description, quantities.names, values)
-        instants = {f"t({ended_by})": path.final_t} if ended_by else {}
-        return Run(
-            choice.formulation, options, path, values, wholes, seconds, ended_by,
-            instants if result is None else own_instants(result), result,
-        )  # fmt: skip
-
 
 def _tightest(pair: Pair) -> float:
     """Tightest rtol after these two runs."""
-    near = pair.conclusive and pair.difference.largest < runs.DIVERGED
+    near = pair.conclusive and pair.difference.largest < DIVERGED
     return _LAST if near else _TIGHTEST

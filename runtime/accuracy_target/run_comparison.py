@@ -1,15 +1,23 @@
-"""The difference of two runs: how large it is, when, how it grows, and the error that it shows."""
+"""Two runs compared: how large their difference is, when, how it grows, the error that it shows.
+
+Runs that a condition ends have ends of their own. These are compared with each other, as are the
+instants at which joints come and go: each is a quantity, with an error of its own.
+"""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
+from runtime.accuracy_target.error_norms import scaled_errors
+from runtime.core.outcomes import Outcome
+from runtime.integrate.problem import Formulation, Options
+from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.module_tables import Description
+from runtime.results.accuracy_target_record import Trial
 from runtime.results.result import Result
-from runtime.studies.error_norms import scaled_errors
 from runtime.studies.series_by_name import FloatArray, group_magnitude, series_values
 
 DIVERGED = 0.1  # accuracy: scaled difference of runs that have nothing in common any more
@@ -22,6 +30,7 @@ _MOST = 1e-2  # accuracy: difference from which on it no longer grows as a small
 _STRAY = 10.0  # measured: difference over the second run's motion from which on it is an error
 _EACH, _ALL = 3.0, 30.0  # measured: growth over a quarter of an exponential divergence, over two
 _ENOUGH = 16  # safety: instants from which growth is estimated
+_LEAST_SHARE = 0.1  # safety: least share of a difference where the motions diverge later
 
 
 @dataclass(frozen=True)
@@ -59,7 +68,7 @@ def quantities_of(
 
     `sizes`, (n,): of coordinates, and of velocities per second. A result refuses unknown names.
     """
-    if names is not None and (isinstance(names, str) or not len(names)):
+    if names is not None and not len(names):
         raise InputError(
             f"{description.title}: quantities is {names!r}; it must be names of series, such as "
             f'("{description.coordinates.names[0]}",).'
@@ -182,3 +191,144 @@ def safe_share(ratio: float) -> float:
 def sufficient_ratio(share: float) -> float:
     """Ratio of rtol for which the error of the tighter run is this share of the looser one's."""
     return float(min(share / _SCATTER, share ** (1.0 / _SLOWEST)))
+
+
+def own_instants(result: Result) -> dict[str, float]:
+    """The instants of a run's changes and of its end by a condition, s: ``t(latch)#2``."""
+    ends = [(result.ended_by, float(result.t[-1]))] if result.ended_by else []
+    found = dict[str, float]()
+    for name, t in [*((one.joint, one.time) for one in result.reconnections), *ends]:
+        count = sum(1 for known in found if known.partition("#")[0] == f"t({name})")
+        found[f"t({name}){f'#{count + 1}' if count else ''}"] = t
+    return found
+
+
+@dataclass
+class Run:
+    """A run with the settings that it had."""
+
+    formulation: Formulation
+    options: Options
+    path: Trajectory
+    values: FloatArray  # of the quantities, (≥ k, c); of a run that a condition ended, there too
+    wholes: FloatArray  # magnitudes of the wholes that they are parts of, (c,) or (1,)
+    seconds: float  # processor time
+    ended_by: str = ""  # the condition that ended it
+    # of joints that came or went, of that end, s
+    instants: dict[str, float] = field(default_factory=dict)
+    result: Result | None = None  # of a run in which joints come and go
+    difference: float | None = None  # largest, from the run with which it was compared
+
+    @property
+    def t(self) -> FloatArray:
+        """Instants that are compared with those of the same time in other runs, s."""
+        path = self.path
+        return path.t[path.t < path.final_t] if self.ended_by else path.t
+
+    @property
+    def passed(self) -> tuple[str, ...]:
+        """Names of its instants."""
+        return tuple(self.instants)
+
+    @property
+    def record(self) -> Trial:
+        """Settings, cost and outcome."""
+        counts, options = self.path.statistics, self.options
+        return Trial(
+            options.method, self.formulation, options.rtol, self.seconds, counts.rhs, counts.steps,
+            counts.events, self.path.outcome.name, self.difference,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two runs, the second with the tighter tolerance, and their difference.
+
+    A vibration that the loose run does not resolve at all makes a difference of its own size, which
+    shows nothing about the tight run.
+    """
+
+    loose: Run
+    tight: Run
+    difference: Difference
+    resolved: bool
+
+    @property
+    def tight_fails(self) -> bool:
+        """Whether the tighter run fails before the end of the looser one."""
+        failed = self.tight.path.outcome is not Outcome.OK
+        return failed and len(self.tight.t) < len(self.loose.t)
+
+    @property
+    def alike(self) -> bool:
+        """Whether the same joints come and go in both, and the same condition ends them."""
+        return self.loose.passed == self.tight.passed
+
+    @property
+    def conclusive(self) -> bool:
+        """Whether all of the tighter run was compared with a run that resolves all motions."""
+        compared = len(self.loose.t) >= len(self.tight.t) or bool(self.tight.ended_by)
+        return self.resolved and self.alike and compared and not self.tight_fails
+
+    @property
+    def agrees(self) -> bool:
+        """Whether an independent coordinate moves in both runs alike, to the last digit.
+
+        Two runs with different steps err differently, unless nothing acts at the instants at which
+        they look.
+        """
+        runs, count = (self.loose.path, self.tight.path), min(len(self.loose.t), len(self.tight.t))
+        free = runs[1].partitions.independent[:1].any(axis=0)
+        one, other = (np.hstack([run.q[:count, free], run.v[:count, free]]) for run in runs)
+        if self.alike and self.tight.ended_by:
+            ends = (np.hstack([run.final_q[free], run.final_v[free]]) for run in runs)
+            one, other = (np.vstack(pair) for pair in zip((one, other), ends, strict=True))
+        same = (one == other).all(axis=0).reshape(2, -1).all(axis=0)
+        return bool(same.any()) or self.difference.largest == 0.0
+
+    @property
+    def share(self) -> float:
+        """Share of the difference that the error of the tighter run is estimated to be."""
+        largest = self.difference.largest
+        if not self.conclusive or largest <= ROUNDING:  # rounding, in both runs alike
+            return 1.0
+        loose, tight = (max(run.options.rtol, ROUNDING) for run in (self.loose, self.tight))
+        share = safe_share(tight / loose)
+        return max(share, _LEAST_SHARE) if largest >= DIVERGED else share
+
+    @property
+    def by_merit(self) -> tuple[Run, Run]:
+        """The run that is the result, and the one with which it was compared."""
+        return (self.loose, self.tight) if self.tight_fails else (self.tight, self.loose)
+
+
+def compare(loose: Run, tight: Run, quantities: Quantities, target: float) -> Pair:
+    """Two runs at the instants of the tighter one that the looser one reached.
+
+    Behind the end of a looser run that a condition ended, and at the end of the tighter one, it is
+    their ends that are compared.
+    """
+    count = min(len(loose.t), len(tight.t))
+    t, old, new = tight.t[:count], loose.values[:count], tight.values[:count]
+    if tight.ended_by and loose.passed == tight.passed:
+        rows = len(tight.t) - count + 1
+        t = np.append(tight.t, tight.path.final_t)
+        old, new = (
+            np.vstack([part, np.repeat(run.values[-1:], rows, axis=0)])
+            for part, run in ((old, loose), (new, tight))
+        )
+    found = difference(t, old, new, quantities, tight.wholes)
+    resolved = is_resolved(found, new, target)
+    common = [
+        (name, first, second)
+        for (name, first), (other, second) in zip(
+            loose.instants.items(), tight.instants.items(), strict=False
+        )
+        if name == other
+    ]
+    if common:
+        names, *instants = zip(*common, strict=True)
+        first, second = np.array(instants)
+        found = with_instants(found, names, first, second, tight.path.first_t)
+    tight.difference = found.largest
+    return Pair(loose, tight, found, resolved)

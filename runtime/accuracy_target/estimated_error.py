@@ -5,14 +5,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from codegen.errors import AnalysisError
+from runtime.accuracy_target.run_comparison import (
+    DIVERGED,
+    Difference,
+    Pair,
+    Quantities,
+    Run,
+    tenfold_time,
+)
 from runtime.core.outcomes import Outcome
 from runtime.core.unit_roundoff import EPS
 from runtime.results.accuracy_target_record import Estimate, ReachedAccuracy
 from runtime.results.result import Result
 from runtime.results.result_restriction import end_after
-from runtime.studies.accuracy_target import run_difference
-from runtime.studies.accuracy_target.run_difference import Difference, Quantities
-from runtime.studies.accuracy_target.run_pair import Pair, Run
 
 
 def with_accuracy(
@@ -27,9 +32,8 @@ def with_accuracy(
     difference, share = pair.difference, pair.share
     trials = tuple(run.record for run in runs)
     delivered = pair.by_merit[0].record
-    diverged = run_difference.DIVERGED
-    of_all = share if difference.largest < diverged else 1.0
-    count = difference.within(min(target / share, diverged))
+    of_all = share if difference.largest < DIVERGED else 1.0
+    count = difference.within(min(target / share, DIVERGED))
     reached = len(result.t)
     if result.outcome is not Outcome.OK and reached - len(difference.t) <= 1:
         reached = len(difference.t)  # both end by themselves, on either side of an instant
@@ -39,7 +43,7 @@ def with_accuracy(
         quantities=tuple(_estimates(quantities, difference, of_all)), method=delivered.method,
         formulation=delivered.formulation, rtol=delivered.rtol, runs=trials,
         horizon=None if whole else float(difference.t[count - 1] if count else result.t[0]),
-        tenfold=run_difference.tenfold_time(difference),
+        tenfold=tenfold_time(difference),
         means=_explanation(pair, reasons), seconds=sum(trial.seconds for trial in trials),
     )  # fmt: skip
     if whole:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
 
 from codegen.errors import InputError
 from runtime.integrate.problem import Formulation
@@ -14,19 +13,11 @@ FINEST = 1e-12  # accuracy: tightest target; rounding shows below it
 COARSEST = 0.1  # accuracy: loosest target
 
 
-def accuracy_or_tolerances(
+def prepare_search(
     mechanism: Mechanism, accuracy: float | None, quantities: Sequence[str] | None,
     rtol: float | None, atol: float | None, method: str | None, formulation: Formulation | None,
 ) -> Callable[..., Result]:  # fmt: skip
     """The simulation with these settings, to be called with times; InputError if they conflict."""
-    settings: dict[str, Any] = {"rtol": rtol, "atol": atol}
-    tolerances = {name: value for name, value in settings.items() if value is not None}
-    chosen: dict[str, Any] = {"method": method, "formulation": formulation}
-    if accuracy is None and quantities is None:
-        from runtime.dynamics.connected_simulation import simulate
-
-        chosen = {name: value for name, value in chosen.items() if value is not None}
-        return partial(simulate, mechanism, **tolerances, **chosen)
     problems = []
     if accuracy is None:
         problems.append("quantities without accuracy: give the error too, accuracy=1e-6.")
@@ -39,14 +30,18 @@ def accuracy_or_tolerances(
         problems += [
             f"accuracy = {accuracy:g} and {name} = {value:g} are both given; an accuracy chooses "
             "the tolerances. Leave one of them out."
-            for name, value in tolerances.items()
+            for name, value in (("rtol", rtol), ("atol", atol))
+            if value is not None
         ]
         problems += _unknown_quantities(mechanism.description, quantities or ())
     if accuracy is None or problems:
         raise InputError(f"{mechanism.title}: {text}" for text in problems)
-    from runtime.studies.accuracy_target.search import simulate_to
+    from runtime.accuracy_target.search import simulate_to
 
-    return partial(simulate_to, mechanism, accuracy=accuracy, quantities=quantities, **chosen)
+    return partial(
+        simulate_to, mechanism, accuracy=accuracy, quantities=quantities, method=method,
+        formulation=formulation,
+    )  # fmt: skip
 
 
 def _unknown_quantities(description: Description, names: Sequence[str]) -> list[str]:

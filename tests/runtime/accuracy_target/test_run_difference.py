@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from codegen.errors import AnalysisError
-from runtime.core.outcomes import Outcome
-from runtime.machine_facade import Machine
-from runtime.studies.accuracy_target.run_difference import (
+from runtime.accuracy_target.run_comparison import (
     Difference,
     difference,
     quantities_of,
@@ -14,6 +12,8 @@ from runtime.studies.accuracy_target.run_difference import (
     sufficient_ratio,
     tenfold_time,
 )
+from runtime.core.outcomes import Outcome
+from runtime.machine_facade import Machine
 
 
 def growing(error: np.ndarray, t: np.ndarray) -> Difference:
