@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from codegen.errors import InputError
+from codegen.files.whole_files import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
 NARROW, WIDE, UNKNOWN = 80, 140, 120
 """Least and largest width of a table in columns; width where the terminal does not report one."""
+PICTURES = (".png", ".svg", ".pdf")
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem;
        color: #1b1f24; }
@@ -52,7 +54,7 @@ def finish_axes(axes: "Axes", **grid: Any) -> None:
 
 
 def save_figure(figure: "Figure", target: Path | io.StringIO) -> None:
-    """Write .png or .svg; the .svg of one figure has the same bytes every time."""
+    """Write .png, .svg or .pdf; the .svg of one figure has the same bytes every time."""
     import matplotlib as mpl
 
     svg = isinstance(target, io.StringIO) or target.suffix.lower() == ".svg"
@@ -77,6 +79,19 @@ def html_page(title: str, parts: Iterable[str]) -> str:
         f"<title>{escape(title)}</title><style>{STYLE}</style></head>\n"
         f"<body>\n{body}\n</body></html>\n"
     )
+
+
+def save_picture(figure: "Figure", path: Path) -> None:
+    """Write a picture, whole or not at all."""
+    with whole_file(path) as temporary:
+        save_figure(figure, temporary)
+
+
+def check_picture(path: Path) -> None:
+    """Refuse an ending that is no picture's, or a place in no folder, before anything is drawn."""
+    if path.suffix.lower() not in PICTURES:
+        raise InputError(f"--out {path}: a picture ends in .png, .svg or .pdf.")
+    check_parent(path)
 
 
 def check_parent(path: Path) -> None:

@@ -35,7 +35,6 @@ from linkwright.cli.output import (
 app = typer.Typer()
 command = partial(app.command, rich_help_panel="Declare")
 KINDS = completion.MODELS_TO_START_FROM
-_PICTURES = (".png", ".svg", ".pdf")
 
 
 @command(epilog=examples("linkwright new four_bar", "linkwright new press --kind slider-crank"))
@@ -195,14 +194,11 @@ def draw(
     as_json: Json = False,
 ) -> None:  # fmt: skip
     """Draw a machine as it is declared, at its start or at an instant, into a file."""
-    from codegen.figures_and_html import check_parent, save_figure
-    from codegen.files.whole_files import whole_file
+    from codegen.figures_and_html import check_picture, save_picture
 
-    if out.suffix.lower() not in _PICTURES:
-        raise InputError(f"--out {out}: a picture ends in .png, .svg or .pdf.")
+    check_picture(out)
     if guesses and t is not None:
         raise InputError("--guesses with --t: at an instant joints are closed; leave one out.")
-    check_parent(out)
     wanted: dict[str, Any] = {
         "parameters": parameters(settings), "dimensions": dimensions, "forces": forces,
         "frames": frames, "names": names,
@@ -216,8 +212,7 @@ def draw(
             from runtime.machine_loading import load
 
             figure = load(model, scene, generated=generated).draw(t, **wanted)
-        with whole_file(out) as temporary:
-            save_figure(figure, temporary)
+        save_picture(figure, out)
     write_line(f"Saved: {out}")
     if as_json:
         print_json({"ok": True, "saved": str(out)})

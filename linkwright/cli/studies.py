@@ -1,9 +1,8 @@
 """Commands that run a scene many times: accuracy, matters, sweep."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
@@ -85,9 +84,9 @@ def accuracy(
 ) -> None:  # fmt: skip
     """What each digit costs: digits against time, by method, formulation and modelling choice."""
     from runtime.integrate.method import METHODS
+    from runtime.studies.harness import FORMULATIONS
+    from runtime.studies.pictures import check_folder, save_diagram
     from runtime.studies.work_precision import accuracy as work_precision
-    from runtime.studies.work_precision import picture
-    from runtime.studies.work_precision.diagram import FORMULATIONS
 
     def analyse() -> "WorkPrecision":
         return work_precision(
@@ -99,11 +98,11 @@ def accuracy(
             **words(run, request.values()),
         )  # fmt: skip
 
-    diagram = _carry_out(request, analyse, picture, out)
+    diagram = _carry_out(request, analyse, check_folder, save_diagram, out)
     if not request.as_json:
         from runtime.show.table_formatting import show
+        from runtime.studies.tables import score, work
         from runtime.studies.work_precision.interpretation import sentences
-        from runtime.studies.work_precision.terminal_table import score, work
 
         show((score(diagram), work(diagram)), sentences(diagram))
 
@@ -148,8 +147,9 @@ def matters(
     **run: Any,
 ) -> None:  # fmt: skip
     """Which effects a quantity needs: its change without each of them, and the time that saves."""
+    from codegen.figures_and_html import check_picture
     from runtime.studies.effect_ranking import matters as rank_effects
-    from runtime.studies.effect_ranking import picture
+    from runtime.studies.pictures import save_ranking
 
     def analyse() -> "Matters":
         return rank_effects(
@@ -160,23 +160,25 @@ def matters(
             **words(run, request.values()),
         )  # fmt: skip
 
-    ranking = _carry_out(request, analyse, picture, out)
+    ranking = _carry_out(request, analyse, check_picture, save_ranking, out)
     if not request.as_json:
         from runtime.show.table_formatting import show
-        from runtime.studies.effect_ranking.terminal_table import sentences, table
+        from runtime.studies.effect_ranking.ranking import sentences
+        from runtime.studies.tables import ranking_table
 
-        show((table(ranking),), sentences(ranking))
+        show((ranking_table(ranking),), sentences(ranking))
 
 
 def _carry_out(
-    request: Request, analyse: Callable[[], Study], picture: ModuleType, out: Path | None
-) -> Study:
-    """Run a study and save its picture; with --json print its facts."""
+    request: Request, analyse: Callable[[], Study], check: Callable[[Path], None],
+    save: Callable[[Study, Path], Iterable[Path]], out: Path | None,
+) -> Study:  # fmt: skip
+    """Run a study and save its picture where the `check` permits; with --json print its facts."""
     if out is not None:
-        picture.check_place(out)
+        check(out)
     done = analyse()
     if out is not None:
-        for path in picture.save(done, out):
+        for path in save(done, out):
             write_line(f"Saved: {path}")
     if request.as_json:
         print_json({"ok": True, **done.facts()})
@@ -238,12 +240,11 @@ def sweep(
     **run: Any,
 ) -> None:  # fmt: skip
     """Run a scene for many values of its parameters, into a Zarr store; it can be resumed."""
-    from runtime.studies.effect_ranking.picture import check_place
+    from codegen.figures_and_html import check_picture, save_picture
     from runtime.sweeps import sweep as make
-    from runtime.sweeps.pictures import save
 
     if picture is not None:
-        check_place(picture)
+        check_picture(picture)
     if points is None:
         _refuse_listed_instants(request)
     keep_results()
@@ -259,7 +260,7 @@ def sweep(
     for line in repr(study).splitlines():
         write_line(line)
     if picture is not None and study.complete:
-        save(study.plot(), picture)
+        save_picture(study.plot(), picture)
         write_line(f"  Saved: {picture}")
     if request.as_json:
         print_json({"ok": good, **study.facts()})

@@ -188,7 +188,7 @@ class Case:
             As `load`; if the scene does not fit the model.
         """
         from runtime.machine_loading import load
-        from runtime.studies.scene_loading import cache_folder
+        from runtime.studies.harness import cache_folder
 
         model, scene = self.source()
         if isinstance(self.scene, dict):

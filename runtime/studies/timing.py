@@ -1,4 +1,4 @@
-"""Processor times of runs that are compared with each other, on a machine that others use as well.
+"""Processor times of runs that are compared, on a machine that others use as well; its facts.
 
 Processor time is measured, not wall-clock time: the scheduler interrupts a run longer than its time
 slice nearly every time where processors are busy, a short run hardly ever, so that wall-clock time
@@ -7,11 +7,19 @@ for a while at a time: runs are therefore repeated in turns, and the least time 
 """
 
 import math
+import platform
 import statistics
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from time import perf_counter, process_time
 from typing import TypeVar
 
+from codegen import __version__
+
+LIBRARIES = ("numba", "llvmlite", "numpy", "scipy", "sympy")
+MOST = 30  # safety: runs by which a time is taken, however short
 Answer = TypeVar("Answer")
 
 
@@ -69,6 +77,26 @@ def take_turns(watches: Sequence[Stopwatch], finished: Callable[[Stopwatch], boo
         waiting = [watch for watch in waiting if watch.repeat() and not finished(watch)]
 
 
+def time_runs(watches: Sequence[Stopwatch], rounds: int, least: float) -> None:
+    """Repeat runs in turns, until each was run `rounds` times and for `least` s, or `MOST` times.
+
+    Each has the time of a first run, which counts only if it was long: a short one met cold caches.
+    A run that takes `least` alone is repeated once.
+    """
+    first = [list(watch.times) for watch in watches]
+    for watch in watches:
+        if watch.seconds < least:
+            watch.times.clear()
+
+    def finished(watch: Stopwatch) -> bool:
+        enough = rounds if sum(watch.times) >= least else MOST
+        return watch.seconds >= least or len(watch.times) >= enough
+
+    take_turns(watches, finished)
+    for watch, times in zip(watches, first, strict=True):
+        watch.times = watch.times or times
+
+
 def time_to_error(points: Iterable[tuple[float, float]], error: float) -> float | None:
     """Time in which runs, from the loosest to the tightest, first reach an error.
 
@@ -86,3 +114,27 @@ def time_to_error(points: Iterable[tuple[float, float]], error: float) -> float 
             return math.exp(fast + share * (slow - fast))
         loose = worst, seconds
     return None
+
+
+def environment() -> dict[str, str]:
+    """Processor, operating system and versions: name → text."""
+    facts = {
+        "machine": processor(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(),
+        "linkwright": __version__,
+    }
+    for name in LIBRARIES:
+        with suppress(PackageNotFoundError):  # a library in a bundle may come without metadata
+            facts[name] = version(name)
+    return facts
+
+
+def processor() -> str:
+    """Name of the processor."""
+    information = Path("/proc/cpuinfo")
+    if information.is_file():
+        for line in information.read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()

@@ -1,6 +1,5 @@
 """Pictures of a study: a curve over one factor, a map over two, parallel axes of more."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -8,7 +7,6 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from codegen.figures_and_html import finish_axes, new_figure
-from codegen.files.whole_files import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,12 +36,6 @@ def figure(study: "Study", quantity: str) -> "Figure":
         _parallel(axes, study, quantity)
     axes.set_title(f"{study.facts()['facts']['model']}, {len(study)} runs", loc="left", fontsize=10)
     return drawn
-
-
-def save(drawn: "Figure", path: Path) -> None:
-    """Write a picture, whole or not at all."""
-    with whole_file(path) as temporary:
-        drawn.savefig(temporary)
 
 
 def _label(study: "Study", name: str) -> str:

@@ -14,13 +14,14 @@ from runtime.integrate.method import IMPLICIT
 from runtime.machine_facade import Machine
 from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
-from runtime.studies.effect_ranking.quantity import Function, declared_unit
-from runtime.studies.scene_loading import analysis_of, require_time_span
-from runtime.studies.series_by_name import own_name, series_names, unknown_series
-from runtime.studies.simulation_arguments import (
+from runtime.studies.harness import (
+    analysis_of,
     read_simulation_arguments,
     refuse_simulation_arguments,
+    require_time_span,
 )
+from runtime.studies.quantity import Function, declared_unit
+from runtime.studies.series_by_name import own_name, series_names, unknown_series
 from runtime.sweeps.block import companions_of
 from runtime.sweeps.column_names import name_problems
 from runtime.sweeps.design import Design

@@ -11,7 +11,7 @@ import numpy as np
 from codegen.errors import InputError
 from codegen.plain_values import one_line
 from runtime.results.samples import plain
-from runtime.studies.effect_ranking.quantity import Function, Quantity, parse_quantity
+from runtime.studies.quantity import Function, Quantity, parse_quantity
 from runtime.sweeps.programs import SOURCES, program_facts
 from runtime.sweeps.value_digest import ContentError, value_digest
 

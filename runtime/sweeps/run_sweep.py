@@ -13,9 +13,8 @@ from codegen.errors import InputError
 from codegen.plain_values import KindError
 from runtime.machine_facade import Machine
 from runtime.machine_loading import load
-from runtime.studies import scene_loading
-from runtime.studies.effect_ranking.quantity import Function
-from runtime.studies.simulation_arguments import takes_simulation_arguments
+from runtime.studies.harness import READERS, takes_simulation_arguments
+from runtime.studies.quantity import Function
 from runtime.sweeps import store
 from runtime.sweeps.design import NOTHING, Design, design_of, given_design, in_declared_units
 from runtime.sweeps.execution import begin_store, execute, job_of, require_same, store_lock
@@ -68,7 +67,7 @@ def _quantities(value: Any) -> dict[str, str | Function]:
 
 
 @readers.reads(
-    **{name: read for name, read in scene_loading.READERS.items() if name != "progress"},
+    **{name: read for name, read in READERS.items() if name != "progress"},
     over=_over, quantities=_quantities, out=readers.path,
     sample=readers.optional(readers.text("a name")), count=readers.optional(readers.count(1)),
     seed=readers.count(0), keep=_NAMES, points=readers.count(2, 10**7),

@@ -14,7 +14,7 @@ from codegen.errors import InputError
 from codegen.reading.scene_selection import valid_scenes
 from runtime import Machine, Result, load
 from runtime.mechanism import series_table
-from runtime.studies.effect_ranking.quantity import parse_quantity
+from runtime.studies.quantity import parse_quantity
 
 INSTANTS = np.linspace(0.0, 1.0, 201)
 EVERY = ["gravity", "strut", "coil", "floor", "gas", "bush", "law", "motor", "air", "rubber"]

@@ -17,17 +17,17 @@ from codegen.errors import InputError
 from runtime.assembly.start_values import start_values
 from runtime.core.analysis_names import ANALYSES, analysis_name, analysis_title
 from runtime.machine_facade import Machine
-from runtime.studies import scene_loading
-from runtime.studies.effect_ranking import trial_and_comparison
-from runtime.studies.effect_ranking.quantity import Function, parse_quantity
+from runtime.studies import harness
 from runtime.studies.effect_ranking.ranking import Matters, Proposal, Row, Verdict
-from runtime.studies.effect_ranking.trial_and_comparison import Comparison, Plan, Trial
-from runtime.studies.scene_loading import LEFT_OUT, analysis_of
-from runtime.studies.simulation_arguments import (
+from runtime.studies.effect_ranking.trials import LEAST_RTOL, Comparison, Plan, Trial
+from runtime.studies.harness import (
+    LEFT_OUT,
+    analysis_of,
     read_simulation_arguments,
     refuse_simulation_arguments,
     takes_simulation_arguments,
 )
+from runtime.studies.quantity import Function, parse_quantity
 from runtime.studies.timing import Stopwatch, take_turns
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ SECONDS = 3.0  # measured: wall-clock time for all rounds
 
 
 @readers.reads(
-    **scene_loading.READERS, asked=readers.either(readers.text("a quantity"), readers.function),
+    **harness.READERS, asked=readers.either(readers.text("a quantity"), readers.function),
     error=readers.optional(readers.number("a number")), fidelities=readers.flag,
     analysis=readers.optional(readers.text("a name")), method=readers.text("a name"),
     formulation=readers.optional(readers.text("a name")),
@@ -65,7 +65,7 @@ def matters(
     model, scene, folder, generated
         As in `load`. Undeclared scenes are compiled in the folder's `.linkwright_cache`.
     asked
-        The quantity: a text (`runtime.studies.effect_ranking.quantity`) or a function of a result.
+        The quantity: a text (`runtime.studies.quantity`) or a function of a result.
     t_end, t_start
         Of the run, s; an equilibrium needs none.
     error
@@ -101,16 +101,16 @@ def matters(
     quantity = parse_quantity(asked)
     analysis = None if analysis is None else analysis_name(analysis)
     _check(error, rtol, points, rounds, analysis)
-    source = scene_loading.read_source(model, scene, folder, generated)
+    source = harness.read_source(model, scene, folder, generated)
     changes = _changes(source, fidelities)
-    scene_loading.cache_folder(folder)  # refused now if it cannot be written
+    harness.cache_folder(folder)  # refused now if it cannot be written
     title = f"{source.model.name}/{source.scene.name}"
     progress(f"{title}: the full scene")
     machine = source.machine()
     machine.parameter_values(parameters)  # a name that the full scene does not know is a mistake
     kind, end = analysis or analysis_of(machine), t_start
     if kind != "equilibrium":
-        end = scene_loading.require_time_span(machine, t_start, t_end)
+        end = harness.require_time_span(machine, t_start, t_end)
     _require_start(machine, kind, guess, start, parameters, t_start)
     words = read_simulation_arguments(machine, run)
     if kind != "simulate":
@@ -135,7 +135,7 @@ def matters(
     )  # fmt: skip
 
 
-def _changes(source: scene_loading.Source, fidelities: bool) -> "tuple[Variant, ...]":
+def _changes(source: harness.Source, fidelities: bool) -> "tuple[Variant, ...]":
     """Everything that can be left out of the scene, or taken in another fidelity."""
     from codegen.reading.scene_variants import variants
 
@@ -266,9 +266,8 @@ def _check(
     problems = []
     if error is not None and not 0.0 < error < 1.0:
         problems.append(f"error is {error:g}; it is a share of the quantity, between 0 and 1.")
-    least = trial_and_comparison.LEAST_RTOL
-    if not least <= rtol <= 1e-4:
-        problems.append(f"rtol is {rtol:g}; to compare runs it lies from {least:g} to 1e-4.")
+    if not LEAST_RTOL <= rtol <= 1e-4:
+        problems.append(f"rtol is {rtol:g}; to compare runs it lies from {LEAST_RTOL:g} to 1e-4.")
     if points < 11:
         problems.append(f"points is {points}; a quantity is taken from at least 11 instants.")
     if rounds is not None and rounds < 1:

@@ -1,5 +1,7 @@
-"""An effect ranking as data: rows, costs, verdicts, the proposed scene."""
+"""An effect ranking as data: rows, costs, verdicts, the proposed scene; its sentences."""
 
+import math
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
@@ -9,9 +11,12 @@ from codegen.object_display import html_of, html_table
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class
 from runtime.results.samples import plain
+from runtime.show.table_formatting import shortened
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+_LONGEST_REASON = 200  # characters
 
 
 class Verdict(StrEnum):
@@ -130,13 +135,19 @@ class Matters:
         InputError
             If matplotlib is not installed.
         """
-        from runtime.studies.effect_ranking.picture import figure
+        from runtime.studies.pictures import draw_ranking
 
-        return figure(self)
+        return draw_ranking(self)
+
+    @property
+    def title(self) -> str:
+        """The scene, the analysis, and the quantity with its value."""
+        value = f"{self.value:.7g} {self.unit}".rstrip()
+        return f"{self.model}/{self.scene}, {self.analysis}: {self.quantity} = {value}"
 
     def __repr__(self) -> str:
         """The quantity, and a sentence an effect."""
-        return "\n  ".join((self._headline, *self._sentences))
+        return "\n  ".join((self.title, *sentences(self)))
 
     def _repr_html_(self) -> str:
         """The same with a table of the effects, for notebooks."""
@@ -146,15 +157,62 @@ class Matters:
         )
         change = f"change [{self.unit}]" if self.unit else "change"
         table = html_table(("without", change, "relative", "verdict"), rows)
-        return html_of("\n".join((self._headline, *self._sentences)), table)
+        return html_of(repr(self), table)
 
-    @property
-    def _headline(self) -> str:
-        value = f"{self.value:.7g} {self.unit}".rstrip()
-        return f"{self.model}/{self.scene}, {self.analysis}: {self.quantity} = {value}"
 
-    @property
-    def _sentences(self) -> tuple[str, ...]:
-        from runtime.studies.effect_ranking.terminal_table import sentences
+def sentences(ranking: Matters) -> Iterator[str]:
+    """Uncertainty, influence and cost of each effect, the proposal, notes."""
+    share = f" ({ranking.doubt / ranking.size:.1e} of its size)" if ranking.size else ""
+    doubt = f"{ranking.doubt:.1e} {ranking.unit}".rstrip()
+    yield f"{ranking.quantity} is known to {doubt}{share}."
+    for row in ranking.rows:
+        yield _sentence(ranking, row)
+    if ranking.proposal is not None:
+        yield from _proposal(ranking, ranking.proposal)
+    yield from ranking.notes
 
-        return tuple(sentences(self))
+
+def _sentence(ranking: Matters, row: Row) -> str:
+    if row.change is None:
+        return f"{row.title} is {row.verdict}: {shortened(row.reason, _LONGEST_REASON)}"
+    share = row.time_share or 0.0
+    if row.verdict is Verdict.NONE_SEEN:
+        limit = percent(row.doubt / ranking.size) if ranking.size else f"{row.doubt:.1e}"
+        effect = f"changes {ranking.quantity} by less than its uncertainty ({limit})"
+    else:
+        effect = f"changes {ranking.quantity} by {percent(row.relative)}"
+    if row.word != "none":
+        return f"{row.title} {effect} and {_saving(share)}"
+    if share >= 0.0:
+        return f"{row.title} {effect} and costs {share:.0%} of the time"
+    return f"{row.title} {effect}; without it the run takes {-share:.0%} more time"
+
+
+def _proposal(ranking: Matters, proposal: Proposal) -> Iterator[str]:
+    for titles, relative in proposal.tried:
+        if titles != proposal.left_out:
+            fate = "does not work" if relative is None else f"changes it by {percent(relative)}"
+            yield f"together, {', '.join(titles)}: {fate}, beyond {ranking.error:g}"
+    for title in proposal.put_back:
+        yield f"{title} is negligible alone but not together with the others, so it is put back"
+    if not proposal.left_out:
+        yield f"nothing can be left out within an error of {ranking.error:g}"
+        return
+    yield (
+        f"proposed for an error of {ranking.error:g}: {proposal.spelled}; when run, it changes "
+        f"{ranking.quantity} by {percent(proposal.relative)} (known to "
+        f"{percent(proposal.doubt)}) and {_saving(proposal.time_share)}"
+    )
+
+
+def _saving(share: float) -> str:
+    return f"saves {share:.0%} of the time" if share >= 0 else f"takes {-share:.0%} more time"
+
+
+def percent(share: float | None) -> str:
+    """A share with two digits; nothing of None."""
+    if share is None:
+        return ""
+    if not math.isfinite(share):
+        return "∞"
+    return f"{100 * share:.2g} %" if share < 1.0 else f"{100 * share:.0f} %"

@@ -1,7 +1,6 @@
 """A work-precision diagram as data: settings, runs, reference, modelling choices."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -10,44 +9,11 @@ from codegen.object_display import counted, html_of, html_table
 from codegen.plain_values import shown
 from codegen.public_callables import checked_class
 from runtime.accuracy_target.error_norms import Errors, Scale
-from runtime.integrate.method import IMPLICIT
 from runtime.results.samples import plain
+from runtime.studies.harness import Setting
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-FORMULATIONS = ("cartesian", "reduced")
-_CORRECTIONS = {"step": "", "stage": ", every stage", "projection": ", projection"}
-
-
-@dataclass(frozen=True)
-class Setting:
-    """How a scene is integrated: arguments of `simulate`."""
-
-    method: str
-    formulation: str = "cartesian"
-    correction: str = "step"
-
-    @property
-    def title(self) -> str:
-        """``dop853, reduced``, or ``dop853, cartesian, every stage``."""
-        correction = _CORRECTIONS.get(self.correction, self.correction)
-        return f"{self.method}, {self.formulation}{correction}"
-
-    @property
-    def companion(self) -> str:
-        """The companion module that it takes: "reduced", "tangents", or "" for none."""
-        if self.formulation == "reduced":
-            return "reduced"
-        return "tangents" if self.method in IMPLICIT else ""
-
-
-def all_settings(methods: Sequence[str], formulations: Sequence[str]) -> tuple[Setting, ...]:
-    """Every method in every formulation; "dop853" in all coordinates in every correction."""
-    settings = [Setting(method, formulation) for method in methods for formulation in formulations]
-    if "dop853" in methods and "cartesian" in formulations:
-        settings += [Setting("dop853", "cartesian", way) for way in ("stage", "projection")]
-    return tuple(settings)
 
 
 @dataclass(frozen=True)
@@ -192,9 +158,9 @@ class WorkPrecision:
         InputError
             If matplotlib is not installed.
         """
-        from runtime.studies.work_precision.picture import figure
+        from runtime.studies.pictures import draw_diagram
 
-        return figure(self)
+        return draw_diagram(self)
 
     def __repr__(self) -> str:
         """The scene, the run, and what the study concludes, a line each."""

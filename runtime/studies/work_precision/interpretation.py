@@ -1,18 +1,21 @@
-"""Conclusions from the runs: times at an accuracy, the Pareto front, sentences."""
+"""Conclusions from the runs: times at an accuracy, the Pareto front, sentences, JSON records."""
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from typing import NamedTuple
+from dataclasses import asdict, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from runtime.results.samples import plain
 from runtime.show.table_formatting import milliseconds, shortened
+from runtime.studies.harness import Setting
 from runtime.studies.timing import time_to_error
-from runtime.studies.work_precision.diagram import Choice, Line, Point, Setting, WorkPrecision
+from runtime.studies.work_precision.diagram import Choice, Line, Point, WorkPrecision
 
 # Scaled errors at which times are given; the IFToMM benchmarks call the first precise.
 TARGETS = (1e-3, 1e-6, 1e-9)
+_COMMON = ("model", "scene", "model_sha256", "t_start", "t_end", "instants", "environment")
 NOISY = 1.3  # spread from which on a time is doubtful
 LONG = 160  # characters of a reason on a screen; a longer one is cut there, not in the records
 
@@ -193,3 +196,33 @@ def _times(study: WorkPrecision) -> Iterator[str]:
     if study.build:
         parts = ", ".join(f"{stage} {seconds:.2g}" for stage, seconds in study.build.items())
         yield f"Building, once, apart from all runs, in s: {parts}."
+
+
+def records(study: WorkPrecision) -> Iterator[dict[str, Any]]:
+    """One mapping per run, per refused setting, and per modelling choice that did not run."""
+    common = {name: getattr(study, name) for name in _COMMON} | {
+        "artefact_sha256": study.artefact,
+        "scales": {scale.name: scale.value for scale in study.quantities},
+        "reference": study.reference.source,
+        "independent": study.reference.independent,
+        "floor": study.reference.floor,
+        "energy_against": study.energy,
+    }
+    for line in study.lines:
+        about = {**common, **asdict(line.setting), "choice": ""}
+        of_line = {"slope": slope(line), "effectivity": effectivity(line)}
+        if line.refused:
+            yield plain({**about, "outcome": "REFUSED", "message": line.refused})
+        for point in line.points:
+            yield plain({**about, **_run(study, point), **of_line})
+    for choice in study.choices:
+        setting = asdict(choice.setting or Setting(""))
+        about = {**common, "scene_run": choice.scene, **setting, "choice": choice.title}
+        refusal = {"outcome": "REFUSED", "message": choice.reason}
+        yield plain({**about, **(_run(study, choice.point) if choice.point else refusal)})
+
+
+def _run(study: WorkPrecision, point: Point) -> dict[str, Any]:
+    positions = [scale for scale in study.quantities if scale.group == "positions"]
+    atol = {scale.name: point.rtol * min(1.0, scale.value) for scale in positions}
+    return {**asdict(point), "atol": atol, "digits": point.digits}

@@ -2,7 +2,10 @@
 
 import hashlib
 import os
-from collections.abc import Callable, Mapping, Sequence
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -11,24 +14,32 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from codegen import argument_readers as readers
-from codegen.errors import AnalysisError, InputError
+from codegen.errors import AnalysisError, InputError, SceneError
 from runtime.integrate.method import METHODS
 from runtime.machine_facade import Machine
 from runtime.mechanism.table_rows import unknown
 from runtime.results.assembled_state import Assembly
-from runtime.studies import scene_loading, series_by_name
-from runtime.studies.series_by_name import FloatArray
-from runtime.studies.simulation_arguments import (
+from runtime.studies import harness, series_by_name
+from runtime.studies.harness import (
+    FORMULATIONS,
+    Runner,
+    Setting,
+    all_settings,
     read_simulation_arguments,
     takes_simulation_arguments,
 )
-from runtime.studies.work_precision import diagram, reference_solution
-from runtime.studies.work_precision.build_costs import build_costs
-from runtime.studies.work_precision.diagram import Choice, Line, Setting, WorkPrecision
+from runtime.studies.series_by_name import FloatArray
+from runtime.studies.timing import environment
+from runtime.studies.work_precision.diagram import Choice, Line, WorkPrecision
 from runtime.studies.work_precision.interpretation import fastest
-from runtime.studies.work_precision.json_records import environment
-from runtime.studies.work_precision.measurement_of_settings_and_models import Measurement
-from runtime.studies.work_precision.timed_runs import Runner
+from runtime.studies.work_precision.measurement import Measurement
+from runtime.studies.work_precision.reference import (
+    LIMIT_FACTOR,
+    TIGHTEST,
+    ReferenceFile,
+    find_reference,
+    read_reference,
+)
 from runtime.validation.scene_support import refuse_massless, require_motion
 
 if TYPE_CHECKING:
@@ -42,9 +53,18 @@ LEAST_RTOL = 1e-12  # accuracy: tightest rtol of a compared run
 REPEATS = 5, 0.1  # measured: least number of timed runs of a setting, and their time in s
 QUICK_REPEATS = 3, 0.01  # measured: the same of a quick study
 
+_LOAD = """
+import sys, pathlib, time
+import numba
+from codegen.files.generated_modules import import_generated
+began = time.perf_counter()
+import_generated(pathlib.Path(sys.argv[1]))
+sys.stdout.write(repr(time.perf_counter() - began))
+"""
+
 
 @readers.reads(
-    **scene_loading.READERS, quantities=readers.texts('("crank.phi",)'),
+    **harness.READERS, quantities=readers.texts('("crank.phi",)'),
     methods=readers.texts('("dop853",)'), formulations=readers.texts('("cartesian",)'),
     rtols=readers.optional(readers.several(readers.number("a number"), "a sequence of numbers")),
     reference=readers.optional(readers.path),
@@ -57,7 +77,7 @@ QUICK_REPEATS = 3, 0.01  # measured: the same of a quick study
 def accuracy(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     quantities: Sequence[str] = (), t_end: float | None = None, t_start: float = 0.0,
-    methods: Sequence[str] = METHODS, formulations: Sequence[str] = diagram.FORMULATIONS,
+    methods: Sequence[str] = METHODS, formulations: Sequence[str] = FORMULATIONS,
     rtols: Sequence[float] | None = None, points: int = 200,
     reference: str | os.PathLike[str] | None = None, modelling: bool = True,
     beside: "Sequence[str | Scene]" = (), building: bool | None = None, quick: bool = False,
@@ -113,7 +133,7 @@ def accuracy(
     further = FURTHER if rtols is None and not quick else ()
     rtols = (QUICK if quick else RTOLS) if rtols is None else rtols
     _check(methods, formulations, rtols, points, limit, steps)
-    source = scene_loading.read_source(model, scene, folder, generated)
+    source = harness.read_source(model, scene, folder, generated)
     machine = source.machine()
     names, instants, file = _comparison(machine, quantities, reference, t_start, t_end, points)
     others = _other_models(source, modelling, beside)
@@ -124,13 +144,13 @@ def accuracy(
     runner = Runner(machine, begin, instants, values, float(limit), int(steps), words)
     progress(
         f"{runner.title}: at most {limit:g} s and {steps:g} steps per run, "
-        f"{reference_solution.LIMIT_FACTOR * limit:g} s for a reference"
+        f"{LIMIT_FACTOR * limit:g} s for a reference"
     )
-    settings, costs = diagram.all_settings(methods, formulations), {}
+    settings, costs = all_settings(methods, formulations), {}
     if building or (building is None and not quick):
         progress(f"{runner.title}: built anew")
         costs = build_costs(source.model, source.scene, {setting.companion for setting in settings})
-    solution = reference_solution.find_reference(runner, names, file, progress, settings)
+    solution = find_reference(runner, names, file, progress, settings)
     measurement = Measurement(runner, solution, *(QUICK_REPEATS if quick else REPEATS), progress)
     lines = measurement.lines(settings, rtols, further)
     return WorkPrecision(
@@ -161,7 +181,7 @@ def _assemble_with_freedom(
 def _comparison(
     machine: Machine, quantities: Sequence[str], reference: str | os.PathLike[str] | None,
     t_start: float, t_end: float | None, points: int,
-) -> tuple[tuple[str, ...], FloatArray, reference_solution.ReferenceFile | None]:  # fmt: skip
+) -> tuple[tuple[str, ...], FloatArray, ReferenceFile | None]:  # fmt: skip
     """The quantities that are compared, the instants in s, and the reference from a file."""
     description = machine.description
     require_motion(machine.mechanism, "accuracy")
@@ -169,23 +189,23 @@ def _comparison(
         refuse_massless(machine.mechanism)
     names = series_by_name.distinct_quantities(description, quantities)
     if reference is None:
-        end = scene_loading.require_time_span(machine, t_start, t_end)
+        end = harness.require_time_span(machine, t_start, t_end)
         names = names or series_by_name.default_quantities(description)
         return names, np.linspace(t_start, end, points + 1)[1:], None
-    file = reference_solution.read_reference(Path(reference), names, t_start, t_end)
+    file = read_reference(Path(reference), names, t_start, t_end)
     series_by_name.series_of(description, file.names)
     return file.names, file.t, file
 
 
 def _other_models(
-    source: scene_loading.Source, modelling: bool, beside: "Sequence[str | Scene]"
+    source: harness.Source, modelling: bool, beside: "Sequence[str | Scene]"
 ) -> "list[tuple[Choice, Scene]]":
     """Scenes of the same machine: other fidelities of things that have several, and those named."""
     from codegen.reading.scene_variants import declared, variants
 
     others = []
     for change in variants(source.model, source.scene) if modelling else ():
-        if change.word != scene_loading.LEFT_OUT:
+        if change.word != harness.LEFT_OUT:
             scene = change.of(source.scene)
             others.append((Choice(change.title, change.kind, scene.name), scene))
     named = [declared(source.model, scene)[1] for scene in beside]
@@ -193,7 +213,7 @@ def _other_models(
 
 
 def _choices(
-    others: "Sequence[tuple[Choice, Scene]]", source: scene_loading.Source,
+    others: "Sequence[tuple[Choice, Scene]]", source: harness.Source,
     guess: Mapping[str, float], start: Mapping[str, float], measurement: Measurement,
     lines: Sequence[Line],
 ) -> tuple[Choice, ...]:  # fmt: skip
@@ -206,7 +226,7 @@ def _choices(
 
     def prepare(scene: "Scene") -> Runner:
         machine = source.machine(scene)
-        values = scene_loading.known_values(machine, runner.parameters, guess, start)
+        values = harness.known_values(machine, runner.parameters, guess, start)
         begin = machine.assemble(**values, t=runner.begin.t)
         return replace(runner, machine=machine, begin=begin, parameters=values["parameters"])
 
@@ -222,14 +242,14 @@ def _check(
     """Refuse arguments that make no study, all at once."""
     names = {"method": methods, "formulation": formulations}
     problems = []
-    for thing, known in (("method", METHODS), ("formulation", diagram.FORMULATIONS)):
+    for thing, known in (("method", METHODS), ("formulation", FORMULATIONS)):
         problems += [unknown(thing, name, known) for name in names[thing] if name not in known]
     for thing, values in (("method", methods), ("formulation", formulations), ("rtol", rtols)):
         if not values:
             problems.append(f"There is no {thing} to try; name one, or leave the argument out.")
     problems += [
         f"rtol is {rtol:g}; it lies from {LEAST_RTOL:g} to 0.1, so that the reference, at "
-        f"{reference_solution.TIGHTEST:g}, is better."
+        f"{TIGHTEST:g}, is better."
         for rtol in rtols
         if not LEAST_RTOL <= rtol <= 0.1
     ]
@@ -241,3 +261,40 @@ def _check(
         problems.append(f"steps is {steps}; a run takes at least one step.")
     if problems:
         raise InputError(problems)
+
+
+def build_costs(
+    model: "Model", scene: "Scene", companions: Collection[str] = ("tangents", "reduced")
+) -> dict[str, float]:
+    """Stage → wall-clock seconds, in order, from the declared model on.
+
+    Companion modules (derivatives, which implicit methods take, and reduced equations) have stages
+    of their own, which follow where the scene has them; files are compiled concurrently.
+    """
+    from codegen import build
+
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "generated"
+        tangents, reduced = "tangents" in companions, "reduced" in companions
+        try:
+            report = build(model, scene, out, tangents=tangents, reduced=reduced).scenes[0]
+        except SceneError:  # a scene without reduced equations: sticking by the force of a reaction
+            if not reduced:
+                raise
+            report = build(model, scene, out, tangents=tangents).scenes[0]
+        seconds = {stage: time for stage, time in report.seconds.items() if stage != "read"}
+        for companion in report.companions:
+            seconds |= {
+                stage if stage != "compile" else f"compile {companion.title}": time
+                for stage, time in companion.seconds.items()
+            }
+        return seconds | {"load, warm": _warm_load(report.path)}
+
+
+def _warm_load(path: Path) -> float:
+    root = Path(__file__).resolve().parents[3]
+    paths = os.pathsep.join(filter(None, [str(root), os.environ.get("PYTHONPATH")]))
+    environment = {**os.environ, "PYTHONPATH": paths}
+    command = [sys.executable, "-P", "-c", _LOAD, str(path)]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    return float(done.stdout)

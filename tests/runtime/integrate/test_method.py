@@ -37,8 +37,9 @@ method.REGISTER["small"] = method.Registration("small", method.RUNGE_KUTTA, 2)
 method.METHODS = tuple(method.REGISTER)
 method.EXPLICIT = (*method.EXPLICIT, "small")
 
-from runtime.studies.work_precision import picture, reference_solution
-from runtime.studies.work_precision.diagram import FORMULATIONS, all_settings
+from runtime.studies import pictures
+from runtime.studies.work_precision import reference
+from runtime.studies.harness import FORMULATIONS, all_settings
 from tests.runtime.integrate.systems import relay, run_relay
 
 errors = []
@@ -51,10 +52,10 @@ print(json.dumps({
     "errors": errors,
     "free": float(np.abs(free.q[:, 0] - np.cos(2.0 * free.t)).max()),
     "rejected": free.statistics.rejected,
-    "colour": picture.COLOURS["small"],
+    "colour": pictures.METHOD_COLOURS["small"],
     "settings": [s.formulation for s in all_settings(method.METHODS, FORMULATIONS)
                  if s.method == "small"],
-    "witnesses": [s.method for s in reference_solution._FIRST],
+    "witnesses": [s.method for s in reference._FIRST],
 }))
 """
 

@@ -16,7 +16,7 @@ from runtime.accuracy_target.run_comparison import own_instants
 from runtime.results.reconnection import Reconnection
 from runtime.studies.effect_ranking import matters
 from runtime.studies.work_precision import accuracy
-from runtime.studies.work_precision.reference_solution import Places
+from runtime.studies.work_precision.reference import Places
 
 G = 9.81
 K = G / 1.1

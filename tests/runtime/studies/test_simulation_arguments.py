@@ -11,7 +11,7 @@ from codegen.errors import InputError, LinkwrightError
 from runtime.integrate.simulation_options import OPTIONS
 from runtime.machine_facade import Machine
 from runtime.studies.effect_ranking import matters
-from runtime.studies.simulation_arguments import takes_simulation_arguments
+from runtime.studies.harness import takes_simulation_arguments
 from runtime.studies.work_precision import accuracy
 
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 from codegen.errors import InputError, ParameterError
 from runtime import load, load_study, sweep
-from runtime.studies.effect_ranking.quantity import parse_quantity
+from runtime.studies.quantity import parse_quantity
 from runtime.sweeps import Study
 
 

@@ -18,10 +18,11 @@ from codegen.reading.scene_variants import declared, variants
 from linkwright.cli.application import app
 from runtime import Result, load, matters
 from runtime.studies.effect_ranking import Matters, Verdict
-from runtime.studies.effect_ranking import picture as matters_picture
-from runtime.studies.effect_ranking import terminal_table as matters_table
-from runtime.studies.effect_ranking.quantity import parse_quantity
-from runtime.studies.effect_ranking.trial_and_comparison import Comparison, count_costs
+from runtime.studies.effect_ranking.ranking import sentences
+from runtime.studies.effect_ranking.trials import Comparison, count_costs
+from runtime.studies.pictures import draw_ranking, save_ranking
+from runtime.studies.quantity import parse_quantity
+from runtime.studies.tables import ranking_table
 
 MACHINES = {
     "compressor": ("slider_crank", "compressor", "max:crank.omega", 0.5),
@@ -143,7 +144,7 @@ def test_effects_that_are_not_negligible_together_are_put_back(folder: Path) -> 
     assert_allclose((too_much, within), (0.13 / 100.13, 0.06 / 100.13), rtol=1e-6)
     assert kept == found.proposal.left_out
     assert found.proposal.relative == within
-    answer = " ".join(matters_table.sentences(found))
+    answer = " ".join(sentences(found))
     assert "two is negligible alone but not together with the others, so it is put back" in answer
 
 
@@ -323,7 +324,7 @@ def test_table_fits_a_terminal(
     monkeypatch.setenv("COLUMNS", str(columns))
     screen = Console(width=terminal_width(), highlight=False, record=True)
     with screen.capture() as capture:
-        screen.print(matters_table.table(swing))
+        screen.print(ranking_table(swing))
     lines = capture.get().splitlines()
     assert max(map(len, lines)) <= columns
     for row in swing.rows:
@@ -333,12 +334,12 @@ def test_table_fits_a_terminal(
 
 
 def test_picture_and_answer_are_whole(swing: Matters, tmp_path: Path) -> None:
-    drawn = matters_picture.figure(swing)
+    drawn = draw_ranking(swing)
     left, right = drawn.axes
     assert len(left.patches) == len(swing.rows)
     assert len(right.patches) == len(swing.rows)
     assert left.get_xscale() == "log"
-    (path,) = matters_picture.save(swing, tmp_path / "swing.png")
+    (path,) = save_ranking(swing, tmp_path / "swing.png")
     assert path.stat().st_size > 10_000
     with pytest.raises(dataclasses.FrozenInstanceError):
         swing.value = 0.0  # type: ignore[misc]

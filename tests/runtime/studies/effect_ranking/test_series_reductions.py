@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.testing import assert_allclose
 
-from runtime.studies.effect_ranking.quantity import REDUCTIONS, Series
+from runtime.studies.quantity import REDUCTIONS, Series
 
 
 def test_reductions_of_a_wave_are_those_of_the_curve() -> None:

@@ -12,10 +12,10 @@ from codegen.errors import LinkwrightError
 from runtime import accuracy, load
 from runtime.mechanism import mechanism_tables_and_kernels
 from runtime.results.result import Result
+from runtime.studies.harness import Runner
 from runtime.studies.work_precision import Setting, study
-from runtime.studies.work_precision.build_costs import build_costs
-from runtime.studies.work_precision.reference_solution import find_reference
-from runtime.studies.work_precision.timed_runs import Runner
+from runtime.studies.work_precision.reference import find_reference
+from runtime.studies.work_precision.study import build_costs
 
 
 @pytest.mark.parametrize(

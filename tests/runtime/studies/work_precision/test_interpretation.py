@@ -6,13 +6,13 @@ import math
 from numpy.testing import assert_allclose
 
 from runtime.accuracy_target.error_norms import Errors, Scale
+from runtime.studies.harness import Setting
 from runtime.studies.work_precision.diagram import (
     Check,
     Choice,
     Line,
     Point,
     Reference,
-    Setting,
     WorkPrecision,
 )
 from runtime.studies.work_precision.interpretation import (

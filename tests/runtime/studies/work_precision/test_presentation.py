@@ -13,16 +13,16 @@ from typer.testing import CliRunner
 
 from linkwright.cli.application import app
 from runtime.integrate.method import METHODS
-from runtime.studies.work_precision import WorkPrecision, json_records
-from runtime.studies.work_precision import picture as accuracy_picture
-from runtime.studies.work_precision import terminal_table as accuracy_table
-from runtime.studies.work_precision.interpretation import sentences
-from runtime.studies.work_precision.json_records import records
+from runtime.studies import timing
+from runtime.studies.pictures import draw_diagram, save_diagram
+from runtime.studies.tables import score, work
+from runtime.studies.work_precision import WorkPrecision
+from runtime.studies.work_precision.interpretation import records, sentences
 
 
 def test_a_library_without_metadata_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(json_records, "LIBRARIES", ("numpy", "no-such-library"))
-    facts = json_records.environment()
+    monkeypatch.setattr(timing, "LIBRARIES", ("numpy", "no-such-library"))
+    facts = timing.environment()
     assert facts["numpy"] == np.__version__
     assert "no-such-library" not in facts
 
@@ -40,7 +40,7 @@ def test_a_row_is_written_for_every_run(swing: WorkPrecision, tmp_path: Path) ->
     assert {"numba", "numpy", "python", "machine"} <= first["environment"].keys()
     assert_allclose(first["atol"]["body.x"], 1e-3 * min(1.0, first["scales"]["body.x"]))
     assert set(first["errors"]) == {"worst", "rms", "end", "relative", "groups", "each"}
-    written, drawn = accuracy_picture.save(swing, tmp_path / "out")
+    written, drawn = save_diagram(swing, tmp_path / "out")
     assert len(written.read_text(encoding="utf-8").splitlines()) == runs
     assert drawn.stat().st_size > 20_000
     facts = json.loads(json.dumps(swing.facts(), allow_nan=False))
@@ -51,7 +51,7 @@ def test_a_row_is_written_for_every_run(swing: WorkPrecision, tmp_path: Path) ->
 
 
 def test_picture_has_a_line_a_setting_and_the_floor(swing: WorkPrecision) -> None:
-    axes = accuracy_picture.figure(swing).axes[0]
+    axes = draw_diagram(swing).axes[0]
     labels = axes.get_legend_handles_labels()[1]
     assert labels[0] == "Pareto front"
     assert labels[1:] == [line.setting.title for line in swing.lines]
@@ -70,7 +70,7 @@ def test_tables_fit_a_terminal(
 
     monkeypatch.setenv("COLUMNS", str(columns))
     screen = Console(width=columns, highlight=False, record=True)
-    for made in (accuracy_table.score(swing), accuracy_table.work(swing)):
+    for made in (score(swing), work(swing)):
         with screen.capture() as capture:
             screen.print(made)
         text = capture.get()

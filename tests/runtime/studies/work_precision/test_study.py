@@ -13,13 +13,14 @@ from codegen.errors import InputError, LinkwrightError
 from runtime import accuracy, load
 from runtime.integrate.method import METHODS
 from runtime.results.result import Result
-from runtime.studies.work_precision import Setting, WorkPrecision, timed_runs
-from runtime.studies.work_precision import picture as accuracy_picture
-from runtime.studies.work_precision.diagram import FORMULATIONS, all_settings
+from runtime.studies import harness
+from runtime.studies.harness import FORMULATIONS, Runner, all_settings
+from runtime.studies.pictures import draw_diagram
+from runtime.studies.timing import time_runs
+from runtime.studies.work_precision import Setting, WorkPrecision
 from runtime.studies.work_precision.interpretation import best_at, sentences
-from runtime.studies.work_precision.measurement_of_settings_and_models import Measurement
-from runtime.studies.work_precision.reference_solution import find_reference
-from runtime.studies.work_precision.timed_runs import Runner, time_runs
+from runtime.studies.work_precision.measurement import Measurement
+from runtime.studies.work_precision.reference import find_reference
 
 SETTINGS = all_settings(METHODS, FORMULATIONS)
 
@@ -159,7 +160,7 @@ def test_formulations_that_a_scene_cannot_take_say_why(
     assert "creep=" in refused.refused
     assert len(found["dop853, cartesian"].done) == 3
     assert any(line.startswith("Not tried: dop853, reduced.") for line in sentences(found))
-    labels = accuracy_picture.figure(found).axes[0].get_legend_handles_labels()[1]
+    labels = draw_diagram(found).axes[0].get_legend_handles_labels()[1]
     assert "dop853, reduced: refused" in labels
 
 
@@ -174,7 +175,7 @@ def test_failures_are_points(rig: str, folder: Path, few: dict[str, Any]) -> Non
         "dopri5, cartesian: 1 of 3 runs did not reach the end: MAX_STEPS" in text
         for text in sentences(found)
     )
-    axes = accuracy_picture.figure(found).axes[0]
+    axes = draw_diagram(found).axes[0]
     assert axes.get_xlim()[0] < -1.0
     crosses = [entry for entry in axes.collections if len(entry.get_offsets()) == 1]
     assert any((entry.get_offsets()[:, 0] < 0.0).all() for entry in crosses)
@@ -208,13 +209,13 @@ def test_the_limit_of_steps_leaves_the_check_for_crowding_on(
 ) -> None:
     """A `max_steps` is a user's, and switches it off."""
     machine, given = load(rig, "swing", folder=folder), []
-    real = timed_runs.simulate
+    real = harness.simulate
 
     def watched(*arguments: Any, **words: Any) -> Result:
         given.append(words)
         return real(*arguments, **words)
 
-    monkeypatch.setattr(timed_runs, "simulate", watched)
+    monkeypatch.setattr(harness, "simulate", watched)
     runner = Runner(machine, machine.assemble(), np.array([1.0, 2.0]), {}, 60.0, 5)
     result = runner.run(Setting("dop853"), 1e-8)
     assert result.outcome.name == "MAX_STEPS"

@@ -24,9 +24,9 @@ from runtime.integrate.method import LEADING, MULTISTEP, REGISTER, SWITCHING
 from runtime.mechanism.dense_equations import Equations, magnitudes
 from runtime.results.result import Result
 from runtime.studies import series_by_name as by_name
+from runtime.studies.harness import Runner, Setting, outcome_name
 from runtime.studies.series_by_name import FloatArray
-from runtime.studies.work_precision.diagram import Check, Reference, Setting
-from runtime.studies.work_precision.timed_runs import Runner, outcome_name
+from runtime.studies.work_precision.diagram import Check, Reference
 
 TIGHTEST = 1e-13  # accuracy: rtol of reference runs; the compared runs stay a digit away
 LIMIT_FACTOR = 6.0  # safety: times the time limit of a run that a reference run may take

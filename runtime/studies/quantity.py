@@ -9,7 +9,6 @@ count:gas              the number of its events
 """
 
 from collections.abc import Callable
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -129,38 +128,46 @@ class QuantityValue(NamedTuple):
 
 
 class Quantity(NamedTuple):
-    """A quantity of results; `read` raises InputError where a result has none."""
+    """A quantity of results: of a reduction of a series, of events, or of a function."""
 
     text: str  # or the name of the function
-    read: Callable[[Result], QuantityValue]
+    word: str  # a reduction, one of `EVENTS`, or "" of a function
+    name: str = ""  # of the series, or of the effect
+    number: int = 1  # of the event
+    function: Function | None = None
+
+    def read(self, result: Result) -> QuantityValue:
+        """The value in a result; InputError where it has none."""
+        if self.function is not None:
+            return _call(self.text, self.function, result)
+        return (_event if self.word in EVENTS else _reduce)(self, result)
 
 
-def parse_quantity(text: str | Function) -> Quantity:
+def parse_quantity(given: str | Function) -> Quantity:
     """The quantity that a text or a function means; its series is looked up in the first result."""
-    if callable(text):
-        return Quantity(getattr(text, "__name__", "quantity"), partial(_call, text))
-    given: object = text
-    stripped = given.strip() if isinstance(given, str) else ""
-    if not stripped:
+    if callable(given):
+        return Quantity(getattr(given, "__name__", "quantity"), "", function=given)
+    text = given.strip()
+    if not text:
         words = ", ".join(f"{word}:" for word in (*REDUCTIONS, *EVENTS))
         raise InputError(
-            f"The quantity is {text!r}; give a series such as crank.phi, or one with a word before "
-            f"it ({words})."
+            f"The quantity is {given!r}; give a series such as crank.phi, or one with a word "
+            f"before it ({words})."
         )
-    word, colon, name = stripped.partition(":")
+    word, colon, name = text.partition(":")
     if not colon:
-        word, name = "end", stripped
-    if word in EVENTS:
-        effect, mark, digits = name.partition("#")
-        if mark and not (digits.strip().isdigit() and int(digits) >= 1):
-            raise InputError(f"{stripped}: after # stands the number of the event: 1, 2, 3 …")
-        return Quantity(stripped, partial(_event, word, effect.strip(), int(digits or 1)))
-    if word not in REDUCTIONS:
-        raise InputError(f"{stripped}: {unknown('reduction', word, [*REDUCTIONS, *EVENTS])}")
-    return Quantity(stripped, partial(_reduce, stripped, REDUCTIONS[word], name.strip()))
+        word, name = "end", text
+    if word not in {*REDUCTIONS, *EVENTS}:
+        raise InputError(f"{text}: {unknown('reduction', word, [*REDUCTIONS, *EVENTS])}")
+    if word in REDUCTIONS:
+        return Quantity(text, word, name.strip())
+    effect, mark, digits = name.partition("#")
+    if mark and not (digits.strip().isdigit() and int(digits) >= 1):
+        raise InputError(f"{text}: after # stands the number of the event: 1, 2, 3 …")
+    return Quantity(text, word, effect.strip(), int(digits or 1))
 
 
-def declared_unit(text: str, description: Description) -> str | None:
+def declared_unit(given: str, description: Description) -> str | None:
     """The unit of a quantity's value, before there is a result.
 
     None where only a result tells: of the quantities of an effect, of its power and its work.
@@ -170,21 +177,12 @@ def declared_unit(text: str, description: Description) -> str | None:
     InputError
         If the text means no quantity, or the scene has no such series or effect.
     """
-    title = parse_quantity(text).text
-    word, colon, name = title.partition(":")
-    if not colon:
-        word, name = "end", title
-    name = name.strip()
-    if word in EVENTS:
-        effect = name.partition("#")[0].strip()
-        names = [row.name for row in description.switches]
-        effects = list(dict.fromkeys([*names, *_with_events(description)]))
-        if effect not in effects:
-            where = f"{description.title}: "
-            raise UnknownNameError(where + unknown("effect with events", effect, effects))
-        return "s" if word == "event" else ""
-    unit = series_unit(description, name)
-    return None if unit is None else REDUCTIONS[word].unit.format(unit)
+    quantity = parse_quantity(given)
+    if quantity.word in EVENTS:
+        _require_events(description, quantity.name)
+        return "s" if quantity.word == "event" else ""
+    unit = series_unit(description, quantity.name)
+    return None if unit is None else REDUCTIONS[quantity.word].unit.format(unit)
 
 
 def series_unit(description: Description, name: str) -> str | None:
@@ -218,13 +216,7 @@ def series_unit(description: Description, name: str) -> str | None:
     raise UnknownNameError(f"{description.title}: {unknown_series(name, known)}")
 
 
-def _with_events(description: Description) -> list[str]:
-    """Names of the joints and conditions whose coming and going are events."""
-    rows = [row for row in description.watched if row.action != "sample"]
-    return [row.target if row.reconnects else row.name for row in rows]
-
-
-def _call(function: Function, result: Result) -> QuantityValue:
+def _call(name: str, function: Function, result: Result) -> QuantityValue:
     value = function(result)
     try:
         number = float(value)
@@ -232,14 +224,14 @@ def _call(function: Function, result: Result) -> QuantityValue:
         number = np.nan
     if not np.isfinite(number):
         raise InputError(
-            f"{result.description.title}: {getattr(function, '__name__', 'the function')} returns "
-            f"{value!r}; it must return a finite number."
+            f"{result.description.title}: {name} returns {value!r}; it must return a finite number."
         )
     return QuantityValue(number, "", abs(number))
 
 
-def _reduce(text: str, reduction: Reduction, name: str, result: Result) -> QuantityValue:
-    where = f"{result.description.title}, {text}:"
+def _reduce(quantity: Quantity, result: Result) -> QuantityValue:
+    reduction, name = REDUCTIONS[quantity.word], quantity.name
+    where = f"{result.description.title}, {quantity.text}:"
     try:
         x, unit = result.series(name)
     except InputError as error:
@@ -265,19 +257,29 @@ def jumps(result: Result) -> FloatArray:
     return np.array([*(event.time for event in result.events), *changes])
 
 
-def _event(word: str, effect: str, number: int, result: Result) -> QuantityValue:
-    description = result.description
-    own = _with_events(description)
-    effects = list(dict.fromkeys([*(row.name for row in description.switches), *own]))
-    if effect not in effects:
-        where = f"{description.title}: "
-        raise UnknownNameError(where + unknown("effect with events", effect, effects))
+def _with_events(description: Description) -> list[str]:
+    """Names of the joints and conditions whose coming and going are events."""
+    rows = [row for row in description.watched if row.action != "sample"]
+    return [row.target if row.reconnects else row.name for row in rows]
+
+
+def _require_events(description: Description, effect: str) -> None:
+    """Refuse an effect without events."""
+    names = [*(row.name for row in description.switches), *_with_events(description)]
+    if effect not in names:
+        text = unknown("effect with events", effect, list(dict.fromkeys(names)))
+        raise UnknownNameError(f"{description.title}: {text}")
+
+
+def _event(quantity: Quantity, result: Result) -> QuantityValue:
+    description, effect, number = result.description, quantity.name, quantity.number
+    _require_events(description, effect)
     times = [event.time for event in result.events if event.element == effect]
-    if effect in own:  # beside events of the parts of its condition
+    if effect in _with_events(description):  # beside events of the parts of its condition
         times = [change.time for change in result.reconnections if change.joint == effect]
         times += [float(result.t[-1])] if result.ended_by == effect else []
     count = len(times)
-    if word == "count":
+    if quantity.word == "count":
         return QuantityValue(float(count), "", float(count))
     if count < number:
         raise InputError(

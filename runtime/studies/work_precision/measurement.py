@@ -8,15 +8,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from codegen.errors import LinkwrightError
-from runtime.studies.timing import Stopwatch
-from runtime.studies.work_precision import timed_runs as timed
-from runtime.studies.work_precision.diagram import Choice, Line, Point, Setting
-from runtime.studies.work_precision.reference_solution import ReferenceSolution
-from runtime.studies.work_precision.timed_runs import Runner
+from runtime.studies.harness import TIME, TIMEOUT, Runner, Setting, outcome_name
+from runtime.studies.timing import Stopwatch, time_runs
+from runtime.studies.work_precision.diagram import Choice, Line, Point
+from runtime.studies.work_precision.reference import ReferenceSolution
 
 ENOUGH = 1e-9  # accuracy: scaled error beyond which no tighter tolerance is tried
 GIVEN_UP = 2  # safety: successive timeouts after which tighter tolerances, as slow, are not tried
 CHOICE_RTOLS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+NOT_TRIED, OTHER_END = "NOT_TRIED", "OTHER_END"
 TimedPoint = tuple[Point, Stopwatch]
 _MODEL_ERROR = 0.1  # accuracy: share by which a run's error may differ from the tightest run's
 
@@ -44,7 +44,7 @@ class Measurement:
                 measured.append((Line(setting, refused=" ".join(error.problems)), []))
         self.progress(f"{self.runner.title}: timing in turns")
         done = [watch for _, points in measured for point, watch in points if point.errors]
-        timed.time_runs(done, self.rounds, self.least)
+        time_runs(done, self.rounds, self.least)
         return tuple(
             replace(line, points=tuple(_with_time(*run) for run in points))
             for line, points in measured
@@ -66,7 +66,7 @@ class Measurement:
             except LinkwrightError as error:
                 reasons.append(" ".join(error.problems))
             else:
-                timed.time_runs([watch], self.rounds, self.least)
+                time_runs([watch], self.rounds, self.least)
                 return replace(choice, setting=setting, point=_with_time(point, watch))
         return replace(choice, reason=" ".join(dict.fromkeys(reasons)))
 
@@ -78,8 +78,8 @@ class Measurement:
             if rtol in further and not points[-1][0].worst > ENOUGH:
                 break
             last = [point.outcome for point, _ in points[-GIVEN_UP:]]
-            if len(last) == GIVEN_UP and set(last) <= {timed.TIMEOUT, timed.NOT_TRIED}:
-                point = Point(rtol, timed.NOT_TRIED, "Looser tolerances met the limit of time.")
+            if len(last) == GIVEN_UP and set(last) <= {TIMEOUT, NOT_TRIED}:
+                point = Point(rtol, NOT_TRIED, "Looser tolerances met the limit of time.")
                 points.append((point, self.runner.stopwatch(setting, rtol)))
             else:
                 points.append(self._point(self.runner, setting, rtol))
@@ -99,14 +99,14 @@ class Measurement:
     def _point(self, runner: Runner, setting: Setting, rtol: float) -> TimedPoint:
         """A run against the reference, and its stopwatch; it is not timed yet."""
         result = runner.run(setting, rtol)
-        watch = runner.stopwatch(setting, rtol, result.stats[timed.TIME])
+        watch = runner.stopwatch(setting, rtol, result.stats[TIME])
         counts = {name: float(x) for name, x in result.stats.items() if "seconds" not in name}
-        point = Point(rtol, timed.outcome_name(result), result.message, counts=counts)
+        point = Point(rtol, outcome_name(result), result.message, counts=counts)
         if result.failed:
             return point, watch
         reference = self.reference
         if different := reference.places.difference(result):
-            return replace(point, outcome=timed.OTHER_END, message=different), watch
+            return replace(point, outcome=OTHER_END, message=different), watch
         errors = reference.errors(result)
         position, velocity = result.samples.residual.max(axis=0)[:2].tolist()
         point = replace(

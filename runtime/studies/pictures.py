@@ -1,5 +1,6 @@
-"""The work-precision diagram as a picture: digits against milliseconds, a line per setting."""
+"""Pictures of the studies: an effect ranking, a work-precision diagram; and their files."""
 
+import json
 import math
 from collections.abc import Sequence
 from itertools import cycle
@@ -8,22 +9,27 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
-from codegen.figures_and_html import check_parent, finish_axes, new_figure
+from codegen.figures_and_html import check_parent, finish_axes, new_figure, save_picture
 from codegen.files.whole_files import whole_file
 from runtime.integrate.method import METHODS
+from runtime.studies.effect_ranking.ranking import Matters, Row, Verdict
 from runtime.studies.work_precision.diagram import Line, Point, WorkPrecision
-from runtime.studies.work_precision.interpretation import front, headline
-from runtime.studies.work_precision.json_records import write_records
+from runtime.studies.work_precision.interpretation import front, headline, records
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+VERDICT_COLOURS = {
+    Verdict.MATTERS: "#b23a48",
+    Verdict.NEGLIGIBLE: "#1f6fb2",
+    Verdict.NONE_SEEN: "#9aa4ae",
+}
 PALETTE = (
     "#1f6fb2", "#2a9d8f", "#8a9a2b", "#b23a48", "#e07b1a", "#7b5ea7", "#5d4037", "#c2185b",
     "#00838f", "#546e7a",
 )  # fmt: skip
-COLOURS = dict(zip(METHODS, cycle(PALETTE), strict=False))
+METHOD_COLOURS = dict(zip(METHODS, cycle(PALETTE), strict=False))
 """Colour of each method, in the order of the register."""
 LOOKS = {("cartesian", "step"): ("-", "o"), ("reduced", "step"): ("--", "s"),
          ("cartesian", "stage"): (":", "^"), ("cartesian", "projection"): ("-.", "v")}  # fmt: skip
@@ -33,31 +39,105 @@ _HEIGHT, _LINE = 390.0, 11.0  # points: height of the axes, about, and of a line
 _FAILED = -0.75  # place of runs that did not reach their end, on the axis of digits
 
 
-def check_place(path: Path) -> None:
+def draw_ranking(ranking: Matters) -> "Figure":
+    """Changes on a logarithmic scale (pale: the uncertainty, where larger), and shares of time."""
+    drawn = new_figure("picture", 9.0, 1.6 + 0.36 * len(ranking.rows), dpi=130)
+    left, right = drawn.subplots(1, 2, sharey=True, width_ratios=(3, 2))
+    _changes(left, ranking)
+    _times(right, ranking)
+    left.set_yticks(range(len(ranking.rows)), [row.title for row in ranking.rows], fontsize=9)
+    left.set_ylim(len(ranking.rows) - 0.4, -0.6)
+    title = f"{ranking.model}/{ranking.scene}: {ranking.quantity} = {ranking.value:.6g}"
+    drawn.suptitle(f"{title} {ranking.unit}".rstrip(), fontsize=11)
+    for axes in (left, right):
+        finish_axes(axes, axis="x", alpha=0.3, linewidth=0.4)
+        axes.tick_params(labelsize=8)
+    return drawn
+
+
+def save_ranking(ranking: Matters, path: Path) -> tuple[Path]:
+    """Draw to a file; returns the path."""
+    save_picture(draw_ranking(ranking), path)
+    return (path,)
+
+
+def _length(row: Row) -> float:
+    """The length of a row's bar: its change, or its uncertainty where that is larger."""
+    if row.change is None:
+        return 0.0
+    return row.doubt if row.verdict is Verdict.NONE_SEEN else abs(row.change)
+
+
+def _changes(axes: "Axes", ranking: Matters) -> None:
+    lengths = [_length(row) / (ranking.size or 1.0) for row in ranking.rows]
+    limits = [*(length for length in lengths if length > 0.0), *filter(None, [ranking.error])]
+    lowest = min([*limits, 1.0])
+    floor = 10.0 ** (math.floor(math.log10(lowest)) - 0.5)
+    axes.set_xscale("log")
+    axes.set_xlim(floor, 40.0 * max([*limits, 10.0 * lowest]))
+    for height, (row, length) in enumerate(zip(ranking.rows, lengths, strict=True)):
+        if row.change is None:
+            verdict = str(row.verdict)
+            axes.text(1.3 * floor, height, verdict, va="center", fontsize=8, style="italic")
+            continue
+        seen, colour = row.verdict is not Verdict.NONE_SEEN, VERDICT_COLOURS[row.verdict]
+        pale = 1.0 if seen else 0.4
+        axes.barh(height, length - floor, left=floor, height=0.6, color=colour, alpha=pale)
+        number = f"{100 * length:.2g}" if length < 1.0 else f"{100 * length:.0f}"
+        label = f"{number} %" if seen else f"below {number} %"
+        paper = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+        axes.text(1.2 * max(length, floor), height, label, va="center", fontsize=8, bbox=paper)
+    if ranking.error is not None:
+        axes.axvline(ranking.error, color="#1b1f24", linewidth=1.0, linestyle="--")
+        axes.annotate(
+            f"permitted: {ranking.error:g}", (ranking.error, 1.0), fontsize=8, xytext=(3, 3),
+            xycoords=("data", "axes fraction"), textcoords="offset points",
+        )  # fmt: skip
+    axes.set_xlabel("relative change of the quantity without it", fontsize=9)
+
+
+def _times(axes: "Axes", ranking: Matters) -> None:
+    shares = [100.0 * (row.time_share or 0.0) for row in ranking.rows]
+    span = max([*map(abs, shares), 1.0])
+    for height, (row, share) in enumerate(zip(ranking.rows, shares, strict=True)):
+        if row.time_share is None:
+            continue
+        axes.barh(height, share, height=0.6, color=VERDICT_COLOURS[row.verdict])
+        side = "left" if share >= 0.0 else "right"
+        gap = 0.02 * span * (1 if share >= 0.0 else -1)
+        axes.text(share + gap, height, f"{share:.0f} %", va="center", ha=side, fontsize=8)
+    axes.axvline(0.0, color="#59636e", linewidth=0.8)
+    room = 0.25 * span  # for the numbers
+    axes.set_xlim(min(0.0, min(shares) - room), max(0.0, *shares) + room)
+    axes.set_xlabel("time saved without it, % of the full run", fontsize=9)
+    axes.tick_params(axis="y", length=0)
+
+
+def check_folder(path: Path) -> None:
     """Refuse a file, or a place in no folder, before the study runs."""
     if path.exists() and not path.is_dir():
         raise InputError(f"--out {path}: it is a file; name a folder.")
     check_parent(path)
 
 
-def save(study: WorkPrecision, folder: Path) -> tuple[Path, Path]:
+def save_diagram(study: WorkPrecision, folder: Path) -> tuple[Path, Path]:
     """Write MODEL__SCENE.jsonl and .png into a folder, which is created; returns the paths."""
-    check_place(folder)
-    picture = figure(study)
-    records = folder / f"{study.model}__{study.scene}.jsonl"
-    drawn = records.with_suffix(".png")
+    check_folder(folder)
+    picture = draw_diagram(study)
+    runs = folder / f"{study.model}__{study.scene}.jsonl"
+    drawn = runs.with_suffix(".png")
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise InputError(f"--out {folder}: {error.strerror or error}.") from error
-    with whole_file(records) as temporary:
-        write_records(study, temporary)
-    with whole_file(drawn) as temporary:
-        picture.savefig(temporary)
-    return records, drawn
+    lines = (json.dumps(record, allow_nan=False) for record in records(study))
+    with whole_file(runs) as temporary:
+        temporary.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+    save_picture(picture, drawn)
+    return runs, drawn
 
 
-def figure(study: WorkPrecision) -> "Figure":
+def draw_diagram(study: WorkPrecision) -> "Figure":
     """Colour shows the method, line style the formulation, stars are modelling choices."""
     drawn = new_figure("picture", 10.5, 6.4, dpi=130)
     axes = drawn.subplots()
@@ -119,7 +199,7 @@ def _ticks(axes: "Axes") -> None:
 
 def _line(axes: "Axes", line: Line) -> None:
     setting = line.setting
-    colour = COLOURS.get(setting.method, DARK)
+    colour = METHOD_COLOURS.get(setting.method, DARK)
     style, marker = LOOKS.get((setting.formulation, setting.correction), ("-", "o"))
     if line.done:
         beyond = _places([point for point in line.done if point.beyond])
@@ -176,7 +256,7 @@ def _failures(axes: "Axes", study: WorkPrecision) -> None:
         heights = [1e3 * seconds for seconds in times or [study.limit]]
         axes.scatter(
             [place] * len(heights), heights, marker="x", s=34, linewidth=1.6,
-            color=COLOURS.get(line.setting.method, DARK), zorder=5, clip_on=False,
+            color=METHOD_COLOURS.get(line.setting.method, DARK), zorder=5, clip_on=False,
         )  # fmt: skip
     axes.axvspan(_FAILED - 0.5, _FAILED + 0.45, color="#fbe9e7", zorder=0)
     axes.text(

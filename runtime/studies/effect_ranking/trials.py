@@ -16,11 +16,10 @@ import numpy as np
 from codegen.errors import LinkwrightError
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
-from runtime.studies.effect_ranking.quantity import Quantity, QuantityValue, jumps
 from runtime.studies.effect_ranking.ranking import Costs, Row, Verdict
-from runtime.studies.scene_loading import LEFT_OUT, Source, known_values
+from runtime.studies.harness import LEFT_OUT, Source, arguments_of_variant, known_values
+from runtime.studies.quantity import Quantity, QuantityValue, jumps
 from runtime.studies.series_by_name import FloatArray
-from runtime.studies.simulation_arguments import arguments_of_variant
 from runtime.studies.timing import Stopwatch, processor_time
 
 if TYPE_CHECKING:
@@ -177,7 +176,7 @@ class Comparison:
             machine = self.source.variant(scene)
             trial = self.plan.trial(machine)
         except LinkwrightError as error:
-            return error if machine is None else self._without_states(machine) or error
+            return error if machine is None else self._without_state(machine) or error
         freedom, moved, reach = self.full.freedom, self.full.reach, trial.reach
         if trial.freedom != freedom:
             return LinkwrightError(
@@ -192,18 +191,15 @@ class Comparison:
             return LinkwrightError("nothing moves without it")
         return trial
 
-    def _without_states(self, machine: Machine) -> LinkwrightError | None:
-        """What to say of a scene that lacks the states of the quantity."""
-        text = self.plan.quantity.text
-        words = {word.strip() for word in text.replace("|", ":").split(":")}
-        here = machine.mechanism.description.states.names
-        states = self.full.result.description.states.names
-        gone = [name for name in states if name in words and name not in here]
-        if not gone:
+    def _without_state(self, machine: Machine) -> LinkwrightError | None:
+        """The error of a scene that lacks the state of the quantity, if it does."""
+        quantity, here = self.plan.quantity, machine.mechanism.description.states.names
+        state = quantity.name
+        if state in here or state not in self.full.result.description.states.names:
             return None
         return LinkwrightError(
-            f"the state {' and '.join(map(repr, gone))} leaves the scene with it, because nothing "
-            f"else contains it; so {text} has no value there"
+            f"the state {state!r} leaves the scene with it, because nothing else contains it; so "
+            f"{quantity.text} has no value there"
         )
 
     def row(self, change: "Variant", trial: Trial | LinkwrightError) -> Row:
