@@ -33,9 +33,10 @@ def prepare_search(
             for name, value in (("rtol", rtol), ("atol", atol))
             if value is not None
         ]
-        problems += _unknown_quantities(mechanism.description, quantities or ())
+    problems = [f"{mechanism.title}: {text}" for text in problems]
+    problems += _series_problems(mechanism.description, quantities or ())
     if accuracy is None or problems:
-        raise InputError(f"{mechanism.title}: {text}" for text in problems)
+        raise InputError(problems)
     from runtime.accuracy_target.search import simulate_to
 
     return partial(
@@ -44,20 +45,15 @@ def prepare_search(
     )  # fmt: skip
 
 
-def _unknown_quantities(description: Description, names: Sequence[str]) -> list[str]:
-    """Names of series that no result has; whether it has works and energies, a result says.
+def _series_problems(description: Description, names: Sequence[str]) -> list[str]:
+    """Why a result has no series of these names.
 
-    So it does of joints that come and go, since a scene that follows has series of its own.
+    Of joints that come and go a result says it, since a scene that follows has series of its own.
     """
-    if any(row.reconnects for row in description.watched):
-        return []
-    from runtime.mechanism.series_table import ENERGIES
-    from runtime.studies.series_by_name import own_name, series_names, unknown_series
-
-    known = series_names(description)
-    existing = {*ENERGIES, *(name for listed in known.values() for name in listed)}
-    return [
-        unknown_series(name, known)
-        for name in names
-        if own_name(description, name) not in existing and not name.startswith("work(")
-    ]
+    problems = list[str]()
+    for name in names if not any(row.reconnects for row in description.watched) else ():
+        try:
+            description.series.find(name)
+        except InputError as error:
+            problems += error.problems
+    return problems

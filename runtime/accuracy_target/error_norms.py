@@ -14,8 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from codegen.errors import InputError
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
-from runtime.studies.series_by_name import FloatArray, magnitude
+from runtime.results.result import Result
 
 _RESTING = 1e-9  # accuracy: share of a typical size per second below which a velocity is at rest
 
@@ -47,6 +49,51 @@ class Errors:
     each: dict[str, float]  # quantity → its largest error
 
 
+def series_values(result: Result, names: Sequence[str]) -> FloatArray:
+    """The series as columns, (k, j)."""
+    columns = [result.series(name)[0] for name in names]
+    return np.stack(columns, axis=1) if columns else np.zeros((len(result.t), 0))
+
+
+def require_numbers(description: Description, names: Sequence[str], values: FloatArray) -> None:
+    """Refuse series without a finite value in (k, j), whose error would otherwise count as 0."""
+    finite = np.isfinite(values)
+    without = [name for j, name in enumerate(names) if not finite[:, j].any()]
+    if without and len(values):
+        raise InputError(
+            f"{description.title}: {name} is no number at any of the {len(values)} output "
+            "instants, so it has no error. Leave it out, or correct its definition."
+            for name in without
+        )
+
+
+def magnitude(values: FloatArray) -> float:
+    """Largest magnitude of the finite values."""
+    return float(np.abs(np.where(np.isfinite(values), values, 0.0)).max(initial=0.0))
+
+
+def group_magnitude(result: Result, name: str) -> float:
+    """Largest magnitude in a run of the whole that a series is a part of; 0 of other series.
+
+    The total energy of a machine without losses is zero or nearly so where the potential is counted
+    from a convenient height, and a bearing may carry nothing in one direction: such a series is
+    rounding, which cannot be measured by itself. Energies are measured by all energies, the
+    components of a joint's or an effect's force by the whole force.
+    """
+    row = result.description.series.get(name)
+    if row is None or row.array not in {"energy", "reaction"}:
+        return 0.0
+    if row.array == "energy":
+        return magnitude(result.samples.energy)
+    whole = [
+        magnitude(result.column(one))
+        for one in result.description.series
+        if one.array == row.array
+        and (one.element, one.unit, one.quantity) == (row.element, row.unit, row.quantity)
+    ]
+    return max(whole)
+
+
 def scales(
     names: Sequence[str], units: Sequence[str], description: Description, sizes: FloatArray,
     reference: FloatArray, whole: Sequence[float] | float = 0.0,
@@ -56,7 +103,7 @@ def scales(
     Positions have the machine's typical sizes: 1 rad, and a length. Velocities and all others have
     the largest magnitude in the reference; velocities at rest have the typical size per second,
     components of a joint's force that of the whole force, energies that of all energies: `whole`
-    (j,), by `runtime.studies.series_by_name.group_magnitude`.
+    (j,), by `group_magnitude`.
     """
     largest = np.maximum([magnitude(column) for column in reference.T], whole)
     rows = description.coordinates

@@ -11,14 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from runtime.accuracy_target.error_norms import scaled_errors
+from runtime.accuracy_target.error_norms import group_magnitude, scaled_errors, series_values
 from runtime.core.outcomes import Outcome
 from runtime.integrate.problem import Formulation, Options
 from runtime.integrate.trajectory import Trajectory
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
 from runtime.results.accuracy_target_record import Trial
 from runtime.results.result import Result
-from runtime.studies.series_by_name import FloatArray, group_magnitude, series_values
 
 DIVERGED = 0.1  # accuracy: scaled difference of runs that have nothing in common any more
 ROUNDING = 2e-13  # accuracy: rtol from which on rounding keeps errors from falling

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from codegen.errors import InputError
+from runtime.accuracy_target.error_norms import require_numbers
 from runtime.accuracy_target.run_comparison import Quantities, Run, own_instants
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.connected_simulation import simulate
@@ -25,7 +26,6 @@ from runtime.integrate.trajectory import Partitions, Statistics, Trajectory
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
-from runtime.studies.series_by_name import require_numbers
 
 WIDE = 1e-3  # measured: rtol of the second run over that of the first
 _STIFF = 0.03  # measured: the same with an implicit method

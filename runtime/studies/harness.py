@@ -22,9 +22,9 @@ from runtime.integrate.method import IMPLICIT
 from runtime.integrate.simulation_options import OPTIONS
 from runtime.machine_facade import Machine
 from runtime.machine_loading import load
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
-from runtime.studies.series_by_name import FloatArray
 from runtime.studies.timing import Stopwatch, TimeLimit
 from runtime.validation.arguments import check
 

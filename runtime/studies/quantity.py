@@ -15,11 +15,10 @@ import numpy as np
 
 from codegen.errors import InputError, UnknownNameError
 from codegen.object_display import counted
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
-from runtime.mechanism.series_table import ENERGIES, QUANTITIES
 from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
-from runtime.studies.series_by_name import FloatArray, series_names, unknown_series
 
 Function = Callable[[Result], float]
 EVENTS = ("event", "count")
@@ -167,10 +166,8 @@ def parse_quantity(given: str | Function) -> Quantity:
     return Quantity(text, word, effect.strip(), int(digits or 1))
 
 
-def declared_unit(given: str, description: Description) -> str | None:
+def declared_unit(given: str, description: Description) -> str:
     """The unit of a quantity's value, before there is a result.
-
-    None where only a result tells: of the quantities of an effect, of its power and its work.
 
     Raises
     ------
@@ -181,39 +178,7 @@ def declared_unit(given: str, description: Description) -> str | None:
     if quantity.word in EVENTS:
         _require_events(description, quantity.name)
         return "s" if quantity.word == "event" else ""
-    unit = series_unit(description, quantity.name)
-    return None if unit is None else REDUCTIONS[quantity.word].unit.format(unit)
-
-
-def series_unit(description: Description, name: str) -> str | None:
-    """The unit of a series by any of its names; None where only a result tells.
-
-    Raises
-    ------
-    UnknownNameError
-        If the scene has no such series.
-    """
-    for row in description.coordinates:
-        units = {
-            row.name: row.unit,
-            row.velocity: row.velocity_unit,
-            f"a({row.velocity if row.is_state else row.name})": row.acceleration_unit,
-        }
-        if name in units:
-            return units[name]
-    if name in description.reactions.names:
-        return description.reactions[name].unit
-    if name in ENERGIES:
-        return "J"
-    if name in description.whole_powers:
-        return "W"
-    word, bracket, _ = name.partition("(")
-    owner, _, component = name.partition(".")
-    of_effect = owner in description.effects.names and component in QUANTITIES
-    if of_effect or (bracket and word in (*QUANTITIES, "power", "work")):
-        return None
-    known = series_names(description)
-    raise UnknownNameError(f"{description.title}: {unknown_series(name, known)}")
+    return REDUCTIONS[quantity.word].unit.format(description.series.find(quantity.name).unit)
 
 
 def _call(name: str, function: Function, result: Result) -> QuantityValue:
@@ -232,13 +197,7 @@ def _call(name: str, function: Function, result: Result) -> QuantityValue:
 def _reduce(quantity: Quantity, result: Result) -> QuantityValue:
     reduction, name = REDUCTIONS[quantity.word], quantity.name
     where = f"{result.description.title}, {quantity.text}:"
-    try:
-        x, unit = result.series(name)
-    except InputError as error:
-        known = series_names(result.description)
-        if name in {*ENERGIES, *(one for listed in known.values() for one in listed)}:
-            raise  # the scene has it, compiled without its output
-        raise UnknownNameError(f"{where} {unknown_series(name, known)}") from error
+    x, unit = result.series(name)
     if len(x) < 2 and reduction.needs_span:
         raise InputError(f"{where} one instant has no {reduction.meaning}; ask for {name}.")
     if not np.isfinite(x).all():

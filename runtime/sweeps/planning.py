@@ -12,6 +12,7 @@ from codegen.errors import InputError, LinkwrightError, UnknownNameError
 from runtime.core.analysis_names import ANALYSES, analysis_name, analysis_title
 from runtime.integrate.method import IMPLICIT
 from runtime.machine_facade import Machine
+from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
 from runtime.studies.harness import (
@@ -21,7 +22,6 @@ from runtime.studies.harness import (
     require_time_span,
 )
 from runtime.studies.quantity import Function, declared_unit
-from runtime.studies.series_by_name import own_name, series_names, unknown_series
 from runtime.sweeps.block import companions_of
 from runtime.sweeps.column_names import name_problems
 from runtime.sweeps.design import Design
@@ -67,7 +67,7 @@ def plan_of(
     assert mechanism.origin is not None
     return Request(
         about.model, about.scene, mechanism.origin.digest, kind, design.names, starts,
-        tuple(quantities.items()), tuple(own_name(about, name) for name in keep),
+        tuple(quantities.items()), _own_names(about, keep),
         float(t_start), float(t_end), points, parameters, guess, start, options,
         _companions(machine, kind, options),
     )  # fmt: skip
@@ -124,15 +124,16 @@ def _columns_problems(
     for given in quantities.values():
         if isinstance(given, str):
             attempt(problems, partial(declared_unit, given, about))
-    known = series_names(about)
-    existing = {name for listed in known.values() for name in listed}
-    problems += [
-        f"{about.title}: {unknown_series(name, known)}"
-        for name in keep
-        if own_name(about, name) not in existing and not name.startswith("work(")
-    ]
-    names = [*design.names, *quantities, *(own_name(about, name) for name in keep)]
+    for name in keep:
+        attempt(problems, partial(about.series.find, name))
+    names = [*design.names, *quantities, *_own_names(about, keep)]
     return [*problems, *name_problems(names)]
+
+
+def _own_names(about: Description, names: tuple[str, ...]) -> tuple[str, ...]:
+    """The names of series as tables have them: `strut.force` of ``force(strut)``."""
+    rows = [about.series.get(name) for name in names]
+    return tuple(row.name if row else name for row, name in zip(rows, names, strict=True))
 
 
 class Estimate(NamedTuple):

@@ -15,11 +15,11 @@ import numpy as np
 
 from codegen.errors import LinkwrightError
 from runtime.machine_facade import Machine
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.results.result import Result
 from runtime.studies.effect_ranking.ranking import Costs, Row, Verdict
 from runtime.studies.harness import LEFT_OUT, Source, arguments_of_variant, known_values
 from runtime.studies.quantity import Quantity, QuantityValue, jumps
-from runtime.studies.series_by_name import FloatArray
 from runtime.studies.timing import Stopwatch, processor_time
 
 if TYPE_CHECKING:

@@ -18,14 +18,22 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError, LinkwrightError
-from runtime.accuracy_target.error_norms import Errors, Scale, errors, scaled_errors, scales
+from runtime.accuracy_target.error_norms import (
+    Errors,
+    Scale,
+    errors,
+    group_magnitude,
+    require_numbers,
+    scaled_errors,
+    scales,
+    series_values,
+)
 from runtime.accuracy_target.run_comparison import own_instants
 from runtime.integrate.method import LEADING, MULTISTEP, REGISTER, SWITCHING
-from runtime.mechanism.dense_equations import Equations, magnitudes
+from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
+from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
-from runtime.studies import series_by_name as by_name
 from runtime.studies.harness import Runner, Setting, outcome_name
-from runtime.studies.series_by_name import FloatArray
 from runtime.studies.work_precision.diagram import Check, Reference
 
 TIGHTEST = 1e-13  # accuracy: rtol of reference runs; the compared runs stay a digit away
@@ -35,6 +43,7 @@ DOUBTFUL = 1e-6  # accuracy: scaled error above which a reference is no longer k
 _ROUNDING = 1e-15  # accuracy: least scaled error to which a reference is known
 # safety: least order of a method whose runs confirm; at order 3 they take fifty times the steps
 _WITNESS_ORDER = 5
+OR = "|"  # between the names of a quantity of which a scene has one or another: ``a.x|b.x``
 _CONSERVED = 1e-9  # accuracy: relative change of the energy below which it is conserved
 
 
@@ -52,6 +61,36 @@ _OTHERS = tuple(Setting(name) for name in _independent_methods() if name != LEAD
 _ONE_STEP = [setting for setting in _OTHERS if REGISTER[setting.method].family != MULTISTEP]
 _ONE_STEP.sort(key=lambda setting: not REGISTER[setting.method].implicit)
 _FIRST = (Setting(LEADING, "reduced"), Setting(LEADING), *_ONE_STEP)
+
+
+def default_quantities(description: Description) -> tuple[str, ...]:
+    """The coordinates that the scene starts from and their velocities, or all; and states."""
+    fixed = {row.name for row in description.start if row.role == "fixed"}
+    rows = [row for row in description.positions if fixed & {row.name, row.velocity}]
+    rows = rows or [*description.positions]
+    names = tuple(name for row in rows for name in (row.name, row.velocity))
+    return names + description.states.names
+
+
+def series_of(description: Description, quantities: Sequence[str]) -> tuple[str, ...]:
+    """The series of the quantities: of names with ``|`` the first that exists, or InputError."""
+    table, series, problems = description.series, [], []
+    for text in quantities:
+        choices = [name.strip() for name in text.split(OR)]
+        found = next(filter(None, map(table.get, choices)), None)
+        series += [found.name] if found else []
+        problems += [] if found else [f"{description.title}: {table.unknown(choices[0])}"]
+    if problems:
+        raise InputError(problems)
+    return tuple(series)
+
+
+def distinct_quantities(description: Description, quantities: Sequence[str]) -> tuple[str, ...]:
+    """The quantities as they are written; of those that are the same series, the first."""
+    texts: dict[str, str] = {}
+    for series, text in zip(series_of(description, quantities), quantities, strict=True):
+        texts.setdefault(series, text)
+    return tuple(texts.values())
 
 
 class ReferenceFile(NamedTuple):
@@ -82,7 +121,7 @@ def read_reference(
     names = tuple(quantities) or tuple(name for name in dict.fromkeys(head) if name != "t")
     columns, missing = [], []
     for text in ("t", *names):
-        here = [head.index(name) for name in map(str.strip, text.split(by_name.OR)) if name in head]
+        here = [head.index(name) for name in map(str.strip, text.split(OR)) if name in head]
         columns += here[:1]
         missing += [] if here else [text]
     if missing or not names:
@@ -198,7 +237,7 @@ def find_reference(
         )
     places = _places(best, runner, file)
     computed = _values(best, names, places)
-    by_name.require_numbers(description, names, computed)
+    require_numbers(description, names, computed)
     source = f"{setting.title}, rtol {TIGHTEST:g}"
     others = [] if file is None else [(source, computed)]
     # Runs by other methods confirm it: two, but only one where a second would have to be built.
@@ -216,9 +255,9 @@ def find_reference(
     machine, begin = runner.machine, runner.begin
     equations = Equations(machine.mechanism, machine.parameter_values(runner.parameters))
     sizes = magnitudes(equations, begin.t, begin.q)
-    series = by_name.series_of(best.description, names)
+    series = series_of(best.description, names)
     units = [best.series(name)[1] for name in series]
-    whole = [by_name.group_magnitude(best, name) for name in series]
+    whole = [group_magnitude(best, name) for name in series]
     by = scales(series, units, description, sizes, values[:, : len(series)], whole)
     span = float(best.t[-1]) - begin.t
     by += tuple(Scale(name, "s", "others", span) for name in places.names)
@@ -248,8 +287,8 @@ def _places(best: Result, runner: Runner, file: ReferenceFile | None) -> Places:
 
 def _values(result: Result, names: Sequence[str], places: Places) -> FloatArray:
     """The quantities over time, and the run's own instants, (k, j)."""
-    series = by_name.series_of(result.description, names)
-    values = by_name.series_values(result, series)[places.rows(result)]
+    series = series_of(result.description, names)
+    values = series_values(result, series)[places.rows(result)]
     return np.hstack([values, places.columns(result)])
 
 

@@ -17,9 +17,10 @@ from codegen import argument_readers as readers
 from codegen.errors import AnalysisError, InputError, SceneError
 from runtime.integrate.method import METHODS
 from runtime.machine_facade import Machine
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.table_rows import unknown
 from runtime.results.assembled_state import Assembly
-from runtime.studies import harness, series_by_name
+from runtime.studies import harness
 from runtime.studies.harness import (
     FORMULATIONS,
     Runner,
@@ -28,7 +29,6 @@ from runtime.studies.harness import (
     read_simulation_arguments,
     takes_simulation_arguments,
 )
-from runtime.studies.series_by_name import FloatArray
 from runtime.studies.timing import environment
 from runtime.studies.work_precision.diagram import Choice, Line, WorkPrecision
 from runtime.studies.work_precision.interpretation import fastest
@@ -37,8 +37,11 @@ from runtime.studies.work_precision.reference import (
     LIMIT_FACTOR,
     TIGHTEST,
     ReferenceFile,
+    default_quantities,
+    distinct_quantities,
     find_reference,
     read_reference,
+    series_of,
 )
 from runtime.validation.scene_support import refuse_massless, require_motion
 
@@ -187,13 +190,13 @@ def _comparison(
     require_motion(machine.mechanism, "accuracy")
     if not description.has_masses:
         refuse_massless(machine.mechanism)
-    names = series_by_name.distinct_quantities(description, quantities)
+    names = distinct_quantities(description, quantities)
     if reference is None:
         end = harness.require_time_span(machine, t_start, t_end)
-        names = names or series_by_name.default_quantities(description)
+        names = names or default_quantities(description)
         return names, np.linspace(t_start, end, points + 1)[1:], None
     file = read_reference(Path(reference), names, t_start, t_end)
-    series_by_name.series_of(description, file.names)
+    series_of(description, file.names)
     return file.names, file.t, file
 
 

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 from runtime import load
-from runtime.accuracy_target.error_norms import Scale, errors, scales
-from runtime.studies.series_by_name import group_magnitude
+from runtime.accuracy_target.error_norms import Scale, errors, group_magnitude, scales
 
 
 def test_errors_are_those_of_the_formula(rig: str, folder: Path) -> None:
