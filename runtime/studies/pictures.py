@@ -12,7 +12,7 @@ from codegen.errors import InputError
 from codegen.figures_and_html import check_parent, finish_axes, new_figure, save_picture
 from codegen.files.whole_files import whole_file
 from runtime.integrate.method import METHODS
-from runtime.studies.effect_ranking.ranking import Matters, Row, Verdict
+from runtime.studies.effect_ranking.ranking import Matters, Row, Verdict, percent
 from runtime.studies.work_precision.diagram import Line, Point, WorkPrecision
 from runtime.studies.work_precision.interpretation import front, headline, records
 
@@ -75,18 +75,19 @@ def _changes(axes: "Axes", ranking: Matters) -> None:
     floor = 10.0 ** (math.floor(math.log10(lowest)) - 0.5)
     axes.set_xscale("log")
     axes.set_xlim(floor, 40.0 * max([*limits, 10.0 * lowest]))
+    paper = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
     for height, (row, length) in enumerate(zip(ranking.rows, lengths, strict=True)):
         if row.change is None:
             verdict = str(row.verdict)
             axes.text(1.3 * floor, height, verdict, va="center", fontsize=8, style="italic")
             continue
-        seen, colour = row.verdict is not Verdict.NONE_SEEN, VERDICT_COLOURS[row.verdict]
-        pale = 1.0 if seen else 0.4
-        axes.barh(height, length - floor, left=floor, height=0.6, color=colour, alpha=pale)
-        number = f"{100 * length:.2g}" if length < 1.0 else f"{100 * length:.0f}"
-        label = f"{number} %" if seen else f"below {number} %"
-        paper = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
-        axes.text(1.2 * max(length, floor), height, label, va="center", fontsize=8, bbox=paper)
+        seen, end = row.verdict is not Verdict.NONE_SEEN, max(length, floor)
+        bar = axes.barh(
+            height, end - floor, left=floor, height=0.6, color=VERDICT_COLOURS[row.verdict],
+            alpha=1.0 if seen else 0.4,
+        )  # fmt: skip
+        label = percent(length) if seen else f"below {percent(length)}"
+        axes.bar_label(bar, [label], padding=4.0, fontsize=8, bbox=paper)
     if ranking.error is not None:
         axes.axvline(ranking.error, color="#1b1f24", linewidth=1.0, linestyle="--")
         axes.annotate(
@@ -97,18 +98,13 @@ def _changes(axes: "Axes", ranking: Matters) -> None:
 
 
 def _times(axes: "Axes", ranking: Matters) -> None:
-    shares = [100.0 * (row.time_share or 0.0) for row in ranking.rows]
-    span = max([*map(abs, shares), 1.0])
-    for height, (row, share) in enumerate(zip(ranking.rows, shares, strict=True)):
-        if row.time_share is None:
-            continue
-        axes.barh(height, share, height=0.6, color=VERDICT_COLOURS[row.verdict])
-        side = "left" if share >= 0.0 else "right"
-        gap = 0.02 * span * (1 if share >= 0.0 else -1)
-        axes.text(share + gap, height, f"{share:.0f} %", va="center", ha=side, fontsize=8)
+    for height, row in enumerate(ranking.rows):
+        if row.time_share is not None:
+            colour = VERDICT_COLOURS[row.verdict]
+            bar = axes.barh(height, 100.0 * row.time_share, height=0.6, color=colour)
+            axes.bar_label(bar, fmt="%.0f %%", padding=3.0, fontsize=8)
     axes.axvline(0.0, color="#59636e", linewidth=0.8)
-    room = 0.25 * span  # for the numbers
-    axes.set_xlim(min(0.0, min(shares) - room), max(0.0, *shares) + room)
+    axes.margins(x=0.25)  # for the numbers
     axes.set_xlabel("time saved without it, % of the full run", fontsize=9)
     axes.tick_params(axis="y", length=0)
 
