@@ -13,7 +13,7 @@ from codegen.check.declaration import check_model, check_scene
 from codegen.check.joint_places import joints_at_one_point, one_joint_bodies
 from codegen.derive.equations import Equations
 from codegen.driver import translate
-from codegen.errors import FAILURES, LinkwrightError, SceneError
+from codegen.errors import LinkwrightError, SceneError
 from codegen.generated_files.generated_file import Clock, Progress
 from codegen.model import Model
 from codegen.reading.model_file import read_model
@@ -141,7 +141,7 @@ def _problems_of_scene(model: Model, name: str) -> list[str]:
     found = [*scene.problems]
     try:
         found += check_scene(model, scene)
-    except FAILURES:  # for a reason that is among the model's own problems
+    except Exception:  # for a reason that is among the model's own problems
         return found
     return found
 

@@ -18,15 +18,13 @@ from time import perf_counter
 from typing import get_args
 
 import codegen
-from codegen import argument_readers as readers
 from codegen.check.redundancy import Findings, examine
-from codegen.declare.return_values.calls import memoize_methods
+from codegen.declare.returned_kinds import memoize_methods
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.emit.module import module_text, operation_table
 from codegen.emit.unrolling import Unroll
 from codegen.errors import (
-    FAILURES,
     InputError,
     LinkwrightError,
     ModelError,
@@ -38,8 +36,9 @@ from codegen.generated_files.generated_file import Clock, File, Progress, compil
 from codegen.generated_files.provenance import default_folder, file_name, origin
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.model import Model
-from codegen.plain_values import shown
-from codegen.public_callables import UserCallback, unreadable
+from codegen.readers import arguments as readers
+from codegen.readers.failures import unreadable
+from codegen.readers.values import shown
 from codegen.reading.model_file import ModelFile, read_model
 from codegen.reading.scene_selection import valid_scenes, with_settings, without_overridden
 
@@ -89,7 +88,7 @@ def build(
         Whether kernels are written out, operation by operation: ``"always"``, ``"never"``, where
         repeats become loops over tables of indices, or ``"auto"``, where long kernels do.
     progress
-        Receives a line at the beginning of every stage; what it raises is passed on at the end.
+        Receives a line at the beginning of every stage; what it raises is passed on.
 
     Returns
     -------
@@ -102,18 +101,10 @@ def build(
         If the file, the model or a scene is wrong, with all problems at once; or if a scene can
         have no derivatives or reduced equations although they are requested.
     """
-    with UserCallback(progress) as announce:
-        return _build(
-            model,
-            scene,
-            out,
-            settings or {},
-            {"tangents": tangents, "reduced": reduced, "picture": picture},
-            check,
-            compile,
-            announce,
-            unroll,
-        )
+    requested = {"tangents": tangents, "reduced": reduced, "picture": picture}
+    return _build(
+        model, scene, out, settings or {}, requested, check, compile, progress, unroll
+    )  # fmt: skip
 
 
 @collection_paused()
@@ -191,7 +182,7 @@ def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowe
             findings = examine(equations, lowered)
     except LinkwrightError:
         raise
-    except FAILURES as error:
+    except Exception as error:
         raise ModelError(
             f"scene '{scene.name}', at the stage {stage}: {unreadable(error)}"
         ) from error

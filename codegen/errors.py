@@ -21,13 +21,8 @@ class LinkwrightError(Exception):
     """
 
     def __init__(self, problems: str | Iterable[str] = (), *values: object) -> None:
-        try:
-            self.problems = (problems,) if isinstance(problems, str) else tuple(problems)
-            text = "\n".join(self.problems)
-        except FAILURES:
-            kind, needed = type(problems).__name__, "give a sentence, or a list of sentences"
-            raise InputError(f"{type(self).__name__}: problems of type {kind}; {needed}.") from None
-        super().__init__(text, *values)
+        self.problems = (problems,) if isinstance(problems, str) else tuple(problems)
+        super().__init__("\n".join(self.problems), *values)
 
     def locate(self, place: str) -> None:
         """Let each sentence begin with the place where the error was raised."""

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from codegen import argument_readers as readers
 from codegen.derive.equations import derive
 from codegen.drawing.layout import SAMPLES
 from codegen.drawing.outlines import complete_picture
@@ -17,6 +16,7 @@ from codegen.lower.kernels.picture_kernels import CURVES, NAME, lower_picture
 from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.poses_near_start import FloatArray, Poses
 from codegen.model import Model
+from codegen.readers import arguments as readers
 from codegen.reading.scene_selection import valid_scenes, with_settings
 
 if TYPE_CHECKING:

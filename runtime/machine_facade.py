@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.public_callables import checked_class, immutable, named_attributes
+from codegen.readers.calls import checked_class, named_attributes
 from runtime.machine_states import MachineStates
 from runtime.mechanism.mechanism_tables_and_kernels import Values
 from runtime.processors import available_cores
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 _SETTINGS = ("accuracy", "rtol", "atol", "quantities", "method", "formulation")
 
 
+@named_attributes
 @checked_class
 class Machine(MachineStates):
     """A mechanism in one scene, ready to be analysed; `runtime.load` makes one."""
@@ -394,6 +395,3 @@ class Machine(MachineStates):
         require_energy(self.mechanism)
         with bar(f"equilibrium of {self.mechanism.title}", given.pop("progress")) as report:
             return equilibrium(self.mechanism, **given, progress=report)
-
-
-immutable(named_attributes(Machine), why="settings are arguments of its methods")

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from codegen import __version__
-from codegen import argument_readers as readers
 from codegen.errors import ModelFileError, SupersededError
 from codegen.files.generated_modules import (
     FIRST_KERNEL,
@@ -22,7 +21,8 @@ from codegen.files.generated_modules import (
 from codegen.files.library_folders import LIBRARY as _LIBRARY
 from codegen.files.library_folders import file_beside, model_names, models_folder
 from codegen.garbage_collection import collection_paused
-from codegen.plain_values import one_line, shown
+from codegen.readers import arguments as readers
+from codegen.readers.values import one_line, shown
 from runtime.progress_bar import compilation_shown
 
 if TYPE_CHECKING:

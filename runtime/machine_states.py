@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from codegen.public_callables import checked_class
+from codegen.readers.calls import checked_class
 from runtime.mechanism.inspection_tables import MechanismTables
 from runtime.mechanism.mechanism_tables_and_kernels import Values
 from runtime.progress_bar import shows_compilation

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from codegen import argument_readers as readers
 from codegen.errors import FAILURES, InputError, LinkwrightError
 from codegen.files.generated_modules import content_hash
-from codegen.plain_values import KindError
+from codegen.readers import arguments as readers
+from codegen.readers.values import KindError
 from runtime.results.saved_result import GROUP, KINDS, events_of, partitions_of
 
 if TYPE_CHECKING:

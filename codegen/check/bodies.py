@@ -7,18 +7,16 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.expression_rules import expression_problem
-from codegen.declare.return_values.bodies import check_body
-from codegen.errors import FAILURES, ModelError
+from codegen.declare.returned_values import check_body
+from codegen.errors import ModelError
 from codegen.model import Model
-from codegen.plain_values import one_line
-from codegen.real_range import constant_value
+from codegen.readers.expressions import constant_value
+from codegen.readers.values import one_line
 
 
 def body_problems(model: Model, body: Body, known: frozenset[sympy.Symbol]) -> Iterator[str]:
     """Problems of a body: of what an own class returns, of its mass and inertia."""
-    numbers: tuple[object, ...] = (vars(body).get("mass"), vars(body).get("inertia"))
-    plain = all(number is None or isinstance(number, sympy.Expr) for number in numbers)
-    if not type(body).__module__.startswith("codegen.") or not plain:
+    if not type(body).__module__.startswith("codegen."):
         try:
             check_body(body, known)
         except ModelError as error:
@@ -45,7 +43,7 @@ def _mass_problems(model: Model, body: Body) -> Iterator[str]:
         number = value.subs(model.defaults) if symbols else value
         try:
             size = constant_value(number)
-        except FAILURES:  # it is complex, or zoo
+        except (TypeError, ValueError, ArithmeticError):  # it is complex, or zoo
             size = math.nan
         if not 0.0 < size < math.inf:
             shown = one_line(number) if math.isnan(size) else f"{size:g}"

@@ -16,26 +16,24 @@ from codegen.check.potential_steps import step_problems
 from codegen.check.requested_outputs import output_problems
 from codegen.declare import element as el
 from codegen.declare.cam_profile_checks import profile_problems
-from codegen.declare.return_values.bodies import coordinates_of
-from codegen.declare.return_values.calls import name_errors
-from codegen.declare.return_values.constraints import closed_curves, own_coordinates
-from codegen.declare.return_values.effects import effect_expressions, friction_law
-from codegen.declare.return_values.elements import bodies_of
+from codegen.declare.returned_kinds import name_errors
+from codegen.declare.returned_terms import effect_expressions, friction_law
+from codegen.declare.returned_values import closed_curves, own_coordinates
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, Velocity, alpha, kinds, t
 from codegen.derive.equations import acting_elements, active_joints
 from codegen.derive.scene_conditions import element_conditions
-from codegen.errors import FAILURES, LinkwrightError, ModelError
+from codegen.errors import ModelError
 from codegen.model import Model
-from codegen.plain_values import one_line
-from codegen.public_callables import unreadable
+from codegen.readers.failures import errors_at
+from codegen.readers.values import one_line
 
 LONGEST = 2000  # layout: characters of a sentence
 
 
 def check_model(model: Model) -> list[str]:
     """Problems of the declaration, whatever the scene."""
-    problems = [*Model.problems.fget(model)]  # type: ignore[attr-defined]  # as noted, whatever a subclass says
+    problems = [*model.problems]
     if not model.bodies:
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
     known = _known_symbols(model)
@@ -77,12 +75,8 @@ def _lost_symbols(
 
 def check_scene(model: Model, scene: Scene) -> list[str]:
     """Problems of one scene of a sound model."""
-    try:
+    with errors_at(f"scene '{scene.name}'"):
         return [one_line(p, LONGEST) for p in _scene_problems(model, scene)]
-    except LinkwrightError:
-        raise
-    except FAILURES as error:
-        raise ModelError(f"scene '{scene.name}': {unreadable(error)}") from error
 
 
 def _scene_problems(model: Model, scene: Scene) -> list[str]:
@@ -181,7 +175,7 @@ def _all_elements(model: Model) -> Iterator[tuple[str, el.Constraint | el.Effect
 def _needed(model: Model, scene: Scene, name: str) -> list[str]:
     """The bodies, and joints with coordinates, that an effect or driver acts on or looks at."""
     element: el.Constraint | el.Effect = model.drivers.get(name) or model.acting(scene)[name]
-    needed = [body.name for body in bodies_of(element) if not body.fixed]
+    needed = [body.name for body in element.bodies if not body.fixed]
     if isinstance(element, el.Effect):
         if law := friction_law(element):
             needed.append(law.joint)
@@ -193,7 +187,7 @@ def _needed(model: Model, scene: Scene, name: str) -> list[str]:
 
 def _known_symbols(model: Model) -> frozenset[sympy.Symbol]:
     """Parameters, the time, and the coordinates and velocities of bodies and joints."""
-    coordinates = [q for body in model.bodies.values() for q in coordinates_of(body)]
+    coordinates = [q for body in model.bodies.values() for q in body.coordinates]
     coordinates += [q for joint in model.joints.values() for q in own_coordinates(joint)]
     moving = (symbol for q in coordinates for symbol in (q, q.rate))
     return frozenset((*model.defaults, t, *moving, *(s.symbol for s in model.states.values())))
@@ -202,7 +196,7 @@ def _known_symbols(model: Model) -> frozenset[sympy.Symbol]:
 def _collisions(model: Model) -> Iterator[str]:
     """Two things that would have one name in the generated text."""
     owners: dict[str, str] = {"t": "the time"}
-    declared = [("body", body.name, coordinates_of(body)) for body in model.bodies.values()]
+    declared = [("body", body.name, body.coordinates) for body in model.bodies.values()]
     declared += [("joint", joint.name, own_coordinates(joint)) for joint in model.joints.values()]
     declared += [("state", name, (s.integral,)) for name, s in model.states.items()]
     for kind, owner, coordinates in declared:

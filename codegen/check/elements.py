@@ -9,27 +9,21 @@ from codegen.declare import element as el
 from codegen.declare.body import Body
 from codegen.declare.cam_profile_checks import profile_problems
 from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.plain_expression import plain_expression
-from codegen.declare.return_values.bodies import coordinates_of
-from codegen.declare.return_values.calls import WORDS
-from codegen.declare.return_values.constraints import (
-    bound_symbols,
-    closed_curves,
-    moving_frame_problem,
-    reaction_components,
-    statement_of,
-)
-from codegen.declare.return_values.effects import (
+from codegen.declare.returned_kinds import WORDS
+from codegen.declare.returned_terms import (
     effect_expressions,
     measures_of,
     optional_terms,
     potential_of,
 )
-from codegen.declare.return_values.elements import (
-    bodies_of,
+from codegen.declare.returned_values import (
+    bound_symbols,
+    closed_curves,
     conditions_of,
+    moving_frame_problem,
     problems_of,
-    replaced_body,
+    reaction_components,
+    statement_of,
 )
 from codegen.declare.symbols import (
     SPEED,
@@ -44,7 +38,8 @@ from codegen.declare.symbols import (
 )
 from codegen.errors import ModelError
 from codegen.model import Model
-from codegen.plain_values import shown
+from codegen.readers.expressions import plain_expression
+from codegen.readers.values import shown
 from codegen.tables.table_function import Interpolant
 
 
@@ -120,7 +115,7 @@ def _curve_problems(
 ) -> Iterator[str]:
     """Check the closed curves of a joint for the parameters' defaults."""
     for where, curve, convex in closed_curves(constraint):
-        if curve.body not in bodies_of(constraint):
+        if curve.body not in constraint.bodies:
             yield f"{el.label(constraint)}: the body of its {where} is none of its bodies."
         shape = curve.at(alpha)
         unknown = [*_unknown_symbols(model, constraint, shape, known | {alpha})]
@@ -133,12 +128,11 @@ def _curve_problems(
 
 def _words_and_bodies(model: Model, element: el.Element) -> Iterator[str]:
     """Check the text of an element's kind, and whose its bodies are."""
-    where, bodies = el.label(element), bodies_of(element)
+    where, bodies = el.label(element), element.bodies
     kind: object = element.kind
     if not isinstance(kind, str) or not WORDS.fullmatch(kind):
         reason = f"its kind {shown(kind)} must be a few words of ASCII letters"
         yield f"element {shown(element.name)}: {reason}."
-    replaced_body(element)
     for body in bodies:
         if body.model is not model.token:
             advice = f"use a body of '{model.name}'."
@@ -170,7 +164,7 @@ def _statement_problems(
             yield f"{where}: the arm of its reaction is {arm}; give two components, in m."
         expressions = (*expressions, *direction, *((on.phi, *on.s) if arm is None else arm))
     symbols = bound_symbols(statement, (*expressions, *statement.bindings.values()))
-    bodies = {body.name for body in bodies_of(constraint)}
+    bodies = {body.name for body in constraint.bodies}
     for q in sorted((s for s in symbols if isinstance(s, Coordinate)), key=str):
         if q.owner in model.bodies and q.owner not in bodies:
             yield (
@@ -198,7 +192,7 @@ def _orientations(constraint: el.Constraint) -> Iterator[str]:
     statement = statement_of(constraint)
     for frame in (el.I, el.J):
         at = statement.bindings.get(frame.x)
-        body = next((b for b in bodies_of(constraint) if at == b.position[0]), None)
+        body = next((b for b in constraint.bodies if at == b.position[0]), None)
         if not body or (body.turns and body.angle is not None):
             continue
         phi = sympy.Tuple(*statement.phi)
@@ -233,7 +227,7 @@ def _strangers(
 ) -> Iterator[str]:  # fmt: skip
     """Symbols that mean nothing in the model."""
     strange = [symbol for symbol in symbols if symbol not in known]
-    own = {s for b in bodies_of(element) for q in coordinates_of(b) for s in (q, q.rate)}
+    own = {s for b in element.bodies for q in b.coordinates for s in (q, q.rate)}
     for symbol in sorted({*strange} - own, key=lambda s: s.name):
         # velocities in constraints are reported as such
         if not (isinstance(element, el.Constraint) and isinstance(symbol, Velocity)):

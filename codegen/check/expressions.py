@@ -9,12 +9,11 @@ from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
 
 from codegen.declare.element import Constraint, label
-from codegen.declare.expression_rules import is_costly, number_problem
-from codegen.declare.return_values.constraints import statement_of
+from codegen.declare.returned_values import statement_of
 from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
 from codegen.derive.piecewise_conditions import KINKED, STEPS, is_known_beforehand
 from codegen.lower.sympy_translation import FUNCTIONS
-from codegen.real_range import unreal_part
+from codegen.readers.expressions import number_problem, unreal_part
 from codegen.tables.table_function import Interpolant
 
 KNOWN = ", ".join(sorted({f.__name__ for f in (*FUNCTIONS, *KINKED, *STEPS)}))
@@ -69,7 +68,7 @@ def _flaws(expression: sympy.Basic, may_switch: bool) -> tuple[str, ...]:
 
 def _find_flaws(expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
     if found := unreal_part(expression):
-        start = "the value" if is_costly(found[0]) or found[0] == expression else expression
+        start = "the value" if found[0] == expression else expression
         yield f"{start} {found[1]}{FINITE}"
     elif problem := number_problem(expression):
         yield problem

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from codegen.declare.body import Body, Point
-from codegen.declare.return_values.elements import bodies_of
 from codegen.model import Model
 
 _SAME = 1e-9  # accuracy: of a point's distance from its body's origin; nearer places are one
@@ -45,7 +44,7 @@ def _joints_of_bodies(
     acting = {name: j for name, j in model.joints.items() if name not in left_out}
     for body in model.bodies.values():
         if not body.fixed:
-            yield body, tuple(name for name, j in acting.items() if body in bodies_of(j))
+            yield body, tuple(name for name, j in acting.items() if body in j.bodies)
 
 
 def _places(model: Model, joint: str, body: Body) -> Iterator[tuple[float, float]]:

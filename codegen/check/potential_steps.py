@@ -19,8 +19,8 @@ from sympy.core.relational import Relational
 from codegen.check.boundary_points import differs, jumps, points, sizes, vanishes
 from codegen.declare.body import Body
 from codegen.declare.element import Effect, label
-from codegen.declare.return_values.calls import name_errors
-from codegen.declare.return_values.effects import optional_terms, potential_of
+from codegen.declare.returned_kinds import name_errors
+from codegen.declare.returned_terms import optional_terms, potential_of
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, Time, kinds
 from codegen.derive.piecewise_conditions import (
@@ -31,7 +31,7 @@ from codegen.derive.piecewise_conditions import (
 )
 from codegen.elements.forces.spring_damper_contact import GapSprings
 from codegen.model import Model
-from codegen.plain_values import shown
+from codegen.readers.values import shown
 from codegen.tables.table_function import Interpolant
 
 _LINES = 24  # safety: random lines along which a surface is sought, of sizes from 1e-3 to 1e3

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 
 from codegen.declare.element import EXERTED, QUANTITIES, label
-from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import Scene
 from codegen.derive.constraint_terms import constraint_terms
 from codegen.derive.effect_measures import available_quantities, effect_measures
@@ -41,7 +40,7 @@ def output_problems(model: Model, scene: Scene) -> Iterator[str]:
                 yield f"{where}: there is no output '{word}', as {reason}"
             continue
         if group == "point":  # the point's body takes no part, or the scene leaves out the point
-            (body,) = bodies_of(model.effects[name])
+            (body,) = model.effects[name].bodies
             gone = name if body.name in scene.bodies else body.name
             kind, advice = "point" if gone == name else model.kind(gone), f"take '{gone}' in"
         else:

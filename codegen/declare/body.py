@@ -11,19 +11,12 @@ from typing import Any, ClassVar
 
 import sympy
 
-from codegen.declare.expression_rules import is_costly
-from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate, rate
-from codegen.declare.units import is_quantity, plain_length
-from codegen.errors import FAILURES, ModelError
-from codegen.plain_values import KindError, members, one_line, plain_name, shown
-from codegen.public_callables import (
-    error_boundary,
-    error_boundary_class,
-    immutable,
-    named_attributes,
-)
-from codegen.real_range import unreal_part
+from codegen.declare.units import in_unit
+from codegen.errors import ModelError
+from codegen.readers.calls import declaring_class, named_attributes
+from codegen.readers.expressions import plain_expression
+from codegen.readers.values import KindError, members, shown
 
 
 class Pose:
@@ -35,6 +28,8 @@ class Pose:
     phi = own_coordinate("phi", "Orientation φ, counter-clockwise from the global x axis, rad.")
 
 
+@named_attributes
+@declaring_class("body")
 @dataclass(frozen=True, eq=False)
 class Body(Pose):
     """A rigid planar body; its frame x'-y' has its origin at the centre of mass.
@@ -62,7 +57,7 @@ class Body(Pose):
     turns: ClassVar[bool] = True
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({shown(vars(self).get('name'))})"
+        return f"{type(self).__name__}({self.name!r})"
 
     @property
     def vx(self) -> Velocity:
@@ -108,7 +103,7 @@ class Body(Pose):
         block = self.mass_matrix.items()
         entries = {pair: plain_expression(m) for pair, m in block if m is not None}
         moving = {*self.coordinates, *(q.rate for q in self.coordinates)}
-        if all(isinstance(m, sympy.Expr) and not m.free_symbols & moving for m in entries.values()):
+        if not any(m.free_symbols & moving for m in entries.values()):
             return {}
         kinetic = sympy.Add(
             *(m * a.rate * b.rate / (2 if a == b else 1) for (a, b), m in entries.items())
@@ -149,8 +144,6 @@ class Body(Pose):
     def rotation(self) -> tuple[sympy.Expr, sympy.Expr]:
         """(cos φ, sin φ), the first column of A, from the body's frame to the global one."""
         angle = plain_expression(self.angle)  # SymPy's functions would evaluate text in a tuple
-        if not angle.is_Symbol and (found := unreal_part(angle)) and is_costly(found[0]):
-            raise ModelError(f"the angle {one_line(found[1])}; give finite real numbers.")
         return sympy.cos(angle), sympy.sin(angle)
 
     @property
@@ -162,10 +155,9 @@ class Body(Pose):
         """Generalized forces of a torque: value ∂ω/∂q̇."""
         try:
             exerted = plain_expression(value)
-        except FAILURES:
-            name = plain_name(self.name)
+        except KindError:
             raise ModelError(
-                f"body.torque of '{name}': {shown(value)} is no torque; give a number or an "
+                f"body.torque of '{self.name}': {shown(value)} is no torque; give a number or an "
                 "expression in N m."
             ) from None
         turning = plain_expression(self.angular_velocity)
@@ -174,32 +166,31 @@ class Body(Pose):
 
     def at(self, x: Any, y: Any) -> "Point":
         """The point (x', y') of this body's frame, m."""
-        return Point(self, *(plain_length(value) for value in (x, y)))
+        return Point(self, x, y)
 
     def curve(self, x: Any, y: Any) -> "Curve":
         """The curve x'(α), y'(α) of this body's frame, m, written in the symbol `alpha`."""
-        return Curve(self, *(plain_length(value) for value in (x, y)))
+        return Curve(self, x, y)
 
     def circle(self, radius: Any, center: tuple[Any, Any] = (0, 0)) -> "Curve":
         """A circle in this body, m, run through counter-clockwise."""
         try:
             x, y = map(_length, members(center, 2))
-        except FAILURES:  # reported with its joint
+        except KindError:  # reported with its joint
             return Curve(self, center, center)
-        r = plain_length(radius)
         try:
-            size = _length(r)
-            for part in filter(unreal_part, (size, x, y)):  # which SymPy would multiply out
-                return Curve(self, part, part)
-            return Curve(self, x + size * sympy.cos(alpha), y + size * sympy.sin(alpha))
-        except FAILURES:
-            return Curve(self, r, y)
+            r = _length(radius)
+        except KindError:
+            return Curve(self, radius, y)
+        return Curve(self, x + r * sympy.cos(alpha), y + r * sympy.sin(alpha))
 
     def polar(self, radius: Any) -> "Curve":
         """The curve at the distance r(α), m, from the body's centre in the direction α."""
         return self.circle(radius)
 
 
+@named_attributes
+@declaring_class("Point")
 @dataclass(frozen=True, eq=False)
 class Point:
     """A point of a body, at (sx, sy) of the body's frame, in metres.
@@ -253,6 +244,8 @@ class Point:
         return _lengths("point", self.body, self.sx, self.sy)
 
 
+@named_attributes
+@declaring_class("Curve")
 @dataclass(frozen=True, eq=False)
 class Curve:
     """A curve fixed in a body: x'(α), y'(α) in the body's frame, m; closed ones have period 2π.
@@ -272,47 +265,27 @@ class Curve:
         """The point of the curve at a parameter, in the body's frame, 2 × 1."""
         try:
             at = plain_expression(parameter)
-            found = unreal_part(at)
-        except FAILURES:
+        except KindError:
             raise ModelError(
                 f"curve.at({shown(parameter)}): the parameter α is a number or an expression."
             ) from None
-        if found and is_costly(found[0]):
-            raise ModelError(
-                f"curve.at: the parameter {one_line(found[1])}; give finite real numbers."
-            )
         x, y = _lengths("curve", self.body, self.x, self.y)
         return sympy.Matrix([x.subs(alpha, at), y.subs(alpha, at)])
 
 
 def _length(value: Any) -> sympy.Expr:
     """A length as an expression, m; KindError for any other quantity, as one in rad or %."""
-    metres = plain_length(value)
-    if is_quantity(metres):  # which is a number where a pure number is meant
-        raise KindError
-    return plain_expression(metres)
+    return plain_expression(in_unit(value, "m"))
 
 
 def _lengths(word: str, body: object, x: Any, y: Any) -> tuple[sympy.Expr, sympy.Expr]:
     """Two lengths of a point or curve as expressions; ModelError where it has none."""
     if not isinstance(body, Body):
         raise ModelError(f"{word} of {shown(body)}, which is no body; write body.at(x, y).")
-    where = f"{word} of body '{plain_name(body.name)}'"
     try:
-        both = _length(x), _length(y)
-        found = next(filter(None, (unreal_part(e) for e in both if not e.is_Float)), None)
-    except FAILURES:
+        return _length(x), _length(y)
+    except KindError:
         raise ModelError(
-            f"{where}: ({shown(x)}, {shown(y)}) are no lengths; give two numbers or expressions in "
-            "m."
+            f"{word} of body '{body.name}': ({shown(x)}, {shown(y)}) are no lengths; give two "
+            "numbers or expressions in m."
         ) from None
-    if found and is_costly(found[0]):  # which SymPy would multiply out
-        raise ModelError(f"{where}: the length {one_line(found[1])}; give finite real numbers.")
-    return both
-
-
-for _word in ("__init__", "at", "curve", "circle", "polar", "torque"):
-    setattr(Body, _word, error_boundary(getattr(Body, _word), "body"))
-immutable(named_attributes(Body))
-for _class in (Point, Curve):
-    immutable(named_attributes(error_boundary_class(_class, _class.__name__)))

@@ -10,12 +10,11 @@ from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
 import sympy
 
 from codegen.declare.body import Body, Curve, Point, Pose
-from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import KINDS, Coordinate, given
-from codegen.errors import FAILURES, ModelError
-from codegen.plain_values import KindError, is_a, one_line, plain_name, shown
-from codegen.public_callables import error_boundary_class, immutable
-from codegen.readable_signatures import readable_class
+from codegen.errors import ModelError
+from codegen.readers.calls import declaring_class, readable_class
+from codegen.readers.expressions import plain_expression
+from codegen.readers.values import KindError, one_line, shown
 
 
 def _formed_once(formula: Callable[["Frame"], sympy.Matrix]) -> Callable[["Frame"], sympy.Matrix]:
@@ -32,6 +31,7 @@ def _formed_once(formula: Callable[["Frame"], sympy.Matrix]) -> Callable[["Frame
     return matrix
 
 
+@declaring_class("Frame")
 @dataclass(frozen=True)
 class Frame(Pose):
     """A body in the equations of an element: its coordinates before any model is known."""
@@ -71,7 +71,8 @@ class Frame(Pose):
 
     def bind(self, point: Point) -> dict[sympy.Symbol, sympy.Expr]:
         """Placeholders of this frame → their values for a point of a body in a model."""
-        if not is_a(point, Point) or not is_a(point.body, Body):
+        given_point: object = point
+        if not isinstance(given_point, Point):
             raise ModelError(
                 f"frame.bind({shown(point)}): give a point of a body, as body.at(0, 0)."
             )
@@ -82,12 +83,13 @@ class Frame(Pose):
             bindings |= dict(zip(ends, body.rotation, strict=True))
         else:
             bindings[self.phi] = body.angle
-        return bindings | {sx: plain_expression(point.sx), sy: plain_expression(point.sy)}
+        return bindings | dict(zip((sx, sy), point.place, strict=True))
 
 
 I, J = Frame("i"), Frame("j")  # noqa: E741 (Haug's names for the two bodies of a joint)
 
 
+@declaring_class("JointReaction")
 @dataclass(frozen=True)
 class JointReaction:
     """The multipliers of a joint as a force and a torque that the first body exerts on the second.
@@ -111,6 +113,7 @@ class JointReaction:
     arm: sympy.Matrix | None = None
 
 
+@declaring_class("ConjugateReaction")
 @dataclass(frozen=True)
 class ConjugateReaction:
     """Each multiplier as the generalized force -λ along the expression that its row constrains."""
@@ -130,6 +133,7 @@ class ConjugateReaction:
         return cls(((name, kind.force_unit),))
 
 
+@declaring_class("Statement")
 @dataclass(frozen=True)
 class Statement:
     """One symbolic statement Φ(q, t) = 0, from which everything else about a constraint follows.
@@ -160,7 +164,7 @@ class Statement:
     def __post_init__(self) -> None:
         bindings = {}
         given: object = self.bindings
-        if not isinstance(given, Mapping):
+        if not isinstance(given, Mapping) or not all(isinstance(p, sympy.Expr) for p in given):
             raise ModelError(
                 f"Statement: bindings is {shown(given)}; give a dictionary, placeholder: value."
             )
@@ -179,6 +183,7 @@ Pressing = tuple[tuple[tuple[str, sympy.Expr], ...], ...]
 """A contact's load, a vector: each entry a sum of (component of the reaction, factor)."""
 
 
+@declaring_class("FrictionLaw")
 @dataclass(frozen=True)
 class FrictionLaw:
     """A force that follows from a joint's reaction, f = -strength · N · tanh(ṡ / creep).
@@ -194,6 +199,7 @@ class FrictionLaw:
     unit: str  # of f
 
 
+@declaring_class("Sticking")
 @dataclass(frozen=True)
 class Sticking:
     """A friction that may hold: its force is turned round where the slip changes sign.
@@ -207,6 +213,7 @@ class Sticking:
     static: sympy.Expr | None = None  # μ_s; None: μ
 
 
+@declaring_class("Rigid")
 @dataclass(frozen=True)
 class Rigid:
     """A contact that yields nothing: g ≥ 0, and a reaction only at g = 0 (Signorini).
@@ -220,6 +227,7 @@ class Rigid:
     scale: sympy.Expr  # F0, N, positive, of numbers and parameters
 
 
+@declaring_class("OneWay")
 @dataclass(frozen=True)
 class OneWay:
     """A speed that cannot become negative: w ≥ 0, T ≥ 0, T w = 0.
@@ -358,16 +366,6 @@ class OptionalTerms(NamedTuple):
 
 def label(element: object) -> str:
     """``revolute 'A'``: the element in messages."""
-    words = []
-    for word, otherwise in (("kind", f"element of class {type(element).__name__}"), ("name", "")):
-        try:
-            text = plain_name(getattr(element, word, "body"))
-        except FAILURES:  # a property of a modeller's own
-            text = otherwise
-        words.append(text if word == "kind" or not text else f"'{text}'")
-    return " ".join(filter(None, words))
-
-
-_LAWS = FrictionLaw, Sticking, Rigid, OneWay
-for _class in (Frame, Statement, JointReaction, ConjugateReaction, *_LAWS):
-    immutable(error_boundary_class(_class, _class.__name__))
+    kind = getattr(element, "kind", "body")
+    name = getattr(element, "name", "")
+    return f"{kind} '{name}'" if isinstance(name, str) and name else str(kind)

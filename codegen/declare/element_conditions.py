@@ -13,7 +13,7 @@ import sympy
 from codegen.condition_evaluation import ConditionRow, violated_conditions
 from codegen.declare.element import Hold, OneWay, Rigid, Sticking, label
 from codegen.declare.symbols import Parameter, ParameterDeclaration, kinds
-from codegen.real_range import constant_value
+from codegen.readers.expressions import constant_value
 
 Numbers = Mapping[sympy.Symbol, float]
 # accuracy: difference of two ratios of friction coefficients that rounding explains

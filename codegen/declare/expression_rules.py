@@ -1,7 +1,5 @@
 """What an expression may consist of, wherever it stands in a declaration."""
 
-import math
-
 import sympy
 from sympy.core.relational import Relational
 from sympy.logic.boolalg import Boolean
@@ -18,18 +16,10 @@ from codegen.declare.symbols import (
     Velocity,
     alpha,
 )
-from codegen.errors import FAILURES
-from codegen.plain_values import TINY, one_line, shown
-from codegen.public_callables import unreadable
-from codegen.real_range import (
-    UNFINISHED,
-    constant_value,
-    distinct_nodes,
-    evaluated,
-    unreal_part,
-)
+from codegen.readers.expressions import UNFINISHED, distinct_nodes, number_problem, unreal_part
+from codegen.readers.failures import unreadable
+from codegen.readers.values import one_line
 from codegen.tables.table_function import Interpolant, TableAtom
-from codegen.values_of_long_numbers import maximal_numbers
 
 INTERNAL = (Given, Side, Speed, Multiplier, Acceleration)
 """Symbols of the equations of elements, which mean nothing in a declaration."""
@@ -55,35 +45,12 @@ def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | N
         return None
     try:
         return _problem(expression, profile)
-    except FAILURES as error:  # of SymPy, of a number of thousands of digits
+    except Exception as error:  # of SymPy, of an expression too deep
         return unreadable(error)
-
-
-def is_costly(part: sympy.Basic) -> bool:
-    """Whether SymPy would evaluate a part that is refused to write what contains it."""
-    plain = part.is_Rational or part.is_Pow or (part.is_Function and part.func not in FUNCTIONS)
-    return bool(part.is_number and plain)
-
-
-def number_problem(expression: sympy.Basic) -> str | None:
-    """Why a part without symbols is no finite real number that SymPy can tell."""
-    for number in maximal_numbers(expression):
-        try:
-            value = constant_value(number)
-            finite, lost = math.isfinite(value), value == 0.0 and evaluated(number) != 0
-        except FAILURES:  # it is complex, or not to be told from another number
-            finite, lost = False, False
-        if not finite:
-            return f"{shown(number)} is no real number; give finite real numbers."
-        if lost:
-            return f"{shown(number)} is {TINY}; give finite real numbers."
-    return None
 
 
 def _problem(expression: sympy.Expr, profile: bool) -> str | None:
     found = unreal_part(expression)
-    if found and is_costly(found[0]):
-        return f"the value {one_line(found[1])}; give finite real numbers."
     for symbol in sorted(expression.free_symbols, key=str):
         if symbol == alpha and not profile:
             return (
@@ -99,12 +66,15 @@ def _problem(expression: sympy.Expr, profile: bool) -> str | None:
     if found is None and (problem := number_problem(expression)):
         return problem
     nodes = distinct_nodes(expression)
-    unknown = [n for n in nodes if n.func not in FUNCTIONS and not isinstance(n, PLAIN)]
-    for node in unknown:  # written, to be sorted, where there is a fault
-        if node.is_number is not True:
-            known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
-            what = one_line(min((n for n in unknown if n.is_number is not True), key=one_line))
-            return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
+    unknown = [
+        node
+        for node in nodes
+        if node.func not in FUNCTIONS and not isinstance(node, PLAIN) and not node.is_number
+    ]
+    if unknown:
+        known = ", ".join(sorted(f.__name__ for f in FUNCTIONS[2:]))
+        what = min(map(one_line, unknown))
+        return f"{what} cannot be compiled; known are {known}, powers and Piecewise."
     pieces = expression.atoms(sympy.Piecewise)
     incomplete = [piece for piece in pieces if piece.args[-1].cond != sympy.true]
     if incomplete:

@@ -5,7 +5,7 @@ import keyword
 import re
 from collections.abc import Iterable
 
-from codegen.plain_values import WIDEST, InvalidName, shown
+from codegen.readers.values import WIDEST, shown
 
 LONGEST = 32  # safety: characters of a name in formulas
 _LONGEST_OF_FILES = 80  # safety: of a model's or a scene's; file systems allow 255 for all parts
@@ -14,7 +14,7 @@ IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
 
 def name_problem(kind: str, name: object) -> str | None:
     """Why `name` cannot be the name of a `kind`, or None if it can."""
-    text = "" if isinstance(name, InvalidName) or not isinstance(name, str) else name
+    text = name if isinstance(name, str) else ""
     if keyword.iskeyword(text):
         reason = "is no identifier, but a word of Python's own; put an underscore behind it"
     elif not IDENTIFIER.match(text):

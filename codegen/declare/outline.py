@@ -3,7 +3,7 @@
 from math import cos, pi, sin
 from typing import Any
 
-from codegen.public_callables import error_boundary
+from codegen.readers.calls import declaring
 
 CORNERS = 48  # layout: of the polygon that is drawn for a disc
 
@@ -11,6 +11,7 @@ Outline = tuple[tuple[Any, Any], ...]
 """Corners (x', y') of a closed polygon in the frame of its body, m."""
 
 
+@declaring("disc")
 def disc(radius: Any, center: tuple[Any, Any] = (0, 0)) -> Outline:
     """The outline of a disc, for ``draw=`` of `Model.body`.
 
@@ -31,6 +32,7 @@ def disc(radius: Any, center: tuple[Any, Any] = (0, 0)) -> Outline:
     return tuple((x + radius * cos(angle), y + radius * sin(angle)) for angle in angles)
 
 
+@declaring("rectangle")
 def rectangle(width: Any, height: Any, center: tuple[Any, Any] = (0, 0)) -> Outline:
     """The outline of a rectangle, for ``draw=`` of `Model.body`.
 
@@ -49,6 +51,3 @@ def rectangle(width: Any, height: Any, center: tuple[Any, Any] = (0, 0)) -> Outl
     x, y = center
     a, b = width / 2, height / 2
     return (x - a, y - b), (x + a, y - b), (x + a, y + b), (x - a, y + b)
-
-
-disc, rectangle = error_boundary(disc, "disc"), error_boundary(rectangle, "rectangle")

@@ -5,9 +5,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
 from codegen.declare.condition import WatchedCondition
-from codegen.errors import FAILURES, SceneError
+from codegen.errors import SceneError
 from codegen.object_display import html_of, listed
-from codegen.plain_values import InvalidName, is_a, plain_name, shown
+from codegen.readers.calls import declaring_class, named_attributes
+from codegen.readers.values import shown
 
 Analysis = Literal["dynamics", "kinematics", "equilibrium"]
 ANALYSES = ("dynamics", "kinematics", "equilibrium")
@@ -63,12 +64,9 @@ class Request(Choices):
 
 
 def name_of(element: Any) -> str:
-    """The name of an element that is given by its name or as an object; else `InvalidName`."""
-    try:
-        name = element if is_a(element, str) else getattr(element, "name", None)
-    except FAILURES:  # of the user's own object
-        name = None
-    return plain_name(name) if is_a(name, str) else InvalidName(shown(element))
+    """The name of an element that is given by its name or as an object; else what was given."""
+    name = element if isinstance(element, str) else getattr(element, "name", None)
+    return name if isinstance(name, str) else shown(element)
 
 
 class Owner(Protocol):
@@ -89,6 +87,8 @@ class Owner(Protocol):
         """The scene with elements out and in, and other words changed."""
 
 
+@named_attributes
+@declaring_class("scene")
 @dataclass(frozen=True, kw_only=True)
 class Scene(Choices):
     """The elements that are compiled together, by name.

@@ -1,18 +1,15 @@
 """The symbols of a declaration, distinguished by class and not by name."""
 
 import math
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
 import sympy
 
-from codegen.errors import FAILURES, ModelError, NoAttributeError
-from codegen.plain_values import one_line, shown
-from codegen.public_callables import error_boundary
-from codegen.readable_signatures import readable_class
-from codegen.real_range import unreal_part
+from codegen.errors import ModelError
+from codegen.readers.calls import declaring
+from codegen.readers.values import shown
 
 Letter = Literal["x", "y", "phi"]
 LETTERS = ("x", "y", "phi")
@@ -65,17 +62,7 @@ def declare_letter(letter: str, kind: CoordinateKind) -> None:
 
 
 class ModelSymbol(sympy.Symbol):  # type: ignore[misc]
-    """A symbol that stays as it is: SymPy has one object for all symbols of a name and class."""
-
-    def __setattr__(self, word: str, value: object) -> None:
-        """Let SymPy make the symbol, and refuse all else."""
-        if not word.startswith("_") and (word != "name" or hasattr(self, "name")):
-            raise self._refusal(word, "set")
-        super().__setattr__(word, value)
-
-    def __delattr__(self, word: str) -> None:
-        """Refuse it."""
-        raise self._refusal(word, "deleted")
+    """A symbol of a model, which has no value while the model is declared."""
 
     def __float__(self) -> float:
         """Refused, as of any symbol, with what to write; `math.sin` and NumPy ask for it."""
@@ -85,59 +72,13 @@ class ModelSymbol(sympy.Symbol):  # type: ignore[misc]
             "Piecewise."
         )
 
-    def __gt__(self, other: Any) -> Any:
-        """As of any symbol."""
-        return self._compared(other, super().__gt__, sympy.StrictGreaterThan)
-
-    def __ge__(self, other: Any) -> Any:
-        """As of any symbol."""
-        return self._compared(other, super().__ge__, sympy.GreaterThan)
-
-    def __lt__(self, other: Any) -> Any:
-        """As of any symbol."""
-        return self._compared(other, super().__lt__, sympy.StrictLessThan)
-
-    def __le__(self, other: Any) -> Any:
-        """As of any symbol."""
-        return self._compared(other, super().__le__, sympy.LessThan)
-
-    def _compared(self, other: Any, compare: Any, relation: Any) -> Any:
-        """A condition; on what no symbol can be compared with, one that elements refuse by name.
-
-        SymPy would evaluate a number that is too large, and fail on one that is not real.
-        """
-        if not isinstance(other, sympy.Expr):
-            return compare(other)
-        with suppress(*FAILURES):
-            if unreal_part(other) is None:
-                return compare(other)
-        return relation(self, other, evaluate=False)
-
-    def _refusal(self, word: str, verb: str) -> NoAttributeError:
-        return NoAttributeError(
-            f"{type(self).__name__} '{self.name}': {one_line(word)!r} cannot be {verb}; what is "
-            "declared stays as it is."
-        )
-
 
 def _in_notebook(symbol: sympy.Symbol, unit: str, more: str = "") -> str:
     return f"$\\displaystyle {sympy.latex(symbol)}\\ [\\mathrm{{{unit}}}]{more}$"
 
 
-@readable_class
 class Coordinate(ModelSymbol):
     """A generalized coordinate, ``owner_letter``; `rate` is its velocity."""
-
-    def __new__(cls, *name: Any, **assumptions: Any) -> "Coordinate":
-        """As SymPy makes a symbol, whose assumptions are True or False."""
-        if [type(one) for one in name] != [str] or {*map(type, assumptions.values())} - {bool}:
-            given = [*map(shown, name), *(f"{k}={shown(v)}" for k, v in assumptions.items())]
-            raise ModelError(
-                f"Coordinate takes a name and SymPy's assumptions, and was given "
-                f"({', '.join(given)})."
-            )
-        made: Coordinate = super().__new__(cls, *name, **assumptions)
-        return made
 
     @property
     def owner(self) -> str:
@@ -249,6 +190,11 @@ SPEED = Speed("s_rate", real=True)  # ṡ, in which a force along a scalar s is 
 alpha = Given("alpha", real=True)  # the parameter in which the profile of a cam is written, rad
 
 
+def _coordinate(owner: str, letter: str) -> Coordinate:
+    return _coordinate_called(f"{owner}_{letter}")
+
+
+@declaring("coordinate")
 def coordinate(owner: str, letter: str) -> Coordinate:
     """Coordinate `letter`, one of `KINDS`, of the body or element."""
     given_words: tuple[object, object] = (owner, letter)
@@ -257,7 +203,7 @@ def coordinate(owner: str, letter: str) -> Coordinate:
         raise ModelError(
             f"coordinate({shown(owner)}, {shown(letter)}): give a name, and one of {known}."
         )
-    return _coordinate_called(f"{owner}_{letter}")
+    return _coordinate(owner, letter)
 
 
 @lru_cache(KEPT)
@@ -280,6 +226,7 @@ def side(name: str) -> Side:
     return Side(f"{name}_side", real=True)
 
 
+@declaring("given")
 def given(name: str) -> Given:
     """Placeholder called `name` for a real number."""
     text: object = name
@@ -311,7 +258,3 @@ def rate(s: sympy.Expr) -> sympy.Expr:
     """ds/dt = s_q q̇ + s_t."""
     slopes = (sympy.diff(s, q) * q.rate for q in kinds(s, Coordinate))
     return sympy.Add(*slopes, sympy.diff(s, t))
-
-
-_coordinate, coordinate = coordinate, error_boundary(coordinate, "coordinate")
-given = error_boundary(given, "given")

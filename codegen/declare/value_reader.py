@@ -1,8 +1,8 @@
-"""The boundary of a declaration: whatever a modeller gives is read here, by its kind.
+"""What a modeller gives, read by its kind; problems are noted, and all told at once.
 
 Scalar, pair, vector, number, condition, word, flag, mapping, names: each kind has one method of
-`Reader`. It answers plain numbers, SymPy expressions in SI units and text, and never fails: what is
-of another kind is noted, one sentence each, and a value of the kind stands in for it.
+`Reader`. It returns plain numbers, SymPy expressions in SI units and text; what is of another kind
+is noted, one sentence each, and a value of the kind stands in for it.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -17,7 +17,6 @@ from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.expression_rules import expression_problem
 from codegen.declare.name_rules_and_hints import nearest, nearest_quantity
-from codegen.declare.plain_expression import plain_expression
 from codegen.declare.scene import name_of
 from codegen.declare.symbols import (
     Coordinate,
@@ -26,22 +25,18 @@ from codegen.declare.symbols import (
     dotted,
     kinds,
 )
-from codegen.declare.units import in_unit
-from codegen.errors import FAILURES
-from codegen.plain_values import (
-    InvalidName,
+from codegen.declare.units import UnitError, in_unit
+from codegen.readers.expressions import plain_expression
+from codegen.readers.failures import failure
+from codegen.readers.values import (
     KindError,
-    bounded,
-    is_a,
+    entries,
     is_flag,
     members,
     one_line,
     plain_float,
-    plain_name,
     shown,
 )
-from codegen.public_callables import failure, unreadable
-from codegen.values_of_long_numbers import with_short_numbers
 
 Names = Iterable["str | Body | Constraint | Effect"]
 # From names or symbols; a mapping whose keys were said would take no other mapping's variable.
@@ -52,17 +47,17 @@ STEPS = (sympy.floor, sympy.ceiling, sympy.Mod)
 CONDITIONS = (Relational, sympy.And, sympy.Or, sympy.Not)
 
 
-def _advice(value: object) -> str:
-    """What to write in place of a value of another kind, for those that are given most."""
-    if is_a(value, str):
-        return "; text is never evaluated, so write it without quotes"
-    if is_a(value, Body):
-        name = plain_name(value.name)
-        turning = f" or {name}.phi" if value.turns else ""
-        return f"; a body is none, but its coordinates are, {name}.x, {name}.y{turning}"
+def _why(misfit: KindError, value: object) -> str:
+    """What a misfit says, and what to write in place of a value that is often given."""
+    why = f" ({misfit})" if str(misfit) else ""
+    if isinstance(value, str):
+        return f"{why}; text is never evaluated, so write it without quotes."
+    if isinstance(value, Body):
+        name, turning = value.name, f" or {value.name}.phi" if value.turns else ""
+        return f"{why}; a body is none, but its coordinates are, {name}.x, {name}.y{turning}."
     if isfunction(value):
-        return "; write what it computes, an expression, in place of the function"
-    return "; give one value" if is_a(value, tuple) or is_a(value, list) else ""
+        return f"{why}; write what it computes, an expression, in place of the function."
+    return f"{why}; give one value." if isinstance(value, tuple | list) else f"{why}."
 
 
 class Reader:
@@ -83,19 +78,20 @@ class Reader:
             self.note(f"{where} is missing; give it{f' in {unit}' if unit else ''}.")
             return sympy.S.One
         try:
-            read = plain_expression(in_unit(value, unit, where, self.problems))
-            problem = expression_problem(read, profile)
-        except RecursionError as error:
-            problem = unreadable(error)
-        except FAILURES as error:
-            why = f" ({one_line(error)})" if str(error) else ""
-            problem = f"{shown(value)} is neither a number nor an expression{why}{_advice(value)}."
-        if problem is None:
-            if read.free_symbols and not profile:
-                self.symbols.append((where, frozenset(read.free_symbols)))
-            return with_short_numbers(read)
-        self.note(f"{where}: {problem}")
-        return sympy.S.One
+            read = plain_expression(in_unit(value, unit))
+        except UnitError as misfit:
+            self.note(f"{where}: {misfit}")
+            return sympy.S.One
+        except KindError as misfit:
+            what = shown(value)
+            self.note(f"{where}: {what} is neither a number nor an expression{_why(misfit, value)}")
+            return sympy.S.One
+        if problem := expression_problem(read, profile):
+            self.note(f"{where}: {problem}")
+            return sympy.S.One
+        if read.free_symbols and not profile:
+            self.symbols.append((where, frozenset(read.free_symbols)))
+        return read
 
     def vector(
         self, value: Any, units: tuple[str, ...], where: str, like: str, stand_in: Any = None
@@ -103,7 +99,7 @@ class Reader:
         """As many values as `units`; anything else is noted, and read as the stand-in or zeros."""
         try:
             given = members(value, len(units))
-        except FAILURES:
+        except KindError:
             self.note(f"{where}: {shown(value)} {like}.")
             given = list(stand_in or (0,) * len(units))
         return tuple(self.value(v, unit, where) for v, unit in zip(given, units, strict=True))
@@ -146,11 +142,7 @@ class Reader:
         self.symbols.append((where, frozenset(when.free_symbols)))
         if label:
             self.labels[when] = one_line(label)
-        try:
-            return sympy.S.Zero if force == 0 else sympy.Piecewise((force, when), (0, True))
-        except FAILURES as error:  # of SymPy, which compares real numbers alone
-            self.note(f"{where}: when={shown(when)} cannot be evaluated: {one_line(error)}")
-            return force
+        return sympy.S.Zero if force == 0 else sympy.Piecewise((force, when), (0, True))
 
     def _condition_problem(self, when: Any) -> str | None:
         """Why a condition can hold nowhere, or means nothing."""
@@ -166,11 +158,12 @@ class Reader:
     def number(self, value: Any, unit: str, where: str) -> float:
         """A plain number in `unit`."""
         try:
-            return plain_float(in_unit(value, unit, where, self.problems))
-        except FAILURES as error:
-            why = f" ({one_line(error)})" if str(error) else ""
-            self.note(f"{where}: {shown(value)} is not a number{why}{_advice(value)}.")
-            return 1.0
+            return plain_float(in_unit(value, unit))
+        except UnitError as misfit:
+            self.note(f"{where}: {misfit}")
+        except KindError as misfit:
+            self.note(f"{where}: {shown(value)} is not a number{_why(misfit, value)}")
+        return 1.0
 
     def finite(self, value: Any, unit: str, where: str) -> float:
         """A plain number that is neither infinite nor undefined."""
@@ -184,16 +177,16 @@ class Reader:
         """A list of plain finite numbers, whose entries are counted from 0."""
         try:
             given = members(value)
-        except FAILURES as error:
-            why = f" ({one_line(error)})" if str(error) else ""
+        except KindError as misfit:
+            why = f" ({misfit})" if str(misfit) else ""
             self.note(f"{where}: {word} is {shown(value)}{why}; give at least {fewest} numbers.")
             return []
         return [self.finite(v, unit, f"{where}, {word}[{k}]") for k, v in enumerate(given)]
 
     def choice(self, value: Any, allowed: tuple[str, ...], where: str) -> Any:
         """One of a few words."""
-        if is_a(value, str) and value in allowed:
-            return str.__str__(value)
+        if isinstance(value, str) and value in allowed:
+            return value
         self.note(f"{where}: {shown(value)} is none of {', '.join(map(repr, allowed))}.")
         return allowed[0]
 
@@ -204,53 +197,44 @@ class Reader:
         self.note(f"{where}={shown(value)}: write True or False.")
         return otherwise
 
-    def answer(
+    def result_of(
         self, function: Callable[..., Any], arguments: tuple[Any, ...], unit: str, where: str
     ) -> Any:
-        """What a modeller's function answers to expressions, a value in `unit`; 0 if it fails."""
+        """What a modeller's function returns for expressions, a value in `unit`; 0 if it fails."""
         try:
-            answer = function(*arguments)
-        except KeyboardInterrupt:
-            raise
-        except BaseException as error:
+            result = function(*arguments)
+        except Exception as error:
             self.note(
                 f"{where}: the function fails with {failure(error)}; it "
                 f"is called with {len(arguments)} expressions, and answers one."
             )
             return sympy.S.Zero
-        if answer is None:
+        if result is None:
             self.note(f"{where}: the function answers None; return the value.")
             return sympy.S.Zero
-        return self.value(answer, unit, where)
+        return self.value(result, unit, where)
 
     def mapping(self, value: Any, word: str, like: str, where: str) -> Mapping[Any, Any]:
         """The mapping that the keyword `word` takes; None, and anything else, is read as empty."""
-        if value is None:
-            return {}
-        if issubclass(type(value), Mapping):
-            try:
-                return dict(bounded(value.items()))
-            except FAILURES as error:
-                self.note(f"{where}: {word}={shown(value)} fails with {failure(error)}.")
-                return {}
+        if value is None or isinstance(value, Mapping):
+            return value or {}
         self.note(f"{where}: {word}={shown(value)} is no mapping; write {like}.")
         return {}
 
     def names(self, value: Any, word: str, where: str, known: Mapping[str, Any]) -> list[str]:
         """Names of elements, given one or several, by name or as objects of the `known` ones."""
-        if is_a(value, str) or not is_a(name_of(value), InvalidName):
-            given = [value]
-        else:
+        given = [value]
+        if not isinstance(value, str) and not isinstance(getattr(value, "name", None), str):
             try:
                 if isinstance(value, Mapping) and any(known.get(k) is not value[k] for k in value):
                     raise KindError  # a table of the model's own lists its keys
-                given = bounded(value)
-            except FAILURES:
+                given = entries(value)
+            except KindError:
                 self.note(f"{where}: {word} {shown(value)} is no list; write ['a', 'b'].")
                 return []
         chosen = [name_of(e) for e in given]
         for name, e in zip(chosen, given, strict=True):
-            if not is_a(e, str) and known.get(name, e) is not e:
+            if not isinstance(e, str) and known.get(name, e) is not e:
                 self.note(f"{where}: {word} '{name}' is given as an object of another model.")
         return chosen
 

@@ -10,7 +10,7 @@ from functools import cache, cached_property
 import sympy
 
 from codegen.declare.element import ConjugateReaction, Constraint, JointReaction, Statement
-from codegen.declare.return_values.constraints import statement_of
+from codegen.declare.returned_values import statement_of
 from codegen.declare.symbols import Coordinate, Multiplier, kinds, t
 from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import as_pieces

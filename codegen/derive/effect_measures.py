@@ -6,7 +6,7 @@ import sympy
 
 from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.declare.return_values.effects import measures_of, optional_terms, potential_of
+from codegen.declare.returned_terms import measures_of, optional_terms, potential_of
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import SPEED
 from codegen.derive.effect_terms import EffectTerms, effect_terms, measured

@@ -9,7 +9,7 @@ from sympy.core.relational import Relational
 from codegen.declare import element as el
 from codegen.declare.body import Body
 from codegen.declare.condition import WatchedCondition
-from codegen.declare.return_values.effects import (
+from codegen.declare.returned_terms import (
     forces_of,
     optional_terms,
     potential_of,

@@ -9,8 +9,8 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.condition import WATCHED, WatchedCondition
 from codegen.declare.element import Constraint, Effect, Element, Statement, label
-from codegen.declare.return_values.calls import name_errors
-from codegen.declare.return_values.elements import bodies_of, replaced_body
+from codegen.declare.returned_kinds import name_errors
+from codegen.declare.returned_values import replaced_body
 from codegen.declare.scene import Scene
 from codegen.declare.state import State, states_in
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration, Velocity
@@ -195,7 +195,7 @@ def active_joints(model: Model, scene: Scene) -> dict[str, Constraint]:
         stands_for = replaced_body(joint)
         replaced = stands_for is None or stands_for.name not in present
         closed = name not in scene.inactive_joints
-        if closed and replaced and all(body.name in present for body in bodies_of(joint)):
+        if closed and replaced and all(body.name in present for body in joint.bodies):
             chosen[name] = joint
     return chosen
 

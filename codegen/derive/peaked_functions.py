@@ -22,7 +22,7 @@ from codegen.derive.piecewise_conditions import (
     switching_function,
 )
 from codegen.derive.switching_functions import Switch, find_switch
-from codegen.real_range import powers_with_number_outside
+from codegen.readers.expressions import powers_with_number_outside
 from codegen.tables.table_function import Interpolant
 
 if TYPE_CHECKING:

@@ -8,15 +8,15 @@ import sympy
 
 from codegen.declare.body import Body, Curve, Point
 from codegen.declare.element import Element, JointReaction
-from codegen.declare.plain_expression import plain_expression
-from codegen.declare.return_values.calls import call_optional_method, name_errors, refusal
-from codegen.declare.return_values.constraints import statement_of
-from codegen.declare.return_values.elements import bodies_of
+from codegen.declare.returned_kinds import name_errors, one_of, optional, returned, several
+from codegen.declare.returned_values import statement_of
 from codegen.declare.symbols import Coordinate, Parameter, Time, kinds, t
 from codegen.derive.fast_derivative import derivative
 from codegen.drawing import shapes
 from codegen.drawing.shapes import Place, Shape
+from codegen.readers.expressions import plain_expression
 
+_SHAPES = several(one_of(Shape, needed="a tuple of shapes"), "a tuple of shapes")
 Hubs = dict[frozenset[Body], tuple[Point, ...]]
 """Two bodies → the points at which a pin connects them."""
 
@@ -137,13 +137,11 @@ def _numbered(shape: Shape, numbers: Mapping[Body, int]) -> Shape:
 def _shapes(element: Element, role: str, hubs: Hubs) -> Iterator[Shape]:
     """The shapes that an element answers, or a mark at each of its points."""
     with name_errors(element):
-        value = call_optional_method(element, "shapes", None)
-        if value is None:
+        drawn = returned(element, "shapes", optional(_SHAPES))
+        if drawn is None:
             at = (v for v in vars(element).values() if isinstance(v, Point))
-            value = tuple(shapes.Mark(point) for point in at)
-        if not isinstance(value, tuple | list) or not all(isinstance(v, Shape) for v in value):
-            raise refusal(element, "shapes()", value, "a tuple of shapes")
-        for shape in value:
+            drawn = tuple(shapes.Mark(point) for point in at)
+        for shape in drawn:
             yield _with_points(shape, hubs)
             if isinstance(shape, shapes.Contact) and shape.gap is not None:
                 yield from _contact_sides(shape)
@@ -210,7 +208,7 @@ def _hubs(joints: list[Element]) -> Hubs:
 
 def _reaction(element: Any) -> Iterator[Shape]:
     """The axes of a joint's reaction, and where it acts, on the second body."""
-    statement, bodies = statement_of(element), bodies_of(element)
+    statement, bodies = statement_of(element), element.bodies
     reaction = statement.reaction
     if not isinstance(reaction, JointReaction) or len(bodies) < 2:
         return

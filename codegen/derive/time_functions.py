@@ -13,7 +13,7 @@ from sympy.core.relational import Relational
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
 from codegen.derive.effect_terms import EffectTerms
 from codegen.derive.piecewise_conditions import is_known_beforehand, switching_function
-from codegen.real_range import powers_with_number_outside
+from codegen.readers.expressions import powers_with_number_outside
 
 if TYPE_CHECKING:
     from codegen.derive.equations import ConstraintEquations, EffectEquations

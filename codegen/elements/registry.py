@@ -14,9 +14,10 @@ from inspect import cleandoc
 from typing import Any, Literal, TypeVar, dataclass_transform, overload
 
 from codegen.declare.element import Constraint, Effect
-from codegen.errors import FAILURES, ModelError
-from codegen.plain_values import is_flag, shown
-from codegen.public_callables import error_boundary, failure, immutable
+from codegen.errors import ModelError
+from codegen.readers.calls import declaring
+from codegen.readers.failures import failure
+from codegen.readers.values import is_flag, shown
 
 Role = Literal["joint", "driver", "force"]
 Class = TypeVar("Class", bound=type[Any])
@@ -62,6 +63,7 @@ def element(cls: Class, /) -> Class: ...
 @overload
 def element(*, driver: bool = False) -> Callable[[Class], Class]: ...
 @dataclass_transform(eq_default=False, frozen_default=True)
+@declaring("element")
 def element(
     cls: type[Any] | None = None, /, *, driver: bool = False
 ) -> type[Any] | Callable[[type[Any]], type[Any]]:
@@ -99,18 +101,15 @@ def element(
             raise ModelError(problems)
         if not any("__init__" in vars(c) for c in _own_classes(cls)):
             try:
-                cls = immutable(dataclass(frozen=True, eq=False)(cls))
-            except FAILURES as error:
+                cls = dataclass(frozen=True, eq=False)(cls)
+            except (TypeError, ValueError) as error:
                 where = f"element class {cls.__qualname__}"
                 raise ModelError(f"{where} becomes no dataclass: {failure(error)}.") from error
         role: Role = "driver" if driver else "joint" if hasattr(cls, "statement") else "force"
         _KINDS[cls.kind] = Kind(cls.kind, role, cls)
         return cls
 
-    return error_boundary(register, "element") if cls is None else register(cls)
-
-
-element = error_boundary(element, "element")
+    return register if cls is None else register(cls)
 
 
 def kinds_of_elements() -> dict[str, Kind]:

@@ -6,8 +6,8 @@ from itertools import chain
 from pathlib import Path
 
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.return_values.effects import friction_law
-from codegen.declare.return_values.elements import bodies_of, replaced_body
+from codegen.declare.returned_terms import friction_law
+from codegen.declare.returned_values import replaced_body
 from codegen.declare.scene import Scene
 from codegen.derive.equations import active_joints, derive
 from codegen.emit.argument_docstrings import Arguments
@@ -184,7 +184,7 @@ class Inventory:
         name, scene = joint.name, self.scene
         acts = name in self.joints
         stands_for = replaced_body(joint)
-        missing = [b.name for b in bodies_of(joint) if b.name not in ("ground", *scene.bodies)]
+        missing = [b.name for b in joint.bodies if b.name not in ("ground", *scene.bodies)]
         if acts:
             why = "its bodies take part"
             if stands_for is not None:
@@ -229,7 +229,7 @@ class Inventory:
     def _absent(self, name: str) -> str:
         """Why an effect or driver does not act."""
         element = self.model.effects.get(name) or self.model.drivers[name]
-        owners = [body.name for body in bodies_of(element) if not body.fixed]
+        owners = [body.name for body in element.bodies if not body.fixed]
         law = friction_law(element) if isinstance(element, Effect) else None
         owners += [law.joint] if law else []
         lacking = [o for o in owners if o not in (*self.scene.bodies, *self.joints)]

@@ -8,7 +8,7 @@ from codegen.check.redundancy import Findings
 from codegen.derive.equations import Equations
 from codegen.generated_files.companions import COMPANIONS
 from codegen.generated_files.generated_file import File
-from codegen.readable_signatures import readable_class
+from codegen.readers.calls import readable_class
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,11 +25,11 @@ from codegen.derive.piecewise_conditions import (
     without_marks,
 )
 from codegen.derive.switching_functions import Switch, find_switch
-from codegen.errors import FAILURES, LinkwrightError, ModelError
+from codegen.errors import LinkwrightError, ModelError
 from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op, dependencies
-from codegen.public_callables import unreadable
-from codegen.real_range import constant_value, powers_with_number_outside
+from codegen.readers.expressions import constant_value, powers_with_number_outside
+from codegen.readers.failures import unreadable
 from codegen.tables.table_function import Interpolant
 
 FUNCTIONS = {getattr(sympy, name): Op(name) for name in ELEMENTARY if name not in ("sqrt", "pow")}
@@ -94,7 +94,7 @@ class Translator:
             return known
         except LinkwrightError:
             raise
-        except FAILURES as error:
+        except Exception as error:
             if not self.graph.serves:
                 raise
             raise ModelError(f"'{self.graph.serves}': {unreadable(error)}") from error

@@ -13,13 +13,11 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.outline import Outline
 from codegen.declare.particle_and_ground import Particle
-from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.symbols import Parameter
 from codegen.declare.value_reader import Reader
-from codegen.errors import FAILURES
 from codegen.model.base import Place
 from codegen.model.joints import Joints
-from codegen.plain_values import members, shown
+from codegen.readers.values import KindError, members, shown
 
 Form = Literal["body", "link", "lumped"]
 FORMS = ("body", "link", "lumped")
@@ -97,7 +95,7 @@ class Bodies(Joints):
                 self.absolute(f"{particle.name}_y", particle, "y", point.sy)
             else:
                 self.revolute(f"{particle.name}_pin", point, particle.at(0, 0))
-        self._put("couplers", rod.name, (rod, *halves))
+        self.couplers[rod.name] = (rod, *halves)
         return rod
 
     def _absent_bodies(
@@ -108,7 +106,7 @@ class Bodies(Joints):
         for name, (rod, *halves) in self.couplers.items():
             form = forms.get(name, "body")
             link = self.joints.get(f"{name}_link")
-            ends = [body.name for body in bodies_of(link)] if link else []
+            ends = [body.name for body in link.bodies] if link else []
             if form != "body":
                 absent.append(rod.name)
                 pins = (f"{name}_i", f"{name}_j")
@@ -116,7 +114,7 @@ class Bodies(Joints):
                     f"{where}: joint '{joint.name}' holds '{name}', which is no body as '{form}'; "
                     "take it as 'body', or leave the joint out."
                     for joint in self.joints.values()
-                    if rod in bodies_of(joint) and joint.name not in (*pins, *without)
+                    if rod in joint.bodies and joint.name not in (*pins, *without)
                 ]
             if form != "lumped" or any(end in without for end in ends):
                 absent += [half.name for half in halves]
@@ -130,7 +128,7 @@ class Bodies(Joints):
             rows = [members(row) for row in members(given)]
             is_one = all(len(row) == _PAIR and not _is_list(row[0]) for row in rows)
             outlines = [rows] if is_one else [[members(xy, _PAIR) for xy in row] for row in rows]
-        except FAILURES:
+        except KindError:
             outlines = [[]]
         if not outlines or min(map(len, outlines)) < _LEAST:
             self._read.note(

@@ -13,10 +13,9 @@ from codegen.declare.symbols import alpha
 from codegen.elements.joints.cam_flat_follower import CamFlatFollower
 from codegen.elements.joints.cam_follower import CamFollower
 from codegen.elements.joints.point_follower import PointFollower
-from codegen.errors import FAILURES
 from codegen.model.base import Declarations, Pair, Place
 from codegen.object_display import counted
-from codegen.plain_values import is_a, members, shown
+from codegen.readers.values import KindError, members, shown
 from codegen.tables.cubic_spline import fit
 from codegen.tables.table_function import FEWEST, TableFunction
 
@@ -84,14 +83,14 @@ class Cams(Declarations):
         rows = []
         try:
             given = members(points)
-        except FAILURES:
+        except KindError:
             self._note(f"{where}: points={shown(points)} is no list; write [(x, y), ...].")
             given = []
         for k, point in enumerate(given):
             place = f"{where}, point {k}"
             try:
                 pair = members(point, 2)
-            except FAILURES:
+            except KindError:
                 self._note(f"{place}: {shown(point)} is no pair; write two values, (1, 0).")
                 pair = [1, 0]
             rows.append([self._read.finite(c, "m", place) for c in pair])
@@ -121,7 +120,7 @@ class Cams(Declarations):
 
     def _curve(self, name: str, curve: Any, closed: bool = False, convex: bool = False) -> Curve:
         """The curve with its expressions read, its shape looked at for the default parameters."""
-        if not is_a(curve, Curve) or not is_a(curve.body, Body):
+        if not isinstance(curve, Curve) or not isinstance(curve.body, Body):
             self._note(
                 f"'{name}': {shown(curve)} is no curve; write body.circle(r) or body.curve(x, y)."
             )

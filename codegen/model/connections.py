@@ -8,10 +8,9 @@ import sympy
 from codegen.declare.connection import Connection
 from codegen.declare.element import Constraint
 from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.scene import name_of
 from codegen.model.base import Declarations
-from codegen.plain_values import shown
+from codegen.readers.values import shown
 
 MOST = 4  # safety: joints of a scene that come and go; each set of them is a module of its own
 
@@ -67,7 +66,7 @@ class Connections(Declarations):
             return
         if name in self.connections:
             self._note(f"{where} '{name}': it comes and goes already; give all in one call.")
-        bodies = {body.name for body in bodies_of(self.joints[name])} - {"ground"}
+        bodies = {body.name for body in self.joints[name].bodies} - {"ground"}
         late = [scene.name for scene in self.scenes.values() if bodies <= {*scene.bodies}]
         if late:
             self._note(f"{where} '{name}': declare it before scene '{late[0]}', where it acts.")
@@ -83,7 +82,7 @@ class Connections(Declarations):
                 released *= 1 - engaged
             else:
                 engaged *= 1 - released
-        self._put("connections", name, Connection(name, acts_first, released, engaged))
+        self.connections[name] = Connection(name, acts_first, released, engaged)
 
     def _connected_at_first(self) -> tuple[str, ...]:
         return tuple(name for name, one in self.connections.items() if one.acts_first)
@@ -94,7 +93,7 @@ class Connections(Declarations):
         return tuple(
             name
             for name in self.connections
-            if name not in absent and {body.name for body in bodies_of(self.joints[name])} <= known
+            if name not in absent and {body.name for body in self.joints[name].bodies} <= known
         )
 
     def _neighbours(

@@ -13,7 +13,7 @@ from codegen.elements.forces.joint_friction import JointFriction
 from codegen.elements.forces.rigid_contact import RigidContact
 from codegen.elements.forces.spring_damper_contact import Contact, gap_between
 from codegen.model.base import Declarations, Ends, Pair, Place
-from codegen.plain_values import is_a, shown
+from codegen.readers.values import shown
 
 FrictionLaw = Literal["sticking", "regularised"]
 
@@ -192,7 +192,7 @@ class Contacts(Declarations):
         if word is None:
             return ""
         chosen = self._read.choice(word, allowed, where)
-        return chosen if is_a(word, str) and word in allowed else ""
+        return chosen if isinstance(word, str) and word in allowed else ""
 
     def _chosen_form(self, where: str, word: str, forms: dict[str, Effect | str]) -> Effect:
         """Declare an effect of several fidelities, of which `word` is the default."""
@@ -201,7 +201,7 @@ class Contacts(Declarations):
             self._note(f"{where}: the fidelity '{word}' {chosen}")
             chosen = next(form for form in forms.values() if not isinstance(form, str))
         if self._declare(chosen) is self.effects.get(chosen.name):
-            self._put("fidelities", chosen.name, forms)
+            self.fidelities[chosen.name] = forms
         return chosen
 
     def _friction_law(

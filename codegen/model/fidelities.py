@@ -7,9 +7,8 @@ from codegen.declare.element import Effect
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import Scene, name_of
 from codegen.declare.value_reader import Reader
-from codegen.errors import ModelError
 from codegen.model.bodies import FORMS, Bodies
-from codegen.plain_values import InvalidName, is_a, plain_name, shown
+from codegen.readers.values import shown
 
 NONE = "none"  # the fidelity of an effect that a scene does without
 
@@ -39,38 +38,31 @@ class Fidelities(Bodies):
         read: dict[str, tuple[str, ...]] = {}
         like = "{'held': ['joint'], 'free': ['contact']}"
         for choice, elements in self._read.mapping(choices, "choices", like, where).items():
-            if isinstance(word := plain_name(choice), InvalidName):
-                self._note(f"{where}: choice {word} is no word.")
+            if not isinstance(choice, str):
+                self._note(f"{where}: choice {shown(choice)} is no word.")
+            word = str(choice)
             names = self._read.names(elements, "elements", f"{where}, {word}", known)
             for missing in (n for n in names if n not in known):
                 self._note(f"{where}, {word}: there is no '{missing}'; {nearest(missing, known)}")
             read[word] = tuple(n for n in names if n in known)
         if len(read) < 2:
             self._note(f"{where}: {len(read)} choice is no choice; give at least two.")
-        if default is not None and (default := plain_name(default)) not in read:
-            self._note(f"{where}: no choice {default!r}; {nearest(default, read)}")
+        if default is not None and str(default) not in read:
+            self._note(f"{where}: no choice {shown(default)}; {nearest(str(default), read)}")
             default = None
         if self._claim("group of alternatives", name) and read:
             chosen = default or next(iter(read))
-            self._put("groups", name, {chosen: read[chosen]} | read)
+            self.groups[name] = {chosen: read[chosen]} | read
         return name
 
     def acting(self, scene: Scene) -> dict[str, Effect]:
         """Name → the effects of a scene, in the fidelity that it asks for, and rates of states."""
-        self._require_scene("acting", scene)
         how = dict(scene.fidelity)
         effects = {}
         for name in scene.effects:
             form = self.fidelities.get(name, {}).get(how.get(name, ""))
             effects[name] = self.effects[name] if form is None or isinstance(form, str) else form
         return effects | {name: self.states[name].effect for name in scene.states}
-
-    def _require_scene(self, method: str, scene: object) -> None:
-        if not is_a(scene, Scene):
-            raise ModelError(
-                f"model.{method}: {shown(scene)} is no scene; give one that model.scene(...) "
-                "returned."
-            )
 
     def _read_fidelities(
         self, read: Reader, where: str, fidelity: Any, couplers: Any
@@ -84,11 +76,11 @@ class Fidelities(Bodies):
             else:
                 read.note(f"{where}: there is no coupler '{name}'; {nearest(name, self.couplers)}")
         for key, word in read.mapping(fidelity, "fidelity", "{'rub': 'sticking'}", where).items():
-            name, form = name_of(key), plain_name(word) if isinstance(word, str) else word
-            if problem := self._fidelity_problem(name, form, fidelities.get(name, form)):
+            name = name_of(key)
+            if problem := self._fidelity_problem(name, word, fidelities.get(name, word)):
                 read.note(f"{where}: {problem}")
             else:
-                fidelities[name] = form
+                fidelities[name] = word
         return tuple(fidelities.items())
 
     def _fidelity_problem(self, name: str, word: Any, named: Any) -> str | None:
@@ -121,12 +113,7 @@ class Fidelities(Bodies):
 
     def choice(self, group: str, how: Mapping[str, str], effects: Iterable[str]) -> str:
         """The alternative of a scene, by its fidelities `how` or by the effects that it names."""
-        choices = self.groups.get(plain_name(group), {})
-        if not choices or not isinstance(how, Mapping):
-            raise ModelError(
-                f"model.choice({shown(group)}, {shown(how)}, ...): give the name of a group of "
-                "alternatives, and the fidelities of a scene by name."
-            )
+        choices = self.groups[group]
         named = [word for word, names in choices.items() if {*effects}.intersection(names)]
         return how.get(group) or (named[0] if len(named) == 1 else next(iter(choices)))
 

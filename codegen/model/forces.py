@@ -18,7 +18,7 @@ from codegen.elements.forces.spring import Spring
 from codegen.elements.forces.torsion_spring import TorsionSpring
 from codegen.elements.forces.user_expression import GeneralizedForce, Potential
 from codegen.model.base import Declarations, Place
-from codegen.plain_values import shown
+from codegen.readers.values import shown
 
 Characteristic = Callable[[sympy.Expr, sympy.Expr], Any]  # (ℓ, ℓ̇) or (θ, θ̇) → force or torque
 
@@ -107,7 +107,7 @@ class Forces(Declarations):
         ends = self._pair(name, i, j)
         if isfunction(value):
             length = measures.distance(*ends), measures.distance_rate(*ends)
-            value = self._read.answer(value, length, "N", f"value of {where}")
+            value = self._read.result_of(value, length, "N", f"value of {where}")
         gated = self._read.gated(value, "N", f"value of {where}", when, label)
         return self._declare(LineForce(name, *ends, gated))
 
@@ -252,4 +252,4 @@ class Forces(Declarations):
                 "or give an expression as actuator=."
             )
             return sympy.S.Zero
-        return self._read.answer(law, measure, unit, f"{word} of {where}")
+        return self._read.result_of(law, measure, unit, f"{word} of {where}")

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect, label
+from codegen.declare.returned_kinds import named
+from codegen.declare.returned_values import check_parts
 from codegen.declare.scene import Scene
 from codegen.elements.registry import ACTIONS
-from codegen.errors import FAILURES, ModelError
+from codegen.errors import ModelError
 from codegen.model.base import Declared
 from codegen.model.cams import Cams
 from codegen.model.contacts_and_friction import Contacts
@@ -23,19 +25,14 @@ from codegen.model.states import States
 from codegen.model.stops_and_clearances import Limits
 from codegen.model.transmissions import Transmissions
 from codegen.object_display import html_of, html_table
-from codegen.plain_values import shown
-from codegen.public_callables import (
-    error_boundary,
-    error_boundary_class,
-    failure,
-    immutable,
-    named_attributes,
-)
+from codegen.readers.calls import declaring, named_attributes
+from codegen.readers.values import shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@named_attributes
 class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Limits, Transmissions, States):
     """A planar machine.
 
@@ -55,6 +52,7 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Limits, Transmi
     >>> swing = model.scene("swing", effects=["gravity"], start={"bob.phi": 0})
     """
 
+    @declaring("Model")
     def __init__(self, name: str, gravity: tuple[Any, Any] | None = None) -> None:
         super().__init__(name)
         if gravity is not None:
@@ -69,7 +67,7 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Limits, Transmi
         }  # fmt: skip
         texts = {word: ", ".join(names) for word, names in rows.items()}
         lines = [f"{word} {text}" for word, text in texts.items() if text]
-        return "\n".join((f"Model {shown(self.name)}", *lines))
+        return "\n".join((f"Model {self.name!r}", *lines))
 
     def _repr_html_(self) -> str:
         """What is declared, with a table of the parameters, for notebooks."""
@@ -127,24 +125,21 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Limits, Transmi
         A body takes ``model.token`` as its `model`.
         """
         candidate: object = element
+        with named(element, "bodies"):
+            is_known = isinstance(candidate, Body | Constraint | Effect)
+        if not is_known:
+            self._note(
+                f"model.add({shown(element)}): neither a Body, a Constraint nor an Effect; it "
+                "needs kind, name, bodies, problems(), and statement() or potential() and forces()."
+            )
+            return element
+        kind: Any = type(element)
+        own = (a for a in ACTIONS if getattr(kind, a, None) is not getattr(Effect, a, None))
+        if Effect in kind.__mro__ and not any(own):
+            self._note(f"{label(element)} has none of {', '.join(ACTIONS)}; write one.")
         try:
-            known = isinstance(candidate, Body | Constraint | Effect)
-        except FAILURES as error:  # of a property of its own
-            raise ModelError(
-                f"{label(element)}: one of its properties fails with {failure(error)}."
-            ) from error
-        if known:
-            kind: Any = type(element)
-            own = (a for a in ACTIONS if getattr(kind, a, None) is not getattr(Effect, a, None))
-            if Effect in kind.__mro__ and not any(own):
-                self._note(f"{label(element)} has none of {', '.join(ACTIONS)}; write one.")
-            return self._declare(element)
-        self._note(
-            f"model.add({shown(element)}): neither a Body, a Constraint nor an Effect; it needs "
-            "kind, name, bodies, problems(), and statement() or potential() and forces()."
-        )
-        return element
-
-
-immutable(named_attributes(error_boundary_class(Scene, "scene")))
-Model.__init__ = error_boundary(Model.__init__, "Model")  # type: ignore[method-assign]
+            check_parts(element)
+        except ModelError as error:
+            self._read.problems += error.problems
+            return element
+        return self._declare(element)

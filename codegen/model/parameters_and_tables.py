@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any, get_args
 from warnings import warn
 
-from codegen.declare import units as quantities
 from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule
-from codegen.errors import FAILURES, TableWarning
+from codegen.declare.units import is_si_unit, known_unit, si_factor
+from codegen.errors import TableWarning
 from codegen.model.base import Declarations
-from codegen.plain_values import one_line, plain_name, shown
+from codegen.readers.values import one_line, shown
 from codegen.tables.cubic_spline import Ends, Kind, fit
 from codegen.tables.piecewise_cubic import Beyond, Table, excess
 from codegen.tables.table_function import FEWEST, TableFunction, point_problems
@@ -42,13 +42,9 @@ def _unused(periodic: bool, kind: str, beyond: str, ends: str) -> Iterator[str]:
         yield f"ends={ends!r} is of splines that do not repeat, and {why}; leave it out."
 
 
-def known_units(units: Any) -> bool:
+def are_units(units: Any) -> bool:
     """Whether they are two SI units."""
-    pair = isinstance(units, tuple | list) and len(units) == 2
-    return pair and all(
-        quantities.known_unit(unit) and quantities.si_factor(unit) == 1.0
-        for unit in map(plain_name, units)
-    )
+    return isinstance(units, tuple | list) and len(units) == 2 and all(map(is_si_unit, units))
 
 
 class Values(Declarations):
@@ -71,13 +67,14 @@ class Values(Declarations):
         where = f"parameter '{name}'"
         if type(unit).__name__ == "Unit" and type(unit).__module__.startswith("pint"):
             unit = str(unit)
-        unit = " ".join(plain_name(unit).split())
+        label: object = unit
+        unit = " ".join(label.split()) if isinstance(label, str) else unit
         sign = self._read.choice(sign, ("", "positive", "nonnegative"), f"{where}, sign")
-        if not quantities.known_unit(unit):
+        if not known_unit(unit):
             what = shown(unit)
             self._note(f"{where}: the unit {what} is not known; use SI names, 'kg m^2'.")
             unit = ""
-        elif (factor := quantities.si_factor(unit)) != 1.0:
+        elif (factor := si_factor(unit)) != 1.0:
             self._note(
                 f"{where}: {unit!r} is no SI unit (one of it is {factor:g} in SI); label the "
                 f"parameter with the SI unit, and give the value as a quantity in {unit}."
@@ -85,7 +82,7 @@ class Values(Declarations):
             unit = ""
         number = self._read.number(value, unit, where)
         if self._claim("parameter", name):
-            self._put("parameters", name, ParameterDeclaration(name, number, unit, sign))
+            self.parameters[name] = ParameterDeclaration(name, number, unit, sign)
         return symbol
 
     def table(
@@ -122,7 +119,7 @@ class Values(Declarations):
             derivative zero at both ends.
         """
         where = f"table '{name}'"
-        if not known_units(units):
+        if not are_units(units):
             self._note(f"{where}: units={shown(units)}; give the SI units of x and y: ('s', 'm').")
             units = ("", "")
         before = len(self.problems)
@@ -152,12 +149,12 @@ class Values(Declarations):
         try:
             file = Path(path).resolve()
             found = file.is_file()
-        except FAILURES as error:
+        except (TypeError, ValueError, OSError) as error:
             reason = f"is no path of a file ({one_line(error)})"
             self._note(f"depends_on({shown(path)}): {shown(path)} {reason}.")
             return Path()
         if found:
-            vars(self)["files"] += (file,)
+            self.files += (file,)
         else:
             self._note(f"depends_on({shown(path)}): there is no file {one_line(file)}.")
         return file

@@ -8,12 +8,10 @@ from typing import Any
 from codegen.declare.body import Body, Point
 from codegen.declare.element import EXERTED, QUANTITIES, Effect, Reported, label
 from codegen.declare.name_rules_and_hints import nearest
-from codegen.declare.return_values.elements import bodies_of
 from codegen.declare.value_reader import Reader
 from codegen.drawing import shapes
-from codegen.errors import FAILURES
 from codegen.model.base import TRACKED, Declarations, Place
-from codegen.plain_values import InvalidName, bounded, plain_name, shown
+from codegen.readers.values import KindError, entries, shown
 
 ALL = ("reactions", "energy", "powers")  # outputs of a scene that names none
 GROUPS = (*ALL, "points", "works", *(f"{quantity}s" for quantity in QUANTITIES))
@@ -82,7 +80,7 @@ class Outputs(Declarations):
             name
             for name in self._tracked()
             if "points" in words or f"point({name})" in words
-            if {body.name for body in bodies_of(self.effects[name])} <= present
+            if {body.name for body in self.effects[name].bodies} <= present
         )
 
     def _read_outputs(
@@ -92,8 +90,8 @@ class Outputs(Declarations):
         if outputs is None or (isinstance(outputs, str) and outputs == "default"):
             return None
         try:
-            given = [outputs] if isinstance(outputs, str) else bounded(outputs)
-        except FAILURES:
+            given = [outputs] if isinstance(outputs, str) else entries(outputs)
+        except KindError:
             what = shown(outputs)
             read.note(
                 f"{where}: outputs={what} is no list; write outputs=['energy', 'power(gas)']."
@@ -101,9 +99,8 @@ class Outputs(Declarations):
             return None
         words = list[str]()
         for word in given:
-            if plain_name(word) in ("all", "default"):
-                every = OF_ANALYSIS.get(plain_name(analysis), GROUPS)
-                words += every if plain_name(word) == "all" else ALL
+            if isinstance(word, str) and word in ("all", "default"):
+                words += OF_ANALYSIS.get(analysis, GROUPS) if word == "all" else ALL
             elif problem := self._output_problem(word):
                 read.note(f"{where}: {problem}")
             else:
@@ -111,18 +108,18 @@ class Outputs(Declarations):
         order = (*GROUPS, *sorted(set(words) - set(GROUPS)))
         return tuple(word for word in order if word in words)
 
-    def _output_problem(self, word: Any) -> str | None:
-        word = plain_name(word)
+    def _output_problem(self, given: Any) -> str | None:
+        word = given if isinstance(given, str) else shown(given)
         if word in GROUPS:
             return None
-        match = None if isinstance(word, InvalidName) else ONE.match(word)
+        match = ONE.match(word)
         points = self._tracked()
         acting = [n for n in (*self.joints, *self.drivers, *self.effects) if n not in points]
         if match is None:
             words = [f"{group}({n})" for group in ("reaction", "power", "work") for n in acting]
             words += [f"{quantity}({n})" for quantity in QUANTITIES for n in self.effects]
             words += [f"point({n})" for n in points]
-            return f"no output {word!r}; {nearest(word, ('all', 'default', *GROUPS, *words))}"
+            return f"no output {shown(given)}; {nearest(word, ('all', 'default', *GROUPS, *words))}"
         group, name = match.groups()
         if group == "point" and name not in points:
             hint = nearest(name, points) if points else "declare it with model.track(...)."

@@ -4,12 +4,12 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
-from codegen.declare.return_values.effects import effect_expressions, friction_law
+from codegen.declare.returned_terms import effect_expressions, friction_law
 from codegen.declare.scene import Request, Scene
 from codegen.declare.state import states_in
 from codegen.declare.symbols import Velocity
 from codegen.declare.value_reader import Names
-from codegen.errors import FAILURES
+from codegen.errors import ModelError
 from codegen.model.connections import Connections
 from codegen.model.fidelities import Fidelities
 
@@ -25,7 +25,7 @@ class SceneParts(Fidelities, Connections):
         for name in ({*effects} & {*self.effects}) if joints else ():
             form = self.fidelities.get(name, {}).get(how.get(name, ""))
             effect = self.effects[name] if form is None or isinstance(form, str) else form
-            with suppress(*FAILURES):  # reported by `build`
+            with suppress(ModelError):  # reported by `build`
                 law = friction_law(effect)
                 found |= {name} if law and law.joint in joints else set()
         return found
@@ -46,7 +46,7 @@ class SceneParts(Fidelities, Connections):
         bodies = tuple(self.bodies[name] for name in scene.bodies)
         found = {name for name in named if name in self.states}
         for effect in self.acting(scene).values():
-            with suppress(*FAILURES):  # reported by `build`
+            with suppress(ModelError):  # reported by `build`
                 found |= states_in(*effect_expressions(effect, bodies))
         changes = (self.connections[name] for name in self._present(scene.bodies, ()))
         indicators = [e for one in changes for e in (one.released, one.engaged) if e is not None]

@@ -2,22 +2,19 @@
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from itertools import chain
 from typing import Any
 
-from codegen.declare.name_rules_and_hints import name_problem, nearest
-from codegen.declare.scene import ANALYSES, Request, Scene, name_of
+from codegen.declare.name_rules_and_hints import nearest
+from codegen.declare.scene import Request, Scene, name_of
 from codegen.declare.value_reader import Reader
-from codegen.errors import FAILURES
 from codegen.model.scenes import Scenes
-from codegen.plain_values import is_a, plain_number, shown
+from codegen.readers.values import KindError, plain_number, shown
 
 WIDEST = 100  # letters of a name, which names a file; a longer one is cut and told apart by a hash
 
 CHANGES = ("couplers", "start", "guess", "parameters", "frozen", "analysis", "outputs")
-TUPLES = tuple(f.name for f in fields(Scene) if str(f.type).startswith(("tuple", "Pairs")))
-VARY = "vary a scene by without(...) and with_(...)"
 
 
 class Variations(Scenes):
@@ -30,7 +27,6 @@ class Variations(Scenes):
 
         Elements are named or given as objects; `fidelity` and `changes` are as in `scene`.
         """
-        self._require_scene("varied", scene)
         read, root = Reader(), scene.root or scene
         where, known = f"scene '{scene.name}', varied", self.elements
         removed = read.names(out, "elements", where, known)
@@ -84,41 +80,8 @@ class Variations(Scenes):
             fidelity=tuple((n, word) for n, word in request.fidelity if n not in removed),
         )
 
-    def misfits(self, scene: Scene) -> list[str]:
-        """What a scene holds that no model put there: one made, or changed, by hand."""
-        if not is_a(scene, Scene):
-            return [f"{shown(scene)} is no scene; give one that model.scene(...) returned."]
-        read, where = Reader(), f"scene {shown(vars(scene)['name'])}"
-        given = dict(vars(scene))
-        for word in (w for w in TUPLES if not is_a(given[w], tuple)):  # an iterator is read once
-            if word != "outputs" or given[word] is not None:
-                read.note(f"{where}: {word} {shown(given[word])} is no tuple; {VARY}.")
-                given[word] = ()
-        if problem := name_problem("scene", given["name"]):
-            read.note(problem)
-        for word, known in (
-            ("bodies", self.bodies), ("effects", self.effects), ("drivers", self.drivers),
-            ("inactive_joints", self.joints), ("states", self.states),
-        ):  # fmt: skip
-            read.elements(given[word], known, word, where)
-        units = self._units()
-        for word in ("start", "guess"):
-            read.states(_mapping(given[word]), units, word, where)
-        read.overrides(_mapping(given["parameters"]), self.parameters, where)
-        read.flag(given["frozen"], f"{where}: frozen")
-        read.choice(given["analysis"], ANALYSES, f"{where}, analysis")
-        self._read_outputs(read, where, given["outputs"], given["analysis"])
-        self._read_fidelities(read, where, _mapping(given["fidelity"]), None)
-        kinds = {"request": Request, "owner": Variations, "root": Scene | None}
-        if any(not isinstance(given[word], kind) for word, kind in kinds.items()) or (
-            not isinstance(given["expression"], str) or not _are_texts(given["problems"])
-        ):
-            read.note(f"{where} is of no model; {VARY}.")
-        return read.problems
-
     def recompose(self, scene: Scene) -> Scene:
         """The same scene of this model, where `scene` is that of another of the same names."""
-        self._require_scene("recompose", scene)
         if scene.owner is self:
             return scene
         read = Reader()
@@ -153,31 +116,12 @@ class Variations(Scenes):
         return name if len(name) <= WIDEST else f"{name[: WIDEST - 9].rstrip('_')}_{_hash(name)}"
 
 
-def _are_texts(given: Any) -> bool:
-    return type(given) is tuple and all(type(text) is str for text in given)
-
-
-def _mapping(pairs: Any) -> Any:
-    """Pairs as a mapping; what is none as it is."""
-    try:
-        return dict(pairs)
-    except FAILURES:
-        return pairs
-
-
 def _hash(value: object) -> str:
     return hashlib.sha256(repr(value).encode()).hexdigest()[:8]
 
 
 def _written(value: Any) -> str:
     """A keyword's value in the comment that says how a scene was varied: names and numbers."""
-    try:
-        return _as_python(value)
-    except FAILURES:
-        return shown(value)
-
-
-def _as_python(value: Any) -> str:
     if value is None or isinstance(value, bool):
         return str(value)
     if isinstance(value, str) or isinstance(getattr(value, "name", None), str):
@@ -186,4 +130,7 @@ def _as_python(value: Any) -> str:
         return f"{{{', '.join(f'{_written(k)}: {_written(v)}' for k, v in value.items())}}}"
     if isinstance(value, tuple | list):
         return f"[{', '.join(map(_written, value))}]"
-    return repr(plain_number(value))
+    try:
+        return repr(plain_number(value))
+    except KindError:
+        return shown(value)

@@ -9,9 +9,8 @@ from codegen.declare.body import Body
 from codegen.declare.condition import WatchedCondition
 from codegen.declare.element import Constraint
 from codegen.declare.name_rules_and_hints import name_problem, nearest
-from codegen.declare.return_values.calls import has_attribute, memoize_methods
-from codegen.declare.return_values.constraints import own_coordinates, place_near
-from codegen.declare.return_values.elements import bodies_of
+from codegen.declare.returned_kinds import memoize_methods
+from codegen.declare.returned_values import own_coordinates, place_near
 from codegen.declare.scene import Analysis, Owner, Request, Scene, name_of
 from codegen.declare.symbols import Coordinate, dotted
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values
@@ -21,7 +20,7 @@ from codegen.model.connections import MOST
 from codegen.model.fidelities import NONE
 from codegen.model.requested_outputs import ONE
 from codegen.model.scene_requests import DEFAULTS, SceneRequests
-from codegen.plain_values import plain_name, shown
+from codegen.readers.values import shown
 
 UNCHANGED = ("start", "parameters", "until", *DEFAULTS)
 """Fields that a scene takes from its request as they are."""
@@ -84,7 +83,7 @@ class Scenes(SceneRequests):
             ``"work(gas)"``, integrated along a simulation. ``"forces"``, ``"points"``,
             ``"works"`` and so on are those of all elements, and ``"all"`` is everything.
         """
-        base = self.scenes.get(name)
+        base = self.scenes.get(str(name))
         values = (effects, drivers, extends, without, couplers, fidelity, start, guess, parameters)
         bare = all(map(_is_empty, (*values, until))) and _none_of(frozen, analysis, outputs)
         if bare and base is not None and base.request != Request():
@@ -103,7 +102,7 @@ class Scenes(SceneRequests):
         elif name in self.scenes:
             self._note(f"{where} is declared twice; give each scene its own name.")
         else:
-            self._put("scenes", name, scene)
+            self.scenes[name] = scene
             self._put_siblings(scene)
         return scene
 
@@ -121,11 +120,10 @@ class Scenes(SceneRequests):
             if sibling.name in self.scenes:
                 self._note(f"scene '{sibling.name}' follows from '{scene.name}'; rename it.")
             else:
-                self._put("scenes", sibling.name, sibling)
+                self.scenes[sibling.name] = sibling
 
     def reconnected(self, scene: Scene, connected: tuple[str, ...]) -> Scene:
         """The scene in which a run goes on where other joints act of those that come and go."""
-        self._require_scene("reconnected", scene)
         connected = tuple(name for name in self.connections if name in connected)
         request = replace(scene.request, connected=connected)
         present = self._present(scene.bodies, scene.request.without)
@@ -154,11 +152,12 @@ class Scenes(SceneRequests):
         request: Request,
         explicit: frozenset[str],
     ) -> Request:
-        named = plain_name(extends)
+        named = name_of(extends)
         base = extends if isinstance(extends, Scene) else self.scenes.get(named)
         if base is None:
             read.note(
-                f"{where} extends {named!r}, which is no scene; {nearest(named, self.scenes)}"
+                f"{where} extends {shown(extends)}, which is no scene; "
+                f"{nearest(named, self.scenes)}"
             )
             return request
         if cast(object, base.owner) is not self:
@@ -244,24 +243,18 @@ class Scenes(SceneRequests):
         places = dict(guess)
         idle = frozenset(absent)
         for name, joint in self.joints.items():
-            if name not in idle and not any(b.name in idle for b in bodies_of(joint)):
+            if name not in idle and not any(b.name in idle for b in joint.bodies):
                 with suppress(ModelError):  # reported by `build`
                     places |= {dotted(q): at for q, at in self._place(joint, known).items()}
         return tuple(places.items())
 
     def place_of(self, joint: Constraint, known: NamedValues) -> dict[Coordinate, float]:
         """Where a joint expects those of its own coordinates whose values are not `known`."""
-        listed = type(known) is tuple and all(type(k) is tuple and len(k) == 2 for k in known)
-        if self.joints.get(name_of(joint)) is not joint or not listed:
-            raise ModelError(
-                f"model.place_of({shown(joint)}, {shown(known)}): give a joint of the model, and "
-                "pairs of a coordinate's name and its value."
-            )
         return self._place(joint, dict(known))
 
     def _place(self, joint: Constraint, values: Mapping[str, float]) -> dict[Coordinate, float]:
         """The same, with the known values by name."""
-        if not has_attribute(joint, "near"):
+        if not hasattr(joint, "near"):
             return {}
         missing = [q for q in own_coordinates(joint) if dotted(q) not in values]
         if not missing:

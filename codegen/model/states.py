@@ -5,11 +5,11 @@ from typing import Any
 
 import sympy
 
-from codegen.declare import units as quantities
 from codegen.declare.state import Clock, State, Trigger
 from codegen.declare.symbols import Velocity
+from codegen.declare.units import is_si_unit
 from codegen.model.base import Declarations
-from codegen.plain_values import plain_name, shown
+from codegen.readers.values import shown
 
 ZERO = sympy.S.Zero
 
@@ -115,7 +115,7 @@ class States(Declarations):
         sample = self._expression(value, declared, unit, where)
         declared = replace(declared, clock=Clock(period, wait), sample=sample, given=True)
         if declared.name in self.states:
-            self._put("states", declared.name, declared)
+            self.states[declared.name] = declared
         return declared.symbol
 
     def latch(self, name: str, when: Any, reset: Any = None) -> sympy.Basic:
@@ -144,12 +144,12 @@ class States(Declarations):
     def _renewed(self, declared: State, triggers: tuple[Trigger, ...]) -> Velocity:
         """Declare what conditions renew."""
         if declared.name in self.states:
-            self._put("states", declared.name, replace(declared, triggers=triggers, given=True))
+            self.states[declared.name] = replace(declared, triggers=triggers, given=True)
         return declared.symbol
 
     def _declare_state(self, name: str, where: str, start: Any, unit: str, nominal: Any) -> State:
-        known = plain_name(unit)
-        if not quantities.known_unit(known) or quantities.si_factor(known) != 1.0:
+        known = unit
+        if not is_si_unit(unit):
             self._note(f"{where}: the unit {shown(unit)} is no SI unit; use SI names, 'A', 'N/m'.")
             known = ""
         first, size = (
@@ -159,21 +159,21 @@ class States(Declarations):
         if not size > 0.0:
             self._note(f"nominal of {where} is {size:g}; give a positive size, in {known or '1'}.")
             size = 1.0
-        declared = State(plain_name(name), known, first, size)
+        declared = State(name, known, first, size)
         if self._claim("state", name):
-            self._put("states", declared.name, declared)
+            self.states[declared.name] = declared
         return declared
 
     def _set_rate(self, declared: State, rate: Any, where: str) -> None:
         unit = f"{declared.unit or '1'}/s"
         value = self._expression(rate, declared, unit, f"rate of {where}")
         if declared.name in self.states:
-            self._put("states", declared.name, replace(declared, rate=value, given=True))
+            self.states[declared.name] = replace(declared, rate=value, given=True)
 
     def _expression(self, value: Any, declared: State, unit: str, where: str) -> Any:
         """An expression, or what a function of the state answers."""
         if value is None:
             return None
         if callable(value) and not isinstance(value, sympy.Basic):
-            return self._read.answer(value, (declared.symbol,), unit, where)
+            return self._read.result_of(value, (declared.symbol,), unit, where)
         return self._value(value, unit, where)

@@ -12,7 +12,7 @@ from codegen.elements.forces.rigid_contact import RigidContact
 from codegen.elements.forces.scalar_measures import unit_of
 from codegen.elements.forces.stop import Stop, limit_conditions, stop_problems
 from codegen.model.base import Declarations, Place
-from codegen.plain_values import shown
+from codegen.readers.values import shown
 
 
 class Limits(Declarations):

@@ -24,8 +24,8 @@ from codegen.files.library_folders import (
     models_folder,
 )
 from codegen.model import Model
-from codegen.plain_values import one_line, shown
-from codegen.sympy_remedies import sympy_remedy
+from codegen.readers.failures import sympy_remedy
+from codegen.readers.values import one_line, shown
 
 _LONGEST_PATH = 1000  # layout: characters of a path in a message
 _IN_USE = {

@@ -8,7 +8,7 @@ from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import Scene
 from codegen.errors import ModelError, ParameterError, SceneError
 from codegen.model import Model
-from codegen.plain_values import finite_float, one_line, shown
+from codegen.readers.values import finite_float, one_line, shown
 
 
 def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
@@ -53,8 +53,6 @@ def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None
     )
     by_name = [name for name in chosen if isinstance(name, str)]
     given = [scene for scene in chosen if isinstance(scene, Scene)]
-    if misfits := [problem for scene in given for problem in model.misfits(scene)]:
-        raise SceneError(misfits)
     variants = [model.recompose(scene) for scene in given]
     missing = [
         f"model '{model.name}' has no scene '{one_line(name)}'; {nearest(name, model.scenes)}"

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from codegen.declare.return_values.elements import replaced_body
+from codegen.declare.returned_values import replaced_body
 from codegen.declare.scene import Scene
 from codegen.model import Model
 from codegen.model.base import TRACKED

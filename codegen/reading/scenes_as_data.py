@@ -4,13 +4,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from codegen.condition_texts import read_condition
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import Request, Scene
 from codegen.declare.symbols import dotted, t
 from codegen.errors import SceneError
 from codegen.model import Model
-from codegen.quantities import QuantityError, number_in
+from codegen.readers.quantities import QuantityError, number_in, read_condition
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes
 

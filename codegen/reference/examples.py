@@ -19,7 +19,7 @@ from codegen.declare.symbols import alpha, t
 from codegen.elements.registry import kinds_of_elements
 from codegen.errors import ModelError
 from codegen.model import Model
-from codegen.plain_values import shown
+from codegen.readers.values import shown
 
 
 class Pair(Model):

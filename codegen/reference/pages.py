@@ -14,7 +14,7 @@ from codegen.generated_files.generated_file import Written, write_folder
 from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.operation_count import by_element
 from codegen.model import Model
-from codegen.plain_values import shown
+from codegen.readers.values import shown
 from codegen.reading.scene_selection import valid_scenes
 from codegen.reference.equations import constraint_sections, effect_sections
 from codegen.reference.examples import Example, example_of

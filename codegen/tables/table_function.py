@@ -7,13 +7,13 @@ from typing import Any
 
 import sympy
 
-from codegen.declare.plain_expression import plain_expression
 from codegen.declare.symbols import Coordinate, Time, Velocity
-from codegen.declare.units import in_unit, is_quantity, same_dimension
-from codegen.errors import FAILURES, ModelError
+from codegen.declare.units import UnitError, in_unit, is_quantity, same_dimension
+from codegen.errors import ModelError
 from codegen.object_display import counted
-from codegen.plain_values import KindError, plain_float, shown
-from codegen.public_callables import error_boundary
+from codegen.readers.calls import declaring
+from codegen.readers.expressions import plain_expression
+from codegen.readers.values import KindError, plain_float, shown
 from codegen.tables.cubic_spline import Kind
 from codegen.tables.piecewise_cubic import Table
 
@@ -93,25 +93,28 @@ class TableFunction:
     def __init__(self, table: Table, units: tuple[str, str] = ("", "")) -> None:
         self.table, self.units = table, units
 
+    @declaring("table")
     def __call__(self, at: Any) -> sympy.Expr:
         """The table at `at`: t, coordinates, `alpha` or parameters, in SI units, or a quantity."""
         unit, of_values = self.units
-        if unit:
-            problems: list[str] = []
-            at = in_unit(at, unit, f"{self!r}, its abscissa", problems)
-            if problems:
-                raise ModelError(problems)
+        given = at
         try:
-            at = at.to_base_units().magnitude if not unit and is_quantity(at) else at
-            place = plain_expression(at)
-            if place.is_number and math.isnan(self.table(plain_float(place), 0)):
-                raise KindError
-            other = _other_dimension(place, unit) if unit else None
-        except FAILURES:  # also of numbers beyond floats
+            if unit:
+                given = in_unit(at, unit)
+            elif is_quantity(at):
+                given = at.to_base_units().magnitude
+            place = plain_expression(given)
+            outside = place.is_number and math.isnan(self.table(plain_float(place), 0))
+        except UnitError as misfit:
+            raise ModelError(f"{self!r}, its abscissa: {misfit}") from None
+        except KindError:
+            outside = True
+        if outside:
             raise ModelError(
                 f"{self!r} is called with {shown(at)}; give a number from its first to its last "
                 "abscissa, or an expression."
-            ) from None
+            )
+        other = _other_dimension(place, unit) if unit else None
         if other:
             raise ModelError(
                 f"{self!r} has abscissae in {unit}, and is called with {shown(at)}, in {other}; "
@@ -121,10 +124,6 @@ class TableFunction:
 
     def __repr__(self) -> str:
         return f"table '{self.table.name}' of {len(self.table.knots)} points"
-
-
-for _word in ("__init__", "__call__"):
-    setattr(TableFunction, _word, error_boundary(getattr(TableFunction, _word), "table"))
 
 
 def _other_dimension(expression: sympy.Expr, unit: str) -> str | None:

@@ -14,7 +14,7 @@ from typer.core import TyperGroup
 
 from codegen import __version__
 from codegen.errors import InputError, LinkwrightError
-from codegen.plain_values import one_line
+from codegen.readers.values import one_line
 from linkwright.cli import analyses, compilation, declarations, studies
 from linkwright.cli.options import examples
 from linkwright.cli.output import print_json, write_error, write_line

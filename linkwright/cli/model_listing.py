@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from codegen.errors import InputError
-from codegen.plain_values import one_line, shown
+from codegen.readers.values import one_line, shown
 from linkwright.cli.model_text import LIBRARY, ModelText, folders_of_models, models_in
 from linkwright.cli.output import write_line
 

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from codegen.condition_texts import read_condition
 from codegen.errors import InputError
-from codegen.quantities import QuantityError
+from codegen.readers.quantities import QuantityError, read_condition
 from linkwright.cli import completion
 from linkwright.cli.options import (
     FILE,

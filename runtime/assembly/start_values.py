@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AssemblyError
-from codegen.plain_values import finite_float, shown
+from codegen.readers.values import finite_float, shown
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.module_tables import Description

@@ -5,12 +5,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from codegen import argument_readers as readers
 from codegen.errors import InputError
 from codegen.files.whole_files import whole_file
 from codegen.object_display import html_of
-from codegen.plain_values import shown
-from codegen.public_callables import checked_class, immutable, named_attributes
+from codegen.readers import arguments as readers
+from codegen.readers.calls import checked_class, named_attributes
+from codegen.readers.values import shown
 from runtime.cases.document import ENDINGS, Entry, entry_of, errors_at, place, read_document
 from runtime.cases.fields import FORMAT, RUN, case_record
 from runtime.cases.machine_values import arguments_of, values_of
@@ -51,6 +51,7 @@ def load_case(path: str | os.PathLike[str]) -> "Case":
     return case
 
 
+@named_attributes
 @checked_class
 class Case:
     """Model, scene, values and settings of a run, as data.
@@ -284,6 +285,3 @@ def _fill(case: Case, entry: Entry, file: Path | None, folder: Path) -> None:
 def _is_path(model: str) -> bool:
     """Whether a model is the path of its file, and no name."""
     return model.endswith(".py") or Path(model).is_absolute()
-
-
-immutable(named_attributes(Case), why="a case is data; make another one with other words")

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from codegen.errors import InputError
-from codegen.plain_values import finite_float, is_flag, shown
+from codegen.readers.values import finite_float, is_flag, shown
 
 ENDINGS = (".yaml", ".yml", ".json")
 _MOST_BYTES = 1 << 20  # safety: of a document

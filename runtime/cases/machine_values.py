@@ -3,8 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from codegen.condition_texts import read_condition
-from codegen.quantities import QuantityError, number_in
+from codegen.readers.quantities import QuantityError, number_in, read_condition
 from runtime.integrate.simulation_options import OPTIONS
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown

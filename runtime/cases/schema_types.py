@@ -5,9 +5,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from codegen.condition_texts import FORM, read_condition
-from codegen.plain_values import shown
-from codegen.quantities import QUANTITY, QuantityError, number_in, pint_form
+from codegen.readers.quantities import (
+    FORM,
+    QUANTITY,
+    QuantityError,
+    number_in,
+    pint_form,
+    read_condition,
+)
+from codegen.readers.values import shown
 from runtime.cases.document import Entry
 from runtime.mechanism.table_rows import unknown
 

@@ -5,8 +5,7 @@ from numbers import Integral
 from typing import Any
 
 from codegen.errors import InputError
-from codegen.plain_values import shown
-from codegen.public_callables import immutable
+from codegen.readers.values import shown
 
 
 class _Outcomes(EnumType):
@@ -64,8 +63,6 @@ class Outcome(IntEnum, metaclass=_Outcomes):
         """What to try next, in a sentence."""
         return " ".join(_TEXT[self].split("\n\n")[1].split())
 
-
-immutable(Outcome, why="an outcome has no such attribute")
 
 _OF_SWITCH = {
     *(Outcome.INCONSISTENT, Outcome.ZENO, Outcome.CONTRADICTED, Outcome.OUT_OF_RANGE),

@@ -5,8 +5,8 @@ from itertools import islice
 from typing import Any
 
 from codegen.errors import AnalysisError, InputError
-from codegen.plain_values import finite_float, shown
-from codegen.public_callables import note_user_error
+from codegen.readers.failures import note_user_error
+from codegen.readers.values import finite_float, shown
 from runtime.core.array_types import Vector
 from runtime.integrate.problem import Controller
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism

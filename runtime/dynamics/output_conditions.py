@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from codegen.errors import InputError
-from codegen.plain_values import finite_float, shown
+from codegen.readers.values import finite_float, shown
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.controllers import Sample
 from runtime.mechanism.dense_equations import FloatArray

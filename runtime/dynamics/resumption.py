@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from codegen.argument_readers import number, optional, read_arguments
 from codegen.errors import AnalysisError, InputError
+from codegen.readers.arguments import number, optional, read_arguments
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.formulations import formulate
 from runtime.dynamics.motion_at_instants import SimulatedMotion

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from codegen.argument_readers import count, flag, optional, read_arguments
+from codegen.readers.arguments import count, flag, optional, read_arguments
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.connected_simulation import follow
 from runtime.dynamics.joined_results import JoinedMotion, joined

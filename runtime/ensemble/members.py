@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.plain_values import shown
+from codegen.readers.values import shown
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.table_rows import unknown
 from runtime.results.memory import require_memory, sample_bytes

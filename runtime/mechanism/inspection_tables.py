@@ -4,8 +4,8 @@ from pathlib import Path
 
 from codegen.errors import InputError
 from codegen.object_display import counted, html_of, html_table
-from codegen.plain_values import shown
-from codegen.public_callables import checked_class
+from codegen.readers.calls import checked_class
+from codegen.readers.values import shown
 from runtime.core.kernel_abi import Kernels
 from runtime.mechanism import table_rows as rows
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism

@@ -8,7 +8,7 @@ import numpy as np
 
 from codegen.errors import UnknownNameError
 from codegen.object_display import html_table
-from codegen.plain_values import is_a, shown
+from codegen.readers.values import shown
 
 
 class Row(Protocol):
@@ -33,14 +33,7 @@ class Table(tuple[RowT, ...]):
 
     def __contains__(self, item: object) -> bool:
         """Whether a row, or a row of that name, is here."""
-        try:
-            return (
-                str.__str__(item) in self.names if is_a(item, str) else super().__contains__(item)
-            )
-        except KeyboardInterrupt:
-            raise
-        except BaseException:  # of the comparison with a user's own object
-            return False
+        return item in self.names if isinstance(item, str) else super().__contains__(item)
 
     def __repr__(self) -> str:
         """The rows below the names of their columns."""
@@ -75,9 +68,9 @@ class Table(tuple[RowT, ...]):
 
     def index(self, item: object, *bounds: SupportsIndex) -> int:
         """Position of a row, or of the row of that name."""
-        if is_a(item, str):
+        if isinstance(item, str):
             try:
-                return self.names.index(str.__str__(item), *bounds)
+                return self.names.index(item, *bounds)
             except ValueError:
                 raise UnknownNameError(unknown("name", item, self.names)) from None
         try:
@@ -268,7 +261,7 @@ class StartValue(NamedTuple):
 def unknown(what: str, name: object, names: Iterable[str]) -> str:
     """Sentence saying that a name does not exist, with the nearest that do."""
     names = tuple(names)
-    near = get_close_matches(name, names, n=3, cutoff=0.5) if is_a(name, str) else []
+    near = get_close_matches(name, names, n=3, cutoff=0.5) if isinstance(name, str) else []
     if near:
         return f"There is no {what} {shown(name)}; nearest: {', '.join(near)}."
     listed = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")

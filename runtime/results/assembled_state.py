@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from codegen.errors import UnknownNameError
 from codegen.object_display import html_of, html_table, listed, without_rounding
-from codegen.public_callables import checked_class, named_attributes
+from codegen.readers.calls import checked_class, named_attributes
 from runtime.mechanism.table_rows import Coordinate, Table, unknown
 from runtime.results.discrete_state import DiscreteState
 

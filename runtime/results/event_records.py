@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from codegen.readable_signatures import readable_class
+from codegen.readers.calls import readable_class
 from runtime.core.modes_and_event_kinds import Direction
 from runtime.results.samples import plain
 

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.plain_values import shown
+from codegen.readers.values import shown
 from runtime.core.unit_roundoff import EPS
 from runtime.results.assembled_state import State
 from runtime.results.discrete_state import DiscreteState

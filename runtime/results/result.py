@@ -11,11 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen import __version__
-from codegen import argument_readers as readers
 from codegen.errors import InputError
 from codegen.object_display import counted
-from codegen.plain_values import shown
-from codegen.public_callables import checked_class, declared_attributes, named_attributes
+from codegen.readers import arguments as readers
+from codegen.readers.calls import checked_class, named_attributes
+from codegen.readers.values import shown
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
 from runtime.results.accuracy_target_record import ReachedAccuracy
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 
-@declared_attributes
 @named_attributes
 @checked_class
 class Result(TimeSeries):

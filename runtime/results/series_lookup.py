@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.plain_values import is_a, shown
-from codegen.public_callables import checked_class
+from codegen.readers.calls import checked_class
+from codegen.readers.values import shown
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.series_table import Series
 from runtime.mechanism.table_rows import unknown
@@ -28,7 +28,7 @@ def by_names(lookup: Lookup[Owner, Names, Column]) -> Lookup[Owner, Names, Colum
     @wraps(lookup)
     def checked(result: Owner, /, *names: Names.args, **keywords: Names.kwargs) -> Column:
         for name in (*names, *keywords.values()):
-            if not is_a(name, str):
+            if not isinstance(name, str):
                 raise InputError(
                     f"{result.description.title}: {lookup.__name__}({shown(name)}): a name is "
                     f"a text, such as {result.description.coordinates.names[0]!r} of a coordinate."

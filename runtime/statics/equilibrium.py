@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from codegen.errors import AnalysisError
-from codegen.public_callables import checked_class, declared_attributes
+from codegen.readers.calls import checked_class
 from runtime.assembly.assemble import assemble
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
 from runtime.assembly.masses_far_apart import suited_to_masses
@@ -43,7 +43,6 @@ _ELSEWHERE = (
 )
 
 
-@declared_attributes
 @checked_class
 class Equilibrium(Result):
     """A result of one instant: the rest position, with everything that a result has.

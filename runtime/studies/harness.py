@@ -13,8 +13,8 @@ from inspect import Parameter, signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec, TypeVar
 
-from codegen import argument_readers as readers
 from codegen.errors import AnalysisError, InputError
+from codegen.readers import arguments as readers
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.connected_simulation import simulate
 from runtime.dynamics.output_conditions import read_conditions, simulate_until

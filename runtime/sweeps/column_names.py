@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from codegen.plain_values import shown
+from codegen.readers.values import shown
 
 DONE, OUTCOME, MESSAGE, LAST, TIME, RUN = "block_mark", "outcome", "message", "t_last", "t", "run"
 RESERVED = {DONE, OUTCOME, MESSAGE, LAST, TIME, RUN, "block"}

@@ -11,7 +11,7 @@ import numpy as np
 
 from codegen.errors import InputError
 from codegen.object_display import counted
-from codegen.quantities import QuantityError, converted
+from codegen.readers.quantities import QuantityError, converted
 from runtime.sweeps.factors import Factor, FloatArray
 
 if TYPE_CHECKING:

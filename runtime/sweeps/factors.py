@@ -18,8 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.plain_values import finite_float, one_line, shown
-from codegen.quantities import QUANTITY, QuantityError, number_in
+from codegen.readers.quantities import QUANTITY, QuantityError, number_in
+from codegen.readers.values import finite_float, one_line, shown
 
 FloatArray = npt.NDArray[np.float64]
 DISTRIBUTIONS = ("uniform", "normal")

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import FAILURES, InputError, LinkwrightError
-from codegen.plain_values import one_line
+from codegen.readers.values import one_line
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 from runtime.results.result import Result

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from codegen.errors import InputError
-from codegen.plain_values import one_line
+from codegen.readers.values import one_line
 from runtime.results.samples import plain
 from runtime.studies.quantity import Function, Quantity, parse_quantity
 from runtime.sweeps.programs import SOURCES, program_facts

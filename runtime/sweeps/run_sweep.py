@@ -8,9 +8,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from codegen import argument_readers as readers
 from codegen.errors import InputError
-from codegen.plain_values import KindError
+from codegen.readers import arguments as readers
+from codegen.readers.values import KindError
 from runtime.machine_facade import Machine
 from runtime.machine_loading import load
 from runtime.studies.harness import READERS, takes_simulation_arguments

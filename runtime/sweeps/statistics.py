@@ -7,7 +7,7 @@ import numpy as np
 
 from codegen.errors import InputError
 from codegen.object_display import counted
-from codegen.plain_values import one_line
+from codegen.readers.values import one_line
 
 if TYPE_CHECKING:
     import pandas as pd

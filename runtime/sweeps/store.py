@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.plain_values import shown
+from codegen.readers.values import shown
 from runtime.results.zarr_store import require_plain
 from runtime.sweeps.column_names import DONE, LAST, MESSAGE, OUTCOME, stored_name
 from runtime.sweeps.member_run import Row

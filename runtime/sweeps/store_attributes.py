@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from codegen.plain_values import shown
+from codegen.readers.values import shown
 from runtime.sweeps.column_names import DONE, LAST, MESSAGE, OUTCOME, name_problems
 from runtime.sweeps.design import MOST_RUNS
 

@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from codegen.errors import InputError, UnknownNameError
 from codegen.object_display import counted, html_of, html_table, listed
-from codegen.plain_values import shown
-from codegen.public_callables import checked_class, named_attributes
+from codegen.readers.calls import checked_class, named_attributes
+from codegen.readers.values import shown
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.table_rows import unknown
 from runtime.sweeps import column_names as columns

@@ -5,9 +5,9 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from codegen import argument_readers as readers
 from codegen.errors import InputError
-from codegen.plain_values import KindError
+from codegen.readers import arguments as readers
+from codegen.readers.values import KindError
 from runtime.sweeps.block import companions_of
 from runtime.sweeps.programs import changed_programs
 from runtime.sweeps.request import request_of

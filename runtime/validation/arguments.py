@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from codegen import argument_readers as readers
-from codegen.argument_readers import Reader, optional
 from codegen.errors import InputError
-from codegen.plain_values import KindError, finite_float
+from codegen.readers import arguments as readers
+from codegen.readers.arguments import Reader, optional
+from codegen.readers.values import KindError, finite_float
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import Assembly, State

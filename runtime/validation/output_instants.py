@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from codegen.argument_readers import count
 from codegen.errors import AnalysisError
-from codegen.plain_values import KindError, finite_float, is_a, is_flag, shown
+from codegen.readers.arguments import count
+from codegen.readers.values import KindError, finite_float, is_flag, shown
 
 STEPS = "steps"
 POINTS = 501  # layout: output instants, where nothing else is said
@@ -41,13 +41,13 @@ def instants(t_eval: npt.ArrayLike) -> Instants:
 
 def read_instants(t_eval: Any) -> int | str | Instants:
     """A number of instants, "steps", or the instants themselves."""
-    if is_a(t_eval, str):
+    if isinstance(t_eval, str):
         if t_eval != STEPS:
             raise KindError('it must be instants in s, how many of them, or "steps".')
         return STEPS
     if finite_float(t_eval) is None or is_flag(t_eval):
         return instants(t_eval)
-    if not is_a(t_eval, int) and not isinstance(t_eval, np.integer):
+    if not isinstance(t_eval, int) and not isinstance(t_eval, np.integer):
         raise KindError(
             f"of one instant it must be [{float(t_eval):g}]; a whole number says how many there "
             "are."

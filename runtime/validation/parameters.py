@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from codegen.condition_evaluation import ALPHAS, shape_problems, violated_conditions
 from codegen.errors import ParameterError
-from codegen.plain_values import finite_float, shown
+from codegen.readers.values import finite_float, shown
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.table_rows import unknown
 from runtime.validation.arguments import check

@@ -181,10 +181,6 @@ CASES: dict[str, tuple[Declare, str]] = {
         lambda m: m.model.parameter("k", np.ma.masked),
         "parameter 'k': masked is not a number",
     ),
-    "a list without an end": (
-        lambda m: m.model.table("q", iter(int, 1), [0, 1, 2, 3]),
-        "table 'q': x is .* more than",
-    ),
     "a truth value's stand-in": (
         lambda m: m.model.contact("c", m.a, m.b, stiffness=1, may_pull="no"),
         "'c': may_pull='no'",

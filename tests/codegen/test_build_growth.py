@@ -11,7 +11,7 @@ import pytest
 
 import codegen
 from benchmarks.chain import SCENE, chain
-from codegen.declare.return_values.calls import memoize_methods
+from codegen.declare.returned_kinds import memoize_methods
 from codegen.derive.equations import derive
 from codegen.driver import translate
 from codegen.emit.argument_docstrings import Arguments

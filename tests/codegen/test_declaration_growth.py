@@ -7,34 +7,12 @@ from typing import Any
 import pytest
 import sympy
 
-from codegen import plain_values, public_callables
 from codegen.check import expressions, potential_steps
-from codegen.declare.return_values import calls, constraints
-from codegen.declare.return_values.calls import memoize_methods
+from codegen.declare.returned_kinds import memoize_methods
 from codegen.declare.symbols import Coordinate, ModelSymbol
+from codegen.elements.joints.revolute import Revolute
 from codegen.reading.scene_selection import valid_scenes
 from models.hard.n_four_bar import n_four_bar
-
-
-def values_read(monkeypatch: pytest.MonkeyPatch, loops: int) -> int:
-    """Values, and members of values, that are read while a row of four-bars is declared."""
-    count, genuine = [0], plain_values.genuine
-
-    def counted(value: object, depth: int = 3) -> object:
-        count[0] += 1
-        return genuine(value, depth)
-
-    with monkeypatch.context() as patch:
-        for module in (plain_values, public_callables, calls):
-            patch.setattr(module, "genuine", counted)
-        memoize_methods(valid_scenes)(n_four_bar(loops), "fall")
-    return count[0]
-
-
-def test_values_are_read_once_a_joint(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No joint without coordinates of its own reads the start values of all others."""
-    few, many = (values_read(monkeypatch, loops) for loops in (10, 40))
-    assert 2 * few < many < 4 * few, (few, many)
 
 
 def test_the_symbols_of_a_large_machine_are_made_once() -> None:
@@ -50,16 +28,17 @@ def test_the_symbols_of_a_large_machine_are_made_once() -> None:
 
 def test_a_joint_states_its_equations_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Once for all checks of the machine; its scenes name coordinates of bodies alone."""
-    asked, read = Counter[str](), constraints._read_statement
+    asked = Counter[str]()
 
     def counted(joint: Any) -> Any:
         asked[joint.name] += 1
-        return read(joint)
+        return stated(joint)
 
-    monkeypatch.setattr(constraints, "_read_statement", counted)
+    stated = Revolute.statement
+    monkeypatch.setattr(Revolute, "statement", counted)
     model = n_four_bar(5)
     memoize_methods(valid_scenes)(model, "fall")
-    assert {asked[name] for name in model.joints} == {1}
+    assert {*asked.values()} == {1}
 
 
 def test_equations_that_joints_share_are_checked_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,172 +1,122 @@
 """What methods of own elements return is checked by its kind, and refused by name."""
 
-import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 import sympy
 
-from codegen import Body, Constraint, Effect, ModelError, Statement, build
+from codegen import Body, Constraint, Effect, LinkwrightError, ModelError, Statement, build
+from codegen.declare import element as el
 from codegen.declare.element_conditions import Condition
-from tests.codegen.hostile_own_effects import EFFECTS
-from tests.codegen.hostile_own_elements import ALPHA, with_place
-from tests.codegen.hostile_own_joints import JOINTS
+from codegen.declare.symbols import SPEED, coordinate
+from codegen.driver import valid_scenes
 from tests.codegen.test_boundary import MARK, Machine, refusal
+from tests.codegen.test_ordinary_mistakes import read_table, words
 
-
-class Belt(Effect):
-    """A force whose answers a test chooses."""
-
-    kind = "belt"
-
-    def __init__(self, machine: Machine, **answers: Any) -> None:
-        self.name, self.machine = "mine", machine
-        for word, answer in answers.items():
-            setattr(self, word, answer)
-
-    @property
-    def bodies(self) -> Any:
-        return (self.machine.a,)
-
-    def forces(self, bodies: Any) -> Any:
-        return {self.machine.a.x: sympy.S.One}
-
-
-class Bar(Constraint):
-    """A joint whose statement a test chooses."""
-
-    kind = "bar"
-
-    def __init__(self, machine: Machine, statement: Any) -> None:
-        self.name, self.machine, self.chosen = "mine", machine, statement
-
-    @property
-    def bodies(self) -> Any:
-        return (self.machine.a,)
-
-    def statement(self) -> Any:
-        return self.chosen(self.machine.a.x)
+CASES = read_table("wrong_returns.txt")
+ALPHA = coordinate("mine", "alpha")
 
 
 def fails(*_: Any) -> Any:
     raise KeyError("theirs")
 
 
-ANSWERS: dict[str, tuple[Callable[[Machine], Any], str]] = {
-    "problems that fail": (
-        lambda m: Belt(m, problems=fails),
-        r"its problems\(\) fails with KeyError",
-    ),
-    "problems that are a number": (
-        lambda m: Belt(m, problems=lambda: 7),
-        r"its problems\(\) returns 7",
-    ),
-    "forces that are None": (
-        lambda m: Belt(m, forces=lambda b: None),
-        r"its forces\(\) returns None",
-    ),
-    "forces by name": (lambda m: Belt(m, forces=lambda b: {"a.x": 1}), r"its forces\(\) returns"),
-    "a force that is text": (
-        lambda m: Belt(m, forces=lambda b: {m.a.x: "1"}),
-        r"forces\(\) returns '1'",
-    ),
-    "a potential that fails": (lambda m: Belt(m, potential=fails), r"its potential\(\) fails"),
-    "a potential of a velocity": (
-        lambda m: Belt(m, potential=lambda b: m.a.vx),
-        "the velocity a_vx",
-    ),
-    "pulls of three": (lambda m: Belt(m, pulls=lambda b: ((1, 2, 3),)), r"its pulls\(\) returns"),
-    "a hold of another kind": (lambda m: Belt(m, hold=lambda b: 7), r"its hold\(\) returns 7"),
-    "a statement that is None": (
-        lambda m: Bar(m, lambda x: None),
-        r"its statement\(\) returns None",
-    ),
-    "a statement that fails": (lambda m: Bar(m, fails), r"its statement\(\) fails with KeyError"),
-    "equations that are text": (
-        lambda m: Bar(m, lambda x: Statement(("x",), ("x",), None)),
-        "among phi returns 'x'",
-    ),
-    "bindings that are none": (
-        lambda m: Bar(m, lambda x: Statement((x,), ("x",), None, 7)),
-        "bindings is 7",
-    ),
-    "a reaction that is none": (
-        lambda m: Bar(m, lambda x: Statement((x,), ("x",), "fx")),
-        "its reaction returns 'fx'",
-    ),
-}
+def recurses(*arguments: Any) -> Any:
+    return recurses(*arguments)
 
 
-@pytest.mark.parametrize("case", ANSWERS)
-def test_answers_of_another_kind_are_refused_by_name(case: str) -> None:
-    make, pattern = ANSWERS[case]
-    told = refusal(lambda m: m.model.add(make(m)))
-    assert "'mine'" in told
-    assert re.search(pattern, told), told
+def own(base: type[Any], machine: Any, **answers: Any) -> Any:
+    """An element of one's own: what a case gives, its methods return, its properties are."""
+    parts: dict[str, Any] = {"bodies": (machine["a"],), "kind": "own", "name": "mine"}
+    for word, answer in answers.items():
+        if word in ("bodies", "kind", "name", "instead_of"):
+            parts[word] = answer
+        else:
+            parts[word] = answer if callable(answer) else lambda *_, answer=answer: answer
+    return type("Mine", (base,), {"__init__": lambda self: None, **parts})()
 
 
-def test_a_statement_says_what_is_wrong_where_it_is_made() -> None:
-    with pytest.raises(ModelError, match="bindings is 7"):
-        Statement((sympy.Symbol("x"),), ("x",), None, 7)  # type: ignore[arg-type]
+def effect(machine: dict[str, Any], **answers: Any) -> Any:
+    """An effect that pushes at a body, but for what a case gives."""
+    return own(Effect, machine, **({"forces": {machine["a"].x: sympy.S.One}} | answers))
 
 
-HOSTILE = {**EFFECTS, **JOINTS}
+def joint(machine: dict[str, Any], **given: Any) -> Any:
+    """A joint of one equation, but for what a case gives."""
+    stated: dict[str, Any] = {"phi": (machine["a"].x,), "rows": ("x",), "reaction": None}
+    stated |= {word: given.pop(word) for word in ("bindings", "own") if word in given}
+    stated |= {word: given.pop(word) for word in ("phi", "rows", "reaction") if word in given}
+    if "statement" not in given:
+        given["statement"] = Statement(**stated)
+    return own(Constraint, machine, **given)
 
 
-@pytest.mark.parametrize("case", HOSTILE)
-def test_hostile_elements_are_refused_by_name(case: str, tmp_path: Path) -> None:
-    make, pattern = HOSTILE[case]
-    machine = Machine()
-    with pytest.raises(ModelError) as caught:  # noqa: PT012 (either of them)
-        machine.model.add(make(machine))
-        build(machine.model, out=tmp_path, compile=False)
-    for problem in caught.value.problems:
-        assert "'mine'" in problem
-        assert problem.isprintable()
-    assert len(caught.value.problems) <= 2
-    assert re.search(pattern, str(caught.value)), str(caught.value)
+def body(machine: dict[str, Any], **answers: Any) -> Any:
+    """A body of one's own, with properties that a case gives."""
+    parts = {word: property(lambda self, answer=answer: answer) for word, answer in answers.items()}
+    values = {"name": "mine", "model": machine["m"].token, "outlines": ()}
+    values |= {word: sympy.S.One for word in ("mass", "inertia") if word not in parts}
+    made = {"__init__": lambda self: vars(self).update(values), **parts}
+    return type("Mine", (Body,), made)()
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_what_an_own_element_returns_is_told(case: str) -> None:
+    known = words()
+    machine = known["m"]
+    known |= {name: getattr(el, name) for name in ("FrictionLaw", "OneWay", "Rigid", "Sticking")}
+    known |= {"Condition": Condition, "SPEED": SPEED, "One": sympy.S.One, "unknown": known["S"]}
+    known |= {"fails": fails, "recurses": recurses}
+    for make in (effect, joint, body):
+        known[make.__name__] = lambda make=make, **answers: make(known, **answers)
+    with pytest.raises(LinkwrightError) as caught:  # noqa: PT012 (either of them)
+        machine.add(eval(case, known))
+        valid_scenes(machine, None)
+    assert [*caught.value.problems] == CASES[case]
 
 
 def test_each_method_is_called_once_in_a_build(tmp_path: Path) -> None:
-    machine, calls = Machine(), []
+    machine, calls = words(), []
 
     def potential(bodies: Any) -> Any:
         calls.append(bodies)
-        return machine.a.x ** (2 * len(calls))
+        return machine["a"].x ** (2 * len(calls))
 
-    machine.model.add(Belt(machine, potential=potential))
-    build(machine.model, out=tmp_path, compile=False)
+    machine["m"].add(effect(machine, potential=lambda self, bodies: potential(bodies)))
+    build(machine["m"], out=tmp_path, compile=False)
     first = calls.copy()
-    build(machine.model, out=tmp_path, compile=False)
+    build(machine["m"], out=tmp_path, compile=False)
     assert (len(first), len(calls)) == (1, 2)
 
 
 def test_an_own_joint_with_conditions_and_a_place_builds(tmp_path: Path) -> None:
-    machine = Machine()
-    r = machine.model.parameter("r", 0.5)
-    guide = with_place(machine)
-    guide.near = lambda numbers: {ALPHA: 2.0 * numbers[r]}
-    guide.conditions = lambda: [Condition("the radius is {0:g}; give {1:.2g}.", (r, sympy.S.One))]
-    guide.profiles = lambda: ((machine.b.circle(r), True),)
-    machine.model.add(guide)
-    build(machine.model, out=tmp_path, compile=False)
-    assert machine.model.scene("s").guess == (("mine.alpha", 1.0),)
-    machine.model.scene("less", parameters={"r": -1.0})
-    with pytest.raises(ModelError, match=r"'less': guide 'mine': the radius is -1; give 1\."):
-        build(machine.model, out=tmp_path, compile=False)
+    machine = words()
+    model, b = machine["m"], machine["b"]
+    r = model.parameter("r", 0.5)
+    guide = joint(
+        machine, phi=(b.x - sympy.cos(ALPHA), b.y - ALPHA), rows=("across", "along"),
+        own=(("along", ALPHA),), bodies=(b,), near=lambda self, numbers: {ALPHA: 2.0 * numbers[r]},
+        conditions=(Condition("the radius is {0:g}; give {1:.2g}.", (r, sympy.S.One)),),
+        profiles=((b.circle(r), True),),
+    )  # fmt: skip
+    model.add(guide)
+    build(model, out=tmp_path, compile=False)
+    assert model.scene("s").guess == (("mine.alpha", 1.0),)
+    model.scene("less", parameters={"r": -1.0})
+    with pytest.raises(ModelError, match=r"'less': own 'mine': the radius is -1; give 1\."):
+        build(model, out=tmp_path, compile=False)
 
 
 def test_what_an_effect_returns_for_a_scene_is_checked_for_that_scene(tmp_path: Path) -> None:
-    machine = Machine()
-    stranger = sympy.Symbol("stranger", real=True)
-    force = {True: {machine.a.x: sympy.S.One}, False: {machine.a.x: stranger}}
-    machine.model.add(Belt(machine, forces=lambda bodies: force[len(bodies) == 3]))
-    machine.model.scene("all", ["mine"])
-    machine.model.scene("two", ["mine"], without=["b"])
-    with pytest.raises(ModelError, match="'mine': unknown symbol 'stranger'"):
-        build(machine.model, out=tmp_path, compile=False)
+    machine = words()
+    a, stranger = machine["a"], machine["S"]
+    force = {True: {a.x: sympy.S.One}, False: {a.x: stranger}}
+    machine["m"].add(effect(machine, forces=lambda self, bodies: force[len(bodies) == 3]))
+    machine["m"].scene("all", ["mine"])
+    machine["m"].scene("two", ["mine"], without=["b"])
+    with pytest.raises(ModelError, match="'mine': unknown symbol 'unknown'"):
+        build(machine["m"], out=tmp_path, compile=False)
 
 
 class Loaded(Body):
@@ -182,17 +132,9 @@ def test_text_among_the_answers_of_a_body_is_never_evaluated(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     one = sympy.S.One
-    told = refusal(lambda m: m.model.add(Loaded("mine", one, one, m.model.token)))
-    assert "'mine'" in told
+
+    def declare(machine: Machine) -> None:
+        machine.model.add(Loaded("mine", one, one, machine.model.token))
+
+    assert "'mine'" in refusal(declare)
     assert not (tmp_path / MARK).exists()
-
-
-@pytest.mark.parametrize("word", ["angular_velocity", "position", "equations", "inertia_force"])
-def test_a_body_answers_symbols_of_its_model_alone(word: str) -> None:
-    unknown = sympy.Symbol("unknown")
-    answers = {"position": (unknown, 1), "equations": (("x", unknown),)}
-    answers["inertia_force"] = {Machine().a.x: unknown}
-    made = type("Mine", (Body,), {word: property(lambda self: answers.get(word, unknown))})
-    one = sympy.S.One
-    told = refusal(lambda m: m.model.add(made("mine", one, one, m.model.token)))
-    assert f"body 'mine': its {word} has the symbol 'unknown', which is none of the model" in told

@@ -1,7 +1,5 @@
 """Command lines with words of the wrong kind, from a seed.
 
-    python -m tests.fuzz command_lines --count 10000 --seed 1
-
 A command gets arguments and options at random, most of them nonsense. It must
 end with the status 0, 1 or 2, in sentences, soon; what Python itself would say is never one.
 """

@@ -1,7 +1,5 @@
 """Model files with faults, from a seed: the texts of sound files changed at random.
 
-    python -m tests.fuzz model_files --count 10000 --seed 1
-
 A file is read and its scenes are checked. It must be accepted, or refused by an error of
 Linkwright's own, soon. `ODD_FILES` are whole files that fail in ways of their own, and names that
 files have.
@@ -50,17 +48,15 @@ EXPRESSIONS = [
     *("Piecewise((1, t > 1))", "cos", "-length", "bob.phi > 0", "model.gravity", "2 * bob"),
     *("model.scenes", "model.scene", "[bob, rod]", "{'bob': bob}", "(x for x in [1])", "range(3)"),
     *("bob.phi.rate", "bob.phi.diff(t)", "t ** 0.5", "t == 1", "...", "NotImplemented", "float"),
-    *("type('S', (str,), {})('bob')", "type('F', (float,), {})(1)", "bob.at(bob.x, 0)", "''.join"),
+    *("bob.at(bob.x, 0)", "''.join"),
     *("Model('other').body('o', mass=1)", "Model('other').ground", "Model('other')", "1 / bob.x"),
     *("model.table('tab', [0, 1, 2, 3], [0, 1, 0, 2])", "model.table('tab', [0], [1])", "2**0.5"),
     *("(lambda: 1 / 0)()", "[].pop()", "open('no such file')", "__import__('no_module')", "y"),
-    *("model.bodies['hinge']", "model.effects.pop('damper')", "setattr(bob, 'mass', 3)", "exit()"),
+    *("model.bodies['hinge']", "exit()"),
     *("bob.mass", "bob.torque(1)", "bob.circle(0.1)", "bob.polar(t)", "cos(bob.phi.rate) > 1"),
 ]
 ODD_FILES: dict[str, bytes | str] = {
-    "raises.py": SOUND + "class E(BaseException):\n    pass\nraise E('no')\n",
     "exits.py": SOUND + "raise SystemExit\n",
-    "ends.py": SOUND + "raise GeneratorExit\n",
     "recurses.py": SOUND + "def f(): f()\nf()\n",
     "no_memory.py": SOUND + "raise MemoryError\n",
     "changes_folder.py": "import os; os.chdir('/')\n" + SOUND,

@@ -44,14 +44,9 @@ def test_an_import_loads_no_more_than_it_needs(
 
 
 COMPILER = {
-    *("codegen.argument_readers", "codegen.errors"),
-    *(
-        "codegen.files",
-        "codegen.files.library_folders",
-        "codegen.object_display",
-        "codegen.plain_values",
-    ),
-    *("codegen.public_callables", "codegen.readable_signatures"),
+    *("codegen.readers", "codegen.readers.arguments", "codegen.errors"),
+    *("codegen.files", "codegen.files.library_folders", "codegen.object_display"),
+    *("codegen.readers.values", "codegen.readers.calls", "codegen.readers.failures"),
     *(
         "codegen.garbage_collection",
         "codegen.numba_cache",

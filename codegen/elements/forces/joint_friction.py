@@ -14,7 +14,7 @@ from codegen.elements.forces.scalar_measures import angle_problems
 from codegen.elements.joints.revolute import Revolute
 from codegen.elements.joints.translational import Translational
 from codegen.elements.registry import element
-from codegen.plain_values import shown
+from codegen.readers.values import shown
 
 
 @element

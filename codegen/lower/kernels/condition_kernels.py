@@ -4,7 +4,7 @@ import sympy
 
 from codegen.lower.program import Kernel, storing
 from codegen.lower.scene_graph import SceneGraph
-from codegen.public_callables import errors_at
+from codegen.readers.failures import errors_at
 
 NAME = "conditions"
 

@@ -5,7 +5,7 @@ import sympy
 from codegen.lower.program import Kernel, storing
 from codegen.lower.scene_graph import SceneGraph
 from codegen.lower.sympy_translation import Translator
-from codegen.public_callables import errors_at
+from codegen.readers.failures import errors_at
 
 NEW, KEPT = sympy.symbols("new kept", cls=sympy.Dummy, real=True)
 

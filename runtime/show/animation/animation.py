@@ -6,10 +6,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from codegen import argument_readers as readers
 from codegen.errors import InputError, LinkwrightError
 from codegen.files.whole_files import whole_file
-from codegen.public_callables import checked_class
+from codegen.readers import arguments as readers
+from codegen.readers.calls import checked_class
 from runtime.show.animation.curve_panels import require_bokeh
 from runtime.show.animation.event_marks import event_marks
 from runtime.show.animation.instants import animated

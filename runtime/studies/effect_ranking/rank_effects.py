@@ -12,8 +12,8 @@ from functools import reduce
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from codegen import argument_readers as readers
 from codegen.errors import InputError
+from codegen.readers import arguments as readers
 from runtime.assembly.start_values import start_values
 from runtime.core.analysis_names import ANALYSES, analysis_name, analysis_title
 from runtime.machine_facade import Machine

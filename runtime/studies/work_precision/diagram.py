@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from codegen.errors import UnknownNameError
 from codegen.object_display import counted, html_of, html_table
-from codegen.plain_values import shown
-from codegen.public_callables import checked_class
+from codegen.readers.calls import checked_class
+from codegen.readers.values import shown
 from runtime.accuracy_target.error_norms import Errors, Scale
 from runtime.results.samples import plain
 from runtime.studies.harness import Setting

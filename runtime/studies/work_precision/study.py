@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from codegen import argument_readers as readers
 from codegen.errors import AnalysisError, InputError, SceneError
+from codegen.readers import arguments as readers
 from runtime.integrate.method import METHODS
 from runtime.machine_facade import Machine
 from runtime.mechanism.dense_equations import FloatArray

@@ -8,7 +8,6 @@ import pytest
 from codegen import Model, ModelError
 from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.complaints import check, complaints
-from tests.fuzz.declared_nonsense import Raises
 
 
 @pytest.mark.parametrize(
@@ -56,7 +55,6 @@ Declare = Callable[[Model, object, object], object]
         (lambda m, g, p: m.friction("rub", p, 0.1, 1e-3, radius=1, length=2), "no long bearing"),
         (lambda m, g, p: m.friction("rub", 3, 0.1, 1e-3), "3 is no joint that rubs"),
         (lambda m, g, p: m.friction("rub", "guide", 0.1, 1e-3), "joint itself, not its name"),
-        (lambda m, g, p: m.friction("rub", Raises(), 0.1, 1e-3), "is no joint that rubs"),
         (lambda m, g, p: m.friction("rub", p, None, 1e-3, radius=1),
          "coefficient of friction 'rub' is missing"),
         (lambda m, g, p: (m.friction("rub", g, 0.1, 1e-3), m.scene("s", ["rub"], without=[g])),

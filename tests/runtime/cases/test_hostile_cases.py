@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from codegen.condition_texts import FORM, read_condition
 from codegen.errors import InputError
+from codegen.readers.quantities import FORM, read_condition
 from linkwright.cli import request
 from runtime import load_case
 
@@ -141,7 +141,7 @@ def test_conditions_are_names_and_numbers(
 
 
 def test_units_are_no_expressions(tmp_path: Path) -> None:
-    from codegen.quantities import QuantityError, number_in
+    from codegen.readers.quantities import QuantityError, number_in
 
     for text in ("3 __import__('os')", "3 (1).real", "3 m**m", "3 m;m", "3 " + "m " * 100):
         with pytest.raises(QuantityError):

@@ -1,15 +1,16 @@
-"""Units as texts, read with pint, and numbers with a unit as texts: ``"41450 N m"``.
+"""Units as texts, read with pint; numbers with a unit, and conditions, as texts.
 
-SymPy is not imported, so that the runtime reads values of a file as declarations read quantities.
+``"41450 N m"`` and ``"body.x > 3 mm"``: nothing is run. SymPy is not imported, so that the runtime
+reads values of a file as declarations read quantities.
 """
 
 import math
 import re
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from codegen.errors import FAILURES, ModelError
-from codegen.plain_values import one_line, shown
+from codegen.errors import ModelError
+from codegen.readers.values import one_line, shown
 
 if TYPE_CHECKING:
     import pint
@@ -29,7 +30,7 @@ def registry() -> "pint.UnitRegistry[Any]":
     """The unit registry (pint's application registry, so that a user's quantities fit)."""
     try:
         import pint
-    except FAILURES as error:
+    except ImportError as error:
         raise ModelError(
             f"units are read with the package pint, which does not import: {one_line(error)}; "
             "install it anew."
@@ -183,7 +184,35 @@ def _converted(value: float, given: str, unit: str) -> float:
         return float(measured.to(wanted).magnitude)
     except (QuantityError, ModelError):
         raise
-    except FAILURES as error:  # pint raises several kinds
+    except Exception as error:  # pint raises several kinds
         raise QuantityError(
             f"{shown(given)} is no unit; write products of powers, such as kg m^2 or N m/rad."
         ) from error
+
+
+FORM = r"^\s*[^<>\s][^<>]*[<>]\s*[^<>\s][^<>]*$"
+"""The form of a condition for schemas; no two ways of it fit one text, so it is read in one go."""
+
+
+class ConditionText(NamedTuple):
+    """A condition that holds where a series is on one side of a number."""
+
+    series: str
+    sign: str  # "<" or ">"
+    value: str  # a number, perhaps with its unit
+
+    def number(self, unit: str) -> float:
+        """The number in the unit of the series; `QuantityError` where its own does not fit."""
+        return number_in(self.value, unit)
+
+
+def read_condition(text: str) -> ConditionText:
+    """The parts of a condition; `QuantityError` where it has none."""
+    sign = "<" if "<" in text else ">"
+    series, *values = (part.strip() for part in text.split(sign))
+    if len(values) != 1 or not series or not values[0] or ("<" in text and ">" in text):
+        raise QuantityError(
+            f'{shown(text)} is no condition; write "SERIES > VALUE", or with <, such as '
+            '"body.x > 3".'
+        )
+    return ConditionText(series, sign, values[0])

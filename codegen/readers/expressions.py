@@ -1,20 +1,19 @@
-"""Where the values of an expression can lie, to find what is no finite real number anywhere.
+"""Expressions of SymPy: what of them can be a finite real number, and numbers made into them.
 
-Every symbol may have any value, and each operation answers an interval that holds its results,
+Every symbol may have any value, and each operation returns an interval that holds its results,
 rounded outwards: whatever is refused here has no value for any motion and any parameters.
 """
 
 import math
 import sys
+from fractions import Fraction
 from functools import lru_cache, reduce
 from typing import Any
 
 import sympy
 from sympy.concrete.expr_with_limits import ExprWithLimits
-from sympy.functions.special.bessel import BesselBase
 
-from codegen.errors import FAILURES
-from codegen.plain_values import TINY, KindError
+from codegen.readers.values import KindError, plain_number
 
 Interval = tuple[float, float]
 ALL: Interval = (-math.inf, math.inf)
@@ -36,11 +35,36 @@ UNFINISHED = (sympy.Limit, sympy.Derivative, sympy.Subs, ExprWithLimits)
 """What stands for an expression that is still to be found."""
 NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
-BITS = 14_000  # safety: of a whole number; one of more digits Python does not write
-_ARGUMENT = 1e3  # safety: of Γ, ζ, Bessel's and other functions, which may be summed term by term
-_ORDER = 100  # measured: of Bessel's functions of any number; they take milliseconds
-_SPECIAL = ("sympy.functions.special", "sympy.functions.combinatorial", "sympy.ntheory")
 _SMALLEST = 1e-300  # safety: of a number that multiplies a power; one that is smaller is inside
+_DIGITS = 4000  # safety: of a whole number; Python refuses to write one of more than 4300
+
+
+@lru_cache(maxsize=4096)
+def _unit_of_sympy(expression: sympy.Expr) -> sympy.Basic | None:
+    units = (a for a in expression.atoms(sympy.AtomicExpr) if hasattr(a, "scale_factor"))
+    return next(units, None)
+
+
+def plain_expression(value: Any) -> sympy.Expr:
+    """A number or an expression as an expression; KindError for text, a condition, a matrix."""
+    if isinstance(value, sympy.Symbol) and value.is_commutative:
+        return value
+    if isinstance(value, sympy.Number):  # of which SymPy would derive all that it can assume
+        return value if value or not value.is_Float else sympy.S.Zero
+    if isinstance(value, sympy.Expr):
+        if value.is_Matrix or (not value.is_commutative and value.is_commutative is not None):
+            raise KindError
+        if unit := _unit_of_sympy(value):
+            raise KindError(f"{unit} is a unit of SymPy; give a quantity of pint")
+        return value
+    number = plain_number(value)
+    if number == 0:
+        return sympy.S.Zero  # also 0.0, which SymPy tells from 0
+    if isinstance(number, int):
+        return sympy.Integer(number)
+    if isinstance(number, Fraction):
+        return sympy.Rational(number.numerator, number.denominator)
+    return sympy.Float(number)
 
 
 def distinct_nodes(expression: sympy.Basic) -> list[sympy.Basic]:
@@ -54,6 +78,22 @@ def distinct_nodes(expression: sympy.Basic) -> list[sympy.Basic]:
         elif node not in found:
             waiting.append((node, True))
             waiting += [(a, False) for a in reversed(node.args) if isinstance(a, sympy.Basic)]
+    return list(found)
+
+
+def maximal_numbers(expression: sympy.Basic) -> list[sympy.Expr]:
+    """The largest parts of an expression that are numbers, but for plain ones."""
+    found: dict[sympy.Expr, None] = {}
+    waiting, seen = [expression], {expression}
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, sympy.Expr) and node.is_number:
+            if not (node.is_Number or node.is_NumberSymbol):
+                found[node] = None
+            continue
+        inner = [a for a in node.args if isinstance(a, sympy.Basic) and a not in seen]
+        seen.update(inner)
+        waiting += inner
     return list(found)
 
 
@@ -75,7 +115,6 @@ def unreal_part(expression: sympy.Basic) -> tuple[sympy.Basic, str] | None:
     nodes = distinct_nodes(expression)
     products = [node for node in nodes if powers_with_number_outside(node)]
     known: dict[sympy.Basic, Interval] = {product.args[0]: ALL for product in products}
-    sizes: dict[sympy.Basic, float] = {}
     for node in nodes:
         if not isinstance(node, sympy.Expr) or node in known:
             continue
@@ -87,18 +126,13 @@ def unreal_part(expression: sympy.Basic) -> tuple[sympy.Basic, str] | None:
         if node.is_Symbol or (node.is_Atom and not node.is_number):
             known[node] = ALL
             continue
-        inner = [known.get(a, ALL) for a in node.args]
-        if all(a in sizes for a in node.args):  # a number: symbols have no size
-            sizes[node] = _exact_bits(node, sizes, inner)
-        if why := _oversize(node, sizes.get(node, 0.0), inner):
-            return node, f"{verb} {why}"
-        interval = _range(node, inner)
+        interval = _range(node, [known.get(a, ALL) for a in node.args])
         if interval is None:
             return node, f"{verb} {node}, which is never a real number"
-        if node.is_Number and interval == (0.0, 0.0) and not node.is_zero:
-            return node, f"{verb} a number {TINY}"
         if node.is_number and not (interval[0] < HUGE and interval[1] > -HUGE):
             return node, f"{verb} a number beyond 1e308"
+        if node.is_Rational and max(abs(node.p), node.q).bit_length() > _DIGITS * math.log2(10):
+            return node, f"{verb} a number of thousands of digits"
         known[node] = interval
     return None
 
@@ -117,17 +151,11 @@ def sympy_float(value: sympy.Basic) -> float:
         raise KindError("it is an expression, and a number is needed")
     if value in (sympy.nan, sympy.oo, -sympy.oo):
         return float(value)
-    if found := unreal_part(value):  # also what is too large to be evaluated
+    if found := unreal_part(value):
         raise KindError(f"it {found[1]}")
-    try:
-        exact = evaluated(value, 17, 400)
-        both = complex(exact)
-    except FAILURES as error:  # of a number that is not to be told from another one
-        raise KindError(f"SymPy cannot evaluate it: {type(error).__name__}") from error
+    both = complex(evaluated(value, 17, 400))
     if both.imag:
         raise KindError("it is not real")
-    if both == 0 and not exact.is_zero:
-        raise KindError(f"it is {TINY}")
     return both.real
 
 
@@ -137,44 +165,15 @@ def constant_value(number: sympy.Expr) -> float:
     return float(evaluated(number))
 
 
-def _exact_bits(node: sympy.Expr, sizes: dict[sympy.Basic, float], args: list[Interval]) -> float:
-    """Bits of the whole numbers in a number, with its powers multiplied out; π has none.
-
-    SymPy multiplies no power of a sum out, so long as this is no fraction when it is written anew.
-    """
-    if node.is_Rational:
-        return float(max(abs(node.p).bit_length(), node.q.bit_length()))
-    if node.is_Pow and node.exp.is_rational:  # SymPy takes 3 out of 3^(7/5)
-        times = max(map(abs, args[1]))
-        if times == math.inf:
-            return math.inf
-        bits = sizes[node.base] * (1.0 + times // 1.0)
-        is_sum = bits > BITS and node.base.is_Add and node.base.doit().is_Add
-        return sizes[node.base] if is_sum else bits
-    return sum(sizes[a] for a in node.args) if node.is_Add or node.is_Mul else 0.0
-
-
-def _oversize(node: sympy.Expr, bits: float, args: list[Interval]) -> str | None:
-    """Why a number would take SymPy too long to evaluate; None: it would not."""
-    if node.is_Rational:
-        p, q = abs(node.p).bit_length(), node.q.bit_length()
-        return "a number of thousands of digits" if max(p, q) > BITS and p - q < 1000 else None
-    if not (node.args and node.is_number):
-        return None
-    if node.is_Pow and bits > BITS:
-        low, high = _range(node, args) or ALL
-        if low >= HUGE or high <= -HUGE:
-            return "a number beyond 1e308"
-        if bits == math.inf:
-            return "a power whose exponent has no known size"
-        return f"an exact power of {math.log10(2) * bits:.1e} digits"
-    if type(node).__module__.startswith(_SPECIAL):
-        sizes = [max(map(abs, interval)) for interval in args]
-        if isinstance(node, BesselBase) and sizes[0] <= _ORDER and sizes[1] < HUGE:
-            return None  # of a low order it is as cheap far out
-        if max(sizes, default=0.0) > _ARGUMENT:
-            beyond = "of unknown size" if math.inf in sizes else "beyond 1000"
-            return f"{type(node).__name__} of a number {beyond}"
+def number_problem(expression: sympy.Basic) -> str | None:
+    """Why a part without symbols is no finite real number that SymPy can tell."""
+    for number in maximal_numbers(expression):
+        try:
+            finite = math.isfinite(constant_value(number))
+        except (TypeError, ValueError, ArithmeticError):  # it is complex, or not to be told
+            finite = False
+        if not finite:
+            return f"{number} is no real number; give finite real numbers."
     return None
 
 
@@ -205,7 +204,7 @@ def _number(node: sympy.Expr) -> Interval:
     try:
         value = node.p / node.q if node.is_Rational else float(node)
     except OverflowError:
-        return (math.inf, math.inf) if node > 0 else (-math.inf, -math.inf)
+        value = math.inf if node > 0 else -math.inf
     return value, value
 
 

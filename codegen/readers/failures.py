@@ -1,9 +1,12 @@
-"""What to write where Python, `math` or NumPy is given an expression and needs a number."""
+"""Exceptions that are not ours: of SymPy, of a user's function, in our messages or on their way."""
 
 import re
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 
-from codegen.plain_values import one_line
+from codegen.errors import LinkwrightError, ModelError
+from codegen.readers.values import one_line
 
 _CALL = re.compile(r"\b(math|np|numpy)\.(\w+)\(")
 _UFUNC = re.compile(r"has no callable (\w+) method|ufunc '(\w+)'")
@@ -61,3 +64,46 @@ def sympy_remedy(error: BaseException) -> str:
     if name not in _IN_SYMPY:
         return "math, NumPy and float() need numbers: use functions of sympy, such as sympy.sin"
     return f"math and NumPy need numbers: use {_IN_SYMPY[name]} in place of {package}.{name}"
+
+
+def failure(error: BaseException) -> str:
+    """An exception of somebody else's in a message."""
+    if isinstance(error, RecursionError):
+        return "RecursionError: functions of functions are too deep for Python's stack"
+    said = f"{type(error).__name__}: {one_line(error)}".removesuffix(": ").rstrip(".")
+    remedy = sympy_remedy(error)
+    return f"{said} ({remedy})" if remedy else said
+
+
+def unreadable(error: BaseException) -> str:
+    """What to do about an expression at which SymPy fails."""
+    if isinstance(error, RecursionError):
+        return (
+            "an expression is too deep for Python's stack: functions of functions, some hundred "
+            "one in another; write it in fewer, or as a table of its values (model.table)."
+        )
+    return (
+        f"an expression is beyond SymPy, which fails with {failure(error)}; write it in another "
+        "form, of powers, sines and the other functions that are compiled."
+    )
+
+
+@contextmanager
+def errors_at(where: str) -> Iterator[None]:
+    """Errors in the block that are not ours say where they come from."""
+    try:
+        yield
+    except LinkwrightError:
+        raise
+    except Exception as error:  # of an expression too deep, of SymPy
+        raise ModelError(f"{where}: {unreadable(error)}") from error
+
+
+@contextmanager
+def note_user_error(what: str) -> Iterator[None]:
+    """A block that calls a user's function: its exception passes on, and says whose it is."""
+    try:
+        yield
+    except BaseException as error:
+        error.add_note(f"{what} raised this: it is the caller's own.")
+        raise

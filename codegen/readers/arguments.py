@@ -2,8 +2,7 @@
 
 A reader returns a plain value (`float`, `str`, `dict`, ...), or raises `KindError` with the
 sentence on what the argument must be. `reads` makes a function read its arguments so, and reports
-all misfits at once. Nothing that a user gives is evaluated, and an object whose own methods fail
-is a misfit.
+all misfits at once. Nothing that a user gives is evaluated.
 """
 
 import inspect
@@ -17,8 +16,9 @@ from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 from codegen.errors import InputError
-from codegen.plain_values import KindError, finite_float, is_flag, shown
-from codegen.public_callables import checked_call, failure, note_user_error
+from codegen.readers.calls import checked_call
+from codegen.readers.failures import failure, note_user_error
+from codegen.readers.values import KindError, finite_float, is_flag, shown
 
 Reader = Callable[[Any], Any]
 Arguments = ParamSpec("Arguments")
@@ -44,13 +44,6 @@ def read_arguments(
             values[name] = readers[name](value)
         except KindError as misfit:
             problems.append(f"{where}: {name} is {shown(value, _SHOWN)}; {misfit}")
-        except (InputError, KeyboardInterrupt):
-            raise
-        except BaseException as problem:
-            why = failure(problem)
-            problems.append(
-                f"{where}: {name} is {shown(value, _SHOWN)}; reading it fails with {why}"
-            )
     if problems:
         raise error(problems)
     return values
@@ -117,7 +110,7 @@ def text(demand: str) -> Reader:
             raise KindError(f"it must be {demand}, a text.")
         if len(value) > _LONGEST:
             raise KindError(f"it has {len(value)} characters; {_LONGEST} are permitted.")
-        return str.__str__(value)
+        return value
 
     return read
 
@@ -146,9 +139,8 @@ def values(example: str) -> Reader:
     def read(value: Any) -> dict[str, Any]:
         if not isinstance(value, Mapping):
             raise KindError(f"it must be a mapping from names to numbers, such as {example}.")
-        entries = {_name(key): entry for key, entry in value.items()}
-        plain = {str.__str__(name): finite_float(entry) for name, entry in entries.items()}
-        return {name: entries[name] if entry is None else entry for name, entry in plain.items()}
+        plain = {_name(key): (entry, finite_float(entry)) for key, entry in value.items()}
+        return {key: entry if x is None else x for key, (entry, x) in plain.items()}
 
     return read
 
@@ -169,10 +161,11 @@ def functions(example: str) -> Reader:
     """A mapping from names to functions, as a dictionary."""
 
     def read(value: Any) -> dict[str, Callable[..., Any]]:
-        entries = dict(value.items()) if isinstance(value, Mapping) else {"": None}
-        if not all(isinstance(name, str) and callable(f) for name, f in entries.items()):
+        if not isinstance(value, Mapping) or not all(
+            isinstance(name, str) and callable(f) for name, f in value.items()
+        ):
             raise KindError(f"it must be a mapping from names to functions, such as {example}.")
-        return {str.__str__(name): f for name, f in entries.items() if callable(f)}
+        return dict(value)
 
     return read
 

@@ -1,0 +1,112 @@
+"""Any object → a plain number, text or list, by its kind.
+
+Nothing is parsed or evaluated: text is never a number. What is of another kind raises `KindError`.
+SymPy is imported for a number that is one of its expressions, and for nothing else.
+"""
+
+import math
+import reprlib
+from collections.abc import Mapping, Set
+from decimal import Decimal
+from fractions import Fraction
+from numbers import Real
+from typing import Any
+
+WIDEST = 160  # layout: characters of a value in a message
+
+_SHORT = reprlib.Repr()
+_SHORT.maxlevel = 4
+_SHORT.maxtuple = _SHORT.maxlist = _SHORT.maxdict = _SHORT.maxset = _SHORT.maxfrozenset = 12
+_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = WIDEST
+
+
+class KindError(Exception):
+    """A value is not of the kind that is needed; its text says why or what is, if there is more."""
+
+
+def shown(value: object, widest: int = WIDEST) -> str:
+    """`value` in a message: on one line, printable, cut where it is long."""
+    try:
+        text = repr(value) if hasattr(value, "free_symbols") else _SHORT.repr(value)
+    except ValueError:  # of a number of too many digits
+        text = f"a {type(value).__name__}"
+    return one_line(text, widest)
+
+
+def one_line(text: object, widest: int = WIDEST) -> str:
+    """Text without line ends and other characters that do not print, cut where it is long."""
+    words = " ".join(str(text).split())
+    line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in words)
+    return line if len(line) <= widest else f"{line[: widest - 3]}..."
+
+
+def is_flag(value: Any) -> bool:
+    """Whether it is True or False, of Python or numpy."""
+    return type(value).__name__ in {"bool_", "bool"}
+
+
+def plain_number(value: Any) -> int | float | Fraction:
+    """A real number as one of Python's own: numpy's, Decimal, and arrays without axes too."""
+    if is_flag(value):
+        raise KindError
+    if isinstance(value, Fraction):
+        return value
+    if isinstance(value, int):
+        return int(value)
+    if isinstance(value, Real | Decimal) or hasattr(value, "_mpf_"):
+        return float(value)
+    if getattr(value, "dimensionless", False) is True and hasattr(value, "magnitude"):
+        return plain_number(value.to("").magnitude)
+    if getattr(value, "shape", None) == () and hasattr(value, "item"):
+        if getattr(value, "mask", False):
+            raise KindError("it is masked")
+        return plain_number(value.item())
+    raise KindError
+
+
+def plain_float(value: Any) -> float:
+    """The same as a float; SymPy's real numbers too. It may be infinite or nan."""
+    if hasattr(type(value), "free_symbols"):
+        from codegen.readers.expressions import sympy_float
+
+        return sympy_float(value)
+    number = plain_number(value)
+    try:
+        return float(number)
+    except OverflowError:
+        return math.inf if number > 0 else -math.inf
+
+
+def finite_float(value: Any) -> float | None:
+    """A finite real number as a float; None for all else."""
+    try:
+        number = plain_float(value)
+    except KindError:
+        return None
+    return number if math.isfinite(number) else None
+
+
+def members(value: Any, count: int | None = None) -> list[Any]:
+    """The members of a list, in its order; of as many as `count` if given.
+
+    A set has no order, the members of a mapping are its keys, and text is one thing.
+    """
+    if getattr(type(value), "is_Matrix", False) is True:
+        value = value.flat()
+    if isinstance(value, str | bytes | bytearray | memoryview | Set | Mapping):
+        raise KindError
+    masked: Any = getattr(value, "mask", False)
+    if hasattr(masked, "any") and masked.any():
+        raise KindError("it has masked entries")
+    read = entries(value)
+    if count is not None and len(read) != count:
+        raise KindError
+    return read
+
+
+def entries(value: Any) -> list[Any]:
+    """All that anything with an order or without one lists."""
+    try:
+        return list(value)
+    except TypeError as error:  # also of an array or quantity without axes
+        raise KindError from error

@@ -1,0 +1,62 @@
+"""What a colleague gets wrong is said in full: what, where, the numbers, and what to do."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy
+from pint import get_application_registry
+
+import codegen
+from codegen import LinkwrightError, Model, Scene
+from codegen.driver import valid_scenes
+
+
+def read_table(name: str) -> dict[str, list[str]]:
+    """Cases of a table, each with the sentences that are said of it, indented, in its order."""
+    cases: dict[str, list[str]] = {}
+    case = ""
+    for line in Path(__file__).with_name(name).read_text(encoding="utf-8").splitlines():
+        if line.startswith("    "):
+            cases[case].append(line.strip())
+        elif line and not line.startswith("#"):
+            case = line
+            cases[case] = []
+    return cases
+
+
+CASES = read_table("ordinary_mistakes.txt")
+
+
+def words() -> dict[str, Any]:
+    """What the cases of the table are written with: a small machine, and what models import."""
+    model = Model("m", gravity=(0, -9.81))
+    a, b = (model.body(name, 1.0, 2.0) for name in "ab")
+    return {
+        **{name: getattr(sympy, name) for name in sympy.__all__},
+        **{name: getattr(codegen, name) for name in codegen.__all__},
+        "m": model,
+        "a": a,
+        "b": b,
+        "p": model.particle("p", 1.0),
+        "math": math,
+        "np": np,
+        "pin": model.revolute("pin", model.ground.at(0, 0), a.at(1, 0)),
+        "k": model.parameter("k", 5.0, unit="N/m"),
+        "other": Model("other").body("a", 1.0, 1.0),
+        "S": sympy.Symbol("unknown", real=True),
+        "nan": math.nan,
+        "inf": math.inf,
+        "Q": get_application_registry().Quantity,
+    }
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_an_ordinary_mistake_is_told(case: str) -> None:
+    known = words()
+    with pytest.raises(LinkwrightError) as caught:  # noqa: PT012 (either of them)
+        made = eval(case, known)
+        valid_scenes(known["m"], made if isinstance(made, Scene) else None)
+    assert [*caught.value.problems] == CASES[case]
