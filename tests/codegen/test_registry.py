@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from inspect import isfunction, signature
+from inspect import isfunction
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -53,7 +53,7 @@ def test_every_declaring_method_is_on_a_page() -> None:
         for name in dir(Model)
         if not name.startswith("_")
         and isfunction(getattr(Model, name))
-        and signature(getattr(Model, name)).return_annotation in classes
+        and getattr(Model, name).__annotations__.get("return") in classes
     }
     assert declaring
     assert declaring <= shown
