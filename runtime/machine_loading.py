@@ -19,10 +19,9 @@ from codegen.files.generated_modules import (
     text_hash,
 )
 from codegen.files.library_folders import LIBRARY as _LIBRARY
-from codegen.files.library_folders import file_beside, model_names, models_folder
+from codegen.files.library_folders import find_model_file, models_folder
 from codegen.garbage_collection import collection_paused
 from codegen.readers import arguments as readers
-from codegen.readers.values import one_line, shown
 from runtime.progress_bar import compilation_shown
 
 if TYPE_CHECKING:
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
     from runtime.machine_facade import Machine
 
 _ATTEMPTS = 5
-_LONGEST_PATH = 1000  # layout: characters of a path in a message
 
 
 @readers.reads(
@@ -91,32 +89,11 @@ def load(
 
 def _locate(model: str, folder: Path) -> tuple[Path, Path]:
     """Model file and the folder of its generated modules, from what the user wrote."""
-    models, generated = models_folder(_LIBRARY), _LIBRARY / "generated"
-    given = Path(model)
-    is_path = model.endswith(".py") or len(given.parts) > 1 or given.is_absolute()
-    tried = [folder / model] if is_path else []
-    if not (model.endswith(".py") or Path(model).is_absolute()):
-        tried.append(folder / "models" / f"{model}.py")
-        if models is not None:
-            tried.append(models / f"{model}.py")
-    found = next((path.resolve() for path in tried if path.is_file()), None)
-    if found is None:
-        raise ModelFileError(
-            f"There is no model {shown(model)}: looked for "
-            f"{' and '.join(one_line(path, _LONGEST_PATH) for path in tried)}."
-            + (file_beside(model, folder) or _models_nearby(model, tried))
-        )
+    found, models, generated = (
+        find_model_file(model, folder, _LIBRARY), models_folder(_LIBRARY), _LIBRARY / "generated"
+    )  # fmt: skip
     of_library = models is not None and found.is_relative_to(models.resolve())
     return found, generated if of_library and generated.is_dir() else folder / "generated"
-
-
-def _models_nearby(model: str, tried: list[Path]) -> str:
-    """Hint at models of a similar name."""
-    from difflib import get_close_matches
-
-    names = sorted({name for path in tried for name in model_names(path.parent)})
-    near = get_close_matches(Path(model).stem, names, n=3, cutoff=0.5) or names[:8]
-    return f" Models there: {', '.join(near)}." if near else ""
 
 
 def _fresh_module(model: Path, generated: Path, scene: "str | Scene | None") -> tuple[Path, str]:

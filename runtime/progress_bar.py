@@ -3,7 +3,6 @@
 A terminal shows a bar. A notebook shows lines, since its output is kept, and of compilation alone.
 """
 
-import re
 import sys
 import threading
 import time
@@ -20,7 +19,7 @@ Arguments = ParamSpec("Arguments")
 Answer = TypeVar("Answer")
 
 PATIENCE = 1.0  # measured: seconds until a bar is shown
-_DECORATED = re.compile(rb"^ *@(?:compiled|unlocked|addressed|allocating)\(", re.MULTILINE)
+_RUNTIME = "compiling the runtime, once after an installation: about a minute"
 
 
 def silent(fraction: float) -> None:
@@ -97,14 +96,14 @@ def compilation_shown(wanted: bool = True) -> Iterator[None]:
 
 
 class _Compilation:
-    """The functions that numba compiles, counted, and what shows them."""
+    """What numba compiles, how long it took, and the line that tells it."""
 
     current: "_Compilation | None" = None
 
     def __init__(self, terminal: bool) -> None:
         self.terminal = terminal
-        self.began, self.took, self.depth, self.count, self.total = 0.0, 0.0, 0, 0, 0
-        self.bar: Any = None  # of a terminal
+        self.began, self.took, self.depth = 0.0, 0.0, 0
+        self.line: Any = None  # of a terminal
         self.said = ""
 
     def begin(self, function: Any) -> None:
@@ -113,12 +112,12 @@ class _Compilation:
         if self.depth > 1:
             return
         self.began = time.monotonic()
-        path = Path(function.__code__.co_filename)
-        ours = any(path.is_relative_to(at) for at in (LIBRARY / "runtime", methods_folder()))
-        self.count += ours
         if self.took > PATIENCE:
+            path = Path(function.__code__.co_filename)
+            ours = any(path.is_relative_to(at) for at in (LIBRARY / "runtime", methods_folder()))
+            text = f"compiling {path.stem.replace('__', ', scene ')}"
             with suppress(OSError):  # of a terminal that was closed
-                self._show(ours, path.stem)
+                self.show(_RUNTIME if ours else text)
 
     def end(self) -> None:
         """It is compiled."""
@@ -126,51 +125,32 @@ class _Compilation:
         if self.depth == 0:
             self.took += time.monotonic() - self.began
 
-    def _show(self, ours: bool, stem: str) -> None:
-        text = f"compiling {stem.replace('__', ', scene ')}"
-        if ours:
-            text = "compiling the runtime, once after an installation: about a minute"
-        if not self.terminal:
-            if text != self.said and (ours or not self.said):
-                sys.stderr.write(f"Linkwright: {text}.\n")
-                self.said = text
-            return
-        if self.bar is None:
+    def show(self, text: str) -> None:
+        """Tell it: in a notebook as a line of its own, of the runtime or of the first scene."""
+        if self.terminal and self.line is None:
             from rich.console import Console
-            from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-            columns = TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn()
-            self.bar = Progress(*columns, console=Console(stderr=True), transient=True)
-            self.task = self.bar.add_task(text, total=None)
-            self.bar.start()
-        self.total = self.total or functions_of_the_runtime()
-        total = self.total if ours else None
-        self.bar.update(
-            self.task, description=text, total=total, completed=min(self.count, total or 0)
-        )
+            self.line = Console(stderr=True).status(text)
+            self.line.start()
+        elif self.terminal:
+            self.line.update(text)
+        elif text != self.said and (text == _RUNTIME or not self.said):
+            sys.stderr.write(f"Linkwright: {text}.\n")
         self.said = text
 
     def close(self) -> None:
         """Show no more, but for how long it took."""
-        if self.bar is not None:
-            with suppress(OSError):
-                self.bar.stop()
-            self.bar = None
-        if "the runtime" in self.said and self.count:
-            with suppress(OSError):
+        with suppress(OSError):
+            if self.line is not None:
+                self.line.stop()
+            if self.said == _RUNTIME:
                 sys.stderr.write(
                     f"Linkwright: compiled in {self.took:.0f} s; later runs start at once.\n"
                 )
-        self.said = ""
+        self.line, self.said = None, ""
 
     @classmethod
     def hide(cls) -> None:
-        """Leave the terminal to another bar."""
+        """Leave the terminal to a bar."""
         if cls.current is not None:
             cls.current.close()
-
-
-def functions_of_the_runtime() -> int:
-    """How many functions a first run compiles, about: those that all explicit methods need."""
-    modules = [p for p in (LIBRARY / "runtime").rglob("*.py") if "implicit" not in p.parts]
-    return sum(len(_DECORATED.findall(path.read_bytes())) for path in modules)

@@ -5,13 +5,18 @@ name belongs to it at the top level of an environment: its explicit methods lie 
 """
 
 import sysconfig
+from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
+
+from codegen.errors import ModelFileError
+from codegen.readers.values import one_line, shown
 
 LIBRARY = Path(__file__).resolve().parents[2]
 """The folder that holds the library's packages."""
 
 _IN_WHEELS = "runtime/generated"
+_LONGEST_PATH = 1000  # layout: characters of a path in a message
 
 
 def is_checkout(library: Path = LIBRARY) -> bool:
@@ -48,10 +53,37 @@ def _names_a_model(path: Path) -> bool:
         return False
 
 
-def file_beside(model: str, folder: Path) -> str:
-    """Hint, after a blank, at the file of a name that lacks its suffix."""
-    found = folder / f"{model}.py"
-    return f" A path ends in .py: did you mean {model}.py?" if found.is_file() else ""
+def find_model_file(model: str | Path, folder: Path | None = None, library: Path = LIBRARY) -> Path:
+    """The file of a model: a path, or a name for ``models/NAME.py`` of a folder or the library.
+
+    A name may contain folders: ``hard/pendulum`` is ``models/hard/pendulum.py``, unless there is a
+    file of that path itself. The folder is the working folder unless given.
+
+    Raises
+    ------
+    ModelFileError
+        If there is none; it has the nearest names.
+    """
+    given, here = Path(model), folder or Path.cwd()
+    is_path = given.suffix == ".py" or given.is_absolute()
+    tried = [here / given] if is_path or len(given.parts) > 1 else []
+    if not is_path:
+        places = (here / "models", models_folder(library))
+        tried += [place / f"{given}.py" for place in places if place]
+    try:
+        for path in tried:
+            if path.is_file():
+                return path.resolve()
+        names = sorted({name for path in tried for name in model_names(path.parent)})
+        beside = (here / f"{given}.py").is_file()
+    except OSError as error:
+        raise ModelFileError(f"no file can be {shown(str(model))}: {error.strerror}.") from error
+    near = get_close_matches(given.stem, names, n=3, cutoff=0.5) or names[:8]
+    hint = f" Models there: {', '.join(near)}." if near else ""
+    if beside:
+        hint = f" A path ends in .py: did you mean {given}.py?"
+    places_tried = " and ".join(one_line(path, _LONGEST_PATH) for path in tried)
+    raise ModelFileError(f"There is no model {shown(str(model))}: looked for {places_tried}.{hint}")
 
 
 def methods_folder() -> Path:

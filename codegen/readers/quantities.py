@@ -132,7 +132,7 @@ def _exponent(quantity: Any, root: str) -> float:
     return float(dict(quantity.unit_items()).get(root, 0))
 
 
-class QuantityError(Exception):
+class QuantityError(ValueError):
     """A text is no number with a unit that fits; its text says why."""
 
 

@@ -13,25 +13,17 @@ from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
 
-from codegen.declare.name_rules_and_hints import nearest
 from codegen.errors import InputError, ModelFileError
 from codegen.files.generated_modules import is_signed
-from codegen.files.library_folders import (
-    LIBRARY,
-    file_beside,
-    installed_folders,
-    model_names,
-    models_folder,
-)
+from codegen.files.library_folders import LIBRARY, find_model_file, installed_folders
 from codegen.model import Model
 from codegen.readers.failures import sympy_remedy
-from codegen.readers.values import one_line, shown
+from codegen.readers.values import shown
 
-_LONGEST_PATH = 1000  # layout: characters of a path in a message
 _IN_USE = {
     *("codegen", "linkwright", "runtime", "filelock", "llvmlite", "matplotlib", "mpmath"),
-    *("netCDF4", "numba", "numpy", "pandas", "pint", "pyarrow", "rich", "scipy", "sympy"),
-    *("typer", "xarray"),
+    *("netCDF4", "numba", "numpy", "pandas", "pint", "pyarrow", "pydantic", "rich", "scipy"),
+    *("sympy", "typer", "xarray"),
 }
 """Packages that a file beside a model file does not replace."""
 
@@ -51,31 +43,6 @@ class ModelFile:
     def stem(self) -> str:
         """Beginning of the names of the generated files."""
         return self.path.stem if self.path else self.model.name
-
-
-def find_model_file(model: str | Path) -> Path:
-    """The file of a model: a path, or a name for ``models/NAME.py``.
-
-    A name may contain folders: ``hard/pendulum`` is ``models/hard/pendulum.py``, unless there is a
-    file of that path itself. ModelFileError where there is none.
-    """
-    given = Path(model)
-    folders = (Path.cwd() / "models", models_folder())
-    named = [] if given.is_absolute() else [f / f"{given}.py" for f in folders if f]
-    if given.suffix == ".py":
-        candidates = [given]
-    else:
-        candidates = [given, *named] if len(given.parts) > 1 or given.is_absolute() else named
-    try:
-        for path in candidates:
-            if path.is_file():
-                return path.resolve()
-        stems = model_names(candidates[-1].parent)
-        hint = file_beside(str(model), Path.cwd()).strip() or nearest(given.stem, stems)
-    except OSError as error:
-        raise ModelFileError(f"no file can be {shown(str(model))}: {error.strerror}.") from error
-    tried = " or ".join(one_line(c, _LONGEST_PATH) for c in candidates)
-    raise ModelFileError(f"no model file {tried}; {hint}")
 
 
 def read_model(model: str | Path | Model) -> ModelFile:

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from codegen.emit.line_wrapping import quantity
+from linkwright.cli.output import console, escaped, print_rows
 
 if TYPE_CHECKING:
     from codegen.check.assembly import Assembly
@@ -14,23 +15,18 @@ _SINGULAR = {"bodies": "body", "parameters": "parameter"}
 
 def show(report: "DeclarationReport", model: str) -> None:
     """Print the facts of the sound scenes, and what no scene uses."""
-    from rich.console import Console
-    from rich.markup import escape
-
-    console = Console(soft_wrap=True, highlight=False)
     for scene in report.scenes:
         if scene.assembly.problem:
             continue
-        console.print(
-            f"[bold]{escape(report.model)}[/], scene [bold]{escape(scene.name)}[/]: sound"
+        console().print(
+            f"[bold]{escaped(report.model)}[/], scene [bold]{escaped(scene.name)}[/]: sound"
         )
-        for title, text in rows(scene):
-            console.print(f"  {title:<13} {escape(text)}")
+        print_rows(rows(scene))
     for kind, names in report.unused.items():
         word = kind if len(names) > 1 else _SINGULAR.get(kind, kind.removesuffix("s"))
-        console.print(f"No scene uses {word} {escape(', '.join(names))}.")
+        console().print(f"No scene uses {word} {escaped(', '.join(names))}.")
     if not report.problems and report.scenes:
-        console.print(f"Next: linkwright {escape(next_command(report.scenes[0], model))}")
+        console().print(f"Next: linkwright {escaped(next_command(report.scenes[0], model))}")
 
 
 def rows(scene: "SceneFacts") -> list[tuple[str, str]]:

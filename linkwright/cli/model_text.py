@@ -10,7 +10,8 @@ import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from codegen.files.library_folders import model_names, models_folder
+from codegen.errors import ModelFileError
+from codegen.files.library_folders import find_model_file, model_names, models_folder
 
 # Methods of a model whose first argument is no name of an element of the machine.
 _OTHERS = {"alternatives", "altered", "at", "body", "misfits", "parameter", "particle", "recompose"}
@@ -114,7 +115,7 @@ def models_in(folder: Path) -> list[ModelText]:
 
 def find_model_text(model: str) -> ModelText | None:
     """The names in the file of a model, given by path or by name; None where there is none."""
-    folders = [Path("models"), models_folder()]
-    named = [folder / f"{model}.py" for folder in folders if folder]
-    candidates = [Path(model)] if model.endswith(".py") else named
-    return next((text for path in candidates if (text := read_model_text(path))), None)
+    try:
+        return read_model_text(find_model_file(model))
+    except ModelFileError:
+        return None

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from codegen.errors import InputError
-from codegen.readers.quantities import QuantityError, read_condition
+from codegen.readers.quantities import read_condition
 from linkwright.cli import completion
 from linkwright.cli.options import (
     FILE,
@@ -34,10 +34,7 @@ if TYPE_CHECKING:
     from runtime.machine_facade import Machine
 
 _ENDINGS = (".yaml", ".yml", ".json")
-_OTHER_MEANING = {
-    "accuracy": {"method", "formulation", "points"},
-    "matters": {"points"},
-}
+_OTHER_MEANING = {"accuracy": {"method", "formulation", "points"}, "matters": {"points"}}
 """Options of a study that are no word of a run, though they have its name."""
 
 
@@ -54,7 +51,7 @@ def model_or_case(context: typer.Context, given: str) -> Any:
 
 def _options(case: "Case", context: typer.Context) -> dict[str, Any]:
     """The words of a case by the names of the options that they stand for."""
-    from runtime.cases.machine_values import SECONDS_WORDS, seconds
+    from runtime.cases.fields import read_run
     from runtime.core.analysis_names import ANALYSES, analysis_name
 
     command = context.info_name or ""
@@ -65,8 +62,8 @@ def _options(case: "Case", context: typer.Context) -> dict[str, Any]:
             f"{case.path}: the case asks for {asked}, and the command is {command}. Run: "
             f"linkwright {asked} {case.path}"
         )
-    words = {k: v for k, v in case.run.items() if k != "until"}
-    words |= {name: seconds(words[name]) for name in words.keys() & SECONDS_WORDS}
+    words = read_run(case.analysis, case.run)
+    words.pop("until", None)  # which joins those of the option
     if type(instants := words.pop("t_eval", None)) is int:
         words["points"] = instants
     if isinstance(case.scene, str):
@@ -233,7 +230,7 @@ def _conditions(texts: Iterable[str]) -> dict[str, tuple[str, str, float]]:
         try:
             series, sign, number = read_condition(condition if name else "")
             value = float(number)
-        except (QuantityError, ValueError):
+        except ValueError:
             problems.append(
                 f'--until "{text}": write "NAME: SERIES > VALUE", or with <, such as '
                 '"home: body.x > 3": a name, a series of the result and a number.'

@@ -11,10 +11,9 @@ from codegen.object_display import html_of
 from codegen.readers import arguments as readers
 from codegen.readers.calls import checked_class, named_attributes
 from codegen.readers.values import shown
-from runtime.cases.document import ENDINGS, Entry, entry_of, errors_at, place, read_document
-from runtime.cases.fields import FORMAT, RUN, case_record
-from runtime.cases.machine_values import arguments_of, values_of
-from runtime.cases.serialization import text_of
+from runtime.cases.document import ENDINGS, Document, Place, plain, read_document, text_of
+from runtime.cases.fields import FORMAT, analysis_of, problems_of, read_run
+from runtime.cases.machine_values import conditions_of, values_of
 from runtime.core.analysis_names import ANALYSES
 
 if TYPE_CHECKING:
@@ -47,7 +46,7 @@ def load_case(path: str | os.PathLike[str]) -> "Case":
     """
     file = Path(path)
     case = Case.__new__(Case)
-    _fill(case, read_document(file), file, file.resolve().parent)
+    _fill(case, read_document(file), file.resolve().parent)
     return case
 
 
@@ -93,8 +92,7 @@ class Case:
     start: dict[str, float | str]
     guess: dict[str, float | str]
     run: dict[str, Any]
-    _entry: Entry
-    _file: Path | None
+    _document: Document
     _folder: Path  # as seen from which the model lies
 
     def __init__(
@@ -113,17 +111,17 @@ class Case:
             "start": start, "guess": guess, "run": run,
         }  # fmt: skip
         content = {name: value for name, value in given.items() if value is not None}
-        _fill(self, entry_of(content), None, Path.cwd())
+        _fill(self, Document(plain(content)), Path.cwd())
 
     @property
     def data(self) -> dict[str, Any]:
         """The case as nested mappings, lists, numbers and texts, as a file has them."""
-        scene = {} if self.scene is None else {"scene": entry_of(self.scene).plain()}
-        analysis = {} if self.analysis == ANALYSES[0] else {"analysis": self.analysis}
-        values = {
-            word: entry_of(of).plain() for word in (*_VALUES, "run") if (of := vars(self)[word])
+        names = ("scene", "analysis", *_VALUES, "run")
+        usual = {"scene": None, "analysis": ANALYSES[0]}
+        given = {
+            word: plain(of) for word in names if (of := vars(self)[word]) != usual.get(word, {})
         }
-        return {"format": FORMAT, "model": self.model, **scene, **analysis, **values}
+        return {"format": FORMAT, "model": self.model, **given}
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the case into a file, whole or not at all; numbers keep all their bits.
@@ -155,7 +153,7 @@ class Case:
     @property
     def path(self) -> Path | None:
         """The file from which the case was read; None of one that was made in Python."""
-        return self._file
+        return self._document.file
 
     @property
     def model_path(self) -> str:
@@ -171,8 +169,11 @@ class Case:
             return self.model_path, self.scene
         from codegen.reading.scenes_as_data import scene_of_data
 
-        with errors_at(place(self._file or "Case", self._entry.value["scene"].line)):
-            return scene_of_data(self.model_path, entry_of(self.scene).plain())
+        try:
+            return scene_of_data(self.model_path, plain(self.scene))
+        except InputError as error:
+            error.locate(self._document.place(("scene",)))
+            raise
 
     def machine(self, *, generated: str | os.PathLike[str] | None = None) -> "Machine":
         """The machine of the case; its model file is Python and is executed where need be.
@@ -207,14 +208,16 @@ class Case:
         """
         problems = list[str]()
 
-        def note(where: str, why: str) -> None:
-            problems.append(f"{self._place(where)}: {why}")
+        def note(at: Place, why: str) -> None:
+            problems.append(self._document.problem(at, why))
 
         given = {word: of for word in _VALUES if (of := vars(self)[word])}
         if self.analysis == "equilibrium" and given.pop("start", None):
-            note("start", "an equilibrium has no start values; give them as guess.")
+            note(("start",), "an equilibrium has no start values; give them as guess.")
         found: dict[str, Any] = values_of(machine.description, given, note)
-        found |= arguments_of(machine.description, self.run, note)
+        found |= read_run(self.analysis, self.run)
+        if "until" in found:
+            found["until"] = conditions_of(machine.description, found["until"], note)
         if problems:
             raise InputError(problems)
         return found
@@ -235,19 +238,10 @@ class Case:
         machine = self.machine()
         given = self.words(machine) | words
         if self.analysis == "simulate" and "t_end" not in given:
-            raise InputError(f"{self._place('run')}: t_end is missing: the last instant in s.")
+            why = "t_end is missing: the last instant in s."
+            raise InputError(self._document.problem(("run",), why))
         result: Result = getattr(machine, self.analysis)(**given)
         return result
-
-    def _place(self, where: str) -> str:
-        """The file, the line of an entry where it is known, and its path in the case."""
-        entry: Entry | None = self._entry
-        line = None
-        for key in where.split(".", 1):
-            inner = {} if entry is None else entry.value
-            entry = inner.get(key) if isinstance(inner, dict) else None
-            line = line if entry is None else entry.line
-        return f"{place(self._file or 'Case', line)}, {where}"
 
     def __repr__(self) -> str:
         """The case as its YAML or JSON has it."""
@@ -260,25 +254,15 @@ class Case:
         return html_of("\n".join(f"{k}: {shown(v)}" for k, v in self.data.items()))
 
 
-def _fill(case: Case, entry: Entry, file: Path | None, folder: Path) -> None:
-    """Check the entries of a case, and give them to it."""
-    problems = list[str]()
-
-    def note(where: str, part: Entry, why: str) -> None:
-        inner = f", {where}" if where else ""
-        problems.append(f"{place(file or 'Case', part.line)}{inner}: {why}")
-
-    content = entry.value if isinstance(entry.value, dict) else {}
-    given = content["analysis"].value if "analysis" in content else ANALYSES[0]
-    analysis = given if isinstance(given, str) and given in RUN else ANALYSES[0]
-    case_record(analysis).check(entry, "", note)
-    if problems:
+def _fill(case: Case, document: Document, folder: Path) -> None:
+    """Check the data of a case, and give them to it."""
+    if problems := problems_of(document):
         raise InputError(problems)
-    plain = entry.plain()
+    data = document.data
     vars(case).update(
-        model=plain["model"], scene=plain.get("scene"), analysis=analysis,
-        **{word: plain.get(word, {}) for word in (*_VALUES, "run")},
-        _entry=entry, _file=file, _folder=folder,
+        model=data["model"], scene=data.get("scene"), analysis=analysis_of(data),
+        **{word: data.get(word, {}) for word in (*_VALUES, "run")},
+        _document=document, _folder=folder,
     )  # fmt: skip
 
 

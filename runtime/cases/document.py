@@ -1,4 +1,4 @@
-"""Documents of data, YAML or JSON, read into entries that know their lines; nothing is executed.
+"""Documents of data, YAML or JSON, read with the lines of their values, and written.
 
 YAML is read by its core schema (version 1.2) from PyYAML's tree of nodes, so that no tag constructs
 anything, `1e-8` is a number and `on` a text. JSON is read by Python's own reader. Keys are words,
@@ -7,8 +7,7 @@ and a key that stands twice is refused.
 
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from os import fspath
 from pathlib import Path
@@ -17,12 +16,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from codegen.errors import InputError
-from codegen.readers.values import finite_float, is_flag, shown
+from codegen.readers.values import finite_float, shown
 
 ENDINGS = (".yaml", ".yml", ".json")
 _MOST_BYTES = 1 << 20  # safety: of a document
 _MOST_VALUES = 100_000  # safety: of a document, aliases written out
 _DEEPEST = 20  # safety: mappings and lists in one another
+_WIDTH = 100  # layout: characters of a line
 
 _TAG = "tag:yaml.org,2002:"
 _RESOLVED = (
@@ -33,32 +33,66 @@ _RESOLVED = (
 )
 """Tags of plain scalars in YAML's core schema, but for octal, hexadecimal, infinite and nan."""
 
-
-class Entry(NamedTuple):
-    """A value: a mapping of entries, a list of entries, or text, number, True, False or None."""
-
-    value: Any
-    line: int | None = None
-
-    def plain(self) -> Any:
-        """The value without lines."""
-        if isinstance(self.value, dict):
-            return {name: entry.plain() for name, entry in self.value.items()}
-        if isinstance(self.value, list):
-            return [entry.plain() for entry in self.value]
-        return self.value
+_SCALARS: dict[str, Callable[[str], Any]] = {
+    "str": str,
+    "null": lambda _: None,
+    "bool": lambda text: {"true": True, "false": False}[text.lower()],
+    "int": int,
+    "float": float,
+}
+Place = tuple[str | int, ...]
+"""Keys and indices that lead to a value."""
 
 
-class _ContentError(Exception):
-    """Something that a document must not have, and its line."""
+class Document(NamedTuple):
+    """Nested mappings, lists, texts, numbers, True, False and None, with the lines of a file."""
 
-    def __init__(self, text: str, line: int | None = None) -> None:
-        super().__init__(text)
-        self.line = line
+    data: Any
+    file: Path | None = None
+    lines: Mapping[Place, int] = {}
+
+    def line(self, at: Place) -> int | None:
+        """The line of a value, or of what it would lie in; None where lines are not known."""
+        return next(
+            (self.lines[at[:n]] for n in range(len(at), -1, -1) if at[:n] in self.lines), None
+        )
+
+    def place(self, at: Place) -> str:
+        """The file and the line of a value, as messages begin."""
+        return _place(self.file or "Case", self.line(at))
+
+    def problem(self, at: Place, why: str, line_of: Place | None = None) -> str:
+        """A sentence about a value, behind its file, its line and its path in the document."""
+        where = self.place(at if line_of is None else line_of)
+        path = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in at)
+        return f"{where}{', ' * bool(path)}{path.removeprefix('.')}: {why}"
 
 
-def read_document(path: Path) -> Entry:
-    """The entries of a file; InputError says its line where something is wrong."""
+def _place(file: object, line: int | None) -> str:
+    return f"{file}" if line is None else f"{file}, line {line}"
+
+
+def plain(value: Any) -> Any:
+    """Data of Python as documents have them: NumPy's arrays and numbers too, and paths as texts.
+
+    All else stays as it is, so that the check of its field can refuse it.
+    """
+    if isinstance(value, Mapping):
+        return {key: plain(part) for key, part in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [plain(part) for part in value]
+    if hasattr(value, "__fspath__"):
+        return fspath(value)
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, str | int | float | None):
+        return value
+    number = finite_float(value)
+    return value if number is None else number
+
+
+def read_document(path: Path) -> Document:
+    """The data of a file; InputError says its line where something is wrong."""
     if path.suffix.lower() not in ENDINGS:
         raise InputError(f"{path}: a case is a file ending in {', '.join(ENDINGS)}.")
     try:
@@ -67,83 +101,113 @@ def read_document(path: Path) -> Entry:
         if len(content) > _MOST_BYTES:
             raise InputError(f"{path} has more than {_MOST_BYTES >> 20} MiB, and is no case.")
         text = content.decode("utf-8-sig")
+        return _of_json(path, text) if path.suffix.lower() == ".json" else _of_yaml(path, text)
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}.") from error
     except UnicodeDecodeError as error:
         raise InputError(f"{path} is no text in UTF-8 ({error.reason}).") from error
-    try:
-        return _of_json(text) if path.suffix.lower() == ".json" else _of_yaml(path, text)
-    except _ContentError as error:
-        raise InputError(f"{place(path, error.line)}: {error}") from error
     except RecursionError as error:
         raise InputError(f"{path} has lists or mappings that are too deep.") from error
 
 
-def place(path: object, line: int | None) -> str:
-    """A file and a line of it, as messages begin."""
-    return f"{path}, line {line}" if line is not None else f"{path}"
-
-
-def entry_of(value: Any, depth: int = 0) -> Entry:
-    """The entry of a value of Python: numbers, also NumPy's, texts, mappings and lists of them.
-
-    Paths and all else stay as they are, so that the reader of a field can refuse them.
-    """
-    if isinstance(value, Entry):
-        return value
-    if depth < _DEEPEST and isinstance(value, Mapping):
-        return Entry({k: entry_of(v, depth + 1) for k, v in value.items()})
-    if depth < _DEEPEST and (isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1):
-        return Entry([entry_of(v, depth + 1) for v in value])
-    if isinstance(value, np.generic):
-        value = value.item()
-    if hasattr(value, "__fspath__"):
-        return Entry(fspath(value))
-    if isinstance(value, str | int | None) or is_flag(value):
-        return Entry(bool(value) if is_flag(value) else value)
-    number = finite_float(value)
-    return Entry(value if number is None else number)
-
-
-def _of_json(text: str) -> Entry:
-    def mapping(pairs: Iterable[tuple[str, Any]]) -> Entry:
-        found = dict[str, Entry]()
+def _of_json(path: Path, text: str) -> Document:
+    def mapping(pairs: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict[str, Any]()
         for name, value in pairs:
             if name in found:
-                raise _ContentError(f"{shown(name)} stands twice in one mapping; keep one.")
-            found[name] = written(value)
-        return Entry(found)
-
-    def written(value: Any) -> Entry:
-        if isinstance(value, Entry):
-            return value
-        return Entry([written(v) for v in value] if isinstance(value, list) else value)
+                raise InputError(f"{path}: {shown(name)} stands twice in one mapping; keep one.")
+            found[name] = value
+        return found
 
     def constant(name: str) -> None:
-        raise _ContentError(f"{name} is no number; give a finite one.")
+        raise InputError(f"{path}: {name} is no number; give a finite one.")
 
     try:
-        found = written(json.loads(text, object_pairs_hook=mapping, parse_constant=constant))
+        data = json.loads(text, object_pairs_hook=mapping, parse_constant=constant)
     except json.JSONDecodeError as error:
-        raise _ContentError(f"{error.msg}; the file is no JSON.", error.lineno) from error
+        where = _place(path, error.lineno)
+        raise InputError(f"{where}: {error.msg}; the file is no JSON.") from error
     except ValueError as error:  # of a number of thousands of digits
-        raise _ContentError(f"a number cannot be read ({error}).") from error
-    _bound(found)
-    return found
+        raise InputError(f"{path}: a number cannot be read ({error}).") from error
+    return Document(data, path)
 
 
-def _bound(entry: Entry, depth: int = 0) -> None:
-    """Refuse what is too deep, as the entries of YAML are while they are read."""
-    if depth > _DEEPEST:
-        raise _ContentError(f"it has more than {_DEEPEST} mappings and lists in one another.")
-    inner = entry.value
-    for part in (
-        inner.values() if isinstance(inner, dict) else inner if isinstance(inner, list) else ()
-    ):
-        _bound(part, depth + 1)
+def _of_yaml(path: Path, text: str) -> Document:
+    yaml = _yaml_module(path)
+    try:
+        tree = yaml.compose(text, _loader())
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        why = " ".join(str(error if mark is None else error.problem).split())
+        where = _place(path, mark and mark.line + 1)
+        raise InputError(f"{where}: {why}; the file is no YAML.") from error
+    if tree is None:
+        raise InputError(f"{path}: the file is empty.")
+    lines = dict[Place, int]()
+    return Document(_Nodes(path, lines).value(tree, ()), path, lines)
 
 
-def yaml_module(path: object) -> Any:
+class _Nodes:
+    """Nodes of PyYAML into data, as many as a document may have; their lines are noted."""
+
+    def __init__(self, path: Path, lines: dict[Place, int]) -> None:
+        self.path, self.lines, self.count = path, lines, 0
+
+    def value(self, node: Any, at: Place) -> Any:
+        """The value of a node; what an alias names is written out again."""
+        line, self.count = node.start_mark.line + 1, self.count + 1
+        self.lines.setdefault(at, line)
+        if self.count > _MOST_VALUES:
+            raise self.error(line, f"it has more than {_MOST_VALUES} values, aliases written out.")
+        if len(at) > _DEEPEST:
+            raise self.error(
+                line, f"it has more than {_DEEPEST} mappings and lists in one another."
+            )
+        kind = node.tag.removeprefix(_TAG)
+        if node.id == "mapping" and kind == "map":
+            return self.mapping(node, at)
+        if node.id == "sequence" and kind == "seq":
+            return [self.value(part, (*at, k)) for k, part in enumerate(node.value)]
+        if node.id == "scalar" and (read := _SCALARS.get(kind)) is not None:
+            try:
+                return read(node.value)
+            except (ValueError, KeyError) as error:
+                raise self.error(line, f"{shown(node.value)} is no {kind}.") from error
+        raise self.error(line, f"the tag {shown(node.tag)} is none of a case: it has data alone.")
+
+    def mapping(self, node: Any, at: Place) -> dict[str, Any]:
+        """The mapping of a node; its values have the lines of their keys."""
+        found = dict[str, Any]()
+        for key, value in node.value:
+            line = key.start_mark.line + 1
+            name = self.value(key, (*at, ""))
+            if not isinstance(name, str):
+                raise self.error(line, f"the key {shown(name)} is no word; quote it.")
+            if name in found:
+                raise self.error(line, f"{shown(name)} stands twice in one mapping.")
+            self.lines[*at, name] = line
+            found[name] = self.value(value, (*at, name))
+        return found
+
+    def error(self, line: int, why: str) -> InputError:
+        """The error about something that a document must not have."""
+        return InputError(f"{_place(self.path, line)}: {why}")
+
+
+def text_of(data: dict[str, Any], path: Path) -> str:
+    """The document by the ending of `path`, its keys in their order; it is read with the same bits.
+
+    Texts that YAML's core schema would read as something else are quoted.
+    """
+    if path.suffix.lower() == ".json":
+        return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    written: str = _yaml_module(path).dump(
+        data, Dumper=_dumper(), sort_keys=False, allow_unicode=True, width=_WIDTH
+    )
+    return written
+
+
+def _yaml_module(path: object) -> Any:
     """PyYAML; InputError where it is missing."""
     try:
         import yaml
@@ -155,7 +219,7 @@ def yaml_module(path: object) -> Any:
     return yaml
 
 
-def with_core_schema(kind: Any) -> Any:
+def _with_core_schema(kind: Any) -> Any:
     """A loader or dumper of PyYAML that takes plain scalars by YAML's core schema."""
     made: Any = type(kind.__name__, (kind,), {"yaml_implicit_resolvers": {}})
     for name, form, first in _RESOLVED:
@@ -165,83 +229,11 @@ def with_core_schema(kind: Any) -> Any:
 
 @cache
 def _loader() -> Any:
-    return with_core_schema(yaml_module("YAML").SafeLoader)
+    return _with_core_schema(_yaml_module("YAML").SafeLoader)
 
 
-def _of_yaml(path: Path, text: str) -> Entry:
-    yaml = yaml_module(path)
-    try:
-        tree = yaml.compose(text, _loader())
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        why = " ".join(filter(None, (error.context, error.problem)))
-        raise _ContentError(f"{why}; the file is no YAML.", mark and mark.line + 1) from error
-    except yaml.YAMLError as error:
-        raise _ContentError(f"{' '.join(str(error).split())}; the file is no YAML.") from error
-    if tree is None:
-        raise _ContentError("the file is empty.")
-    return _Nodes(yaml).entry(tree, 0)
-
-
-class _Nodes:
-    """Nodes of PyYAML into entries, as many as a document may have."""
-
-    def __init__(self, yaml: Any) -> None:
-        self.yaml, self.count = yaml, 0
-
-    def entry(self, node: Any, depth: int) -> Entry:
-        """The entry of a node; what an alias names is written out again."""
-        line, self.count = node.start_mark.line + 1, self.count + 1
-        if self.count > _MOST_VALUES:
-            raise _ContentError(
-                f"it has more than {_MOST_VALUES} values, aliases written out.", line
-            )
-        if depth > _DEEPEST:
-            raise _ContentError(
-                f"it has more than {_DEEPEST} mappings and lists in one another.", line
-            )
-        kind = node.tag.removeprefix(_TAG)
-        if isinstance(node, self.yaml.MappingNode) and kind == "map":
-            return Entry(self._mapping(node, depth), line)
-        if isinstance(node, self.yaml.SequenceNode) and kind == "seq":
-            return Entry([self.entry(part, depth + 1) for part in node.value], line)
-        if isinstance(node, self.yaml.ScalarNode) and (read := _SCALARS.get(kind)) is not None:
-            try:
-                return Entry(read(node.value), line)
-            except (ValueError, KeyError) as error:
-                raise _ContentError(f"{shown(node.value)} is no {kind}.", line) from error
-        raise _ContentError(
-            f"the tag {shown(node.tag)} is none of a case: it has data alone.", line
-        )
-
-    def _mapping(self, node: Any, depth: int) -> dict[str, Entry]:
-        found = dict[str, Entry]()
-        for key, value in node.value:
-            name = self.entry(key, depth + 1)
-            if not isinstance(name.value, str):
-                raise _ContentError(
-                    f"the key {shown(name.plain())} is no word; quote it.", name.line
-                )
-            if name.value in found:
-                raise _ContentError(f"{shown(name.value)} stands twice in one mapping.", name.line)
-            found[name.value] = self.entry(value, depth + 1)._replace(line=name.line)
-        return found
-
-
-_SCALARS: dict[str, Callable[[str], Any]] = {
-    "str": str,
-    "null": lambda _: None,
-    "bool": lambda text: {"true": True, "false": False}[text.lower()],
-    "int": int,
-    "float": float,
-}
-
-
-@contextmanager
-def errors_at(where: str) -> Iterator[None]:
-    """Let errors of ours begin with a place."""
-    try:
-        yield
-    except InputError as error:
-        error.locate(where)
-        raise
+@cache
+def _dumper() -> Any:
+    dumper = _with_core_schema(_yaml_module("YAML").SafeDumper)
+    dumper.ignore_aliases = lambda *_: True
+    return dumper

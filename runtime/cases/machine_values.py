@@ -3,13 +3,13 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from codegen.readers.quantities import QuantityError, number_in, read_condition
-from runtime.integrate.simulation_options import OPTIONS
+from codegen.readers.quantities import ConditionText, QuantityError, number_in
+from runtime.cases.document import Place
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
 
-Note = Callable[[str, str], None]
-"""Takes a problem: path of the value in the case, and a sentence."""
+Note = Callable[[Place, str], None]
+"""Takes a problem: the place of the value in the case, and a sentence."""
 
 
 def values_of(
@@ -30,52 +30,27 @@ def values_of(
         numbers = found.setdefault(word, {})
         for name, value in values.items():
             if name not in units and not (word == "parameters" and name in description.unused):
-                note(f"{word}.{name}", unknown(what, name, known))
+                note((word, name), unknown(what, name, known))
                 continue
             try:
                 unit = units.get(name, "")
                 numbers[name] = number_in(value, unit) if isinstance(value, str) else float(value)
             except QuantityError as error:
-                note(f"{word}.{name}", str(error))
+                note((word, name), str(error))
     return found
 
 
-def arguments_of(description: Description, run: Mapping[str, Any], note: Note) -> dict[str, Any]:
-    """The words of an analysis; seconds are numbers, conditions as `Machine.simulate` has them."""
-    words = dict[str, Any]()
-    for name, value in run.items():
-        if name == "until":
-            words[name] = _conditions(description, value, note)
-        elif isinstance(value, list) and name == "t_eval":
-            words[name] = [seconds(instant) for instant in value]
-        elif name in SECONDS_WORDS:
-            words[name] = seconds(value)
-        else:
-            words[name] = value
-    return words
-
-
-SECONDS_WORDS = {"t", *(option.name for option in OPTIONS if option.kind == "seconds")}
-"""Words that are times, s."""
-
-
-def seconds(value: float | str) -> float:
-    """A time in s, which was checked when the case was read."""
-    return number_in(value, "s") if isinstance(value, str) else float(value)
-
-
-def _conditions(
-    description: Description, texts: Mapping[str, str], note: Note
+def conditions_of(
+    description: Description, texts: Mapping[str, ConditionText], note: Note
 ) -> dict[str, tuple[str, str, float]]:
     """Conditions on series, as `Machine.simulate` takes them; their numbers are in SI units."""
     found = {}
-    for name, text in texts.items():
-        condition = read_condition(text)
+    for name, condition in texts.items():
         try:
-            value = number_in(condition.value, _unit_of(description, condition.series))
+            value = condition.number(_unit_of(description, condition.series))
             found[name] = condition.series, condition.sign, value
         except QuantityError as error:
-            note(f"run.until.{name}", str(error))
+            note(("run", "until", name), str(error))
     return found
 
 

@@ -141,11 +141,6 @@ def test_unwritable_folder_is_the_users_to_change(model: Path, run: object, tmp_
     assert "--out" in answer.stderr
 
 
-def test_unknown_option_and_no_argument(run: object) -> None:
-    assert run("build").exit_code == 2
-    assert run("build", "clock", "--nonsense").exit_code == 2
-
-
 def test_explain_adds_up(run: object) -> None:
     answer = run("explain", "slider_crank", "--json")
     assert answer.exit_code == 0
@@ -185,10 +180,3 @@ def test_effect_left_out_costs_nothing(run: object) -> None:
     assert without["accelerations"] < with_gas["accelerations"]
     assert without["correction"] == with_gas["correction"]
     assert "switching" not in without
-
-
-def test_help_names_the_commands(run: object) -> None:
-    answer = run("--help")
-    assert answer.exit_code == 0
-    assert "build" in answer.stdout
-    assert "explain" in answer.stdout

@@ -29,7 +29,7 @@ def test_words_of_a_case_are_those_of_the_machine() -> None:
     others = {"self", "parameters", "start", "guess", "progress", "controllers", "out"}
     for analysis in ANALYSES:
         words = {*inspect.signature(getattr(Machine, analysis)).parameters} - others
-        assert {*RUN[analysis].fields} == words
+        assert {*RUN[analysis].model_fields} == words
 
 
 CASES: list[dict[str, Any]] = [

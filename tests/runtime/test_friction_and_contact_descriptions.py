@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from codegen.reading.model_file import find_model_file
+from codegen.files.library_folders import find_model_file
 from runtime import load
 from runtime.machine_facade import Machine
 

@@ -12,7 +12,7 @@ import pytest
 
 import codegen
 from codegen.errors import GeneratedFileError, ModelFileError
-from codegen.reading.model_file import find_model_file
+from codegen.files.library_folders import find_model_file
 from runtime import load
 from runtime.machine_facade import Machine
 

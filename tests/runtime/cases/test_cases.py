@@ -267,5 +267,3 @@ def test_arguments_of_other_kinds_are_refused() -> None:
             Case("slider_crank", **words)  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"saved as \.yaml, \.yml, \.json"):
         Case("slider_crank").save("case.txt")
-    with pytest.raises(InputError, match=r"'model' cannot be set; a case is data"):
-        Case("slider_crank").model = "other"

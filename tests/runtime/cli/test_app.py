@@ -155,11 +155,6 @@ def test_place_that_cannot_be_written_is_refused_before_the_run(
     assert "Permission denied" in done.stderr
 
 
-def test_missing_argument_ends_with_two(run) -> None:  # type: ignore[no-untyped-def]
-    assert run("simulate").exit_code == 2
-    assert run("simulate", "sc_free").exit_code == 2
-
-
 def test_unwritable_file_ends_with_one(
     run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:  # type: ignore[no-untyped-def]
