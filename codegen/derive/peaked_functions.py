@@ -2,7 +2,7 @@
 
 The length of a step follows the error of the motion, which feels nothing of a peak between the
 places at which a method looks. A run therefore watches the arguments of these functions in each
-step (`runtime.hybrid.peak_step_limit`): they change slowly where the functions do not.
+step (`runtime.hybrid.step_limits`): they change slowly where the functions do not.
 """
 
 from collections.abc import Iterable, Iterator

@@ -177,7 +177,7 @@ TABLE.floats("forces", COORDINATES)
 TABLE.floats("force_rates", SWITCHES)  # of each change, see `measure_forces`
 TABLE.floats("reaction base_reaction unit_reaction", REACTION_ROWS)  # the first is mixed
 
-# Functions of the position that may peak within a step: see `hybrid.peak_step_limit`.
+# Functions of the position that may peak within a step: see `hybrid.step_limits`.
 TABLE.integers("peak_kinds", PEAKS)
 TABLE.floats("peak_exponents", PEAKS)
 TABLE.matrix("peak_rows", (8, None), PEAKS)  # u, du/dt at both ends, between

@@ -18,7 +18,7 @@ from runtime.core.array_types import Integers, Vector
 from runtime.core.loop_record import Plan
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import PARTITION
-from runtime.hybrid.loop_branch_guard import LEAST
+from runtime.hybrid.step_limits import LEAST
 from runtime.integrate.checkpoints import (
     Checkpoint,
     Checkpoints,

@@ -11,7 +11,7 @@ from runtime.core.jit import inlined, inner
 from runtime.core.modes_and_event_kinds import BALANCED, CLOSED, SLIDING, Mode
 from runtime.core.state_derivative import evaluate_accelerations
 from runtime.hybrid.redundant_sliding import is_resting, rests
-from runtime.hybrid.switching_values_and_margins import UNBOUNDED, extrapolate
+from runtime.hybrid.sliding_motion import UNBOUNDED, extrapolate
 
 CONSISTENT = -1
 _DECIDED = len(Mode)  # code: added to a mode in row PREFERRED

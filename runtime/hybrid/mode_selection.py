@@ -5,6 +5,12 @@ surface must go to the side that its mode claims: up for 1, not up for 0. The si
 smallest look-ahead at which the change exceeds rounding, so that at a zero rate the acceleration
 decides. Where no side is consistent, or where friction sticks or a contact closes, the mode may be
 SLIDING: the share must lie between its bounds, and both vector fields push onto the surface.
+
+Candidate modes of several functions on their surfaces are tried by pivots, or all of them. A force
+that is zero on its surface, as k g + c ġ where a gap closes without speed, is the same in both
+modes but for rounding, and so is the motion that follows. No look ahead tells its modes apart, and
+where several such functions act on one body, each contradicts the others by rounding: such modes
+make no difference, and are dropped.
 """
 
 import numpy as np
@@ -14,18 +20,153 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inlined, inner
-from runtime.core.modes_and_event_kinds import KNOTS, MIXED, ONE_WAY, SLIDING
+from runtime.core.modes_and_event_kinds import BALANCED, KNOTS, MIXED, ONE_WAY, SLIDING
 from runtime.core.state_derivative import evaluate_accelerations
 from runtime.hybrid import mode_consistency as consistency
-from runtime.hybrid import mode_search as search
 from runtime.hybrid.impact import ON_SURFACE
-from runtime.hybrid.indifferent_modes import drop_indifferent
-from runtime.hybrid.redundant_sliding import is_unilateral
-from runtime.hybrid.switching_values_and_margins import compute_margin
+from runtime.hybrid.redundant_sliding import is_unilateral, rests
+from runtime.hybrid.sliding_motion import compute_margin
 from runtime.linalg.vectors import copy_vector, largest_magnitude
+
+MOST_COMBINED = 10  # safety: functions of which all combinations of modes are tried
+MOST_WITH_SLIDING = 6  # safety: the same where all may slide; more are first searched by pivots
+
+_SAME = 1e-9  # accuracy: of the largest acceleration; what a mode may change that is none
 
 TOUCHING = 1e-9  # accuracy: of the machine's lengths; how closely assembly closes a gap
 _RESTING = 1e-12  # accuracy: of the largest velocity; slower approaches at the start are no impact
+
+
+@inner
+def choose_mode(unilateral: bool, preferred: int, choice: int) -> int:
+    """The mode that stands for `choice`, 0 being the preferred one; -1 where there is none.
+
+    A contact is open (1) or closed, a freewheel overruns or grips; others are 0, 1 or sliding, and
+    sliding comes last.
+    """
+    if choice == 0:
+        return preferred
+    if unilateral:
+        return (SLIDING if preferred == 1 else 1) if choice == 1 else -1
+    if preferred == SLIDING:
+        return choice - 1
+    return 1 - preferred if choice == 1 else SLIDING
+
+
+@inner
+def flip_mode(context: Context, k: int, mode: int, preferred: int) -> int:
+    """The next mode of function `k`, whose `mode` is contradicted.
+
+    From sliding mode it goes to the side of the bound that its share exceeds; one that rests has no
+    share, and goes where the look ahead saw it go.
+    """
+    if mode == SLIDING and rests(context, k):
+        for i in range(context[ft.SWITCHES]):
+            if context.members[i] == k:
+                return 1 if context.signs[i] > 0 else 0
+    if mode == SLIDING:
+        if is_unilateral(context, k) or not np.isfinite(context.share[k]):
+            return 1
+        return consistency.nearest_mode(context, k)
+    alternates = context.rigid[k] < 0 and context.sticks[k] == 0
+    return 1 - mode if alternates and mode == preferred else SLIDING
+
+
+@inner
+def search_by_pivots(context: Context, t: float, d: float, state: int, count: int) -> int:
+    """Modes by changing the first that is contradicted, again and again, as Murty's pivots do.
+
+    (K. G. Murty, Note on a Bard-type scheme for solving the complementarity problem, Opsearch 11,
+    1974.) Independent functions are settled one after the other. As friction or a repelling surface
+    may make pivots cycle, their number is bounded: each function has three modes, and may return
+    once for each of the others.
+    """
+    modes, candidate = context.modes, context.candidate_modes
+    copy_vector(modes, candidate)
+    for i in range(count):
+        k = context.members[i]
+        candidate[k] = consistency.preferred_mode(context.preferred[k])
+    wrong = consistency.CONSISTENT
+    for _ in range(3 * count * count):
+        wrong = consistency.find_contradiction(context, t, d, state, candidate, count)
+        if wrong == consistency.CONSISTENT:
+            copy_vector(candidate, modes)
+            break
+        if not context.band[wrong] > 0.0:
+            break
+        preferred = consistency.preferred_mode(context.preferred[wrong])
+        candidate[wrong] = flip_mode(context, wrong, int(candidate[wrong]), preferred)
+    return wrong
+
+
+@inner
+def search_all(context: Context, t: float, d: float, state: int, tried: int, count: int) -> int:
+    """Modes by trying all combinations of the first `tried` members; result as `select_modes`."""
+    modes, candidate = context.modes, context.candidate_modes
+    choices = 3 if tried <= MOST_WITH_SLIDING else 2
+    combinations = choices**tried
+    blamed = consistency.CONSISTENT
+    for changes in range(tried + 1):
+        for holds in range(changes + 1):
+            for number in range(combinations):
+                changed, late, rest, known = 0, 0, number, True
+                copy_vector(modes, candidate)
+                for i in range(tried):
+                    choice = rest % choices
+                    rest //= choices
+                    changed += 1 if choice > 0 else 0
+                    late += 1 if choice == 2 else 0
+                    k = context.members[i]
+                    entry = context.preferred[k]
+                    preferred = consistency.preferred_mode(entry)
+                    mode = choose_mode(is_unilateral(context, k), preferred, choice)
+                    known = known and mode >= 0 and not (choice > 0 and consistency.is_fixed(entry))
+                    candidate[k] = mode
+                if changed != changes or late != holds or not known:
+                    continue
+                wrong = consistency.find_contradiction(context, t, d, state, candidate, count)
+                if wrong == consistency.CONSISTENT:
+                    copy_vector(candidate, modes)
+                    return wrong
+                if blamed == consistency.CONSISTENT:
+                    blamed = wrong
+    consistency.count_sliding(context, modes)
+    return blamed
+
+
+@inner
+def is_plain(context: Context, k: int) -> bool:
+    """Whether function `k` has two modes and no force of its own on its surface."""
+    plain = context.rigid[k] < 0 and context.sticks[k] == 0 and context.modes[k] != SLIDING
+    return bool(plain and context.boundary[k] < BALANCED)
+
+
+@inner
+def drop_indifferent(context: Context, t: float, state: int, first: int, count: int) -> int:
+    """Take from the `count` members those whose modes make no difference; how many are left.
+
+    They keep their modes, but for `first`, the function that crossed, which changes its own.
+    """
+    modes, members = context.modes, context.members
+    before, after = context.first_scratch, context.second_scratch
+    q, v = ws.positions(context, state), ws.velocities(context, state)
+    consistency.count_sliding(context, modes)
+    evaluate_accelerations(context, t, q, v, modes, before)
+    least, left = _SAME * largest_magnitude(before), 0
+    for i in range(count):
+        k = members[i]
+        same = is_plain(context, k)
+        if same:
+            modes[k] = 1 - modes[k]
+            evaluate_accelerations(context, t, q, v, modes, after)
+            for j in range(after.size):
+                same = same and abs(after[j] - before[j]) <= least
+            if not (same and k == first):
+                modes[k] = 1 - modes[k]
+        if not same:
+            members[left] = k
+            left += 1
+    return left
 
 
 @inlined
@@ -55,18 +196,18 @@ def select_modes(context: Context, first: int, t: float, d: float, state: int) -
             context.members[count] = k
             count += 1
     blamed = count
-    if count > search.MOST_WITH_SLIDING:
-        blamed = search.search_by_pivots(context, t, d, state, count)
+    if count > MOST_WITH_SLIDING:
+        blamed = search_by_pivots(context, t, d, state, count)
         if blamed != consistency.CONSISTENT:
             kept, left = context.modes[first], drop_indifferent(context, t, state, first, count)
             if left < count:
-                blamed = search.search_by_pivots(context, t, d, state, left)
+                blamed = search_by_pivots(context, t, d, state, left)
                 count = left
             if blamed != consistency.CONSISTENT:
                 context.modes[first] = kept
     if blamed != consistency.CONSISTENT:
-        tried = min(count, search.MOST_COMBINED)
-        blamed = search.search_all(context, t, d, state, tried, count)
+        tried = min(count, MOST_COMBINED)
+        blamed = search_all(context, t, d, state, tried, count)
     for i in range(count):
         k = context.members[i]
         held = context.rigid[k] >= 0 or context.sticks[k] != 0

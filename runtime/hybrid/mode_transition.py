@@ -1,4 +1,7 @@
-"""Mode transition at an event: impacts, new modes, and the log of events."""
+"""Mode transition at an event: impacts, new modes, and the log of events.
+
+A surface at which the forces bend and do not jump holds no motion.
+"""
 
 import numpy as np
 
@@ -8,17 +11,17 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
-from runtime.core.modes_and_event_kinds import CLOSED, KNOTS, ONE_WAY, SLIDING, Direction
+from runtime.core.modes_and_event_kinds import BALANCED, CLOSED, KNOTS, ONE_WAY, SLIDING, Direction
 from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.unit_roundoff import EPS
 from runtime.hybrid import mode_consistency as consistency
-from runtime.hybrid import switching_values_and_margins as switching
-from runtime.hybrid.continuous_forces import bends_on_surface
-from runtime.hybrid.impact import ON_SURFACE
-from runtime.hybrid.impact_impulses import SLOW
+from runtime.hybrid import sliding_motion as switching
+from runtime.hybrid.impact import ON_SURFACE, SLOW
 from runtime.hybrid.mode_selection import prefer_released, set_preferences, surface_band
 from runtime.hybrid.redundant_sliding import rests, share_freedom
-from runtime.linalg.vectors import copy_vector, largest_magnitude
+from runtime.linalg.vectors import copy_vector, is_finite, largest_magnitude
+
+_CONTINUOUS = 1e-3  # safety: ratio of responses on a surface and beside it; of a jump it is 1
 
 LOOK_AHEAD = 0.05  # measured: of a step; look-ahead in which modes are judged
 _BEGAN, _CEASED = int(Direction.BEGAN), int(Direction.CEASED)
@@ -28,6 +31,39 @@ _SAME_BOUNCING = 10.0  # measured: next flights by which the ratio may err withi
 _STILL = 1e-12  # accuracy: of the rate before an impact; slower contacts after it stay closed
 _CLOCK = 8.0 * EPS  # accuracy: of the time; difference of instants that the clock cannot resolve
 _JUMP = 1e-6  # safety: of the largest |g|; a function further from zero at its crossing jumps
+
+
+@inner
+def response_at(context: Context, t: float, state: int, k: int) -> float:
+    """By how much the modes of the sliding function `k` change its rate in the state of a row."""
+    q, v = ws.positions(context, state), ws.velocities(context, state)
+    evaluate_accelerations(context, t, q, v, context.modes, context.first_scratch)
+    count = context[ft.SLIDING_COUNT]
+    for c in range(count):
+        if context.sliding_functions[c] == k:
+            return float(context.response[c * count + c])
+    return 0.0
+
+
+@inner
+def bends_on_surface(context: Context, t: float, k: int) -> bool:
+    """Whether both modes of function `k` have one motion on its surface; row SAMPLE is there.
+
+    So it is where a force is continuous, as c |v| at v = 0. Off the surface, by the error of the
+    event, the modes differ, and neither side may seem right, or the motion to be held between.
+    """
+    modes, kept = context.modes, int(context.modes[k])
+    if context.rigid[k] >= 0 or context.sticks[k] != 0 or context.boundary[k] >= BALANCED:
+        return False
+    modes[k] = SLIDING
+    consistency.count_sliding(context, modes)
+    before, place = response_at(context, t, ws.Y1, k), ws.row_of(context, ws.SAMPLE)
+    copy_vector(ws.row_of(context, ws.Y1), place)
+    ft.return_to_surfaces_of(context)(context, t, ws.SAMPLE)
+    after = response_at(context, t, ws.SAMPLE, k)
+    modes[k] = kept
+    consistency.count_sliding(context, modes)
+    return is_finite(place) and not abs(after) > _CONTINUOUS * abs(before)
 
 
 @inner

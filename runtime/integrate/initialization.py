@@ -17,9 +17,8 @@ from runtime.hybrid.impact import ON_SURFACE
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.hybrid.mode_transition import LOOK_AHEAD, log_event
 from runtime.hybrid.redundant_sliding import is_unilateral
-from runtime.hybrid.rhs_with_sliding_or_stabilization import STEP
+from runtime.hybrid.sliding_motion import STEP, evaluate_switching_and_rates
 from runtime.hybrid.stiction_force import find_jamming_friction, suspend_friction
-from runtime.hybrid.switching_values_and_margins import evaluate_switching_and_rates
 from runtime.integrate.sampling import record
 from runtime.integrate.step_acceptance_and_zeno_check import LEAST_ERROR
 from runtime.integrate.step_to_event import copy_end

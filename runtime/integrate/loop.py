@@ -14,8 +14,7 @@ from runtime.core.jit import ADDRESSES, addressed, inner, unlocked
 from runtime.core.loop_record import Plan, run_record
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import Y0, Y1
-from runtime.hybrid.event_location import INSTANT
-from runtime.hybrid.event_step_limit import UNRESOLVED
+from runtime.hybrid.events import INSTANT, UNRESOLVED
 from runtime.integrate.sampling import has_room
 from runtime.integrate.step import Signal, TrialStep, reject
 from runtime.integrate.step_acceptance_and_zeno_check import accept_step, judge_events

@@ -10,7 +10,7 @@ from runtime.core.array_types import Integers, Matrix, Vector
 from runtime.core.loop_record import ConstraintReturn
 from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.system import System
-from runtime.hybrid.rhs_with_sliding_or_stabilization import TIME_SCALE
+from runtime.hybrid.sliding_motion import TIME_SCALE
 from runtime.integrate.clocks import set_clocks
 from runtime.integrate.initialization import place_start
 from runtime.integrate.loop import LOG_MARGIN

@@ -14,7 +14,7 @@ from runtime.core.kernel_abi import constraints_of
 from runtime.core.loop_record import ConstraintReturn, is_near_singularity, run_record
 from runtime.core.state_derivative import write_derivative
 from runtime.core.unowned_array_views import view
-from runtime.hybrid.rhs_with_sliding_or_stabilization import STEP
+from runtime.hybrid.sliding_motion import STEP
 from runtime.integrate.step_control import limit_by_states
 from runtime.linalg.vectors import copy_vector, is_finite, largest_magnitude
 

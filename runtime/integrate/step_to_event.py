@@ -11,9 +11,8 @@ from runtime.core.loop_record import run_record
 from runtime.core.modes_and_event_kinds import RANGE
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import row_of, switch_row
-from runtime.hybrid.event_location import INSTANT, find_crossing_at_end
-from runtime.hybrid.event_step_limit import UNRESOLVED
-from runtime.hybrid.switching_values_and_margins import evaluate_switching_and_rates
+from runtime.hybrid.events import INSTANT, UNRESOLVED, find_crossing_at_end
+from runtime.hybrid.sliding_motion import evaluate_switching_and_rates
 from runtime.integrate.step import Signal, TrialStep, reject
 from runtime.linalg.vectors import copy_vector
 

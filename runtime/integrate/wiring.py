@@ -16,15 +16,13 @@ from runtime.core.loop_record import RUN, ConstraintReturn
 from runtime.core.modes_and_event_kinds import Hold
 from runtime.core.system import System
 from runtime.hybrid import (
-    event_location,
-    event_step_limit,
+    events,
     filippov_shares,
     impact,
-    loop_branch_guard,
     mode_selection,
     mode_transition,
-    rhs_with_sliding_or_stabilization,
-    switching_values_and_margins,
+    sliding_motion,
+    step_limits,
 )
 from runtime.integrate import energy_balance, initialization, loop, sampling, step, step_control
 from runtime.integrate.clocks import queue_length, read_clocks
@@ -64,23 +62,23 @@ def _parts() -> dict[str, Any]:
         "correct": newton_return.return_to_constraints,
         "trial_step": step.take_trial_step,
         "repartition": repartitioning.repartition,
-        "locate": event_location.locate_event,
-        "sample_function": event_location.sample_function,
+        "locate": events.locate_event,
+        "sample_function": events.sample_function,
         "select_modes": mode_selection.select_modes,
         "initialize_modes": mode_selection.initialize_modes,
         "first_step": step_control.first_step,
         "emit": sampling.emit,
-        "screen_step": event_step_limit.screen_step,
-        "modified_accelerations": rhs_with_sliding_or_stabilization.evaluate_modified_accelerations,
-        "sliding_accelerations": rhs_with_sliding_or_stabilization.evaluate_sliding_accelerations,
-        "modified_rhs": rhs_with_sliding_or_stabilization.evaluate_modified_rhs,
+        "screen_step": events.screen_step,
+        "modified_accelerations": sliding_motion.evaluate_modified_accelerations,
+        "sliding_accelerations": sliding_motion.evaluate_sliding_accelerations,
+        "modified_rhs": sliding_motion.evaluate_modified_rhs,
         "impact": impact.apply_impact,
         "return_to_surfaces": impact.return_to_surfaces,
         "transition": mode_transition.make_transition,
         "friction_margin": filippov_shares.compute_friction_margin,
-        "margins": switching_values_and_margins.write_margins,
+        "margins": sliding_motion.write_margins,
         "vanishing": predict_vanishing_pivot,
-        "guard_branches": loop_branch_guard.guard_branches,
+        "guard_branches": step_limits.guard_branches,
         "balance_step": energy_balance.balance_step,
         "balance_event": energy_balance.balance_event,
     }
@@ -136,7 +134,7 @@ def function_table(name: str) -> Integers:
 @cache
 def _resolved_part() -> int:
     """The address of what watches peaks, which other machines do without."""
-    from runtime.hybrid.peak_step_limit import find_resolved_part
+    from runtime.hybrid.step_limits import find_resolved_part
 
     return int(addresses([find_resolved_part])[0])
 

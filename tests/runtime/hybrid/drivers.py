@@ -8,13 +8,7 @@ from runtime.core import state_derivative
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import f8, i8, integers, none, vector
 from runtime.core.jit import compiled
-from runtime.hybrid import (
-    filippov_shares,
-    mode_consistency,
-    redundant_sliding,
-    rhs_with_sliding_or_stabilization,
-)
-from runtime.hybrid import switching_values_and_margins as switching
+from runtime.hybrid import filippov_shares, mode_consistency, redundant_sliding, sliding_motion
 
 
 @compiled(i8(integers, f8))
@@ -32,18 +26,18 @@ def evaluate_accelerations(context, t):
 
 @compiled(f8(vector, vector, vector))
 def exclude_rounding(value, change, size):
-    return rhs_with_sliding_or_stabilization.exclude_rounding(value, change, size)
+    return sliding_motion.exclude_rounding(value, change, size)
 
 
 @compiled(none(integers, f8))
 def evaluate_switching_and_rates(context, t):
-    switching.evaluate_switching_and_rates(context, t, ws.Y0, ws.K, ws.G0)
+    sliding_motion.evaluate_switching_and_rates(context, t, ws.Y0, ws.K, ws.G0)
 
 
 @compiled(f8(integers, f8, i8))
 def compute_margin(context, t, k):
     q, v = context.q0, context.v0
-    return switching.compute_margin(context, t, q, v, k)
+    return sliding_motion.compute_margin(context, t, q, v, k)
 
 
 @compiled(none(integers, f8))

@@ -3,7 +3,7 @@
 import pytest
 
 from runtime.core.modes_and_event_kinds import Mode
-from runtime.hybrid.mode_search import choose_mode
+from runtime.hybrid.mode_selection import choose_mode
 
 
 @pytest.mark.parametrize("preferred", [Mode.OFF, Mode.ON, Mode.SLIDING])

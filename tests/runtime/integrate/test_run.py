@@ -11,7 +11,7 @@ import pytest
 from codegen.errors import InputError
 from runtime.constraints import repartitioning as repartition
 from runtime.core.outcomes import Outcome
-from runtime.hybrid import event_location, mode_selection
+from runtime.hybrid import events, mode_selection
 from runtime.integrate import initialization as start
 from runtime.integrate import loop as driver
 from runtime.integrate import sampling as outputs
@@ -60,7 +60,7 @@ def test_more_events_than_one_buffer_holds():
 def test_second_model_compiles_nothing():
     functions = (
         driver.advance, start.start, step.take_trial_step, repartition.repartition, outputs.emit,
-        event_location.locate_event, mode_selection.select_modes, mode_selection.initialize_modes,
+        events.locate_event, mode_selection.select_modes, mode_selection.initialize_modes,
         *(find_method(name).stages for name in EXPLICIT),
     )  # fmt: skip
     integrate(PENDULUM, pendulum_problem(np.pi, 0.0, 0.1), Options())

@@ -1,17 +1,28 @@
-"""Peak resolution: a step is short enough to show every peak of a function of the position.
+"""Limits of a step besides its error: peaks of functions of the position, and dead centres.
 
-A barrier of a millimetre lies between the places at which a method of a step of a metre looks, and
-the error of the step says nothing of it. The argument u of such a function, ((x - a)/b)² of a bell,
-is smooth over the step where the function itself is not: the cubic through its values and rates at
-both ends says how near it comes to the peak between them, and three values in between, on the cubic
-of the motion, say how far that cubic is to be trusted. Where the function may be larger there by
-orders of magnitude than at either end, the step ends in front of the peak, from where on its error
-shows the function.
+**Peaks.** A barrier of a millimetre lies between the places at which a method of a step of a metre
+looks, and the error of the step says nothing of it. The argument u of such a function, ((x - a)/b)²
+of a bell, is smooth over the step where the function itself is not: the cubic through its values
+and rates at both ends says how near it comes to the peak between them, and three values in between,
+on the cubic of the motion, say how far that cubic is to be trusted. Where the function may be
+larger there by orders of magnitude than at either end, the step ends in front of the peak, from
+where on its error shows the function.
+
+**Dead centres** of a loop in closed form. There both branches of the loop meet: its ρ, the
+derivative by its angle, vanishes. The motion passes with ρ̇ ≠ 0 onto the other branch, but kernels
+know ρ² alone and would stay on their branch; before, rates and errors of the loop's angles grow as
+1/ρ. A step that comes too near, or that may have passed a dead centre, is therefore not taken, and
+the run goes on in other coordinates (`runtime/dynamics/changes_of_coordinates.py`). At the start of
+a step that passes one, ρ falls and would vanish after ρ/|ρ̇|, at its end it grows and would have
+vanished ρ/ρ̇ before: where ρ goes through zero these two times add up to the step. Where a motion
+turns back before, ρ² = ρ_m² + c² τ², they add up to the step and (ρ_m/c)² (1/τ₀ + 1/τ₁), three
+times a step or more once the turn is resolved.
 """
 
 import math
 
 from runtime.core import function_table_slots as ft
+from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inner
@@ -19,7 +30,7 @@ from runtime.core.kernel_abi import peak_arguments_of
 from runtime.core.loop_record import run_record
 from runtime.core.peak_kinds import EXPONENTIAL, POWER, STEP
 from runtime.core.unowned_array_views import view
-from runtime.hybrid.event_step_limit import X1, X2, X3, cubic, write_motion_between
+from runtime.hybrid.events import X1, X2, X3, cubic, write_motion_between
 
 _RISE = 4.0  # measured: logarithm of a peak over both ends which the error of a step shows
 _IN_FRONT = 0.4  # measured: of that; how far below the peak the step ends
@@ -38,6 +49,9 @@ _HALVINGS = 45  # safety: 3e-14 of the step
 
 # Rows of the scratch: u and du/dt at both ends, u at three points between, rates there.
 _U0, _R0, _U1, _R1, _A1, _A2, _A3, _RATES_BETWEEN = range(8)
+
+LEAST = 0.04  # measured: of the largest ρ²; below it a loop's rates err by five times as much
+_ADDED = 2.0  # measured: steps; with a smaller sum of both times a loop has passed its dead centre
 
 
 @inner
@@ -192,3 +206,38 @@ def find_resolved_part(context: Context) -> float:
     for k in range(context[ft.PEAKS]):
         part = min(part, resolved_part_for(context, k, r.length))
     return part
+
+
+@addressed(ft.GUARD_BRANCHES)
+def guard_branches(context: Context, t: float, h: float, taken: int) -> int:
+    """1 where the step from Y0 to Y1 leads to a dead centre of a loop, else 0.
+
+    A step that was not `taken` is judged from its start alone: whether the dead centre, within two
+    of its lengths, may be why it failed.
+    """
+    p, count, numbers = context.parameters, context[ft.LOOPS], context.loop_nearness
+    before, after = view(numbers, 0, 3 * count), view(numbers, 3 * count, 3 * count)
+    largest = view(numbers, 6 * count, count)
+    nearness, known = abi.dead_centres_of(context), taken == 0
+    if known:
+        nearness(t, context.q0, context.v0, p, before)
+    else:
+        nearness(t + h, context.q1, context.v1, p, after)
+    for k in range(count):
+        if taken != 0:
+            square, rate, size = after[3 * k], after[3 * k + 1], after[3 * k + 2]
+            largest[k] = max(largest[k], size)
+            if not square > LEAST * largest[k]:
+                return 1
+            if not 2.0 * square < rate * h:
+                continue
+            if not known:
+                nearness(t, context.q0, context.v0, p, before)
+                known = True
+            behind = 2.0 * square / rate
+        else:
+            behind = 0.0
+        start, fall = before[3 * k], -before[3 * k + 1]
+        if fall > 0.0 and 2.0 * start / fall + behind < _ADDED * h:
+            return 1
+    return 0
