@@ -1,5 +1,6 @@
 """Studies hand the words of `simulate` to each of their runs."""
 
+from collections.abc import Callable
 from functools import wraps
 from inspect import signature
 from pathlib import Path
@@ -68,18 +69,27 @@ def test_a_limit_and_a_tolerance_reach_each_run(
         assert atol == pytest.approx(0.1 * rtol)
 
 
-def test_words_that_are_wrong_or_ignored(pushed: Model, tmp_path: Path) -> None:
-    about = {"t_end": 1.0, "folder": tmp_path}
-    with pytest.raises(InputError, match="atol is -1"):
-        matters(pushed, "free", asked="mass.x", atol=-1, **about)
-    with pytest.raises(InputError, match=r"no series 'mass\.z'"):
-        accuracy(pushed, "free", until={"far": ("mass.z", ">", 1.0)}, **about)
-    with pytest.raises(InputError, match="inverse dynamics integrates nothing, so atol, max_step"):
-        matters(pushed, "driven", asked="drive.fx", max_step=0.1, atol=1e-8, **about)
-    with pytest.raises(InputError, match="unexpected keyword argument 'correction'"):
-        accuracy(pushed, "free", correction="stage", **about)
-    with pytest.raises(LinkwrightError, match="steps"):
-        matters(pushed, "free", asked="mass.x", max_steps=1, **about)
+RANKED, DRIVEN = {"asked": "mass.x"}, {"asked": "drive.fx"}
+
+
+@pytest.mark.parametrize(
+    ("study", "scene", "words", "message"),
+    [
+        (matters, "free", {"atol": -1, **RANKED}, "atol is -1"),
+        (matters, "free", {"max_steps": 1, **RANKED}, "steps"),
+        (matters, "driven", {"max_step": 0.1, "atol": 1e-8, **DRIVEN},
+         "inverse dynamics integrates nothing, so atol, max_step"),
+        (accuracy, "free", {"until": {"far": ("mass.z", ">", 1.0)}}, r"no series 'mass\.z'"),
+        (accuracy, "free", {"correction": "stage"}, "unexpected keyword argument 'correction'"),
+    ],
+)  # fmt: skip
+def test_words_that_are_wrong_or_ignored(
+    study: Callable[..., object], scene: str, words: dict[str, object], message: str,
+    pushed: Model, tmp_path: Path,
+) -> None:  # fmt: skip
+    with pytest.raises(LinkwrightError, match=message) as caught:
+        study(pushed, scene, t_end=1.0, folder=tmp_path, **words)
+    assert isinstance(caught.value, InputError) or "max_steps" in words
 
 
 def test_a_study_of_accuracy_with_functions_and_conditions(pushed: Model, tmp_path: Path) -> None:

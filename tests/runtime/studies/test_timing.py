@@ -2,13 +2,7 @@
 
 import pytest
 
-from runtime.studies.timing import (
-    Stopwatch,
-    TimeLimit,
-    processor_time,
-    take_turns,
-    time_to_error,
-)
+from runtime.studies.timing import Stopwatch, TimeLimit, processor_time, take_turns, time_to_error
 
 
 def test_runs_take_turns_until_each_is_finished() -> None:
@@ -47,8 +41,7 @@ def test_processor_time_comes_with_the_answer() -> None:
     assert seconds >= 0.0
 
 
-def test_times_to_an_error_lie_on_lines_in_logarithms() -> None:
-    assert time_to_error([(1e-2, 1.0), (1e-4, 4.0)], 1e-3) == pytest.approx(2.0)
-    assert time_to_error([(1e-2, 1.0), (1e-4, 4.0)], 0.1) == 1.0
-    assert time_to_error([(1e-2, 1.0), (1e-4, 4.0)], 1e-5) is None
-    assert time_to_error([], 1e-3) is None
+@pytest.mark.parametrize(("error", "seconds"), [(1e-3, 2.0), (0.1, 1.0), (1e-5, None)])
+def test_times_to_an_error_lie_on_lines_in_logarithms(error: float, seconds: float | None) -> None:
+    assert time_to_error([(1e-2, 1.0), (1e-4, 4.0)], error) == pytest.approx(seconds)
+    assert time_to_error([], error) is None

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from codegen.errors import InputError, LinkwrightError
 from runtime import accuracy, load
@@ -21,6 +22,7 @@ from runtime.studies.work_precision import Setting, WorkPrecision
 from runtime.studies.work_precision.interpretation import best_at, sentences
 from runtime.studies.work_precision.measurement import Measurement
 from runtime.studies.work_precision.reference import find_reference
+from runtime.studies.work_precision.study import FURTHER, RTOLS
 
 SETTINGS = all_settings(METHODS, FORMULATIONS)
 
@@ -41,6 +43,12 @@ def exact(path: Path) -> Path:
     t = np.linspace(0.0, 2.0, 41)
     x, v = 0.5 * np.cos(5.0 * t), -2.5 * np.sin(5.0 * t)
     return table(path, ("body.x", "body.vx"), t, x, v)
+
+
+def test_the_grid_is_that_of_the_definition() -> None:
+    assert len(RTOLS) == 17
+    assert_allclose((RTOLS[0], RTOLS[1], RTOLS[-1]), (1e-2, 10**-2.5, 1e-10))
+    assert_allclose((FURTHER[0], FURTHER[-1]), (10**-10.5, 1e-12))
 
 
 def test_every_setting_is_run_at_every_tolerance(swing: WorkPrecision) -> None:
