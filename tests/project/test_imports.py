@@ -84,6 +84,8 @@ def test_a_first_result_loads_no_more_than_it_needs(root: Path) -> None:
     rooms = {name.split(".")[1] for name in asked if name.startswith("scipy.")}
     assert not rooms & {"integrate", "interpolate", "optimize", "signal", "sparse", "stats"}
     assert not any(name.startswith("codegen.") for name in loaded - COMPILER)
+    studies = ("runtime.studies", "runtime.accuracy_target")
+    assert not any(name.startswith(studies) for name in loaded)
 
 
 @pytest.mark.parametrize("first", ["import codegen", "import codegen.driver"])
