@@ -140,8 +140,8 @@ class Machine(MachineStates):
         >>> r.q("bob.phi")[-1], r.reaction("hinge", "fy").max()  # rad, N
         >>> m.simulate(10.0, np.linspace(0.0, 10.0, 1001), start={"bob.phi": 0.5})
         """
+        from runtime.dynamics.continued_state import parameters_there, scene_of_start
         from runtime.dynamics.output_conditions import read_conditions, simulate_until
-        from runtime.dynamics.scene_of_start import parameters_there, scene_of_start
 
         require_motion(self.mechanism, "simulate")
         mechanism = scene_of_start(self.mechanism, start)

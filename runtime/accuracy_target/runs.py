@@ -19,7 +19,7 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics.connected_simulation import simulate
 from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
-from runtime.dynamics.simulation import finish_simulation
+from runtime.dynamics.simulation import run_prepared
 from runtime.integrate.method import IMPLICIT, LEADING
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.trajectory import Partitions, Statistics, Trajectory
@@ -131,7 +131,7 @@ def make_run(
             end = quantities.of_run(path.final_q[None], path.final_v[None])
             values = np.vstack([values, end])
     else:
-        found = result or finish_simulation(
+        found = result or run_prepared(
             ready, coordinates, options, clock.perf_counter(), silent, path
         )
         values, wholes = quantities.of_result(found), quantities.wholes(found)
@@ -162,7 +162,7 @@ def _run_with_reconnections(
             correction=coordinates.correction,
         )  # fmt: skip
         paths.append(own.run(coordinates, chosen, progress))
-        return finish_simulation(own, coordinates, chosen, began, silent, paths[-1], repeats=True)
+        return run_prepared(own, coordinates, chosen, began, silent, paths[-1], repeats=True)
 
     given = {name: value for name, value in ready.given.items() if name != "handover"}
     result = simulate(

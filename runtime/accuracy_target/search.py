@@ -39,7 +39,7 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics.controllers import Functions
 from runtime.dynamics.formulations import formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
-from runtime.dynamics.simulation import finish_simulation, note_repetition
+from runtime.dynamics.simulation import note_repetition, run_prepared
 from runtime.integrate.method import REGISTER
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.wiring import function_table
@@ -146,7 +146,7 @@ class _Search:
         while not self._is_final(pair):
             pair = self._compare(choice, self._tighter(pair), pair.tight)
         run, _ = pair.by_merit
-        result = run.result or finish_simulation(
+        result = run.result or run_prepared(
             self.ready, choice.coordinates, run.options, began, silent, run.path
         )
         if result.outcome is Outcome.CONTRADICTED and choice.formulation == "reduced":
@@ -167,7 +167,7 @@ class _Search:
         pair = self.pair
         run = pair.by_merit[0] if pair else max(self.runs, key=lambda run: len(run.path.t))
         taken = formulate(self.ready, run.formulation, run.options.method, self.choices.correction)
-        result = run.result or finish_simulation(
+        result = run.result or run_prepared(
             self.ready, taken, run.options, began, silent, run.path, works=False
         )
         error = "its error is not known, since it was compared with no other run"

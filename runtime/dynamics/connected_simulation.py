@@ -1,7 +1,10 @@
 """Simulations in which joints come and go: one run after the other, each with those that act.
 
 Every set of joints is a scene of its own, with its own module, coordinates and partition. A run
-ends where a joint is released or engages, and the next begins there.
+ends where a joint is released or engages, and the next begins there. Positions and velocities stay,
+but for velocities that a joint which engages does not permit: these end in an impact of all
+constraints, M Δv + Φ_qᵀ Λ = Gᵀ P, Φ_q (v + Δv) = ν, in which closed contacts and freewheels take
+part by their impulses P ≥ 0.
 """
 
 from collections.abc import Callable
@@ -12,26 +15,34 @@ import numpy.typing as npt
 
 from codegen.errors import LinkwrightError
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.continued_state import numbered
 from runtime.dynamics.joined_results import joined
 from runtime.dynamics.motion_at_instants import SimulatedMotion
-from runtime.dynamics.reconnection import Gap, cross, known_parameters
-from runtime.dynamics.simulation import simulate as simulate_once
+from runtime.dynamics.prepared_simulation import Handover
+from runtime.dynamics.simulation import simulate_joints
+from runtime.integrate.problem import Discrete
+from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.one_sided_impact import Contradiction, impact
 from runtime.mechanism.sibling_scenes import sibling
 from runtime.results.assembled_state import Assembly, State
-from runtime.results.reconnection import Reconnection
+from runtime.results.reconnection import Ending, Reconnection
 from runtime.results.result import Result
 from runtime.results.samples import Samples
 from runtime.validation.output_instants import uniform
+from runtime.validation.parameters import parameter_values
 
 _MOST = 10_000  # safety: changes of joints in a run
 _AT_ONCE = 16  # safety: changes of joints at one instant
 _IN_A_ROW, _SHORT = 64, 1e-5  # safety: so many changes within that part of a run have no end
+# accuracy: of the machine's lengths; a contact with a gap below it is closed
+_TOUCHING = 1e-9
+_CLOSED = 1e-6  # safety: of the size of its equation; a joint further open does not engage
 
 
 def simulate(
     mechanism: Mechanism, t_end: float, t_eval: Any = None, *,
-    part: Callable[..., Result] = simulate_once, **settings: Any,
+    part: Callable[..., Result] = simulate_joints, **settings: Any,
 ) -> Result:  # fmt: skip
     """Integrate the equations of motion, with other joints from where these come or go.
 
@@ -60,7 +71,7 @@ def simulate(
 
 def follow(
     results: list[Result], changes: list[Reconnection | None], mechanism: Mechanism, t_end: float,
-    t_eval: Any, span: float, *, parameters: Values, part: Callable[..., Result] = simulate_once,
+    t_eval: Any, span: float, *, parameters: Values, part: Callable[..., Result] = simulate_joints,
     **settings: Any,
 ) -> None:  # fmt: skip
     """Append the runs that follow the last of the results, with other joints, and the changes.
@@ -135,3 +146,107 @@ def _without_end(changes: list[Reconnection]) -> str:
         f"the last '{last.joint}': each change makes the condition of the next one hold. Leave a "
         "margin between the conditions under which a joint engages and is released."
     )
+
+
+class Gap(Exception):  # noqa: N818 (it is caught where runs follow one another)
+    """A joint that does not close where it is to engage."""
+
+
+def cross(
+    before: Mechanism, after: Mechanism, end: Ending, parameters: Values
+) -> tuple[State, Handover, Reconnection]:
+    """The state behind the instant at which a joint comes or goes; raises Gap."""
+    watched, (t, q, v) = before.description.watched[end.row], _state_by_names(before, after, end)
+    impulse, units, lost = dict[str, float](), dict[str, str](), 0.0
+    if watched.action == "engage":
+        equations = Equations(after, parameter_values(after, known_parameters(after, parameters)))
+        _require_closed(equations, watched.target, t, q, end.length)
+        rest = v
+        try:
+            v, multipliers = impact(equations, t, q, rest, _TOUCHING * end.length)
+        except Contradiction as found:
+            where = f"Joint '{watched.target}' is to engage at t = {t:.9g} s"
+            raise Gap(f"{where}, and {found}. Choose another instant, or release it.") from None
+        mass = equations.mass(q)
+        states = [row.column for row in after.description.states]
+        v[states] = rest[states]  # to the last bit
+        mass[states, states] = 0.0
+        lost = float(rest @ mass @ rest - v @ mass @ v) / 2
+        impulse = _impulses(after, equations, watched.target, t, q, v, multipliers)
+        rows = [row for row in after.description.reactions if row.element == watched.target]
+        units = {row.component: f"{row.unit} s" if row.unit else "" for row in rows}
+    start = State(t, q, v, after.description.coordinates)
+    discrete = _discrete_by_names(before, after, end.discrete)
+    change = Reconnection(t, watched.target, watched.action, impulse, lost, units)
+    return start, Handover(discrete, end.length), change
+
+
+def _discrete_by_names(
+    before: Mechanism, after: Mechanism, discrete: Discrete | None
+) -> Discrete | None:
+    """Clocks and conditions by the tables of another mechanism; None where it has none."""
+    old, new = before.description, after.description
+    if discrete is None or not (new.sampled or new.watched):
+        return None
+    known = numbered([row[:3] for row in old.watched])
+    held = dict(zip(known, discrete.held.tolist(), strict=True))
+    places = {key: k for k, key in enumerate(numbered(old.sampled))}
+    rows = np.array([places[key] for key in numbered(new.sampled)], np.int64)
+    ticks = discrete.ticks.reshape(-1, 2)[rows]
+    return Discrete(
+        ticks.ravel(), discrete.waiting[rows],
+        np.array([held.get(key, 0.0) for key in numbered([row[:3] for row in new.watched])]),
+    )  # fmt: skip
+
+
+def _state_by_names(
+    before: Mechanism, after: Mechanism, end: Ending
+) -> tuple[float, FloatArray, FloatArray]:
+    """The instant, s, positions and velocities, (n,) each, by the other mechanism's coordinates."""
+    q, v = (_by_names(before, after, x) for x in (end.state.q, end.state.v))
+    return end.state.t, q, v
+
+
+def known_parameters(mechanism: Mechanism, parameters: Values) -> Values:
+    """Those of the values whose parameters the mechanism has."""
+    names = mechanism.description.parameters.names
+    return {name: value for name, value in parameters.items() if name in names}
+
+
+def _by_names(before: Mechanism, after: Mechanism, x: FloatArray) -> FloatArray:
+    """A vector (n,) by the coordinates of another mechanism; 0 where there is none of the name."""
+    known = {name: k for k, name in enumerate(before.description.coordinates.names)}
+    names = after.description.coordinates.names
+    return np.array([x[known[name]] if name in known else 0.0 for name in names])
+
+
+def _require_closed(
+    equations: Equations, joint: str, t: float, q: FloatArray, length: float
+) -> None:
+    rows = equations.description.constraints
+    gaps = np.abs(equations.constraints(t, q))
+    least = _CLOSED * equations.row_scale(t, q, max(length, equations.size(t, q)))
+    open_rows = [
+        f"{row.name} by {gap:.3g}"
+        for row, gap, most in zip(rows, gaps, least, strict=True)
+        if row.element == joint and gap > most
+    ]
+    if open_rows:
+        raise Gap(
+            f"Joint '{joint}' is to engage at t = {t:.9g} s, where it is open: "
+            f"{', '.join(open_rows)}. Choose a condition under which it closes by itself, or a "
+            "joint with fewer constraints."
+        )
+
+
+def _impulses(
+    mechanism: Mechanism, equations: Equations, joint: str, t: float, q: FloatArray,
+    v: FloatArray, multipliers: FloatArray,
+) -> dict[str, float]:  # fmt: skip
+    """Component → impulse of a joint, as its reactions follow from multipliers."""
+    rows = mechanism.description.reactions
+    out = np.zeros(len(rows))
+    if "reactions" in mechanism.description.kernels:
+        mechanism.kernels.reactions(t, q, v, equations.p, multipliers, out)
+    pairs = zip(rows, out.tolist(), strict=True)
+    return {row.component: 0.0 + value for row, value in pairs if row.element == joint}

@@ -208,6 +208,6 @@ class JoinedMotion:
         self, result: Result, t_end: Any, t_eval: Any, max_steps: int | None, progress: bool
     ) -> Result:
         """The run up to another end; see `Result.resume`."""
-        from runtime.dynamics.resumption_of_parts import resume  # which stands above
+        from runtime.dynamics.resumption import resume  # which stands above
 
         return resume(result, self, t_end, t_eval, max_steps, progress)

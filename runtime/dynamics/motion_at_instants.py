@@ -15,10 +15,9 @@ import numpy as np
 from codegen.errors import AnalysisError, InputError
 from codegen.files.generated_modules import content_hash
 from runtime.core.outcomes import Outcome
+from runtime.dynamics.continued_state import discrete_state
 from runtime.dynamics.driven_motion_past_kinks import follow_past_kinks
-from runtime.dynamics.output_quantities import evaluate
-from runtime.dynamics.start_of_clocks import discrete_state
-from runtime.dynamics.work import along_intervals
+from runtime.dynamics.output_quantities import along_intervals, evaluate
 from runtime.integrate.checkpoints import Checkpoint, Checkpoints, Passed, Until
 from runtime.integrate.problem import Discrete, Options
 from runtime.integrate.run import Change
@@ -155,7 +154,7 @@ class SimulatedMotion:
         self, result: Result, t_end: Any, t_eval: Any, max_steps: int | None, progress: bool
     ) -> Result:
         """The run up to another end; see `Result.resume`."""
-        from runtime.dynamics.resumption_of_parts import resume  # which stands above
+        from runtime.dynamics.resumption import resume  # which stands above
 
         return resume(result, self, t_end, t_eval, max_steps, progress)
 

@@ -12,9 +12,9 @@ from codegen.errors import AssemblyError
 from runtime.assembly.assemble import assemble
 from runtime.assembly.start_values import start_note
 from runtime.dynamics.checks.screening import exceed_bound, screen
+from runtime.dynamics.continued_state import discrete_at_start
 from runtime.dynamics.controllers import Functions, controllers_of
 from runtime.dynamics.output_quantities import evaluate_samples
-from runtime.dynamics.start_of_clocks import discrete_at_start
 from runtime.integrate.problem import Discrete, Options, Stops
 from runtime.integrate.trajectory import Trajectory
 from runtime.integrate.wiring import begin_compiling

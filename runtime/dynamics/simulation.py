@@ -1,4 +1,16 @@
-"""Dynamics: how the machine moves under the forces that act on it."""
+"""Dynamics: how the machine moves under the forces that act on it, with one set of joints.
+
+prepare    Mechanism, values         → PreparedSimulation  (runtime.dynamics.prepared_simulation)
+formulate  PreparedSimulation        → Coordinates         (runtime.dynamics.formulations)
+integrate  Coordinates, Options      → Trajectory          (runtime.integrate)
+jam        Trajectory                → its end, where friction jams or a machine locks up
+                                                           (runtime.dynamics.checks.jamming)
+evaluate   Trajectory                → Samples, works      (runtime.dynamics.output_quantities)
+screen     Samples, Trajectory       → Suspicions          (runtime.dynamics.checks.screening)
+check      Suspicions                → what contradicts OK (runtime.dynamics.checks.end_checks)
+
+Where joints come and go, such runs follow one another (`runtime.dynamics.connected_simulation`).
+"""
 
 import time as clock
 from dataclasses import replace
@@ -18,9 +30,8 @@ from runtime.dynamics.checks.screening import screen_run
 from runtime.dynamics.controllers import Functions
 from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formulate
 from runtime.dynamics.motion_at_instants import SimulatedMotion
-from runtime.dynamics.output_quantities import evaluate
+from runtime.dynamics.output_quantities import evaluate, integrate_works
 from runtime.dynamics.prepared_simulation import Handover, PreparedSimulation
-from runtime.dynamics.work import integrate_works
 from runtime.integrate.problem import MOST_STEPS, Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -46,7 +57,7 @@ _LEAVING = {
 }
 
 
-def simulate(
+def simulate_joints(
     mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | int | str | None = None, *,
     t_start: float = 0.0, method: str = "dop853", rtol: float = 1e-8, atol: float | None = None,
     parameters: Values | None = None, guess: Values | None = None,
@@ -78,7 +89,7 @@ def simulate(
         max_steps=max_steps, max_bytes=max_bytes, step_limit=step_limit,
     )  # fmt: skip
     if out is None:
-        return finish_simulation(ready, coordinates, options, began, progress, repeats=True)
+        return run_prepared(ready, coordinates, options, began, progress, repeats=True)
     from runtime.dynamics.stored_simulation import simulate_into
 
     return simulate_into(out, ready, coordinates, options, began, progress)
@@ -98,7 +109,7 @@ def _require_memory(
     require_memory(mechanism.title, f"the samples at {count} instants", count * row, advice)
 
 
-def finish_simulation(
+def run_prepared(
     ready: PreparedSimulation, coordinates: Coordinates, options: Options, began: float,
     progress: Progress, run: Trajectory | None = None, *, works: bool = True, energy: bool = False,
     repeats: bool = False, samples: Samples | None = None,
@@ -129,7 +140,7 @@ def finish_simulation(
     contradicted = reduced and repeats and result.outcome is Outcome.CONTRADICTED
     if isinstance(coordinates, ReducedCoordinates) and contradicted:
         whole = coordinates.cartesian(options.method)
-        again = finish_simulation(ready, whole, options, began, progress, works=works, energy=True)
+        again = run_prepared(ready, whole, options, began, progress, works=works, energy=True)
         note_repetition(again, result.contradiction)
         return again
     count, note = describe_unresolved_switches(equations, run.events, suspicions)

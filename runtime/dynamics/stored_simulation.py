@@ -17,7 +17,7 @@ from runtime.core.array_types import IntegerMatrix, Matrix, Vector
 from runtime.dynamics.formulations import Coordinates
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
-from runtime.dynamics.simulation import ends_early, finish_simulation
+from runtime.dynamics.simulation import ends_early, run_prepared
 from runtime.integrate.problem import Options
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.progress_bar import Progress
@@ -99,7 +99,7 @@ def simulate_into(
         writer.finish()
         samples = store.mapped()
         run = replace(run, t=samples.t, q=samples.q, v=samples.v, modes=samples.modes)
-        result = finish_simulation(
+        result = run_prepared(
             ready, coordinates, options, began, progress, run, works=False, samples=samples
         )
     except BaseException as error:

@@ -6,7 +6,7 @@ from typing import Any
 
 from codegen.errors import LinkwrightError
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.simulation import simulate
+from runtime.dynamics.simulation import simulate_joints
 from runtime.ensemble.dataset import Rows
 from runtime.ensemble.members import Members
 from runtime.ensemble.preparation import Preparation, prepare
@@ -33,7 +33,7 @@ class SingleRuns:
         start = self.members.start_of(run) or None
         values = self.members.parameters_of(run) or None
         try:
-            result = simulate(
+            result = simulate_joints(
                 self.mechanism, self.t_end, self.rows.times, parameters=values, start=start,
                 progress=progress, **self.options,
             )  # fmt: skip

@@ -345,7 +345,7 @@ class TimeSeries:
         """Work of an effect or driver on the machine since the start of a simulation.
 
         The integral of its `power`, of all that it exerts. Impacts, which change velocities at an
-        instant, do no work here; see `runtime.dynamics.work`.
+        instant, do no work here; see `runtime.dynamics.output_quantities`.
 
         Parameters
         ----------

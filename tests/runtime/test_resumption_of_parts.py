@@ -12,7 +12,7 @@ from codegen import Model, t
 from codegen.errors import InputError
 from runtime import load, load_result
 from runtime.core.outcomes import Outcome
-from runtime.dynamics import resumption_of_parts
+from runtime.dynamics import resumption as resumption_of_parts
 from runtime.integrate import checkpoints
 from runtime.machine_facade import Machine
 from runtime.results.result import Result

@@ -1,4 +1,4 @@
-"""Clocks and watched conditions at the start of a run that goes on from a state of another run.
+"""What a run takes over from a state of another run: scene, clocks and watched conditions.
 
 Samples that wait for their delay act when they would have acted, and a condition that holds does
 not begin to hold again. What the two runs do not have in common begins anew.
@@ -12,9 +12,11 @@ import numpy as np
 from runtime.core.array_types import Vector
 from runtime.integrate.clocks import queue_length, read_clocks, set_clocks
 from runtime.integrate.problem import Discrete
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.sibling_scenes import sibling_named
 from runtime.results.assembled_state import State
 from runtime.results.discrete_state import DiscreteState
+from runtime.results.result import Result
 
 Row = TypeVar("Row")
 
@@ -71,3 +73,27 @@ def discrete_at_start(
 def numbered(rows: Sequence[Row]) -> list[tuple[Row, int]]:
     """Each row, with how often it stood there before: a latch has two of its name."""
     return [(row, rows[:k].count(row)) for k, row in enumerate(rows)]
+
+
+def scene_of_start(mechanism: Mechanism, start: object) -> Mechanism:
+    """The mechanism with the joints that act in the state `start`, where these come and go.
+
+    A state of any other scene, and values by name, leave the mechanism as it is.
+    """
+    state = start.state() if isinstance(start, Result) else start
+    scene = state.scene if isinstance(state, State) else ""
+    return sibling_named(mechanism, scene) or mechanism
+
+
+def parameters_there(
+    there: Mechanism, mechanism: Mechanism, parameters: Values | None
+) -> Values | None:
+    """Values of the parameters of `mechanism`, without those that only its other scenes need.
+
+    `there` is the mechanism of the scene in which a run begins.
+    """
+    rows = there.description.watched
+    if not parameters or there is mechanism or any(row.reconnects for row in rows):
+        return parameters
+    idle = {*there.description.unused} - {*mechanism.description.unused}
+    return {name: value for name, value in parameters.items() if name not in idle}
