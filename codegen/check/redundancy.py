@@ -12,8 +12,7 @@ import numpy.typing as npt
 
 from codegen.derive.equations import Equations
 from codegen.lower.kernels.scene_kernels import Lowered
-from codegen.lower.poses_near_start import Poses, is_finite
-from codegen.lower.sparse_steps import dependent_rows
+from codegen.lower.poses_near_start import Poses, dependent_rows, is_finite
 
 Array = npt.NDArray[np.float64]
 # accuracy: rest of a row, columns scaled, below which the row follows from those before it

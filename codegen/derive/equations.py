@@ -18,6 +18,7 @@ from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
 from codegen.derive.effect_measures import terms_in_scene
 from codegen.derive.effect_terms import EffectTerms, effect_terms
+from codegen.derive.element_expressions import TableRange, table_ranges
 from codegen.derive.inertia import inertia
 from codegen.derive.peaked_functions import PeakedFunction, peaked_functions
 from codegen.derive.scene_conditions import (
@@ -29,7 +30,6 @@ from codegen.derive.scene_conditions import (
     profiles_of,
 )
 from codegen.derive.scene_picture import ScenePicture, scene_picture
-from codegen.derive.table_ranges import TableRange, table_ranges
 from codegen.derive.time_functions import TimeFunction, time_functions
 from codegen.garbage_collection import collection_paused
 from codegen.model import Model

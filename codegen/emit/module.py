@@ -6,9 +6,8 @@ from typing import Any
 
 from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.line_wrapping import assignment, checked, literal, prose, quantity
+from codegen.emit.module_functions import SIN_COS_FUNCTION, lookups, spline_lines
 from codegen.emit.readable_formula import folded_numbers, formula
-from codegen.emit.sincos_function import FUNCTION
-from codegen.emit.table_lookup import lookups, spline_lines
 from codegen.emit.unrolling import Unroll, kernel_texts
 from codegen.files.generated_modules import MARK, UNSIGNED, signed
 from codegen.lower.kernels.scene_kernels import Lowered
@@ -72,7 +71,7 @@ def assemble_module(
     lines += spline_lines(program)
     lines += ["", *tables_of_loops] if tables_of_loops else []
     if any(text.has_pairs for text in texts):
-        lines += ["", *FUNCTION.rstrip().split("\n")]
+        lines += ["", *SIN_COS_FUNCTION.rstrip().split("\n")]
     for text in texts:
         lines += ["", "", *text.lines()]
     return signed(checked(lines))

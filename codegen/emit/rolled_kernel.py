@@ -7,9 +7,9 @@ import numpy as np
 from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.kernel import heading
 from codegen.emit.line_wrapping import filled, literal, prose, wrap_statement
-from codegen.emit.solution_step_order_and_names import PREFIXES
+from codegen.emit.module_functions import lookups
+from codegen.emit.solution_steps import PREFIXES
 from codegen.emit.statements import NOTHING, Scope, Statements
-from codegen.emit.table_lookup import lookups
 from codegen.lower.program import LOGICAL, Input, Kernel, Lookup, Output, Program
 from codegen.reroll.parts import Batches, Carried, Entries, Numbers, Part, RolledKernel, Watch
 from codegen.reroll.sequence import Slots

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from codegen.lower.differentiation.program_tangents import differentiate
 from codegen.lower.graph import Graph
-from codegen.lower.linear.coordinate_order import LEAST_PIVOT
+from codegen.lower.linear.elimination_order import LEAST_PIVOT
 from codegen.lower.linear.sparse_row_elimination import ROUNDING
 from codegen.lower.program import dependencies
 from codegen.lower.substitution import substitute

@@ -8,10 +8,9 @@ from codegen.check import redundancy
 from codegen.check.redundancy import TOLERANCE, Findings, examine
 from codegen.derive.equations import derive
 from codegen.lower import poses_near_start
+from codegen.lower.interpreter import LevelEvaluation
 from codegen.lower.kernels.scene_kernels import Lowered, lower
-from codegen.lower.level_evaluation import LevelEvaluation
-from codegen.lower.poses_near_start import Poses
-from codegen.lower.sparse_steps import dependent_rows, least_norm
+from codegen.lower.poses_near_start import Poses, dependent_rows, least_norm
 from codegen.model import Model
 from codegen.reading.scene_selection import valid_scenes
 from models.hard.n_four_bar import n_four_bar

@@ -9,8 +9,7 @@ solved by the null space of Φ_q (`lower.linear.least_change_by_null_space`) or 
 
 from codegen.lower.graph import Graph
 from codegen.lower.linear.factorization import Entries
-from codegen.lower.linear.least_change_by_multipliers import NormalEquations
-from codegen.lower.linear.least_change_by_null_space import NullSpace
+from codegen.lower.linear.least_change import NormalEquations, NullSpace
 from codegen.lower.linear.sparse_row_elimination import (
     SparseRows,
     Task,

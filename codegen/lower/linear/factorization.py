@@ -21,8 +21,8 @@ from typing import Literal
 
 from codegen.lower.graph import Graph
 from codegen.lower.linear.back_substitution import Loop, Pair, Single
+from codegen.lower.linear.elimination_order import PivotOrder
 from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.pivot_order import PivotOrder
 from codegen.lower.program import Check
 
 Entries = dict[tuple[int, int], int]  # (row, column) → value, structural non-zeros only

@@ -10,7 +10,7 @@ from heapq import heappop, heappush
 from itertools import combinations
 
 from codegen.lower.graph import Graph
-from codegen.lower.linear.coordinate_order import CoordinateOrder, Row
+from codegen.lower.linear.elimination_order import CoordinateOrder, Row
 from codegen.lower.linear.labels import Labels
 from codegen.lower.linear.structural_cost import LARGE, Structure
 from codegen.lower.program import Check

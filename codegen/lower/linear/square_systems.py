@@ -11,7 +11,7 @@ product of the rows' squares, as the pivots of Φ_q Φ_qᵀ are against its diag
 from collections.abc import Sequence
 
 from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.least_change_by_multipliers import solve_by_multipliers
+from codegen.lower.linear.least_change import solve_by_multipliers
 from codegen.lower.linear.sparse_row_elimination import SparseRows, Task
 from codegen.lower.program import Check
 

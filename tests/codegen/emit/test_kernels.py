@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 
-from codegen.emit.sincos_function import NAME as SIN_COS
+from codegen.emit.module_functions import SIN_COS
 from codegen.lower.interpreter import evaluate
 from codegen.lower.program import Kernel
 from tests.codegen.workbench import Interpreted, python_functions

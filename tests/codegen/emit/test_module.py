@@ -10,7 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from codegen.emit.line_wrapping import wrap_pieces
-from codegen.emit.sincos_function import NAME as SIN_COS
+from codegen.emit.module_functions import SIN_COS
 from codegen.lower.operation_count import by_element, operations
 from tests.codegen.workbench import Interpreted
 

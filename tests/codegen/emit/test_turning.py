@@ -7,7 +7,7 @@ import numba
 import numpy as np
 import pytest
 
-from codegen.emit.sincos_function import FUNCTION, NAME
+from codegen.emit.module_functions import SIN_COS, SIN_COS_FUNCTION
 
 Pair = Callable[[float], tuple[float, float]]
 
@@ -16,8 +16,8 @@ Pair = Callable[[float], tuple[float, float]]
 def sin_cos(request: pytest.FixtureRequest) -> Pair:
     options = {"error_model": "numpy", "fastmath": {"contract"}}
     names = {"math": math, "numba": numba, "OPTIONS": options}
-    exec(FUNCTION, names)
-    compiled = names[NAME]
+    exec(SIN_COS_FUNCTION, names)
+    compiled = names[SIN_COS]
     return compiled if request.param == "machine code" else compiled.py_func
 
 

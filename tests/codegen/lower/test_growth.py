@@ -7,12 +7,15 @@ import pytest
 from benchmarks.chain import SCENE, chain
 from codegen.derive.equations import derive
 from codegen.lower.constant_hoisting import with_constants
-from codegen.lower.kernels import elimination_choice
-from codegen.lower.kernels.accelerations import accelerations, dynamics_kernel
-from codegen.lower.kernels.elimination_choice import cheapest_by_structure, is_large
+from codegen.lower.kernels import accelerations as elimination_choice
+from codegen.lower.kernels.accelerations import (
+    accelerations,
+    cheapest_by_structure,
+    dynamics_kernel,
+    is_large,
+)
 from codegen.lower.kernels.scene_kernels import lower
-from codegen.lower.linear.coordinate_order import CoordinateOrder
-from codegen.lower.linear.pivot_order import PivotOrder
+from codegen.lower.linear.elimination_order import CoordinateOrder, PivotOrder
 from codegen.lower.linear.structural_cost import CostExceededError, Structure
 from codegen.lower.operation_count import operations
 from codegen.lower.scene_graph import SceneGraph

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
-from codegen.lower.linear.least_change_by_null_space import NullSpace
+from codegen.lower.linear.least_change import NullSpace
 from codegen.lower.linear.sparse_row_elimination import Task
 from codegen.lower.operation_count import operations
 from codegen.reading.model_file import read_model

@@ -11,8 +11,8 @@ from benchmarks.chain import chain
 from codegen import Model
 from codegen.derive.equations import derive
 from codegen.emit.argument_docstrings import Arguments
+from codegen.emit.module_functions import SIN_COS_FUNCTION
 from codegen.emit.rolled_kernel import RolledKernelText
-from codegen.emit.sincos_function import FUNCTION
 from codegen.lower.interpreter import evaluate
 from codegen.lower.kernels.scene_kernels import Lowered, lower
 from codegen.lower.program import Kernel
@@ -93,7 +93,7 @@ def run(
     Modes are drawn from `least_mode` and 1.
     """
     text, program = rolled_text(machine, kernel, rolling), machine.program
-    lines = [*text.table_lines(), *FUNCTION.split("\n"), *text.lines()]
+    lines = [*text.table_lines(), *SIN_COS_FUNCTION.split("\n"), *text.lines()]
     plain = "\n".join(line for line in lines if not line.startswith("@"))
     space: dict[str, object] = {"math": math, "np": np, "numba": numba, "WEAK_PIVOT": 1e-9}
     exec(compile(plain, kernel.name, "exec"), space)

@@ -1,4 +1,13 @@
-"""The order of an elimination: the pivot that causes the least work at every stage.
+"""The orders of eliminations: of coordinates by constraints, and of pivots.
+
+Constraints give coordinates in the order of least fill at every stage.
+
+An entry of Φ_q that is a number, and not small beside the others of its row, gives a coordinate by
+a constraint. The pair that fills in least comes first, then the longer row, then the smaller
+number. Of one column the shortest row fills in least; so a heap a column and one heap of the
+columns' best pairs find it in log n, however many rows a column has.
+
+Pivots follow by the least work that they cause at every stage.
 
 The costs of the candidates lie in heaps. A pivot changes the degrees of the unknowns that it was
 coupled with, and so the costs of these and of the pairs that contain them; all others stay. A
@@ -11,19 +20,77 @@ longer. So a tree is eliminated as articulated bodies are (R. Featherstone, Rigi
 Algorithms, 2008, chapter 7), at the same cost for each body; loops follow as by substitution.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from heapq import heapify, heappop, heappush
 from typing import TYPE_CHECKING
 
-from codegen.lower.linear.coordinate_order import LEAST_PIVOT
+from codegen.lower.graph import Graph
 
 if TYPE_CHECKING:
     from codegen.lower.linear.factorization import Elimination, Strategy
 
-DIVISION = 8  # measured: operations that one division is worth in the choice of an order
 
+LEAST_PIVOT = 0.1  # accuracy: part of the largest number in its row of Φ_q that a pivot must have
+
+Row = dict[int, int]  # unknown → coefficient
+_Key = tuple[int, int, int, int]  # fill, minus the row's length, row, column
+DIVISION = 8  # measured: operations that one division is worth in the choice of an order
 Pivot = tuple[int, ...]  # an unknown, or a coordinate and the constraint that gives it
 Heap = list[tuple[tuple[int, int], Pivot]]  # of rank and cost, and the candidate
+
+
+class CoordinateOrder:
+    """The pairs (row, column) of an elimination by the fill that they cause."""
+
+    def __init__(
+        self, graph: Graph, rows: Mapping[int, Row], columns: Mapping[int, set[int]]
+    ) -> None:
+        self._graph, self._rows, self._columns = graph, rows, columns
+        self._given: dict[int, set[int]] = {}  # row → coordinates that it gives
+        self._shortest: dict[int, list[tuple[int, int]]] = {}  # column → heap of (length, row)
+        self._best: dict[int, _Key] = {}  # column → its best pair; other entries of `_heap` are old
+        self._heap: list[_Key] = []
+
+    def renew(self, rows: Iterable[int], columns: Iterable[int]) -> None:
+        """Note that rows have other entries, or are gone, and columns other rows."""
+        changed = set(columns)
+        for i in rows:
+            self._given.pop(i, None)
+            if i in self._rows:
+                changed |= self._rows[i].keys()
+                self._offer(i)
+        for k in changed:
+            self._renew_column(k)
+
+    def first(self) -> tuple[int, int] | None:
+        """Row and column of the pair that fills in least, if any is left."""
+        while self._heap and self._best.get(self._heap[0][3]) != self._heap[0]:
+            heappop(self._heap)
+        return self._heap[0][2:] if self._heap else None
+
+    def _offer(self, i: int) -> None:
+        row = self._rows[i]
+        sizes = {k: abs(self._graph.floats[entry] or 0.0) for k, entry in row.items()}
+        least = LEAST_PIVOT * max(sizes.values(), default=0.0)
+        self._given[i] = {k for k, size in sizes.items() if size > 0.0 and size >= least}
+        for k in self._given[i]:
+            heappush(self._shortest.setdefault(k, []), (len(row), i))
+
+    def _renew_column(self, k: int) -> None:
+        heap = self._shortest.get(k, [])
+        while heap and not self._is_offered(*heap[0], k):
+            heappop(heap)
+        if not heap:
+            self._best.pop(k, None)
+            return
+        length, i = heap[0]
+        key = (length - 1) * (len(self._columns[k]) - 1), -length, i, k
+        if self._best.get(k) != key:
+            self._best[k] = key
+            heappush(self._heap, key)
+
+    def _is_offered(self, length: int, i: int, k: int) -> bool:
+        return k in self._given.get(i, ()) and len(self._rows[i]) == length
 
 
 class PivotOrder:
