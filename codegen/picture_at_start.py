@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from codegen.derive.equations import derive
+from codegen.drawing.body_outlines import complete_picture
 from codegen.drawing.layout import SAMPLES
-from codegen.drawing.outlines import complete_picture
 from codegen.drawing.picture import Picture
 from codegen.lower.interpreter import FAILURES, evaluate
 from codegen.lower.kernels.picture_kernels import CURVES, NAME, lower_picture
@@ -34,7 +34,7 @@ def draw(
     names: bool = True,
 ) -> "Figure":  # fmt: skip
     """The figure of a declared mechanism; see `Model.draw`."""
-    from codegen.drawing.figure import figure
+    from codegen.drawing.matplotlib_painter import figure
 
     picture = picture_at_start(model, scene, parameters, assembled)
     return figure(picture, dimensions, forces, frames=frames, names=names)

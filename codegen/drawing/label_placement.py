@@ -1,11 +1,14 @@
-"""Places for names beside what they name, so that names overlap neither each other nor lines."""
+"""Places for names beside what they name, so that names overlap neither each other nor lines.
+
+All lengths are in points of the paper.
+"""
 
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from codegen.drawing.polygons import FloatArray
+from codegen.drawing.plane_geometry import FloatArray
 
 ANGLES = 16  # layout: directions from an anchor in which a name may stand
 DISTANCES = (0.0, 5.0, 12.0, 22.0, 36.0)  # layout: points between an anchor's room and the name
@@ -15,7 +18,7 @@ SWEEPS = 3  # layout: how often all names are placed anew, given the others
 
 
 class Label(NamedTuple):
-    """A name to be placed, in points.
+    """A name to be placed.
 
     Attributes
     ----------
@@ -28,12 +31,30 @@ class Label(NamedTuple):
     """
 
     anchors: FloatArray
-    size: tuple[float, float]
+    size: FloatArray
     room: float = 3.0
+
+    def candidates(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Centres (c, 2) at which the name may stand, the anchor of each, and the cost of each.
+
+        The name's nearest point is at each distance from each anchor, in each direction.
+        """
+        number = np.arange(ANGLES)
+        angles = 2 * np.pi * number / ANGLES
+        ways = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        distances = np.array(DISTANCES)[:, None]
+        shifts = (self.room + distances)[..., None] * ways + self.size / 2 * np.clip(
+            1.5 * ways, -1, 1
+        )
+        centers = self.anchors[:, None, None] + shifts
+        order = 1.5 * np.arange(len(self.anchors))[:, None, None]
+        costs = DISTANCE_COST * distances + order + 0.4 * ((number * 3) % 4 != 2)
+        anchors = np.broadcast_to(self.anchors[:, None, None], centers.shape)
+        return centers.reshape(-1, 2), anchors.reshape(-1, 2), costs.ravel()
 
 
 class PlacedLabel(NamedTuple):
-    """Where a name stands: its centre, its anchor, in points, and whether it is far from that."""
+    """Where a name stands: its centre, its anchor, and whether it is far from that."""
 
     center: FloatArray
     anchor: FloatArray
@@ -41,86 +62,48 @@ class PlacedLabel(NamedTuple):
 
 
 def place_labels(
-    labels: Sequence[Label], lines: FloatArray, bounds: tuple[float, float, float, float]
+    labels: Sequence[Label], lines: FloatArray, low: FloatArray, high: FloatArray
 ) -> list[PlacedLabel]:
     """Where the names stand: each in turn takes its best place, given those of all others.
 
     Parameters
     ----------
     lines
-        Samples of all lines, (n, 2), in points: a name should cover few of them.
-    bounds
-        Least x and y, greatest x and y.
+        Samples of all lines, (n, 2): a name should cover few of them.
+    low, high
+        Least and greatest x and y.
     """
-    choices = [_candidates(label) for label in labels]
-    costs = [
-        own + LINE_COST * _covered(centers, label.size, lines) + _outside(centers, label, bounds)
-        for label, (centers, _, own) in zip(labels, choices, strict=True)
-    ]
+    choices = [label.candidates() for label in labels]
+    costs = []
+    for label, (centers, _, own) in zip(labels, choices, strict=True):
+        half = label.size / 2
+        covered = [np.count_nonzero(_is_within(lines - center, half)) for center in centers]
+        is_outside = np.any((centers - half < low) | (centers + half > high), axis=1)
+        costs.append(own + LINE_COST * np.array(covered) + OUTSIDE_COST * is_outside)
     chosen = [int(np.argmin(cost)) for cost in costs]
     for _ in range(SWEEPS):
         for k, label in enumerate(labels):
-            centers = choices[k][0]
             total = costs[k].copy()
             for other, number in enumerate(chosen):
                 if other != k:
-                    at = choices[other][0][number]
-                    total += LABEL_COST * _overlaps(centers, label.size, at, labels[other].size)
+                    away = choices[k][0] - choices[other][0][number]
+                    total += LABEL_COST * _is_within(away, (label.size + labels[other].size) / 2)
             chosen[k] = int(np.argmin(total))
     spots = []
     for label, (centers, anchors, _), number in zip(labels, choices, chosen, strict=True):
         center, anchor = centers[number], anchors[number]
-        half = np.array(label.size) / 2
-        away = np.maximum(np.abs(center - anchor) - half, 0.0)
-        spots.append(
-            PlacedLabel(center, anchor, bool(np.hypot(*away) > label.room + DISTANCES[2] + 1))
-        )
+        gap = np.hypot(*np.maximum(np.abs(center - anchor) - label.size / 2, 0.0))
+        spots.append(PlacedLabel(center, anchor, bool(gap > label.room + DISTANCES[2] + 1)))
     return spots
 
 
-def _candidates(label: Label) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Centres (c, 2) at which a name may stand, the anchor of each, and the cost of each."""
-    angles = 2 * np.pi * np.arange(ANGLES) / ANGLES
-    ways = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    half = np.array(label.size) / 2
-    centers, anchors, costs = [], [], []
-    for order, anchor in enumerate(label.anchors):
-        for distance in DISTANCES:
-            # a box whose nearest point is at this distance from the anchor, in each direction
-            reach = label.room + distance
-            for k, way in enumerate(ways):
-                centers.append(anchor + reach * way + half * np.clip(1.5 * way, -1, 1))
-                anchors.append(anchor)
-                costs.append(DISTANCE_COST * distance + 1.5 * order + 0.4 * ((k * 3) % 4 != 2))
-    return np.array(centers), np.array(anchors), np.array(costs)
-
-
-def _covered(centers: FloatArray, size: tuple[float, float], lines: FloatArray) -> FloatArray:
-    half = np.array(size) / 2 + 1.0
-    counts = np.empty(len(centers))
-    for k, center in enumerate(centers):
-        counts[k] = np.count_nonzero(np.all(np.abs(lines - center) < half, axis=1))
-    return counts
-
-
-def _overlaps(
-    centers: FloatArray, size: tuple[float, float], at: FloatArray, other: tuple[float, float]
-) -> FloatArray:
-    half = (np.array(size) + np.array(other)) / 2 + 1.0
-    return np.asarray(np.all(np.abs(centers - at) < half, axis=1), dtype=float)
-
-
-def _outside(
-    centers: FloatArray, label: Label, bounds: tuple[float, float, float, float]
-) -> FloatArray:
-    half = np.array(label.size) / 2
-    low, high = np.array(bounds[:2]), np.array(bounds[2:])
-    out = np.any((centers - half < low) | (centers + half > high), axis=1)
-    return np.asarray(OUTSIDE_COST * out, dtype=float)
+def _is_within(away: FloatArray, half: FloatArray) -> FloatArray:
+    """Whether vectors (n, 2) end within a box of this half width and height, and a point more."""
+    return np.asarray(np.all(np.abs(away) < half + 1.0, axis=1))
 
 
 def samples(polylines: Sequence[FloatArray], spacing: float) -> FloatArray:
-    """Points (n, 2) along polylines, no farther apart than `spacing`."""
+    """Points (n, 2) along polylines (k, 2), no farther apart than `spacing`."""
     parts = [np.empty((0, 2))]
     for line in polylines:
         steps = np.hypot(*np.diff(line, axis=0).T)

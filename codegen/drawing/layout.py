@@ -13,13 +13,14 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.drawing import shapes
-from codegen.drawing.picture import BodyPicture, FloatArray, Picture, Symbol
+from codegen.drawing.picture import BodyPicture, Picture, Symbol
+from codegen.drawing.plane_geometry import FloatArray
 from codegen.drawing.shapes import Place, Shape
 
 SAMPLES = 181  # layout: of a closed curve, ends included
 KINDS: dict[str, type[Shape]] = {
     cls.kind: cls for cls in vars(shapes).values()
-    if isinstance(cls, type) and issubclass(cls, Shape) and cls is not Shape
+    if isinstance(cls, type) and issubclass(cls, Shape) and cls.kind
 }  # fmt: skip
 # A digest of the kinds and their fields: a module with another one was written by another version.
 VERSION = hashlib.sha256(
@@ -97,7 +98,7 @@ class Layout:
         bodies = tuple(
             BodyPicture(
                 body.name, body.fixed,
-                tuple(tuple((float(numbers[x]), float(numbers[y])) for x, y in outline)
+                tuple(tuple(complex(numbers[x], numbers[y]) for x, y in outline)
                       for outline in body.outlines),
                 not body.outlines,
             )

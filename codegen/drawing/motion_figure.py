@@ -1,19 +1,18 @@
 """Figures of a motion: one that follows poses fast, and one of several positions at once."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from codegen.drawing.colors import LIGHT, Palette
-from codegen.drawing.figure import PictureArtist, prepare_axes
-from codegen.drawing.labels import draw_labels
+from codegen.drawing.annotations import trace_strokes
+from codegen.drawing.arrows import driver_strokes
+from codegen.drawing.colors import LIGHT
+from codegen.drawing.matplotlib_painter import PictureArtist, Writer, inches, prepare_axes
 from codegen.drawing.picture import Picture
-from codegen.drawing.polygons import FloatArray
+from codegen.drawing.plane_geometry import FloatArray
 from codegen.drawing.shapes import Force, Torque
-from codegen.drawing.signs import driver_strokes, trace_strokes
 from codegen.figures_and_html import new_figure
 
 if TYPE_CHECKING:
@@ -27,21 +26,17 @@ TALLEST = 1.1  # layout: height of a movie over its width, at most
 LEAST = 0.34  # layout: the same, at least
 TITLE, FOOT, SIDE = 0.42, 0.55, 0.75  # layout: room round the axes, in inches
 
-Frame = Picture
-"""The picture of one instant; frames with the same symbols follow each other."""
 
-
-def view(frames: Sequence[Frame], artist: PictureArtist) -> tuple[FloatArray, FloatArray]:
+def view(frames: Sequence[Picture], artist: PictureArtist) -> tuple[FloatArray, FloatArray]:
     """Least and greatest x and y, m, of all positions, but for what leaves the machine far behind.
 
     A ball that is thrown leaves the view, which is wider than the machine by `FARTHEST` at most.
     """
-    chosen = [frames[k] for k in np.unique(np.linspace(0, len(frames) - 1, SAMPLED).astype(int))]
-    bounds = [artist.bounds(frame) for frame in chosen]
-    low, high = bounds[0]
+    chosen = np.unique(np.linspace(0, len(frames) - 1, SAMPLED).astype(int))
+    lows, highs = zip(*(artist.bounds(frames[k]) for k in chosen), strict=True)
+    low, high = lows[0], highs[0]
     reach = FARTHEST * frames[0].size
-    lowest = np.min([b[0] for b in bounds], axis=0)
-    highest = np.max([b[1] for b in bounds], axis=0)
+    lowest, highest = np.min(lows, axis=0), np.max(highs, axis=0)
     return np.maximum(lowest, low - reach), np.minimum(highest, high + reach)
 
 
@@ -62,29 +57,26 @@ class MovieFigure:
         Width and height in pixels, both even, as video codecs want them.
     """
 
-    def __init__(
-        self, frames: Sequence[Frame], width: int, motion: FloatArray, colors: Palette = LIGHT
-    ) -> None:
+    def __init__(self, frames: Sequence[Picture], width: int, motion: FloatArray) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
 
         first = frames[0]
-        self.colors = colors
-        self.motion = motion
+        self.frames, self.motion = frames, motion
         self.artists: dict[tuple[tuple[str, str], ...], PictureArtist] = {}
         low, high = view(frames, self._artist_of(first))
-        inches, fractions = _shape(width / DPI, (high - low)[1] / (high - low)[0])
-        self.figure = new_figure("movie", *inches, facecolor=colors.background)
+        size, fractions = _shape(width / DPI, (high - low)[1] / (high - low)[0])
+        self.figure = new_figure("movie", *size)
         self.figure.set_layout_engine("none")
         self.figure.set_dpi(DPI)
         canvas: Any = FigureCanvasAgg(self.figure)  # matplotlib leaves its methods untyped
         self.canvas = canvas
         self.axes = self.figure.add_axes(fractions)
-        prepare_axes(self.axes, low, high, colors)
-        self.axes.set_title(first.title, color=colors.ink, fontsize=10.5)
+        prepare_axes(self.axes, low, high, first.title)
         for stroke in trace_strokes(first, np.array([frame.poses for frame in frames])):
-            self.axes.plot(*stroke.points.T, color=colors.trace, linewidth=0.9, zorder=1.5)
+            x, y = stroke.points.real, stroke.points.imag
+            self.axes.plot(x, y, color=LIGHT.trace, linewidth=0.9, zorder=1.5)
         self.clock = self.axes.text(0.99, 1.015, "", transform=self.axes.transAxes, ha="right",
-                                    fontsize=9, color=colors.muted, animated=True)  # fmt: skip
+                                    fontsize=9, color=LIGHT.muted, animated=True)  # fmt: skip
         self.canvas.draw()
         self.background = self.canvas.copy_from_bbox(self.figure.bbox)
 
@@ -94,17 +86,18 @@ class MovieFigure:
         width, height = self.canvas.get_width_height()
         return width, height
 
-    def _artist_of(self, frame: Frame) -> PictureArtist:
+    def _artist_of(self, frame: Picture) -> PictureArtist:
         """The artist of frames with these symbols."""
         key = tuple((symbol.element, symbol.shape.kind) for symbol in frame.symbols)
         if key not in self.artists:
-            self.artists[key] = PictureArtist(frame, self.motion, self.colors, gaps=False)
+            self.artists[key] = PictureArtist(frame, self.motion, gaps=False)
         return self.artists[key]
 
-    def pixels(self, frame: Frame, clock: str) -> npt.NDArray[np.uint8]:
+    def pixels(self, number: int, clock: str) -> npt.NDArray[np.uint8]:
         """A frame as red, green, blue and opacity, (height, width, 4), 0 to 255."""
+        frame = self.frames[number]
         artist = self._artist_of(frame)
-        artist.signs = driver_strokes(frame)
+        artist.signs = list(driver_strokes(frame))
         if artist.collection is None:
             artist.add_to(self.axes, frame).set_animated(True)
         else:
@@ -122,39 +115,29 @@ def _shape(
     """Size of a figure in inches, and its axes in parts of it, for contents of a ratio y : x."""
     inner = width - SIDE - 0.15
     height = float(np.clip(inner * ratio, LEAST * width, TALLEST * width)) + TITLE + FOOT
-    pixels = 2 * np.round(np.array([width, height]) * DPI / 2)
-    width, height = (float(v) for v in pixels / DPI)
+    width, height = (2 * round(side * DPI / 2) / DPI for side in (width, height))
     axes = (SIDE / width, FOOT / height, inner / width, 1 - (TITLE + FOOT) / height)
     return (width, height), axes
 
 
-def phase_figure(frames: Sequence[Frame], motion: FloatArray, colors: Palette = LIGHT) -> "Figure":
+def phase_figure(frames: Sequence[Picture], motion: FloatArray) -> "Figure":
     """Several positions of a motion over each other, the first pale and the last with names.
 
     `motion` as for `MovieFigure`.
     """
-    from codegen.drawing.figure import inches
-
-    artists = [PictureArtist(frame, motion, colors, gaps=False) for frame in frames]
+    artists = [PictureArtist(frame, motion, gaps=False) for frame in frames]
     low, high = view(frames, artists[-1])
-    result = new_figure("picture", *inches(high - low), facecolor=colors.background)
-    axes = result.add_subplot()
-    prepare_axes(axes, low, high, colors)
-    axes.set_title(frames[0].title, color=colors.ink, fontsize=10.5)
+    result = new_figure("picture", *inches(high - low))
+    axes, last = result.add_subplot(), frames[-1]
+    prepare_axes(axes, low, high, last.title)
     shades = np.linspace(PALEST, 1.0, len(frames)) ** 1.5 if len(frames) > 1 else [1.0]
     for number, (artist, frame) in enumerate(zip(artists, frames, strict=True)):
         artist.strength = float(shades[number])
-        if number < len(frames) - 1:
-            artist.rigid = tuple(s for s in artist.rigid if not frame.bodies[s.body].fixed)
+        if frame is not last:
+            artist.rigid = [s for s in artist.rigid if not frame.is_ground(s.body)]
         artist.add_to(axes, frame, 2.0 + number / len(frames))
     result.draw_without_rendering()
-    lines: list[Any] = artists[-1].global_lines(frames[-1])
-    forces = {k for k, s in enumerate(frames[-1].symbols) if isinstance(s.shape, Force | Torque)}
-    draw_labels(axes, without(frames[-1], forces), lines, [], colors)
+    forces = {k for k, s in enumerate(last.symbols) if isinstance(s.shape, Force | Torque)}
+    writer = Writer(axes, artists[-1].global_lines(last))
+    writer.add_names(last.without(forces), None, False)
     return result
-
-
-def without(picture: Picture, inactive: set[int]) -> Picture:
-    """The picture without the symbols of these numbers."""
-    kept = tuple(s for k, s in enumerate(picture.symbols) if k not in inactive)
-    return replace(picture, symbols=kept)

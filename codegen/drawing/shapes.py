@@ -5,7 +5,8 @@ An element answers shapes whose places are its points and whose numbers are expr
 in m, in the frame of the body of the place; directions are those of unit vectors there.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
 from typing import Any, ClassVar, NamedTuple
 
 PointOrPlace = Any  # a Point of a declaration; in a picture, a Place
@@ -19,12 +20,30 @@ class Place(NamedTuple):
     x: float
     y: float
 
+    @property
+    def point(self) -> complex:
+        """x' + iy' in m."""
+        return complex(self.x, self.y)
+
 
 @dataclass(frozen=True)
 class Shape:
     """The part that all shapes have in common: a word for their kind."""
 
     kind: ClassVar[str] = ""
+
+
+class Directed(Shape):
+    """A shape with a direction (ux, uy)."""
+
+    ux: Number
+    uy: Number
+
+    @property
+    def along(self) -> complex:
+        """The direction as a complex number of length 1; in a picture."""
+        length = abs(complex(self.ux, self.uy))
+        return complex(self.ux, self.uy) / length if length > 0 else 1.0 + 0.0j
 
 
 @dataclass(frozen=True)
@@ -37,7 +56,7 @@ class Pin(Shape):
 
 
 @dataclass(frozen=True)
-class Slide(Shape):
+class Slide(Directed):
     """A block at place j on a straight guide of body i through place i, along (ux, uy)."""
 
     kind = "slide"
@@ -48,7 +67,7 @@ class Slide(Shape):
 
 
 @dataclass(frozen=True)
-class Slot(Shape):
+class Slot(Directed):
     """A pin at place j in a straight slot of body i through place i, along (ux, uy)."""
 
     kind = "slot"
@@ -112,7 +131,7 @@ class Wheel(Shape):
 
 
 @dataclass(frozen=True)
-class Rack(Shape):
+class Rack(Directed):
     """A straight line of a body through a place, along (ux, uy), toothed or a track."""
 
     kind = "rack"
@@ -200,7 +219,7 @@ class ContactSide(Shape):
 
 
 @dataclass(frozen=True)
-class Drive(Shape):
+class Drive(Directed):
     """A driver's sign: it turns body j against body i, or pushes it along (ux, uy) of body i."""
 
     kind = "drive"
@@ -238,7 +257,7 @@ class Torque(Shape):
 
 
 @dataclass(frozen=True)
-class Reaction(Shape):
+class Reaction(Directed):
     """Axes in which a joint reports the force that the first body exerts on the second.
 
     (ux, uy) is the x axis in the global frame, and (x, y) the point of action there.
@@ -268,3 +287,13 @@ class Trace(Shape):
 
     kind = "trace"
     at: PointOrPlace
+
+
+def places(shape: Shape) -> Iterator[Place]:
+    """The places of a shape, those of a profile included."""
+    for field in fields(shape):
+        value = getattr(shape, field.name)
+        if isinstance(value, Place):
+            yield value
+        elif isinstance(value, tuple):
+            yield from (v for v in value if isinstance(v, Place))

@@ -2,23 +2,20 @@
 
 import shutil
 import subprocess
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import replace
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from codegen.drawing.motion_figure import MovieFigure, phase_figure, without
-from codegen.drawing.picture import Picture
+from codegen.drawing.motion_figure import MovieFigure, phase_figure
 from codegen.errors import InputError
 from codegen.figures_and_html import save_figure
 from codegen.files.whole_files import whole_file
 from runtime.progress_bar import bar
 from runtime.show.file_endings import MOVIES
-from runtime.show.pictures import Pictures, pictures_at
+from runtime.show.moving_picture import moving_picture_at
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
@@ -31,7 +28,7 @@ _GIF_TICKS = 100  # layout: of a second, in which a .gif counts how long a frame
 _GIF_BYTES = 2 * 1024**3  # safety: memory for the frames of a .gif, which is written at the end
 _INSTALL = "pip install 'linkwright[movie]', in the checkout pip install '.[movie]'"
 
-Paint = Callable[[npt.NDArray[np.uint8]], None]
+Pixels = npt.NDArray[np.uint8]
 
 
 def save_movie(
@@ -76,51 +73,40 @@ def save_movie(
         is missing, or the file cannot be written.
     """
     first, last = _span(result, span)
-    ending = file.suffix.lower()
-    rate: float = frames_per_second or FRAMES_A_SECOND
-    wide = width or WIDTH
-    problems = _problems(result, file, (first, last))
+    problems = _problems(result, file, first, last)
     if problems:
         raise InputError(problems)
+    ending = file.suffix.lower()
     if ending == ".svg":
-        instants = np.linspace(first, last, PHASES)
+        shown = moving_picture_at(result, np.linspace(first, last, PHASES))
         with whole_file(file) as target:
-            shown = pictures_at(result, instants)
-            save_figure(phase_figure(frames_of(shown), shown.motion), target)
+            save_figure(phase_figure(shown.frames(), shown.motion), target)
         return file
-    if ending == ".gif":
-        rate = gif_rate(rate)
+    rate: float = frames_per_second or FRAMES_A_SECOND
+    rate = gif_rate(rate) if ending == ".gif" else rate
     pace = speed or usual_speed(last - first)
-    count = _frame_count(file, (first, last), pace, rate)
-    instants = np.linspace(first, last, count)
-    shown = pictures_at(result, instants)
-    drawn = frames_of(shown)
-    movie = MovieFigure(drawn, wide, shown.motion)
-    if ending == ".gif":
-        _require_memory(file, count, movie.size)
-    writer = _video if ending == ".mp4" else _gif
-    with (
-        bar(f"drawing {file.name}", progress) as report,
-        whole_file(file) as target,
-        writer(target, movie.size, rate) as paint,
-    ):
-        for k, (frame, t) in enumerate(zip(drawn, instants, strict=True)):
-            paint(movie.pixels(frame, _clock(float(t), pace)))
-            report((k + 1) / count)
-    return file
-
-
-def _frame_count(file: Path, span: tuple[float, float], speed: float, rate: float) -> int:
-    """Number of frames, ends included; InputError if there are too many."""
-    first, last = span
-    count = max(2, round((last - first) / speed * rate) + 1)
+    count = max(2, round((last - first) / pace * rate) + 1)
     if count > MOST_FRAMES:
         raise InputError(
-            f"{file.name}: {count} frames, from {first:.6g} s to {last:.6g} s at speed={speed:.6g} "
+            f"{file.name}: {count} frames, from {first:.6g} s to {last:.6g} s at speed={pace:.6g} "
             f"and {rate:.4g} frames a second; the most are {MOST_FRAMES}. Give a higher speed=, or "
             "a shorter span=."
         )
-    return count
+    shown = moving_picture_at(result, np.linspace(first, last, count))
+    movie = MovieFigure(shown.frames(), width or WIDTH, shown.motion)
+    if ending == ".gif":
+        _require_memory(file, count, movie.size)
+    scale = "" if pace == 1.0 else f",  speed × {pace:.3g}"
+    write = _write_gif if ending == ".gif" else _write_mp4
+    with bar(f"drawing {file.name}", progress) as report, whole_file(file) as target:
+
+        def drawn() -> Iterator[Pixels]:
+            for k, t in enumerate(shown.t):
+                yield movie.pixels(k, f"t = {t:.3f} s{scale}")
+                report((k + 1) / count)
+
+        write(target, movie.size, rate, drawn())
+    return file
 
 
 def _require_memory(file: Path, count: int, size: tuple[int, int]) -> None:
@@ -146,10 +132,6 @@ def gif_rate(rate: float) -> float:
     return _GIF_TICKS / max(round(_GIF_TICKS / rate), _GIF_TICKS // GIF_RATE)
 
 
-def _clock(t: float, speed: float) -> str:
-    return f"t = {t:.3f} s" + ("" if speed == 1.0 else f",  speed × {speed:.3g}")
-
-
 def _span(result: "Result", span: tuple[float, ...] | None) -> tuple[float, float]:
     if span is not None:
         if len(span) != 2:
@@ -158,42 +140,24 @@ def _span(result: "Result", span: tuple[float, ...] | None) -> tuple[float, floa
     return (float(result.t[0]), float(result.t[-1])) if len(result.t) else (0.0, 0.0)
 
 
-def _problems(result: "Result", file: Path, span: tuple[float, float]) -> list[str]:
+def _problems(result: "Result", file: Path, first: float, last: float) -> list[str]:
     """Everything that is wrong with a movie before it is drawn."""
     problems = []
     if file.suffix.lower() == ".mp4":
         ffmpeg()  # before all that takes time
     if file.suffix.lower() not in MOVIES:
         problems.append(f"{file.name}: a movie ends in {', '.join(MOVIES)}, a page in .html.")
-    if not span[1] > span[0]:
+    if not last > first:
         title = result.description.title
         problems.append(
-            f"{title}: there is no motion between {span[0]:.6g} s and {span[1]:.6g} s "
+            f"{title}: there is no motion between {first:.6g} s and {last:.6g} s "
             f"({result.message or 'one instant'}). A picture is drawn by result.draw()."
         )
     return problems
 
 
-def frames_of(shown: Pictures) -> list[Picture]:
-    """The picture of each instant, with the symbols that act there."""
-    kept: dict[frozenset[int], Picture] = {}
-    frames = []
-    for k, (t, poses) in enumerate(zip(shown.t, shown.poses, strict=True)):
-        inactive = frozenset(
-            number
-            for number, spans in shown.active.items()
-            if not any(first <= t < last for first, last in spans)
-        )
-        base = without(shown.at(k), set(inactive)) if shown.moving else None
-        if base is None:
-            base = kept.setdefault(inactive, without(shown.picture, set(inactive)))
-        frames.append(replace(base, poses=poses))
-    return frames
-
-
-@contextmanager
-def _video(target: Path, size: tuple[int, int], rate: float) -> Iterator[Paint]:
-    """A file of H.264, whose frames ffmpeg takes from a pipe."""
+def _write_mp4(target: Path, size: tuple[int, int], rate: float, frames: Iterable[Pixels]) -> None:
+    """Write a file of H.264, whose frames ffmpeg takes from a pipe."""
     command = [
         ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba",
         "-s", f"{size[0]}x{size[1]}", "-r", f"{rate:g}", "-i", "-", "-an",
@@ -202,12 +166,9 @@ def _video(target: Path, size: tuple[int, int], rate: float) -> Iterator[Paint]:
     ]  # fmt: skip
     with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         pipe: Any = process.stdin
-
-        def paint(pixels: npt.NDArray[np.uint8]) -> None:
-            pipe.write(np.ascontiguousarray(pixels))
-
         try:
-            yield paint
+            for pixels in frames:
+                pipe.write(np.ascontiguousarray(pixels))
             pipe.close()
         except BrokenPipeError:  # ffmpeg has given up, and says why
             pass
@@ -235,20 +196,14 @@ def ffmpeg() -> str:
     return str(found)
 
 
-@contextmanager
-def _gif(target: Path, size: tuple[int, int], rate: float) -> Iterator[Paint]:
-    """A .gif with the colours of its first frame."""
+def _write_gif(target: Path, size: tuple[int, int], rate: float, frames: Iterable[Pixels]) -> None:
+    """Write a .gif with the colours of its first frame."""
     from PIL import Image
 
-    frames: list[Any] = []
-
-    def paint(pixels: npt.NDArray[np.uint8]) -> None:
+    images: list[Any] = []
+    for pixels in frames:
+        palette = {"palette": images[0]} if images else {"colors": 128}
         image = Image.fromarray(pixels).convert("RGB")
-        if not frames:
-            frames.append(image.quantize(colors=128, dither=Image.Dither.NONE))
-        else:
-            frames.append(image.quantize(palette=frames[0], dither=Image.Dither.NONE))
-
-    yield paint
-    frames[0].save(target, save_all=True, append_images=frames[1:], loop=0, optimize=False,
+        images.append(image.quantize(**palette, dither=Image.Dither.NONE))
+    images[0].save(target, save_all=True, append_images=images[1:], loop=0, optimize=False,
                    duration=round(1000 / rate))  # fmt: skip

@@ -4,21 +4,21 @@ import os
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from codegen.drawing.picture import MovingPicture
 from codegen.errors import InputError, LinkwrightError
 from codegen.files.whole_files import whole_file
 from codegen.readers import arguments as readers
 from codegen.readers.calls import checked_class
-from runtime.show.animation.curve_panels import require_bokeh
-from runtime.show.animation.event_marks import event_marks
+from runtime.show.animation.compressed_arrays import block, in_two
+from runtime.show.animation.curves import curves, require_bokeh
 from runtime.show.animation.instants import animated
+from runtime.show.animation.page_data import NO_MACHINE, event_marks, machine_data, unit_for
 from runtime.show.animation.page_text import framed, page_text
-from runtime.show.animation.payload import Arrays, block
-from runtime.show.animation.quantities import curves
-from runtime.show.animation.scenery import scenery
 from runtime.show.file_endings import is_movie, is_page
-from runtime.show.pictures import pictures
+from runtime.show.moving_picture import moving_picture
+from runtime.show.still import exerted
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
@@ -56,14 +56,28 @@ class Animation:
     @cached_property
     def html(self) -> str:
         """The page as text; it is made once."""
-        arrays = Arrays()
-        runs = [
-            _run_data(result, label, arrays)
-            for result, label in zip(self._results, self.labels, strict=True)
-        ]
+        shown = [animated(result) for result in self._results]
+        machines = [_moving_picture(run) for run in shown]
+        sizes: dict[str, float] = {}  # of the largest run of a machine
+        for run, machine in zip(shown, machines, strict=True):
+            title = run.description.title
+            size = 1.0 if isinstance(machine, str) else machine.picture.size
+            sizes[title] = max(sizes.get(title, 0.0), size)
+        runs = []
+        for number, (run, machine) in enumerate(zip(shown, machines, strict=True)):
+            series, groups = curves(run)
+            title, marks = run.description.title, event_marks(self._results[number])
+            if isinstance(machine, str):
+                data = {**NO_MACHINE, "missing": machine, "events": marks}
+            else:
+                data = machine_data(machine, unit_for(sizes[title]), exerted(run), marks)
+            runs.append({
+                "label": self.labels[number], "title": title, "t": in_two(run.t),
+                "series": series, "groups": groups, **data,
+            })  # fmt: skip
         has_curves = any(len(result.t) > 1 for result in self._results)
         return page_text(
-            self.title, block({"runs": runs}, arrays), self._below,
+            self.title, block({"runs": runs}), self._below,
             has_curves=has_curves, runs=len(runs),
         )  # fmt: skip
 
@@ -189,28 +203,9 @@ def differences(results: "Sequence[Result]") -> tuple[str, ...]:
     return tuple(labels)
 
 
-def _run_data(result: "Result", label: str, arrays: Arrays) -> dict[str, Any]:
-    """A run as the page has it."""
-    shown = animated(result)
-    series, groups = curves(shown, arrays)
-    return {
-        "label": label,
-        "title": result.description.title,
-        "analysis": result.analysis,
-        "outcome": result.outcome.name,
-        "message": result.message,
-        "failed": result.failed,
-        "t": arrays.add_exactly(shown.t),
-        "series": series,
-        "groups": groups,
-        "events": event_marks(result),
-        **_scenery(shown, arrays),
-    }
-
-
-def _scenery(shown: "Result", arrays: Arrays) -> dict[str, Any]:
-    """The picture; of a machine without its model file, which alone has it, curves are left."""
+def _moving_picture(shown: "Result") -> MovingPicture | str:
+    """The picture; of a machine without its model file, which alone has it, the reason."""
     try:
-        return scenery(pictures(shown), arrays)
+        return moving_picture(shown)
     except LinkwrightError as error:
-        return {"size": 1.0, "bodies": [], "symbols": [], "strokes": [], "missing": str(error)}
+        return str(error)

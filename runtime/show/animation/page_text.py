@@ -6,22 +6,24 @@ from html import escape
 from pathlib import Path
 
 from codegen.drawing.colors import PALETTES, Palette
-from runtime.show.animation.curve_panels import PANELS, library, panels
+from codegen.drawing.line_styles import STYLES
+from runtime.show.animation.curves import PANELS, library, panels
 
 _FOLDER = Path(__file__).parent / "page"
 SCRIPTS = (
-    "data", "poses", "signs", "springs", "symbols", "strokes", "scene", "labels", "arrows",
-    "traces", "flashes", "names", "camera", "stage", "clock", "timeline", "curves", "state_text",
-    "controls", "keys", "surroundings", "main",
+    "data", "poses", "signs", "scene", "lines", "labels", "arrows", "traces", "flashes",
+    "camera", "stage", "clock", "timeline", "curves", "state_text", "controls", "keys",
+    "surroundings", "main",
 )  # fmt: skip
 """The modules of the script, each after those that it imports."""
+_PIXELS = 1.4  # layout: in a page, of a line that is a point wide in a figure
 _IMPORT = re.compile(r'^import (\{[^}]*\}) from "\./(\w+)\.js";$', re.MULTILINE)
 _EXPORT = re.compile(r"^export ((?:async )?(?:const|function|class) (\w+))", re.MULTILINE)
 
 
 @cache
 def script() -> str:
-    """All modules in one text: each is a function that is called once and answers its exports."""
+    """All modules in one text: each is a function that is called once and returns its exports."""
     parts = ['"use strict";']
     for name in SCRIPTS:
         text = (_FOLDER / f"{name}.js").read_text(encoding="utf-8")
@@ -41,13 +43,26 @@ def style() -> str:
         f".line-{k} {{ --chip: var(--line-{k}); }} .run-{k} {{ color: var(--line-{k}); }}"
         for k in range(count)
     )
+    lines = "\n".join(_line_rule(name) for name, one in STYLES.items() if one.layer != "signs")
     sheet = (_FOLDER / "page.css").read_text(encoding="utf-8")
     return (
         f":root, :root[data-theme=light] {{ color-scheme: light; {light} }}\n"
         f"@media (prefers-color-scheme: dark) {{ :root {{ color-scheme: dark; {dark} }} }}\n"
         f":root[data-theme=light] {{ color-scheme: light; {light} }}\n"
-        f":root[data-theme=dark] {{ color-scheme: dark; {dark} }}\n{numbered}\n{sheet}"
+        f":root[data-theme=dark] {{ color-scheme: dark; {dark} }}\n{numbered}\n{sheet}\n"
+        f"{lines}\n{_line_rule('driver')}\n"
     )
+
+
+def _line_rule(name: str) -> str:
+    """The rule of the style sheet for lines of a style."""
+    style = STYLES[name]
+    fill, line = (
+        f"var(--{own if color == 'body' else color})" if color else "none"
+        for color, own in ((style.fill, "fill"), (style.line, "line"))
+    )
+    width = f"{_PIXELS * style.width:.1f}px"
+    return f".world .{name} {{ fill: {fill}; stroke: {line}; stroke-width: {width}; }}"
 
 
 def _colors(palette: Palette) -> str:
@@ -68,7 +83,7 @@ def page_text(
     title
         Of the page.
     data
-        The block of `payload`.
+        The block of `compressed_arrays`.
     below
         HTML that stands below the player.
     has_curves

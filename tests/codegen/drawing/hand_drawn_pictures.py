@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from codegen.drawing.outlines import complete_picture
+from codegen.drawing.body_outlines import complete_picture
 from codegen.drawing.picture import BodyPicture, Picture, Symbol
 from codegen.drawing.shapes import Drive, Force, Gravity, Pin, Place, Shape, Slide
 

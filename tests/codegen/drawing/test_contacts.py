@@ -9,13 +9,12 @@ from sympy import sqrt
 
 from codegen import Model, disc, rectangle, t
 from codegen.declare.body import Body
-from codegen.drawing.contact_points import sides_of, touch_of_side
-from codegen.drawing.contact_surfaces import surfaces
-from codegen.drawing.force_arrows import loads
-from codegen.drawing.moving_strokes import moving_strokes
-from codegen.drawing.outlines import complete_picture
+from codegen.drawing.arrows import acting_loads
+from codegen.drawing.body_outlines import complete_picture
+from codegen.drawing.contacts import sides_of, surfaces, touch
+from codegen.drawing.lines_between_bodies import lines_between_bodies
+from codegen.drawing.lines_in_bodies import lines_in_bodies
 from codegen.drawing.picture import Picture
-from codegen.drawing.rigid_strokes import rigid_strokes
 from codegen.picture_at_start import picture_at_start
 from codegen.reading.model_file import read_model
 
@@ -31,10 +30,11 @@ def drawn(model: Model, body: Body, *contacts: str, x: float = 0.0, y: float = 1
     return picture_at_start(model)
 
 
-def touching(picture: Picture, element: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    (side,) = (side for _, symbol, side in sides_of(picture) if symbol.element == element)
-    found = touch_of_side(picture, side)
-    return found.point[0], found.surface[0], found.normal[0]
+def touching(picture: Picture, element: str) -> tuple[complex, complex, complex]:
+    """Where a body touches, the point of the surface, and the normal."""
+    (number,) = (k for k, symbol, _ in sides_of(picture) if symbol.element == element)
+    point, surface, normal = (complex(found[0]) for found in touch(picture, number))
+    return point, surface, normal
 
 
 def test_a_ball_touches_a_plate_with_its_lowest_point() -> None:
@@ -43,17 +43,15 @@ def test_a_ball_touches_a_plate_with_its_lowest_point() -> None:
     model.contact("plate", model.ground, ball, direction=(0, 1), free_length=0.1, restitution=0.5)
     picture = drawn(model, ball, "plate", x=0.7)
     point, surface, normal = touching(picture, "plate")
-    assert_allclose(point, [0.7, 0.9], atol=1e-12)
-    assert_allclose(surface, [0.7, 0.0], atol=1e-12)
-    assert_allclose(normal, [0.0, 1.0])
+    assert_allclose([point, surface, normal], [0.7 + 0.9j, 0.7, 1j], atol=1e-12)
     (plane,) = surfaces(picture, fixed=True)
     assert plane.element == "plate"
     assert_allclose(plane.middle, surface, atol=1e-12)
-    lines = [s for s in rigid_strokes(picture) if s.element == "plate"]
+    lines = [s for s in lines_in_bodies(picture) if s.element == "plate"]
     assert [s.style for s in lines[:2]] == ["rail", "hatch"]
-    assert_allclose(lines[0].points[:, 1], 0.0, atol=1e-12)
-    assert all(np.all(s.points[:, 1] < 1e-12) for s in lines)  # the ground is below
-    assert not moving_strokes(picture)
+    assert_allclose(lines[0].points.imag, 0.0, atol=1e-12)
+    assert all(np.all(s.points.imag < 1e-12) for s in lines)  # the ground is below
+    assert not lines_between_bodies(picture)
 
 
 @pytest.mark.parametrize("phi", [0.3, 2.0, -2.5])
@@ -65,10 +63,9 @@ def test_a_corner_of_a_box_touches_a_slope_wherever_it_is(phi: float) -> None:
     model.contact("edge", gap=gap, stiffness=1e4, may_pull=False)
     picture = drawn(model, box, "edge", x=0.2, y=0.6, phi=phi)
     point, surface, normal = touching(picture, "edge")
-    place = [0.2 - 0.15 * cos(phi) + 0.1 * sin(phi), 0.6 - 0.15 * sin(phi) - 0.1 * cos(phi)]
-    assert_allclose(point, place, atol=1e-12)
-    assert_allclose(normal, [-sin(SLOPE), cos(SLOPE)], atol=1e-12)
-    assert surface @ normal == pytest.approx(0.0, abs=1e-12)
+    assert_allclose(point, 0.2 + 0.6j - (0.15 + 0.1j) * np.exp(1j * phi), atol=1e-12)
+    assert_allclose(normal, 1j * np.exp(1j * SLOPE), atol=1e-12)
+    assert (surface * normal.conjugate()).real == pytest.approx(0.0, abs=1e-12)
 
 
 def test_two_ends_of_a_rod_share_one_floor() -> None:
@@ -82,11 +79,11 @@ def test_two_ends_of_a_rod_share_one_floor() -> None:
     ends = np.array([touching(picture, name)[0] for name in ("left", "right")])
     (outline,) = picture.bodies[1].outlines
     corners = np.array(outline)
-    half = np.ptp(corners[:, 1]) / 2
-    assert_allclose(np.abs(corners[:, 0]).max(), 0.5 + half, rtol=1e-9)
-    assert_allclose(floor.middle, [0.0, -half], atol=2e-2 * half)
+    half = np.ptp(corners.imag) / 2
+    assert_allclose(abs(corners.real).max(), 0.5 + half, rtol=1e-9)
+    assert_allclose(floor.middle, -1j * half, atol=2e-2 * half)
     assert floor.half > 0.5 * cos(0.5)
-    assert_allclose(ends[:, 0], [-0.5 * cos(0.5), 0.5 * cos(0.5)], atol=1e-12)
+    assert_allclose(ends.real, [-0.5 * cos(0.5), 0.5 * cos(0.5)], atol=1e-12)
 
 
 def test_an_eccentric_disc_touches_below_its_own_centre() -> None:
@@ -95,9 +92,9 @@ def test_an_eccentric_disc_touches_below_its_own_centre() -> None:
     model.contact("floor", gap=cam.at(0.05, 0).y - 0.2, restitution=0.5)
     point, surface, _ = touching(drawn(model, cam, "floor", phi=1.1), "floor")
     depth = 0.2 * cos(pi / 64)  # of a polygon within the circle, at most
-    assert point[0] == pytest.approx(0.05 * cos(1.1), abs=1e-12)
-    assert point[1] == pytest.approx(1.0 + 0.05 * sin(1.1) - depth, abs=1e-3)
-    assert surface[1] == pytest.approx(0.0, abs=1e-3)
+    assert point.real == pytest.approx(0.05 * cos(1.1), abs=1e-12)
+    assert point.imag == pytest.approx(1.0 + 0.05 * sin(1.1) - depth, abs=1e-3)
+    assert surface.imag == pytest.approx(0.0, abs=1e-3)
 
 
 def two_balls(**law: float | bool) -> Model:
@@ -122,10 +119,10 @@ def bowl() -> Model:
 def test_a_gap_without_slopes_at_the_start_has_no_place(model: Model) -> None:
     """A distance has none where it is zero; all else of the picture is drawn."""
     picture = picture_at_start(model)
-    sides = [side for _, _, side in sides_of(picture)]
+    sides = sides_of(picture)
     assert sides
-    assert all(np.isnan(side.gx) for side in sides)
-    assert all(np.isnan(touch_of_side(picture, side).point).all() for side in sides)
+    assert all(np.isnan(side.gx) for *_, side in sides)
+    assert all(np.isnan(touch(picture, number).point).all() for number, *_ in sides)
     assert surfaces(picture, fixed=True) == surfaces(picture, fixed=False) == []
     assert np.isfinite(picture.poses).all()
     names = {text.get_text() for text in model.draw(forces=True).axes[0].texts}
@@ -142,7 +139,7 @@ def test_a_surface_is_near_where_the_motion_comes_near_it() -> None:
     low, far = (picture_at_start(model, scene) for scene in ("from_3", "from_1000"))
     assert low.size == pytest.approx(3.1, abs=0.1)
     (plane,) = surfaces(low, fixed=True)
-    assert_allclose(plane.middle, [0.0, 0.0], atol=1e-12)
+    assert_allclose(plane.middle, 0, atol=1e-12)
     assert surfaces(far, fixed=True) == []
     assert far.size == pytest.approx(0.2 * 2**0.5, rel=1e-2)
     motion = np.repeat(far.poses[None], 3, axis=0)
@@ -150,7 +147,7 @@ def test_a_surface_is_near_where_the_motion_comes_near_it() -> None:
     seen = complete_picture(far, motion)
     assert seen.size == pytest.approx(1e3, rel=1e-2)
     (plane,) = surfaces(far, fixed=True, motion=motion)
-    assert_allclose(plane.middle, [0.0, 0.0], atol=1e-9)
+    assert_allclose(plane.middle, 0, atol=1e-9)
 
 
 @pytest.mark.parametrize(("x", "way"), [(-0.4, 1.0), (0.6, -1.0)])
@@ -162,9 +159,9 @@ def test_the_limit_that_is_hit_exerts_the_force_of_a_rigid_stop(x: float, way: f
     model.scene("sliding", ["ends"], start={block.x: x, block.vx: 0.0})
     picture = picture_at_start(model)
     assert len(sides_of(picture)) == 2
-    (load,) = loads(picture, {"ends.force": (7.0, 0.0, 0.0)})
-    assert_allclose(load.force, [7.0 * way, 0.0])
-    assert_allclose(load.at, [x - 0.05 * way, 0.0], atol=1e-12)
+    (load,) = acting_loads(picture, {"ends.force": 7.0})
+    assert_allclose(load.value, 7.0 * way)
+    assert_allclose(load.at, x - 0.05 * way, atol=1e-12)
 
 
 MACHINES = [("quarter_car", "bump"), ("hard/contact_follower", "touching"),
@@ -178,9 +175,10 @@ def test_the_drawn_force_is_the_force_of_the_equations(path: str, scene: str) ->
     picture = picture_at_start(read_model(path).model, scene)
     found = sides_of(picture)
     assert found
-    for _, _, side in found:
-        at = touch_of_side(picture, side).point[0] - picture.poses[side.body, :2]
-        assert at[0] * side.gy - at[1] * side.gx == pytest.approx(side.turn, abs=1e-12)
+    for number, _, side in found:
+        arm = complex(touch(picture, number).point[0]) - picture.placed(0j, side.body)
+        moment = arm.real * side.gy - arm.imag * side.gx
+        assert moment == pytest.approx(side.turn, abs=1e-12)
 
 
 def test_the_road_of_a_car_is_at_its_height() -> None:
@@ -189,8 +187,9 @@ def test_the_road_of_a_car_is_at_its_height() -> None:
     (road,) = surfaces(picture, fixed=False)
     assert road.element == "tyre"
     corners = 0.3 * (1 - cos(pi / 64))  # by how much the wheel's polygon is within its circle
-    assert 0.0 <= road.middle[1] <= corners
-    assert {s.style for s in moving_strokes(picture) if s.element == "tyre"} == {"rail", "hatch"}
+    assert 0.0 <= road.middle.imag <= corners
+    tyre = {s.style for s in lines_between_bodies(picture) if s.element == "tyre"}
+    assert tyre == {"rail", "hatch"}
 
 
 @pytest.mark.parametrize("law", [{"stiffness": 1e4}, {"restitution": 0.5}])
@@ -201,11 +200,10 @@ def test_stops_of_a_slide_have_plates_where_the_block_ends(law: dict[str, float]
     model.stop("ends", guide, lower=-0.4, upper=0.6, **law)
     model.scene("sliding", ["ends"], start={block.x: 0.1, block.vx: 0.0})
     picture = picture_at_start(model)
-    half = max(x for outline in picture.bodies[1].outlines for x, _ in outline)
+    half = max(z.real for outline in picture.bodies[1].outlines for z in outline)
     lower, upper = surfaces(picture, fixed=True)
-    assert_allclose(lower.middle, [-0.4 - half, 0.0], atol=1e-12)
-    assert_allclose(upper.middle, [0.6 + half, 0.0], atol=1e-12)
-    assert_allclose([lower.normal, upper.normal], [[1.0, 0.0], [-1.0, 0.0]], atol=1e-12)
+    assert_allclose([lower.middle, upper.middle], [-0.4 - half, 0.6 + half], atol=1e-12)
+    assert_allclose([lower.normal, upper.normal], [1, -1], atol=1e-12)
 
 
 def test_contacts_without_a_surface() -> None:
@@ -225,8 +223,8 @@ def test_contacts_without_a_surface() -> None:
              sides_of(picture)]  # fmt: skip
     assert names == [("hit", "one"), ("hit", "two"), ("sky", "one")]
     assert surfaces(picture, fixed=True) == surfaces(picture, fixed=False) == []
-    for side, x in zip([side for _, _, side in sides_of(picture)][:2], (1.1, 1.9), strict=True):
-        assert_allclose(touch_of_side(picture, side).point[0], [x, 0.0], atol=1e-3)
+    for (number, *_), x in zip(sides_of(picture)[:2], (1.1, 1.9), strict=True):
+        assert_allclose(touch(picture, number).point[0], x, atol=1e-3)
 
 
 def test_a_wall_that_moves_is_no_part_of_the_ground_at_rest() -> None:
@@ -236,9 +234,9 @@ def test_a_wall_that_moves_is_no_part_of_the_ground_at_rest() -> None:
     picture = drawn(model, ball, "wall", x=1.0)
     assert not surfaces(picture, fixed=True)
     (wall,) = surfaces(picture, fixed=False)
-    assert_allclose(wall.middle, [0.0, 1.0], atol=1e-12)
+    assert_allclose(wall.middle, 1j, atol=1e-12)
     motion = np.repeat(picture.poses[None], 3, axis=0)
     motion[:, 1, :2] = [[0.2, 1.0], [0.1, 3.0], [1.0, 9.0]]  # at last far from the wall
     (long,) = surfaces(picture, fixed=False, motion=motion)
-    assert_allclose(long.middle, [0.0, 2.0], atol=1e-12)
+    assert_allclose(long.middle, 2j, atol=1e-12)
     assert long.half == pytest.approx(wall.half + 1.0)

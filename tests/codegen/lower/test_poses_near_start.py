@@ -5,7 +5,7 @@ import pytest
 
 from codegen import Model
 from codegen.derive.equations import derive
-from codegen.drawing.moving_strokes import moving_strokes
+from codegen.drawing.lines_between_bodies import lines_between_bodies
 from codegen.lower.kernels.scene_kernels import lower
 from codegen.lower.poses_near_start import Poses
 from codegen.picture_at_start import picture_at_start
@@ -63,7 +63,7 @@ def test_a_chain_closes_from_wrong_guesses(seed: int) -> None:
 def test_no_joint_of_a_long_chain_is_drawn_open() -> None:
     picture = picture_at_start(chain(30))
     assert "do not close" not in picture.title
-    assert not [stroke for stroke in moving_strokes(picture) if stroke.style == "gap"]
+    assert not [stroke for stroke in lines_between_bodies(picture) if stroke.style == "gap"]
 
 
 @pytest.mark.parametrize("elbow", [0.7, -0.7])

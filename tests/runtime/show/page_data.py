@@ -13,4 +13,4 @@ def header_of(text: str) -> dict[str, Any]:
     assert found is not None
     data = gzip.decompress(base64.b64decode(found[1]))
     size = int.from_bytes(data[:4], "little")
-    return dict(json.loads(data[4 : 4 + size]))
+    return dict(json.loads(data[4 : 4 + size])["header"])

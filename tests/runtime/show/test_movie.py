@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from codegen.drawing.figure import PictureArtist
-from codegen.drawing.motion_figure import MovieFigure, phase_figure, without
+from codegen.drawing.matplotlib_painter import PictureArtist
+from codegen.drawing.motion_figure import MovieFigure, phase_figure
 from codegen.errors import InputError
 from runtime import load
 from runtime.results.result import Result
 from runtime.show import movie
-from runtime.show.movie import frames_of, save_movie, usual_speed
-from runtime.show.pictures import pictures, pictures_at
+from runtime.show.movie import save_movie, usual_speed
+from runtime.show.moving_picture import moving_picture, moving_picture_at
 
 
 @pytest.fixture(scope="module")
@@ -51,16 +51,16 @@ def test_an_svg_has_several_positions(run: Result, tmp_path: Path) -> None:
 
 
 def test_frames_differ_by_the_poses_alone(run: Result) -> None:
-    shown = pictures_at(run, [0.0, 0.4])
-    frames = frames_of(shown)
+    shown = moving_picture_at(run, [0.0, 0.4])
+    frames = shown.frames()
     figure = MovieFigure(frames, 320, shown.motion)
     width, height = figure.size
     assert width == 320
     assert height % 2 == 0
-    first, second = (figure.pixels(frame, "").astype(int).copy() for frame in frames)
+    first, second = (figure.pixels(k, "").astype(int).copy() for k in (0, 1))
     assert first.shape == (height, width, 4)
     assert np.count_nonzero(first - second) > 100
-    assert np.array_equal(figure.pixels(frames[0], "").astype(int), first)
+    assert np.array_equal(figure.pixels(0, "").astype(int), first)
 
 
 def test_a_movie_of_a_span_has_the_guides_of_the_whole_run(
@@ -79,19 +79,22 @@ def test_a_movie_of_a_span_has_the_guides_of_the_whole_run(
     save_movie(result, tmp_path / "run.gif", width=320, span=(0.0, 0.01), progress=False)
     lengths = []
     (figure,) = made
-    frame = frames_of(pictures_at(result, [0.0]))[0]
-    own = PictureArtist(frame, pictures(result).poses), PictureArtist(frame, frame.poses[None])
+    frame = moving_picture_at(result, [0.0]).frames()[0]
+    own = (
+        PictureArtist(frame, moving_picture(result).poses),
+        PictureArtist(frame, frame.poses[None]),
+    )
     for artist in (*figure.artists.values(), *own):
         rails = [stroke.points for stroke in artist.rigid if stroke.style == "rail"]
-        lengths.append(max(float(np.ptp(rail[:, 0])) for rail in rails))
+        lengths.append(max(float(np.ptp(rail.real)) for rail in rails))
     in_movie, in_run, at_start = lengths
     assert in_movie == pytest.approx(in_run)
     assert in_movie > 1.1 * at_start
 
 
 def test_positions_grow_stronger(run: Result) -> None:
-    shown = pictures_at(run, [0.0, 0.2, 0.4])
-    figure = phase_figure(frames_of(shown), shown.motion)
+    shown = moving_picture_at(run, [0.0, 0.2, 0.4])
+    figure = phase_figure(shown.frames(), shown.motion)
     edges = [c.get_edgecolors() for c in figure.axes[0].collections]
     shades = [float(colors[colors[:, 3] > 0, :3].min()) for colors in edges]
     assert shades == sorted(shades, reverse=True)
@@ -99,12 +102,12 @@ def test_positions_grow_stronger(run: Result) -> None:
 
 
 def test_symbols_that_do_not_act_are_left_out(run: Result) -> None:
-    shown = pictures(run)
-    assert len(without(shown.picture, {0}).symbols) == len(shown.picture.symbols) - 1
+    shown = moving_picture(run)
+    assert len(shown.picture.without({0}).symbols) == len(shown.picture.symbols) - 1
     hinge = next(k for k, s in enumerate(shown.picture.symbols) if s.shape.kind == "pin")
     later = replace(shown, active={hinge: ((0.5, 9.0),)})
     counts = {
-        float(t): len(frame.symbols) for t, frame in zip(later.t, frames_of(later), strict=True)
+        float(t): len(frame.symbols) for t, frame in zip(later.t, later.frames(), strict=True)
     }
     assert counts[float(shown.t[0])] == len(shown.picture.symbols) - 1
     assert counts[float(shown.t[-1])] == len(shown.picture.symbols)

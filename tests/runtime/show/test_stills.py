@@ -8,8 +8,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from codegen import Model
-from codegen.drawing.figure import figure
 from codegen.drawing.label_texts import engineering
+from codegen.drawing.matplotlib_painter import figure
 from codegen.errors import InputError, ModelError
 from codegen.picture_at_start import picture_at_start
 from codegen.reading.model_file import read_model
@@ -108,7 +108,7 @@ def test_a_body_that_exerts_a_force_has_the_opposite_arrow() -> None:
     picture = picture_at_start(model)
     force, opposite = (s.shape for s in picture.symbols if s.element == "push")
     assert (opposite.fx, opposite.fy) == (-3.0, -4.0)
-    assert picture.position(opposite.at) == pytest.approx(picture.position(force.at))
+    assert picture.at(opposite.at) == pytest.approx(picture.at(force.at))
     turned = [s.shape for s in picture.symbols if s.element == "motor"]
     assert [(shape.at.body, shape.torque) for shape in turned] == [(2, 2.0), (1, -2.0)]
     assert {"push on first: 5 N", "push on second: 5 N"} <= texts(figure(picture, forces=True))

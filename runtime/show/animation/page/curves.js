@@ -31,11 +31,11 @@ export async function loadPanels(library, panels) {
 /** The groups of all runs: those of the same title are one, with the names of their series. */
 function joined(scenes) {
   const groups = new Map();
-  for (const { run, series } of scenes) {
+  for (const { run } of scenes) {
     for (const group of run.groups) {
       const key = `${group.section}/${group.title}`;
       const known = groups.get(key) ?? { ...group, names: [] };
-      const names = group.series.map((k) => series[k].name);
+      const names = group.series.map((k) => run.series[k].name);
       known.names = [...new Set([...known.names, ...names])];
       known.constant &&= group.constant;
       groups.set(key, known);

@@ -1,4 +1,4 @@
-// Reads the block of numbers that the page carries; runtime/show/animation/payload.py wrote it.
+// Reads the block of numbers that the page carries; runtime/show/animation/compressed_arrays.py wrote it.
 
 /** Bytes of gzip in base64, without their compression. */
 export async function inflated(text) {
@@ -7,11 +7,11 @@ export async function inflated(text) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** The header, with `arrays` as Float32Arrays: bytes of the same place lie together in a block. */
+/** The header, in which arrays are Float32Arrays: bytes of the same place lie together in a block. */
 export async function readBlock(text) {
   const bytes = await inflated(text);
   const size = new DataView(bytes.buffer).getUint32(0, true);
-  const header = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + size)));
+  const { header, arrays: lengths } = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + size)));
   const planes = bytes.subarray(4 + size);
   const count = planes.length / 4;
   const joined = new Uint8Array(planes.length);
@@ -22,9 +22,17 @@ export async function readBlock(text) {
   }
   const numbers = new Float32Array(joined.buffer);
   let first = 0;
-  header.arrays = header.arrays.map((length) => {
+  const arrays = lengths.map((length) => {
     first += length;
     return numbers.subarray(first - length, first);
   });
-  return header;
+  return resolved(header, arrays);
+}
+
+/** A value with arrays in place of references to them. */
+function resolved(value, arrays) {
+  if (!value || typeof value !== "object") return value;
+  if (Array.isArray(value)) return value.map((part) => resolved(part, arrays));
+  if ("array" in value) return arrays[value.array];
+  return Object.fromEntries(Object.entries(value).map(([key, part]) => [key, resolved(part, arrays)]));
 }

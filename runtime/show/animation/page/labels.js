@@ -1,8 +1,11 @@
 // Where texts beside points stand: free of each other, and of the lines of bodies where they can.
 
+import { svg } from "./signs.js";
+
 const FONT = "13px system-ui, sans-serif"; // the larger one of the style sheet
 const LINE = 15; // px, height of a line
 const EDGE = 4; // px, room to the edge of the picture
+const BESIDE = 0.9; // of the size of a pin, between a joint and its name, in both directions
 
 const pen = document.createElement("canvas").getContext("2d");
 pen.font = FONT;
@@ -60,8 +63,22 @@ function inside({ x, y }, box) {
   return x > box.left && x < box.right && y > box.top && y < box.bottom ? 1 : 0;
 }
 
+/** The names of joints and tracked points of a scene: {node, update(camera, labels, anew)}. */
+export function drawNames(scene) {
+  const named = scene.run.names.map((one) => ({ ...one, text: svg("text", {}, one.element) }));
+  const node = svg("g", { class: "names" }, ...named.map(({ text }) => text));
+  const update = (camera, labels, anew) => {
+    const beside = BESIDE * scene.u * camera.scale + 5;
+    for (const entry of named) {
+      if (!scene.acts(entry.element)) entry.text.setAttribute("hidden", "");
+      else labels.place(entry, cornersOf(camera.toScreen(scene.place(entry.at)), beside), anew);
+    }
+  };
+  return { node, update };
+}
+
 /** Places of the corners beside a point, `beside` px away in both directions. */
-export function cornersOf({ x, y }, beside) {
+function cornersOf({ x, y }, beside) {
   return [
     { x: x + beside, y: y - beside },
     { x: x - beside, y: y - beside, end: true },

@@ -19,14 +19,10 @@ const COLUMNS = [1, 1, 2, 3, 2, 3, 3]; // of the grid of so many runs
 class Player {
   constructor(root, data) {
     this.root = root;
-    this.scenes = data.runs.map((run) => {
-      const sizes = data.runs.filter(({ title }) => title === run.title).map(({ size }) => size);
-      return new Scene(run, data.arrays, Math.max(...sizes));
-    });
+    this.scenes = data.runs.map((run) => new Scene(run));
     const start = Math.min(...this.scenes.map((scene) => scene.start));
     this.clock = new Clock(start, Math.max(...this.scenes.map((scene) => scene.end)));
-    const joints = this.scenes.map(({ symbols }) => symbols.filter(({ shape }) => shape.kind === "reaction").length);
-    const few = Math.max(...joints) <= MAX_REACTIONS;
+    const few = Math.max(...data.runs.map(({ joints }) => joints)) <= MAX_REACTIONS;
     this.shown = { force: true, torque: true, reaction: few, names: few, frames: false, traces: true };
     this.cameras = camerasOf(this.scenes);
     [this.camera] = this.cameras;
@@ -96,8 +92,8 @@ class Player {
 
   /** A list of what can be chosen by the keyboard: joints, forces and bodies. */
   offerElements() {
-    const names = this.scenes.flatMap(({ symbols, bodies }) => [
-      ...symbols.map(({ element }) => element),
+    const names = this.scenes.flatMap(({ run, bodies }) => [
+      ...Object.keys(run.elements),
       ...bodies.filter(({ fixed }) => !fixed).map(({ name }) => name),
     ]);
     this.list = this.root.querySelector("#element");
@@ -156,7 +152,7 @@ class Player {
 function camerasOf(scenes) {
   const cameras = scenes.map(({ run: { title } }) => {
     const alike = scenes.filter(({ run }) => run.title === title);
-    return new Camera(...[true, false].map((near) => union(alike.map((scene) => scene.extent(near)))));
+    return new Camera(...[0, 1].map((k) => union(alike.map((scene) => scene.extent(k === 0 ? scene.first : null)))));
   });
   for (const camera of cameras) camera.linked = cameras;
   return cameras;

@@ -33,16 +33,15 @@ export function mixed(values, at) {
   return Number.isNaN(low) ? high : low + at.share * (high - low);
 }
 
-/** The pose of a body: {x, y, phi, c, s}. */
-export function poseOf(body, at) {
-  const [x, y, phi] = body.pose.map((values) => mixed(values, at));
+/** The pose {x, y, phi, c, s} of a body, or of a stroke that moves within its body, from its arrays. */
+export function poseOf(arrays, at) {
+  const [x, y, phi = 0] = arrays.map((values) => mixed(values, at));
   return { x, y, phi, c: Math.cos(phi), s: Math.sin(phi) };
 }
 
-/** How far a stroke has moved within its body, and turned: a pose like that of a body. */
-export function shiftOf([x, y, turn], at) {
-  const phi = turn ? mixed(turn, at) : 0;
-  return { x: mixed(x, at), y: mixed(y, at), phi, c: Math.cos(phi), s: Math.sin(phi) };
+/** Points {x, y} of an array of both in turn. */
+export function pairs(numbers) {
+  return Array.from({ length: numbers.length / 2 }, (_, k) => ({ x: numbers[2 * k], y: numbers[2 * k + 1] }));
 }
 
 /** A place of a body in global axes, m. */
@@ -52,19 +51,4 @@ export function inWorld(poses, place) {
     x: pose.x + pose.c * place.x - pose.s * place.y,
     y: pose.y + pose.s * place.x + pose.c * place.y,
   };
-}
-
-/** Writes the numbers of a symbol that vary into its shape. */
-export function refresh(symbol, at) {
-  for (const { path, values } of symbol.moving) {
-    let owner = symbol.shape;
-    for (const name of path.slice(0, -1)) owner = owner[name];
-    owner[path.at(-1)] = mixed(values, at);
-  }
-}
-
-/** Whether a joint that comes and goes acts at an instant. */
-export function acts(symbol, t) {
-  if (!symbol.acts) return true;
-  return symbol.acts.some(([from, to]) => from <= t && t < to);
 }

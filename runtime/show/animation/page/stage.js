@@ -3,12 +3,9 @@
 import { drawArrows } from "./arrows.js";
 import { steer } from "./camera.js";
 import { drawFlashes } from "./flashes.js";
-import { Labels } from "./labels.js";
-import { drawNames } from "./names.js";
-import { acts, inWorld } from "./poses.js";
+import { drawNames, Labels } from "./labels.js";
+import { drawBodies, drawDrives, drawLinks } from "./lines.js";
 import { place, short, svg } from "./signs.js";
-import { drawBodies } from "./strokes.js";
-import { drawSymbol } from "./symbols.js";
 import { drawTraces } from "./traces.js";
 
 const SPACING = 0.04; // of the machine's size: of the places on edges that texts avoid
@@ -17,13 +14,13 @@ const TEXTS = 100; // ms between changes of the numbers at arrows
 
 /** Places along the edges of an outline, which texts avoid. */
 function edgePlaces(line, body, size) {
-  return line.flatMap(([x, y], k) => {
-    const [nextX, nextY] = line[(k + 1) % line.length];
-    const long = Math.hypot(nextX - x, nextY - y);
+  return line.flatMap(({ x, y }, k) => {
+    const next = line[(k + 1) % line.length];
+    const long = Math.hypot(next.x - x, next.y - y);
     const count = Math.min(Math.floor(long / (SPACING * size)), MAX_PLACES);
     return Array.from({ length: count }, (_, j) => {
       const share = (j + 0.5) / count;
-      return { body, x: x + share * (nextX - x), y: y + share * (nextY - y) };
+      return { body, x: x + share * (next.x - x), y: y + share * (next.y - y) };
     });
   });
 }
@@ -42,11 +39,11 @@ export class Stage {
     this.moving = [];
     this.add(layers.traces, drawTraces(scene));
     for (const part of drawBodies(scene)) this.add(layers[part.layer], [part]);
-    this.add(layers.between, scene.symbols.map((symbol) => drawSymbol(symbol, scene)).filter(Boolean));
+    this.add(layers.between, [...drawLinks(scene), ...drawDrives(scene)]);
     this.add(layers.extras, this.frames());
-    this.intermittent = scene.symbols.filter((symbol) => symbol.acts).map((symbol) => ({
-      symbol,
-      nodes: [...world.querySelectorAll(`[data-element="${CSS.escape(symbol.element)}"]`)],
+    this.intermittent = Object.keys(scene.run.acts).map((element) => ({
+      element,
+      nodes: [...world.querySelectorAll(`[data-element="${CSS.escape(element)}"]`)],
     }));
     this.flashes = drawFlashes(scene);
     this.arrows = drawArrows(scene);
@@ -86,11 +83,11 @@ export class Stage {
 
   /** The direction of gravity, in the corner. */
   gravity() {
-    return this.scene.symbols.filter(({ shape }) => shape.kind === "gravity").slice(0, 1).map(({ shape }) => {
-      const angle = (Math.atan2(-shape.gy, shape.gx) * 180) / Math.PI;
-      const line = svg("path", { d: "M-16 0H16M10 -4L16 0L10 4", transform: `rotate(${angle})` });
-      return svg("g", { class: "gravity", transform: "translate(26 26)" }, svg("title", {}, "gravity"), line);
-    });
+    if (!this.scene.run.gravity) return [];
+    const [gx, gy] = this.scene.run.gravity;
+    const turn = `rotate(${(Math.atan2(-gy, gx) * 180) / Math.PI})`;
+    const line = svg("path", { d: "M-16 0H16M10 -4L16 0L10 4", transform: turn });
+    return [svg("g", { class: "gravity", transform: "translate(26 26)" }, svg("title", {}, "gravity"), line)];
   }
 
   look() {
@@ -100,7 +97,7 @@ export class Stage {
 
   drawArrows(withText) {
     const { scene, camera } = this;
-    const edges = withText ? this.edges.map((at) => camera.toScreen(inWorld(scene.poses, at))) : [];
+    const edges = withText ? this.edges.map((at) => camera.toScreen(scene.place(at))) : [];
     const labels = new Labels(camera, edges);
     if (this.shown.names) this.names.update(camera, labels, withText);
     this.arrows.update(camera, this.shown, this.chosen, withText, labels);
@@ -123,8 +120,8 @@ export class Stage {
     }
     this.scene.show(Math.min(Math.max(t, this.scene.start), this.scene.end));
     for (const { update } of this.moving) update();
-    for (const { symbol, nodes } of this.intermittent) {
-      for (const node of nodes) node.toggleAttribute("hidden", !acts(symbol, this.scene.t));
+    for (const { element, nodes } of this.intermittent) {
+      for (const node of nodes) node.toggleAttribute("hidden", !this.scene.acts(element));
     }
     this.flashes.update(speed);
     const now = performance.now();

@@ -13,7 +13,7 @@ export function stateOf(scene, all = false) {
   const told = all ? moving : moving.slice(0, MAX_BODIES);
   const more = moving.length - told.length;
   const texts = told.map(({ name, pose }) => {
-    const { unit } = scene;
+    const { unit } = scene.run;
     const [x, y, phi] = pose.map((values, k) => short(mixed(values, scene.at) * (k < 2 ? unit : 1)));
     return `${name} at x ${x} m, y ${y} m, angle ${phi} rad`;
   });

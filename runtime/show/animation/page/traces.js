@@ -1,27 +1,19 @@
 // Paths of tracked points: the whole path pale, the last part of it strong, and the point itself.
 
-import { inWorld } from "./poses.js";
 import { place, svg, through } from "./signs.js";
 
 const TAIL = 90; // samples of the strong part
 
 /** The traces of a scene, each {node, update}. */
 export function drawTraces(scene) {
-  const spots = scene.symbols.filter(({ shape }) => shape.kind === "trace");
-  return spots.map(({ shape, element }) => {
-    const points = [];
-    const { t } = scene;
-    for (const instant of scene.times) {
-      scene.show(instant);
-      points.push(inWorld(scene.poses, shape.at));
-    }
-    scene.show(t);
+  return scene.run.traces.map(({ element, at, path: [x, y] }) => {
+    const points = Array.from(x, (value, k) => ({ x: value, y: y[k] }));
     const tail = svg("path", { class: "tail" });
     const dot = svg("circle", { class: "traced", r: 0.5 * scene.u });
     const whole = svg("path", { class: "trace", d: through(points) });
     const node = svg("g", {}, svg("title", {}, `path of ${element}`), whole, tail, dot);
     const update = () => {
-      const now = inWorld(scene.poses, shape.at);
+      const now = scene.place(at);
       tail.setAttribute("d", through([...points.slice(Math.max(0, scene.at.low - TAIL), scene.at.low + 1), now]));
       place(dot, now);
     };

@@ -9,17 +9,13 @@ from numpy.testing import assert_allclose
 from sympy import Piecewise, sqrt
 
 from codegen import Model, disc, t
-from codegen.drawing.contact_points import sides_of
-from codegen.drawing.contact_surfaces import surfaces
-from codegen.drawing.force_arrows import loads
-from codegen.drawing.moving_strokes import moving_strokes
-from runtime import load
-from runtime.show.animation.contacts import contact_numbers, moving_surfaces
-from runtime.show.animation.payload import Arrays
-from runtime.show.animation.scenery import scenery
-from runtime.show.movie import frames_of
-from runtime.show.pictures import pictures
-from runtime.show.still import _reactions
+from codegen.drawing.arrows import Load, loads
+from codegen.drawing.contacts import moving_surfaces, surfaces, touch
+from codegen.drawing.lines_between_bodies import lines_between_bodies
+from runtime import Result, load
+from runtime.show.animation.page_data import machine_data
+from runtime.show.moving_picture import moving_picture
+from runtime.show.still import exerted
 from tests.runtime.show.animation.conftest import Open
 
 
@@ -34,52 +30,54 @@ def ball() -> Any:
     return load("hard/bouncing_ball", "dropped").simulate(2.0, 401, progress=False)
 
 
+def load_of(one: Result, element: str) -> Load:
+    """What an element exerts at the only instant of a result, where it is not 0."""
+    found = loads(moving_picture(one), exerted(one))
+    (load_,) = (row for row in found if row.element == element and row.size > 1e-6)
+    return load_
+
+
 def test_the_road_passes_below_the_car(car: Any) -> None:
     """Its height is that of the wheel's lowest point less the gap, at all instants."""
-    shown = pictures(car)
+    shown = moving_picture(car)
     (road,) = moving_surfaces(shown)
     height = car.q("upright.y") - 0.3 - car.gap("tyre")
     assert np.ptp(height) == pytest.approx(0.06, abs=1e-4)  # the bump
     corners = 0.3 * (1 - np.cos(np.pi / 64))  # by how much the wheel's polygon is within its circle
     assert np.all(np.abs(road.poses[:, 1] - height) <= corners)
     assert_allclose(road.poses[:, 2], 0.0, atol=1e-12)
-    assert [stroke.style for stroke in road.strokes[:2]] == ["rail", "hatch"]
     # and so it does in the frames of a movie
-    for frame, y in list(zip(frames_of(shown), road.poses[:, 1], strict=True))[::20]:
-        rail = next(s for s in moving_strokes(frame) if s.style == "rail")
-        assert_allclose(rail.points[:, 1], y, atol=1e-9)
+    for frame, y in list(zip(shown.frames(), road.poses[:, 1], strict=True))[::20]:
+        rail = next(s for s in lines_between_bodies(frame) if s.style == "rail")
+        assert_allclose(rail.points.imag, y, atol=1e-9)
 
 
 def test_the_force_of_a_tyre_acts_where_it_touches(car: Any) -> None:
     one = car.at(0.2)
-    picture = pictures(one).picture
-    (load_,) = (row for row in loads(picture, _reactions(one, picture)) if
-                row.symbol.element == "tyre")  # fmt: skip
-    assert load_.label == "tyre on upright"
-    assert load_.style == "reaction"
-    assert_allclose(load_.force, [0.0, one.force("tyre")[0]])
-    assert load_.force[1] > 1000.0
-    wheel = np.array([one.q("upright.x")[0], one.q("upright.y")[0]])
-    assert_allclose(load_.at - wheel, [0.0, -0.3], atol=1e-3)
+    push = load_of(one, "tyre")
+    assert (push.label, push.style) == ("tyre on upright", "reaction")
+    assert_allclose(push.value, 1j * one.force("tyre"))
+    assert push.size > 1000.0
+    wheel = one.q("upright.x") + 1j * one.q("upright.y")
+    assert_allclose(push.at - wheel, -0.3j, atol=1e-3)
 
 
 def test_the_plate_carries_the_weight_of_the_ball(ball: Any) -> None:
-    one = ball.at(1.9)
-    picture = pictures(one).picture
-    (weight,) = loads(picture, _reactions(one, picture))
-    assert_allclose(weight.force, [0.0, 0.4 * 9.81], rtol=1e-9)
-    assert_allclose(weight.at, [0.0, 0.0], atol=1e-6)
+    weight = load_of(ball.at(1.9), "plate")
+    assert_allclose(weight.value, 0.4j * 9.81, rtol=1e-9)
+    assert_allclose(weight.at, 0, atol=1e-6)
     texts = {text.get_text() for text in ball.draw(1.9, forces=True).axes[0].texts}
     assert "plate on ball: 3.92 N" in texts
 
 
 def test_numbers_of_a_contact_over_time(ball: Any) -> None:
-    shown = pictures(ball)
-    ((number, _, side),) = sides_of(shown.picture)
-    found = contact_numbers(shown, number, side)
-    assert_allclose(found["gap"], ball.q("ball.y") - 0.1, atol=1e-12)
-    assert_allclose(found["y"], found["gap"], atol=1e-9)
-    assert_allclose([found["gx"], found["gy"]], [0 * ball.t, 0 * ball.t + 1], atol=0)
+    shown = moving_picture(ball)
+    (number,) = (k for k, s in enumerate(shown.picture.symbols) if s.shape.kind == "contact side")
+    point, surface, normal = touch(shown, number)
+    assert_allclose(shown.number(number, "gap"), ball.q("ball.y") - 0.1, atol=1e-12)
+    assert_allclose(point.imag, shown.number(number, "gap"), atol=1e-9)
+    assert_allclose(surface, 0, atol=1e-9)
+    assert_allclose(normal, 1j, atol=0)
     assert not moving_surfaces(shown)
 
 
@@ -149,12 +147,9 @@ def test_a_rigid_stop_pushes_at_the_limit_that_is_hit_alone(show: Open, tmp_path
     page = show(tmp_path / "run.html")
     page.get_by_label("reactions").check()
     for instant, x, force in ((1.8, 0.55, -3.0), (3.8, -0.55, 3.0)):
-        one = run.at(instant)
-        picture = pictures(one).picture
-        (push,) = (row for row in loads(picture, _reactions(one, picture)) if
-                   row.symbol.element == "ends")  # fmt: skip
-        assert_allclose(push.force, [force, 0.0], rtol=1e-6)
-        assert_allclose(push.at, [x, 0.0], atol=1e-3)
+        push = load_of(run.at(instant), "ends")
+        assert_allclose(push.value, force, rtol=1e-6)
+        assert_allclose(push.at, x, atol=1e-3)
         page.evaluate(f"player.clock.seek({instant})")
         texts = page.locator(".arrow-text:visible").all_text_contents()
         assert [text for text in texts if text.startswith("ends")] == ["ends on block: 3.000 N"]
@@ -167,19 +162,17 @@ def test_a_ball_that_starts_at_the_centre_of_a_bowl(tmp_path: Path) -> None:
     model.contact("bowl", gap=2 - sqrt(ball.x**2 + ball.y**2), stiffness=1e4, may_pull=False)
     start = {ball.x: 0.0, ball.y: 0.0, ball.vx: 0.0, ball.vy: 0.0}
     model.scene("falling", ["gravity", "bowl"], start=start)
-    shown = pictures(load(model, generated=tmp_path).simulate(0.5, 51, progress=False))
-    ((number, _, side),) = sides_of(shown.picture)
-    assert np.isnan(side.gy)
-    found = contact_numbers(shown, number, side)
-    assert np.isnan(found["gy"][0])
-    assert_allclose(found["gy"][1:], 1.0)
+    shown = moving_picture(load(model, generated=tmp_path).simulate(0.5, 51, progress=False))
+    (number,) = (k for k, s in enumerate(shown.picture.symbols) if s.shape.kind == "contact side")
+    slope = shown.number(number, "gy")
+    assert np.isnan(slope[0])
+    assert_allclose(slope[1:], 1.0)
     (surface,) = moving_surfaces(shown)
     assert_allclose(surface.poses[1:, :2], [[0.0, -2.0]] * 50, atol=0.11)
     assert_allclose(surface.poses[1:, 2], 0.0, atol=1e-12)
-    arrays = Arrays()
-    symbols = scenery(shown, arrays)["symbols"]
-    (symbol,) = (one for one in symbols if one["shape"]["kind"] == "contact side")
-    assert {tuple(row["path"]) for row in symbol["moving"]} >= {("x",), ("y",), ("gy",)}
+    push = {"bowl.force": np.ones(len(shown.t))}
+    (arrow,) = machine_data(shown, series=push)["arrows"]
+    assert (arrow["label"], arrow["unit"]) == ("bowl on ball", "N")
 
 
 @pytest.mark.parametrize("height", [3.0, 30.0])
@@ -195,9 +188,9 @@ def test_a_ball_from_high_above_falls_on_a_plate(tmp_path: Path, height: float) 
         load(model, name, generated=tmp_path).simulate(0.6 * height**0.5, 101, progress=False)
         for name in ("plate", "table")
     ]
-    still, moves = map(pictures, runs)
+    still, moves = map(moving_picture, runs)
     assert still.picture.size == pytest.approx(np.hypot(0.2, height), rel=1e-3)
     (plate,) = surfaces(still.picture, fixed=True, motion=still.motion)
-    assert_allclose(plate.middle, [0.0, 0.0], atol=1e-9)
+    assert_allclose(plate.middle, 0, atol=1e-9)
     (table,) = moving_surfaces(moves)
     assert_allclose(table.poses[:, 1], 0.01 * runs[1].t, atol=1e-9)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from codegen.drawing.moving_strokes import moving_strokes
+from codegen.drawing.lines_between_bodies import lines_between_bodies
+from codegen.drawing.plane_geometry import pairs
 from codegen.drawing.shapes import Belt, Place, Shape, SpiralSpring, Spring, Wheel
-from runtime.show.animation.payload import Arrays
-from runtime.show.animation.scenery import scenery
+from runtime.show.animation.page_data import machine_data
 from tests.runtime.show.animation.conftest import Open
 from tests.runtime.show.animation.machines import crank_pictures, page_of
 
@@ -34,16 +34,16 @@ def test_lines_of_a_page_are_those_of_a_figure(show: Open, tmp_path: Path, shape
         paths = page.locator(".between [data-element=E1] path").evaluate_all(
             "paths => paths.map(path => [path.getAttribute('class'), path.getAttribute('d')])"
         )
-        strokes = [s for s in moving_strokes(drawn.at(instant)) if s.element == "E1"]
+        strokes = [s for s in lines_between_bodies(drawn.at(instant)) if s.element == "E1"]
         assert [style for style, _ in paths] == [stroke.style for stroke in strokes]
         for (_, d), stroke in zip(paths, strokes, strict=True):
             points = [[float(v) for v in at.split()] for at in d.strip("MZ").split("L")]
-            assert_allclose(points, stroke.points, atol=3e-6)
+            assert_allclose(points, pairs(stroke.points), atol=3e-6)
 
 
 def test_a_page_has_the_layers_of_a_figure() -> None:
     wheel = Wheel(Place(1, 0.0, 0.0), 0.2, True)
-    run = scenery(crank_pictures(np.arange(2.0), np.zeros(2), shapes=(wheel,)), Arrays())
+    run = machine_data(crank_pictures(np.arange(2.0), np.zeros(2), shapes=(wheel,)))
     found = {stroke["style"]: (stroke["layer"], stroke["depth"]) for stroke in run["strokes"]}
     assert found == {
         "support": ("ground", 1), "rail": ("ground", 1), "hatch": ("ground", 1),

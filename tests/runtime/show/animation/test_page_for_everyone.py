@@ -188,7 +188,7 @@ def test_drivers_of_a_coordinate_have_an_arrow(show: Open, tmp_path: Path) -> No
     t = np.linspace(0.0, 1.0, 11)
     drive = Drive(None, Place(1, 0.5, 0.0), False, 0.0, 1.0)
     page = show(page_of(tmp_path / "driver.html", crank_pictures(t, t, shapes=(drive,))))
-    assert "rotate(90" in page.locator(".between .drive").get_attribute("transform")
+    assert "rotate(90" in page.locator(".between .driver").get_attribute("transform")
 
 
 def test_a_joint_that_acts_to_the_end_is_there_at_the_end(show: Open, tmp_path: Path) -> None:

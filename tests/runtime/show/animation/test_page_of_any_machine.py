@@ -171,7 +171,7 @@ def test_geometry_that_is_no_number_is_left_out(show: Open, tmp_path: Path) -> N
 
 
 def test_one_instant_has_the_events_of_that_instant(compressor: Result) -> None:
-    from runtime.show.animation.event_marks import event_marks
+    from runtime.show.animation.page_data import event_marks
 
     time = compressor.events[3].time
     assert len(event_marks(compressor)) == len(compressor.events)
@@ -219,12 +219,13 @@ def test_a_machine_without_its_model_file_has_curves_and_says_why(
 
 
 def test_springs_have_the_lines_of_figures(show: Open, tmp_path: Path) -> None:
-    from codegen.drawing.moving_strokes import moving_strokes
+    from codegen.drawing.lines_between_bodies import lines_between_bodies
+    from codegen.drawing.plane_geometry import pairs
 
     drawn = spring_on_a_shaker(np.linspace(0.0, 3.0, 7))
     page = show(page_of(tmp_path / "spring.html", drawn))
     page.evaluate("player.clock.seek(1.5)")
     path = page.locator(".between path.spring").get_attribute("d")
     points = np.array([[float(v) for v in p.split()] for p in path.removeprefix("M").split("L")])
-    (stroke,) = (s for s in moving_strokes(drawn.at(3)) if s.style == "spring")
-    assert points == pytest.approx(stroke.points, abs=1e-5)
+    (stroke,) = (s for s in lines_between_bodies(drawn.at(3)) if s.style == "spring")
+    assert points == pytest.approx(pairs(stroke.points), abs=1e-5)

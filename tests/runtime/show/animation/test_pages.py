@@ -7,15 +7,14 @@ import numpy as np
 import pytest
 
 import runtime
-from codegen.drawing.outlines import complete_picture
-from codegen.drawing.picture import BodyPicture, Picture, Symbol
+from codegen.drawing.body_outlines import complete_picture
+from codegen.drawing.picture import BodyPicture, MovingPicture, Picture, Symbol
 from codegen.drawing.shapes import Pin, Place
 from codegen.errors import InputError
 from runtime import Result, load
+from runtime.show.animation.compressed_arrays import block, in_two
+from runtime.show.animation.page_data import machine_data
 from runtime.show.animation.page_text import page_text
-from runtime.show.animation.payload import Arrays, block
-from runtime.show.animation.scenery import scenery
-from runtime.show.pictures import Pictures
 from tests.runtime.show.animation.conftest import Open
 
 BODIES = 20
@@ -37,13 +36,11 @@ def chain_page() -> str:
     ]
     bodies = (BodyPicture("ground", True), *(BodyPicture(f"bar{k}") for k in range(BODIES)))
     picture = complete_picture(Picture("chain", bodies, poses[0], tuple(pins), 1.0), poses)
-    arrays = Arrays()
     run = {
-        "label": "", "title": "chain", "outcome": "OK", "message": "", "failed": False,
-        "t": arrays.add_exactly(t), "series": [], "groups": [], "events": [],
-        **scenery(Pictures(t, picture, poses, {}, {}, poses), arrays),
+        "label": "", "title": "chain", "t": in_two(t), "series": [], "groups": [],
+        **machine_data(MovingPicture(t, picture, poses, {}, {}, poses)),
     }  # fmt: skip
-    return page_text("chain", block({"runs": [run]}, arrays))
+    return page_text("chain", block({"runs": [run]}))
 
 
 def test_a_page_stays_within_its_size() -> None:
@@ -161,9 +158,9 @@ def test_wrong_arguments_are_named(compressor: Result, tmp_path: Path) -> None:
 def test_without_bokeh_the_message_says_how_to_get_it(
     compressor: Result, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from runtime.show.animation import curve_panels
+    from runtime.show.animation import curves
 
     monkeypatch.setitem(sys.modules, "bokeh", None)
-    curve_panels.panels.cache_clear()
+    curves.panels.cache_clear()
     with pytest.raises(InputError, match=r"needs bokeh.*pip install 'linkwright\[animation\]'"):
         compressor.animate().html  # noqa: B018

@@ -1,18 +1,17 @@
-"""The pictures of a result: bodies, poses and shapes at all of its instants."""
+"""The moving picture of a result: bodies, poses and shapes at all of its instants."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from codegen.drawing.outlines import complete_picture
-from codegen.drawing.picture import Picture, Symbol
-from codegen.drawing.place_shifts import with_numbers
+from codegen.drawing.body_outlines import complete_picture
+from codegen.drawing.picture import MovingPicture, Symbol
 from codegen.errors import InputError
+from runtime.mechanism.geometry import Geometry, geometry
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
-from runtime.mechanism.picture import Geometry, geometry
 from runtime.mechanism.sibling_scenes import sibling_named
 
 if TYPE_CHECKING:
@@ -21,51 +20,8 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Pictures:
-    """A mechanism in motion.
-
-    Attributes
-    ----------
-    t
-        Instants in s, (k,).
-    picture
-        The first instant, with the shapes of all joints and forces that act at any time.
-    poses
-        x, y in m and φ in rad of each body, (k, bodies, 3).
-    moving
-        (index of a symbol, name of a number of its shape) → its values, (k,), of the numbers that
-        vary; those of places are called ``"i.x"``.
-    active
-        Index of a symbol → spans of time, s, in which it acts, of those that come or go; the end
-        of a span is not a part of it.
-    motion
-        Poses of the whole run, for the lengths of guides and surfaces; of a whole run its `poses`.
-    """
-
-    t: FloatArray
-    picture: Picture
-    poses: FloatArray
-    moving: dict[tuple[int, str], FloatArray]
-    active: dict[int, tuple[tuple[float, float], ...]]
-    motion: FloatArray
-
-    def at(self, instant: int) -> Picture:
-        """The picture of an instant, with the numbers that its shapes have there."""
-        changed: dict[int, dict[str, float]] = {}
-        for (number, path), values in self.moving.items():
-            changed.setdefault(number, {})[path] = float(values[instant])
-        symbols = tuple(
-            replace(symbol, shape=with_numbers(symbol.shape, changed[k]))
-            if k in changed
-            else symbol
-            for k, symbol in enumerate(self.picture.symbols)
-        )
-        return replace(self.picture, poses=self.poses[instant], symbols=symbols)
-
-
-def pictures(result: "Result") -> Pictures:
-    """The pictures of a result at its instants.
+def moving_picture(result: "Result") -> MovingPicture:
+    """The moving picture of a result at its instants.
 
     Raises
     ------
@@ -84,31 +40,31 @@ def pictures(result: "Result") -> Pictures:
     known, numbers, undefined, active = _joined(found, spans, result.t)
     moving = {key: values for key, values in numbers.items() if _varies(values, key in undefined)}
     picture = complete_picture(replace(first, symbols=known), poses)
-    return Pictures(result.t, picture, poses, moving, active, poses)
+    return MovingPicture(result.t, picture, poses, moving, active, poses)
 
 
-def pictures_at(result: "Result", instants: float | FloatArray) -> Pictures:
-    """The pictures of a result at other instants, s, as `pictures_of_part` has them.
+def moving_picture_at(result: "Result", instants: float | FloatArray) -> MovingPicture:
+    """The moving picture at other instants of a result, s, as `moving_picture_of_part` has it.
 
     Raises
     ------
     InputError
-        As `pictures`; and if an instant is outside the result.
+        As `moving_picture`; and if an instant is outside the result.
     """
-    return pictures_of_part(result, result.at(instants))
+    return moving_picture_of_part(result, result.at(instants))
 
 
-def pictures_of_part(result: "Result", part: "Result") -> Pictures:
-    """The pictures of a part of a result, with outlines, size and motion of the whole.
+def moving_picture_of_part(result: "Result", part: "Result") -> MovingPicture:
+    """The moving picture of a part of a result, with outlines, size and motion of the whole.
 
     A body keeps its outline where a joint that held it has been released, and guides their length.
 
     Raises
     ------
     InputError
-        As `pictures`.
+        As `moving_picture`.
     """
-    whole, some = pictures(result), pictures(part)
+    whole, some = moving_picture(result), moving_picture(part)
     picture = replace(some.picture, bodies=whole.picture.bodies, size=whole.picture.size)
     return replace(some, picture=picture, motion=whole.motion)
 

@@ -10,13 +10,13 @@ from numpy.testing import assert_allclose
 
 from codegen import Model, t
 from codegen.drawing.layout import VERSION
-from codegen.drawing.picture import Picture
+from codegen.drawing.picture import MovingPicture, Picture
 from codegen.drawing.shapes import Pin, Place, Reaction, Rod
 from codegen.picture_at_start import picture_at_start
 from codegen.reading.model_file import read_model
 from runtime import load
 from runtime.mechanism.dense_equations import Equations
-from runtime.show.pictures import Pictures, pictures, pictures_at
+from runtime.show.moving_picture import moving_picture, moving_picture_at
 
 MACHINES = [
     ("slider_crank", "compressor"), ("quick_return", "shaper"), ("gear_slider", "train_running"),
@@ -32,7 +32,7 @@ def result_of(name: str, scene: str) -> Any:
     return machine.simulate(0.2, 3, progress=False)
 
 
-def at(drawn: Pictures, place: Place, k: int) -> np.ndarray:
+def at(drawn: MovingPicture, place: Place, k: int) -> np.ndarray:
     x, y, phi = drawn.poses[k, place.body]
     c, s = np.cos(phi), np.sin(phi)
     return np.array([x + c * place.x - s * place.y, y + s * place.x + c * place.y])
@@ -42,7 +42,7 @@ def at(drawn: Pictures, place: Place, k: int) -> np.ndarray:
 def test_forces_of_drawn_reactions_are_those_of_the_multipliers(name: str, scene: str) -> None:
     """The reaction at its point, as a wrench on the second body, against -Φ_qᵀ λ of the joint."""
     result = result_of(name, scene)
-    drawn, table = pictures(result), result.description
+    drawn, table = moving_picture(result), result.description
     p = np.array([result.parameters[row.name] for row in table.parameters])
     constants = np.zeros(len(table.constants))
     full = np.concatenate([p, constants])
@@ -79,7 +79,7 @@ def test_forces_of_drawn_reactions_are_those_of_the_multipliers(name: str, scene
 
 @pytest.mark.parametrize(("name", "scene"), MACHINES)
 def test_pins_hold_together_at_all_instants(name: str, scene: str) -> None:
-    drawn = pictures(result_of(name, scene))
+    drawn = moving_picture(result_of(name, scene))
     pins = [s.shape for s in drawn.picture.symbols if isinstance(s.shape, Pin)]
     assert pins
     for k in range(len(drawn.t)):
@@ -97,7 +97,9 @@ def _same(one: Picture, other: Picture) -> None:
 def test_the_picture_before_the_build_is_that_of_the_built_machine() -> None:
     before = picture_at_start(read_model("slider_crank").model, "kinematics", {"rod_length": 3.2})
     machine = load("slider_crank", "kinematics")
-    after = pictures(machine.kinematics([0.0], parameters={"rod_length": 3.2}, progress=False))
+    after = moving_picture(
+        machine.kinematics([0.0], parameters={"rod_length": 3.2}, progress=False)
+    )
     _same(before, after.picture)
     assert_allclose(after.poses[0], before.poses, atol=1e-8)
     for one, other in zip(before.symbols, after.picture.symbols, strict=True):
@@ -112,18 +114,18 @@ def test_a_picture_module_of_another_version_is_built_anew(tmp_path: Path) -> No
     model.driver("motor", crank.phi, t)
     model.scene("turning", drivers=["motor"], analysis="kinematics")
     result = load(model, folder=tmp_path).kinematics(1.0)
-    (first, *_) = pictures(result).picture.symbols
+    (first, *_) = moving_picture(result).picture.symbols
     (place,) = tmp_path.rglob("*__picture.py")
     text = place.read_text()
     other = text.replace(f'LAYOUT = "{VERSION}"', 'LAYOUT = "0"').replace("('i', ", "('old', ")
     place.write_text(other)
-    assert pictures(result).picture.symbols[0] == first
+    assert moving_picture(result).picture.symbols[0] == first
     assert place.read_text() == text
 
 
 def test_applied_forces_follow_the_motion() -> None:
     result = load("slider_crank", "compressor").simulate(0.3, 40, progress=False)
-    drawn = pictures(result)
+    drawn = moving_picture(result)
     (k,) = (k for k, s in enumerate(drawn.picture.symbols) if s.element == "gas")
     x, vx = result.q("slider.x"), result.v("slider.vx")
     compression = -282857 / (6 - x) + 62857
@@ -135,7 +137,7 @@ def test_applied_forces_follow_the_motion() -> None:
 
 def test_joints_that_are_released_act_until_then() -> None:
     result = load("trebuchet", "throw").simulate(1.5, 300, progress=False)
-    drawn = pictures(result)
+    drawn = moving_picture(result)
     (change,) = result.reconnections
     (rod,) = (k for k, s in enumerate(drawn.picture.symbols) if isinstance(s.shape, Rod))
     ((first, last),) = drawn.active[rod]
@@ -148,7 +150,7 @@ def test_joints_that_are_released_act_until_then() -> None:
 
 def test_a_body_keeps_its_outline_and_size_when_a_joint_is_released() -> None:
     result = load("trebuchet", "throw").simulate(3.0, progress=False)
-    whole, late = pictures(result).picture, pictures_at(result, 2.5).picture
+    whole, late = moving_picture(result).picture, moving_picture_at(result, 2.5).picture
     assert late.bodies == whole.bodies
     assert late.size == whole.size
     assert {s.element for s in whole.symbols} - {s.element for s in late.symbols} == {"sling"}
@@ -156,7 +158,7 @@ def test_a_body_keeps_its_outline_and_size_when_a_joint_is_released() -> None:
 
 def test_a_part_of_a_run_has_the_motion_of_the_whole() -> None:
     result = load("trebuchet", "throw").simulate(1.0, 51, progress=False)
-    whole, short = pictures(result), pictures_at(result, np.array([0.2, 0.25]))
+    whole, short = moving_picture(result), moving_picture_at(result, np.array([0.2, 0.25]))
     assert short.poses.shape == (2, *whole.poses.shape[1:])
     assert np.array_equal(short.motion, whole.poses)
     assert np.array_equal(whole.motion, whole.poses)
@@ -164,6 +166,6 @@ def test_a_part_of_a_run_has_the_motion_of_the_whole() -> None:
 
 def test_an_equilibrium_is_one_picture() -> None:
     rest = load("slider_crank", "gravity_equilibrium").equilibrium(progress=False)
-    drawn = pictures(rest)
+    drawn = moving_picture(rest)
     assert drawn.poses.shape == (1, 4, 3)
     assert not drawn.moving

@@ -1,0 +1,179 @@
+"""Plane geometry in complex numbers: a point is x + iy in m, a direction has the length 1."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+Points = npt.NDArray[np.complexfloating[Any, Any]]
+"""Points (k,) of a polyline or polygon, m."""
+
+ROUND = 32  # layout: corners of a full circle; a rounded corner has its part of them
+HEAD = 0.36  # layout: half width of an arrow's head over its length
+_ON_LINE = 1e-6  # accuracy: of a stroke's place, in spacings
+
+
+def pairs(points: Points) -> FloatArray:
+    """The coordinates x and y of points, (…, 2), as Matplotlib takes them."""
+    return np.stack([points.real, points.imag], axis=-1)
+
+
+def dot(a: Any, b: Any) -> Any:
+    """The scalar product of two vectors, or of arrays of them."""
+    return (np.conj(a) * b).real
+
+
+def unit(vector: complex) -> complex:
+    """The direction of a vector; x where its length is zero."""
+    length = abs(vector)
+    return vector / length if length > 0 else 1.0 + 0.0j
+
+
+def origin(pose: FloatArray) -> Any:
+    """The place x + iy of a pose (x, y, φ), or of several, (…, 3)."""
+    return pose[..., 0] + 1j * pose[..., 1]
+
+
+def placed(points: Any, pose: FloatArray) -> Any:
+    """Points of a frame in the frame of its pose (x, y, φ), or one point at poses (k, 3), m."""
+    return points * np.exp(1j * pose[..., 2]) + origin(pose)
+
+
+def in_frame(points: Any, pose: FloatArray) -> Any:
+    """The inverse of `placed`: points in the frame that has this pose."""
+    return (points - origin(pose)) * np.exp(-1j * pose[..., 2])
+
+
+def circle(center: complex, radius: float, corners: int = ROUND) -> Points:
+    """A regular polygon (corners,) in place of a circle, counterclockwise."""
+    return np.asarray(center + radius * np.exp(2j * np.pi * np.arange(corners) / corners))
+
+
+def arc(center: complex, radius: float, start: float, sweep: float) -> Points:
+    """A polyline (k,) along an arc from the angle `start` over `sweep`, rad."""
+    count = max(2, int(np.ceil(abs(sweep) / np.pi * ROUND)) + 1)
+    return np.asarray(center + radius * np.exp(1j * (start + sweep * np.linspace(0, 1, count))))
+
+
+def box(center: complex, along: complex, half_length: float, half_width: float) -> Points:
+    """A rectangle (4,) about a centre, its length in the direction `along`."""
+    corners = half_length * np.array([-1, 1, 1, -1]) + 1j * half_width * np.array([-1, -1, 1, 1])
+    return center + along * corners
+
+
+def convex_hull(points: Points) -> Points:
+    """Corners (k,) of the convex hull, counterclockwise, by Andrew's monotone chain.
+
+    Points on an edge are left out. One point is its own hull, and two are that of points on a line.
+    """
+    order = sorted(set(points.tolist()), key=lambda z: (z.real, z.imag))
+    if len(order) < 3:
+        return np.array(order)
+    hull: list[complex] = []
+    for sequence in (order, order[::-1]):
+        chain: list[complex] = []
+        for p in sequence:
+            while len(chain) > 1 and _turns_right(chain[-2], chain[-1], p):
+                chain.pop()
+            chain.append(p)
+        hull += chain[:-1]
+    return np.array(hull)
+
+
+def _turns_right(a: complex, b: complex, c: complex) -> bool:
+    """Whether a path turns right at b, or goes straight on."""
+    return ((b - a).conjugate() * (c - a)).imag <= 0
+
+
+def rounded_hull(points: Points, radius: float) -> Points:
+    """The convex hull of points (k,), widened by `radius` on all sides; counterclockwise.
+
+    One point gives a disc, points on a line give a bar with round ends.
+    """
+    hull = convex_hull(points)
+    if len(hull) == 1:
+        return circle(hull[0], radius)
+    headings = np.angle(np.roll(hull, -1) - hull) - np.pi / 2  # of the outer normals
+    corners = []
+    for k, corner in enumerate(hull):
+        turn = (headings[k] - headings[k - 1]) % (2 * np.pi)
+        count = max(1, int(np.ceil(turn / (2 * np.pi) * ROUND)))
+        angles = headings[k - 1] + turn * np.arange(count + 1) / count
+        corners.append(corner + radius * np.exp(1j * angles))
+    return np.concatenate(corners)
+
+
+def area(polygon: Points) -> float:
+    """The area of a closed polygon (k,), positive where it is counterclockwise, m²."""
+    return float((polygon.conj() * np.roll(polygon, -1)).imag.sum()) / 2
+
+
+def crossings(polygons: Points) -> FloatArray:
+    """Where the edges of closed polygons (…, k) cross the x axis; not a number of those that don't.
+
+    The result has a number for each edge, (…, k).
+    """
+    ahead = np.roll(polygons, -1, axis=-1)
+    crosses = (polygons.imag > 0) != (ahead.imag > 0)
+    share = polygons.imag / np.where(crosses, polygons.imag - ahead.imag, 1.0)
+    return np.where(crosses, polygons.real + share * (ahead.real - polygons.real), np.nan)
+
+
+def contains(polygon: Points, point: complex) -> bool:
+    """Whether a point lies inside a closed polygon (k,), by the parity of crossings."""
+    return bool(np.count_nonzero(crossings(polygon - point) > 0) % 2)
+
+
+def distance_to_edge(polygon: Points, point: complex) -> float:
+    """The least distance of a point from the edges of a polygon, m."""
+    edges, ahead = np.roll(polygon, -1) - polygon, point - polygon
+    squares = np.maximum(abs(edges) ** 2, np.finfo(float).tiny)
+    share = np.clip(dot(edges, ahead) / squares, 0.0, 1.0)
+    return float(abs(ahead - share * edges).min())
+
+
+def distinct(points: Points, tolerance: float) -> Points:
+    """The points (k,) without those that lie within `tolerance` of an earlier one."""
+    kept: list[complex] = []
+    for p in points:
+        if all(abs(p - other) > tolerance for other in kept):
+            kept.append(p)
+    return np.array(kept, dtype=complex)
+
+
+def head(tip: complex, direction: complex, length: float) -> Points:
+    """The head of an arrow as a triangle (3,), its tip first."""
+    return tip + length * unit(direction) * np.array([0, -1 + HEAD * 1j, -1 - HEAD * 1j])
+
+
+def straight_arrow(start: complex, end: complex, length: float) -> tuple[Points, Points]:
+    """The shaft (2,) and head (3,) of an arrow; a short arrow has a head of its own length."""
+    length = min(length, abs(end - start))
+    return np.array([start, end - 0.8 * length * unit(end - start)]), head(end, end - start, length)
+
+
+def round_arrow(
+    center: complex, radius: float, start: float, sweep: float, length: float
+) -> tuple[Points, Points]:
+    """The arc (k,) and head (3,) of an arrow round a centre; the sign of `sweep` is its way."""
+    way = np.copysign(1.0, sweep)
+    end = start + sweep
+    bend = way * 0.8 * length / radius  # the angle that the head covers
+    tip = head(center + radius * np.exp(1j * end), way * 1j * np.exp(1j * (end - bend / 2)), length)
+    return arc(center, radius, start, sweep - bend), tip
+
+
+def hatching(start: complex, end: complex, side: float, spacing: float) -> list[Points]:
+    """Strokes (2,) of the ground along a line, on its left (`side` 1) or right (-1).
+
+    They begin at multiples of the spacing from the origin, so that those of lines that lie on one
+    another coincide.
+    """
+    along = unit(end - start)
+    lean = (side * 1j - 1) * along * spacing
+    first, last = dot(along, start) / spacing, dot(along, end) / spacing
+    marks = np.arange(np.floor(first + _ON_LINE) + 1, np.floor(last + _ON_LINE) + 1)
+    if not len(marks):
+        marks = np.array([last])
+    return [np.array([foot, foot + lean]) for foot in start + (marks - first) * spacing * along]
