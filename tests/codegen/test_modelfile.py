@@ -22,8 +22,8 @@ from tests.codegen.workbench import write_model
         (["--set", "k=nan"], ["parameter 'k' is nan; give a finite number"]),
         (["--set", "k=inf", "--set", "z=1"], ["parameter 'k' is inf", "no parameter 'z'"]),
         (["--set", "w=-1"], ["parameter 'w' is -1 kg, but must be positive"]),
-        (["--set", "k=five"], ["--set 'k=five': write NAME=VALUE with a number"]),
-        (["--set", "k"], ["--set 'k': write NAME=VALUE with a number"]),
+        (["--set", "k=five"], ["--set k=five: write NAME=VALUE with a number"]),
+        (["--set", "k"], ["--set k: write NAME=VALUE with a number"]),
         (["--scene", "swig"], ["model 'm' has no scene 'swig'; did you mean 'swing'?"]),
     ],
 )
