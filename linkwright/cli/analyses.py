@@ -50,11 +50,12 @@ def kinematics(
     request: Request, t_end: TEnd, t_start: TStart = 0.0, points: Points = None, out: Out = None
 ) -> None:
     """How it must move: the motion that drivers prescribe, one for every degree of freedom."""
-
-    def analyse(machine: "Machine", values: Values) -> "Result":
-        return machine.kinematics(**_driven(request, t_start, t_end, points, values))
-
-    _carry_out(request, out, analyse)
+    _carry_out(
+        request, out,
+        lambda machine, values: machine.kinematics(
+            **_driven(request, t_start, t_end, points, values)
+        ),
+    )  # fmt: skip
 
 
 @command("inverse-dynamics", epilog=examples(
@@ -66,11 +67,12 @@ def inverse(
     request: Request, t_end: TEnd, t_start: TStart = 0.0, points: Points = None, out: Out = None
 ) -> None:
     """What it takes to move it so: inverse dynamics, the forces of the prescribed motion."""
-
-    def analyse(machine: "Machine", values: Values) -> "Result":
-        return machine.inverse_dynamics(**_driven(request, t_start, t_end, points, values))
-
-    _carry_out(request, out, analyse)
+    _carry_out(
+        request, out,
+        lambda machine, values: machine.inverse_dynamics(
+            **_driven(request, t_start, t_end, points, values)
+        ),
+    )  # fmt: skip
 
 
 @command(

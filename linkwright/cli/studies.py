@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import Annotated, Any
 
 import typer
 
@@ -27,12 +27,6 @@ from linkwright.cli.options import (
 )
 from linkwright.cli.output import print_json, write_line
 from linkwright.cli.request import Request, with_request, words
-
-if TYPE_CHECKING:
-    from runtime.studies.effect_ranking import Matters
-    from runtime.studies.work_precision import WorkPrecision
-
-Study = TypeVar("Study", "Matters", "WorkPrecision")
 
 app = typer.Typer()
 command = partial(app.command, rich_help_panel="Study")
@@ -88,17 +82,17 @@ def accuracy(
     from runtime.studies.pictures import check_folder, save_diagram
     from runtime.studies.work_precision import accuracy as work_precision
 
-    def analyse() -> "WorkPrecision":
-        return work_precision(
+    diagram = _carry_out(
+        request, out, check_folder, save_diagram,
+        lambda: work_precision(
             *request.source(), quantities=tuple(quantity or ()), t_end=t_end, t_start=t_start,
             methods=tuple(method or METHODS), formulations=tuple(formulation or FORMULATIONS),
             points=points, reference=reference, modelling=modelling, beside=tuple(beside or ()),
             building=building, quick=quick, limit=limit, generated=request.generated,
             progress=write_line,
             **words(run, request.values()),
-        )  # fmt: skip
-
-    diagram = _carry_out(request, analyse, check_folder, save_diagram, out)
+        ),
+    )  # fmt: skip
     if not request.as_json:
         from runtime.show.table_formatting import show
         from runtime.studies.tables import score, work
@@ -151,16 +145,16 @@ def matters(
     from runtime.studies.effect_ranking import matters as rank_effects
     from runtime.studies.pictures import save_ranking
 
-    def analyse() -> "Matters":
-        return rank_effects(
+    ranking = _carry_out(
+        request, out, check_picture, save_ranking,
+        lambda: rank_effects(
             *request.source(), asked=quantity, t_end=t_end, t_start=t_start, error=error,
             analysis=analysis, fidelities=fidelities, method=method, formulation=formulation,
             rtol=rtol, points=points, rounds=rounds, generated=request.generated,
             progress=write_line,
             **words(run, request.values()),
-        )  # fmt: skip
-
-    ranking = _carry_out(request, analyse, check_picture, save_ranking, out)
+        ),
+    )  # fmt: skip
     if not request.as_json:
         from runtime.show.table_formatting import show
         from runtime.studies.effect_ranking.ranking import sentences
@@ -170,9 +164,9 @@ def matters(
 
 
 def _carry_out(
-    request: Request, analyse: Callable[[], Study], check: Callable[[Path], None],
-    save: Callable[[Study, Path], Iterable[Path]], out: Path | None,
-) -> Study:  # fmt: skip
+    request: Request, out: Path | None, check: Callable[[Path], None],
+    save: Callable[[Any, Path], Iterable[Path]], analyse: Callable[[], Any],
+) -> Any:  # fmt: skip
     """Run a study and save its picture where the `check` permits; with --json print its facts."""
     if out is not None:
         check(out)
