@@ -32,7 +32,7 @@ from runtime.core.array_types import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed
 from runtime.core.state_derivative import evaluate_rhs
-from runtime.integrate.explicit import stability_limit
+from runtime.integrate import stability_limit
 from runtime.integrate.method import Method
 """
 

@@ -8,13 +8,13 @@ import sys
 import pytest
 
 from runtime.integrate import second_compiler
-from runtime.integrate.explicit.stability_limit import idle
 from runtime.integrate.loop import advance
+from runtime.integrate.stability_limit import idle
 
 _BESIDE = """
 from runtime.core.jit import is_kept, prepare
 from runtime.integrate import second_compiler
-from runtime.integrate.explicit.stability_limit import idle
+from runtime.integrate.stability_limit import idle
 second_compiler.can_start = lambda: True
 before = is_kept(idle)
 second_compiler.compile_beside([idle])

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from codegen.tableaus import tableaus
-from runtime.integrate.explicit.stability_limit import FLOATS
-from tests.runtime.integrate.explicit.drivers import amplification, stable_length
+from runtime.integrate.stability_limit import FLOATS
+from tests.runtime.integrate.stability_drivers import amplification, stable_length
 
 POWERS = np.array([float(x) for x in reversed(tableaus()["dopri5"].stability_function)])
 OMEGA = 50.0

@@ -2,7 +2,7 @@
 
 from runtime.core.array_types import f8, vector
 from runtime.core.jit import compiled
-from runtime.integrate.explicit import stability_limit
+from runtime.integrate import stability_limit
 
 
 @compiled(f8(vector, f8, f8, f8))

@@ -1,1 +1,0 @@
-"""Explicit Runge-Kutta methods: what the stages share that are generated from their tableaus."""
