@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 from codegen import build
-from codegen.model_file import read_model
+from codegen.reading.model_file import read_model
 
 ROOT = Path(__file__).resolve().parent.parent
 SUMS = ROOT / "generated" / "SHA256SUMS"

@@ -66,7 +66,7 @@ class Request(Choices):
 def name_of(element: Any) -> str:
     """The name of an element that is given by its name or as an object; else what was given."""
     name = element if isinstance(element, str) else getattr(element, "name", None)
-    return name if isinstance(name, str) else shown(element)
+    return str(name) if isinstance(name, str) else shown(element)
 
 
 class Owner(Protocol):

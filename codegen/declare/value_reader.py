@@ -186,7 +186,7 @@ class Reader:
     def choice(self, value: Any, allowed: tuple[str, ...], where: str) -> Any:
         """One of a few words."""
         if isinstance(value, str) and value in allowed:
-            return value
+            return str(value)
         self.note(f"{where}: {shown(value)} is none of {', '.join(map(repr, allowed))}.")
         return allowed[0]
 

@@ -32,6 +32,11 @@ Pair = tuple[Any, Any]
 Ends = tuple[Point, Point]
 
 
+def _plain_text(value: Any) -> Any:
+    """A text of numpy's as one of Python's; all else as it is."""
+    return str(value) if isinstance(value, str) else value
+
+
 def _marked(method: Callable[..., Any]) -> Callable[..., Any]:
     """The method of a model, which marks its element where it notes problems."""
 
@@ -39,7 +44,8 @@ def _marked(method: Callable[..., Any]) -> Callable[..., Any]:
     def call(model: Any, *arguments: Any, **words: Any) -> Any:
         problems = model._read.problems
         before = len(problems)
-        element = method(model, *arguments, **words)
+        given = {word: _plain_text(value) for word, value in words.items()}
+        element = method(model, *map(_plain_text, arguments), **given)
         if len(problems) > before and isinstance(element, Constraint | Effect):
             model.noted |= {element.name}
         return element

@@ -110,7 +110,7 @@ def text(demand: str) -> Reader:
             raise KindError(f"it must be {demand}, a text.")
         if len(value) > _LONGEST:
             raise KindError(f"it has {len(value)} characters; {_LONGEST} are permitted.")
-        return value
+        return str(value)  # also of numpy's texts
 
     return read
 
@@ -148,7 +148,7 @@ def values(example: str) -> Reader:
 def _name(key: Any) -> str:
     """A name, or that of a coordinate, a velocity, a state or a parameter of a declaration."""
     if isinstance(key, str):
-        return key
+        return str(key)
     symbols = sys.modules.get("codegen.declare.symbols")  # not loaded: no key is of it
     if symbols is not None and isinstance(key, symbols.Coordinate | symbols.Velocity):
         return str(symbols.dotted(key))

@@ -45,12 +45,13 @@ def _written(parameter: Parameter) -> str:
     return f"{stars}{parameter.name}{tail}"
 
 
-def checked_call(
-    function: Callable[..., Any], title: str | None, error: type[InputError] = InputError
-) -> Callable[..., Any]:
+def _guarded(
+    function: Callable[..., Any], title: Callable[[tuple[Any, ...], Mapping[str, Any]], str],
+    error: type[InputError], is_ours: bool,
+) -> Callable[..., Any]:  # fmt: skip
     """The callable, which says what it takes where its arguments do not fit its signature.
 
-    A method without a title is named after the class of its object.
+    Where it `is_ours` to answer, all else that fails in it is told by the same title.
     """
     about = signature(function)
     own = int(next(iter(about.parameters), "") == "self")  # arguments before those of the caller
@@ -60,25 +61,47 @@ def checked_call(
     def call(*arguments: Any, **words: Any) -> Any:
         try:
             return function(*arguments, **words)
-        except TypeError:
+        except LinkwrightError:
+            raise
+        except Exception as raised:
             try:
                 about.bind(*arguments, **words)
             except TypeError as mismatch:
-                owner = [] if title else [type(of).__name__ for of in arguments[:1]]
-                name = title or ".".join([*owner, function.__name__])
-                what = wrong_call(name, function, mismatch, arguments[own:], words)
+                where = title(arguments, words)
+                what = wrong_call(where, function, mismatch, arguments[own:], words)
                 raise error(what) from None
-            raise
+            if not is_ours:
+                raise
+            where = title(arguments, words)
+            raise error(f"{where}: fails with {failure(raised)}.") from raised
 
     return call
 
 
+def checked_call(function: Callable[..., Any], name: str | None) -> Callable[..., Any]:
+    """The callable, which says what it takes where its arguments do not fit its signature.
+
+    A method without a name is named after the class of its object.
+    """
+
+    def title(arguments: tuple[Any, ...], _: Mapping[str, Any]) -> str:
+        owner = [type(of).__name__ for of in arguments[:1]]
+        return name or ".".join([*owner, function.__name__])
+
+    return _guarded(function, title, InputError, is_ours=False)
+
+
 def checked_class(cls: Class) -> Class:
     """The class, whose own public methods say what they take."""
-    for word, method in list(vars(cls).items()):
-        if isfunction(method) and (word == "__init__" or not word.startswith("_")):
-            setattr(cls, word, checked_call(method, cls.__name__ if word == "__init__" else None))
+    for word, method in _public_methods(cls):
+        setattr(cls, word, checked_call(method, cls.__name__ if word == "__init__" else None))
     return cls
+
+
+def _public_methods(cls: type[Any]) -> list[tuple[str, Callable[..., Any]]]:
+    """The constructor of a class and its own public methods."""
+    own = [(word, value) for word, value in vars(cls).items() if isfunction(value)]
+    return [(word, value) for word, value in own if word == "__init__" or not word.startswith("_")]
 
 
 def declaring(owner: str) -> Callable[[Function], Function]:
@@ -88,36 +111,22 @@ def declaring(owner: str) -> Callable[[Function], Function]:
     """
 
     def decorate(method: Function) -> Function:
-        about = signature(method)
-        own = int(next(iter(about.parameters), "") == "self")
-        named = own and "name" in about.parameters
+        parameters = [*signature(method).parameters]
+        own = int(parameters[:1] == ["self"])
         plain = method.__name__ in ("__init__", "__call__", owner)
-        title = owner if plain else f"{owner}.{method.__name__}"
+        word = owner if plain else f"{owner}.{method.__name__}"
 
-        def label(arguments: tuple[Any, ...], words: Mapping[str, Any]) -> str:
-            name = words.get("name", (*arguments[own:], None)[0]) if named else None
+        def title(arguments: tuple[Any, ...], words: Mapping[str, Any]) -> str:
+            name = words.get("name", (*arguments[own:], None)[0])
             of_whom = getattr(arguments[0], "name", None) if own and arguments else None
-            text = title if name is None else f"{title} '{one_line(name)}'"
-            is_part = owner in ("body", "scene") and of_whom is not None
-            return f"{text} of '{of_whom}'" if is_part else text
+            text = word
+            if own and "name" in parameters and name is not None:
+                text += f" '{one_line(name)}'"
+            if owner in ("body", "scene") and of_whom is not None:
+                text += f" of '{of_whom}'"
+            return text
 
-        @readable
-        @wraps(method)
-        def call(*arguments: Any, **words: Any) -> Any:
-            try:
-                return method(*arguments, **words)
-            except LinkwrightError:
-                raise
-            except Exception as error:
-                where = label(arguments, words)
-                try:
-                    about.bind(*arguments, **words)
-                except TypeError as mismatch:
-                    what = wrong_call(where, method, mismatch, arguments[own:], words)
-                    raise ModelError(what) from error
-                raise ModelError(f"{where}: fails with {failure(error)}.") from error
-
-        return call  # type: ignore[return-value]
+        return _guarded(method, title, ModelError, is_ours=True)  # type: ignore[return-value]
 
     return decorate
 
@@ -126,9 +135,8 @@ def declaring_class(owner: str) -> Callable[[Class], Class]:
     """The same for the constructor of a class and all of its own public methods."""
 
     def decorate(cls: Class) -> Class:
-        for word, method in list(vars(cls).items()):
-            if isfunction(method) and (word == "__init__" or not word.startswith("_")):
-                setattr(cls, word, declaring(owner)(method))
+        for word, method in _public_methods(cls):
+            setattr(cls, word, declaring(owner)(method))
         return cls
 
     return decorate

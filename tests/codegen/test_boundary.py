@@ -294,6 +294,15 @@ def test_what_is_sound_is_not_refused(name: str) -> None:
     assert not machine.model.problems
 
 
+def test_a_text_of_numpys_is_a_name() -> None:
+    model = Machine().model
+    body = model.body(np.str_("q"), 1.0, 1.0)
+    scene = model.scene(name=np.str_("s"), without=[np.str_("q")])
+    names = [body.name, scene.name, *scene.request.without, *model.bodies, *model.scenes]
+    assert {type(name) for name in names} == {str}
+    assert not model.problems
+
+
 @pytest.mark.parametrize("value", ["abc", None, [1], object(), 1j, sympy.Symbol("x"), True])
 def test_settings_of_a_build_are_numbers(value: Any) -> None:
     machine = Machine()

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from codegen.errors import InputError, NoAttributeError, ParameterError
-from runtime.core.outcomes import Outcome
+from codegen.errors import InputError, ParameterError
 from runtime.machine_facade import Machine
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
@@ -114,21 +113,6 @@ def test_tables_are_read_and_not_replaced(driven: Machine) -> None:
         with pytest.raises(AttributeError):
             setattr(driven, name, {})
         assert getattr(Machine, name).__doc__
-
-
-def test_settings_are_arguments_and_no_attributes(driven: Machine) -> None:
-    for name in ("tolerance", "rtol", "simulate", "mechanism"):
-        with pytest.raises(NoAttributeError, match=f"'{name}' cannot be set; settings are arg"):
-            setattr(driven, name, 1e-3)
-    found = result(driven)
-    for name in ("parameter", "t", "q", "failed"):
-        with pytest.raises(NoAttributeError, match=f"Result: '{name}' cannot be set; it has no"):
-            setattr(found, name, 1e-3)
-    with pytest.raises(NoAttributeError, match="Outcome: 'advices' cannot be set"):
-        found.outcome.advices = ""  # type: ignore[attr-defined]
-    found.message = "read by `facts`"
-    assert found.facts()["message"] == found.message
-    assert found.outcome is Outcome.OK
 
 
 def test_attributes_of_a_subclass_of_a_users_are_its_own(driven: Machine) -> None:

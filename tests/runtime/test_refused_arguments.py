@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from codegen.errors import InputError, LinkwrightError
-from runtime import load
+from codegen.errors import InputError
 from runtime.machine_facade import Machine
 
 NAN = float("nan")
@@ -53,38 +52,6 @@ NAN = float("nan")
 def test_simulate(pendulum: Machine, given: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         pendulum.simulate(**{"t_end": 1.0, **given})
-
-
-class Halt(BaseException):
-    """An exception of a user's that is no `Exception`."""
-
-
-class Halting(dict[str, float]):
-    """An object of a user's that cannot be read."""
-
-    def items(self) -> Any:
-        raise Halt
-
-    __array__ = __fspath__ = __eq__ = items
-    __hash__ = None  # type: ignore[assignment]
-
-
-def test_an_argument_that_raises_what_is_no_exception_is_named(
-    pendulum: Machine, driven: Machine
-) -> None:
-    odd: Any = Halting()
-    for name in ("parameters", "guess", "t_eval"):
-        with pytest.raises(InputError, match=name):
-            pendulum.simulate(**{"t_end": 1.0, name: odd})
-    with pytest.raises(LinkwrightError, match="t_eval"):
-        driven.kinematics(odd)
-    with pytest.raises(InputError, match="path"):
-        driven.kinematics([0.0], progress=False).save(odd)
-    with pytest.raises(InputError, match="folder"):
-        load("slider_crank", folder=odd)
-    with pytest.raises(LinkwrightError, match="There is no"):
-        driven.coordinates[odd]
-    assert odd not in driven.coordinates
 
 
 def test_all_problems_are_told_at_once(pendulum: Machine) -> None:
