@@ -210,3 +210,6 @@ def readable_class(cls: Class) -> Class:
         if own is not None:
             readable(getattr(own, "__func__", own))
     return cls
+
+
+readable_class(LinkwrightError)
