@@ -34,7 +34,7 @@ from codegen.generated_files.build_report import BuildReport, report
 from codegen.generated_files.companions import COMPANIONS
 from codegen.generated_files.generated_file import Clock, File, Progress, compile_modules
 from codegen.generated_files.provenance import default_folder, file_name, origin
-from codegen.lower.kernels.scene_kernels import Lowered, lower
+from codegen.lower.lowered_scene import Lowered, lower
 from codegen.model import Model
 from codegen.readers import arguments as readers
 from codegen.readers.failures import unreadable

@@ -13,7 +13,7 @@ from codegen.drawing.layout import SAMPLES
 from codegen.drawing.picture import Picture
 from codegen.lower.interpreter import FAILURES, evaluate
 from codegen.lower.kernels.picture_kernels import CURVES, NAME, lower_picture
-from codegen.lower.kernels.scene_kernels import lower
+from codegen.lower.lowered_scene import lower
 from codegen.lower.poses_near_start import FloatArray, Poses
 from codegen.model import Model
 from codegen.readers import arguments as readers

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.lowered_scene import Lowered
 from codegen.lower.poses_near_start import FloatArray, Poses
 
 _RESTARTS = 12  # safety: random starts after the given one has failed

@@ -22,7 +22,7 @@ from codegen.declare.returned_values import closed_curves, own_coordinates
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, Velocity, alpha, kinds, t
 from codegen.derive.equations import acting_elements, active_joints
-from codegen.derive.scene_conditions import element_conditions
+from codegen.derive.parameter_conditions import element_conditions
 from codegen.errors import ModelError
 from codegen.model import Model
 from codegen.readers.failures import errors_at

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.derive.equations import Equations
-from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.lowered_scene import Lowered
 from codegen.lower.poses_near_start import Poses, dependent_rows, is_finite
 
 Array = npt.NDArray[np.float64]

@@ -7,9 +7,9 @@ import numpy as np
 import numpy.typing as npt
 import sympy
 
-from codegen.condition_evaluation import ALPHAS, shape_problems
 from codegen.declare.body import Curve
 from codegen.declare.symbols import alpha
+from codegen.parameter_conditions import ALPHAS, shape_problems
 from codegen.tables.table_function import TableAtom
 
 UNDEFINED = (ArithmeticError, ValueError, TypeError, NameError)

@@ -10,9 +10,9 @@ from typing import Any
 
 import sympy
 
-from codegen.condition_evaluation import ConditionRow, violated_conditions
 from codegen.declare.element import Hold, OneWay, Rigid, Sticking, label
 from codegen.declare.symbols import Parameter, ParameterDeclaration, kinds
+from codegen.parameter_conditions import ConditionRow, violated_conditions
 from codegen.readers.expressions import constant_value
 
 Numbers = Mapping[sympy.Symbol, float]

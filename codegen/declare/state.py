@@ -11,9 +11,9 @@ from typing import Any
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.condition import WatchedCondition
 from codegen.declare.element import Effect
 from codegen.declare.symbols import Coordinate, Velocity, own_coordinate
+from codegen.declare.watched_conditions import WatchedCondition
 
 STATE, SAMPLED = "state", "sampled value"  # kinds of what determines a state
 

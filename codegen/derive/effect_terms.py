@@ -8,7 +8,6 @@ from sympy.core.relational import Relational
 
 from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.declare.condition import WatchedCondition
 from codegen.declare.returned_terms import (
     forces_of,
     optional_terms,
@@ -16,6 +15,7 @@ from codegen.declare.returned_terms import (
     weights_of,
 )
 from codegen.declare.symbols import SPEED, Coordinate, Time, kinds, rate, side, t
+from codegen.declare.watched_conditions import WatchedCondition
 from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import kinks_as_pieces, tables_by_branches
 from codegen.derive.power_continuation import continue_powers

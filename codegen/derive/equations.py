@@ -7,21 +7,20 @@ from typing import NamedTuple
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.condition import WATCHED, WatchedCondition
 from codegen.declare.element import Constraint, Effect, Element, Statement, label
 from codegen.declare.returned_kinds import name_errors
 from codegen.declare.returned_values import replaced_body
 from codegen.declare.scene import Scene
 from codegen.declare.state import State, states_in
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration, Velocity
+from codegen.declare.watched_conditions import WATCHED, WatchedCondition
 from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
 from codegen.derive.effect_measures import terms_in_scene
 from codegen.derive.effect_terms import EffectTerms, effect_terms
 from codegen.derive.element_expressions import TableRange, table_ranges
 from codegen.derive.inertia import inertia
-from codegen.derive.peaked_functions import PeakedFunction, peaked_functions
-from codegen.derive.scene_conditions import (
+from codegen.derive.parameter_conditions import (
     ElementCondition,
     Profile,
     carried,
@@ -29,6 +28,7 @@ from codegen.derive.scene_conditions import (
     expressions_in,
     profiles_of,
 )
+from codegen.derive.peaked_functions import PeakedFunction, peaked_functions
 from codegen.derive.scene_picture import ScenePicture, scene_picture
 from codegen.derive.time_functions import TimeFunction, time_functions
 from codegen.garbage_collection import collection_paused

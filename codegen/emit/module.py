@@ -10,7 +10,7 @@ from codegen.emit.module_functions import SIN_COS_FUNCTION, lookups, spline_line
 from codegen.emit.readable_formula import folded_numbers, formula
 from codegen.emit.unrolling import Unroll, kernel_texts
 from codegen.files.generated_modules import MARK, UNSIGNED, signed
-from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.lowered_scene import Lowered
 from codegen.lower.module_tables import Pattern
 from codegen.lower.operation_count import operations
 from codegen.lower.program import Lookup, Program

@@ -12,7 +12,7 @@ from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.module import Origin, assemble_module, operation_table
 from codegen.emit.readable_formula import formula
 from codegen.lower.kernels.picture_kernels import LoweredPicture
-from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.lowered_scene import Lowered
 from codegen.lower.program import Program
 from codegen.reduce.reduced_kernels import Reduced
 

@@ -32,7 +32,7 @@ from codegen.explain.ledger import Ledger, Part, RunCosts
 from codegen.explain.operations_by_part import Stage, timing_stages
 from codegen.files.generated_modules import import_generated
 from codegen.lower.interpreter import evaluate
-from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.lowered_scene import Lowered
 from codegen.lower.poses_near_start import Poses
 from codegen.lower.program import Program
 from codegen.numba_cache import checked_caches

@@ -15,7 +15,7 @@ from codegen.emit.rolled_kernel import RolledKernelText
 from codegen.emit.unrolling import LONGEST, kernel_texts, statements
 from codegen.errors import InputError
 from codegen.explain import operations_by_part as costs
-from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.lowered_scene import Lowered
 from codegen.model import Model
 from codegen.model.base import TRACKED
 from codegen.model.bodies import FORMS

@@ -18,7 +18,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from codegen.derive.equations import Equations
-from codegen.lower.kernels.scene_kernels import Lowered, lower
+from codegen.lower.lowered_scene import Lowered, lower
 from codegen.lower.operation_count import by_element, operations
 from codegen.lower.program import Kernel, Output, Program
 

@@ -15,7 +15,7 @@ from codegen.files.generated_modules import companion_path
 from codegen.generated_files.generated_file import Clock, File
 from codegen.lower.differentiation.program_tangents import tangent_program
 from codegen.lower.kernels.picture_kernels import lower_picture
-from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.lowered_scene import Lowered
 from codegen.lower.program import Program
 from codegen.reduce.reduced_kernels import reduce
 

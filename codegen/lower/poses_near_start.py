@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import LevelEvaluation, evaluate
-from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.lowered_scene import Lowered
 from codegen.lower.program import Kernel, Program, store
 
 FloatArray = npt.NDArray[np.float64]

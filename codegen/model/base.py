@@ -12,7 +12,6 @@ import sympy
 
 from codegen.declare import symbols as sy
 from codegen.declare.body import Body, Point
-from codegen.declare.connection import Connection
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.name_rules_and_hints import name_problem
 from codegen.declare.particle_and_ground import Ground, Particle
@@ -21,6 +20,7 @@ from codegen.declare.scene import Scene
 from codegen.declare.state import State
 from codegen.declare.symbols import dotted
 from codegen.declare.value_reader import Reader
+from codegen.declare.watched_conditions import Connection
 from codegen.elements.registry import role
 from codegen.model.units_on_demand import UnitsOnDemand, units_of
 from codegen.readers.calls import declaring

@@ -5,10 +5,10 @@ from typing import Any
 
 import sympy
 
-from codegen.declare.connection import Connection
 from codegen.declare.element import Constraint
 from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import name_of
+from codegen.declare.watched_conditions import Connection
 from codegen.model.base import Declarations
 from codegen.readers.values import shown
 

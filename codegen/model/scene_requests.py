@@ -4,10 +4,10 @@ from typing import Any
 
 from sympy import S
 
-from codegen.declare.condition import WatchedCondition
 from codegen.declare.name_rules_and_hints import name_problem
 from codegen.declare.scene import ANALYSES, Request
 from codegen.declare.value_reader import Names, Reader
+from codegen.declare.watched_conditions import WatchedCondition
 from codegen.model.requested_outputs import Outputs
 from codegen.model.scene_parts import SceneParts
 

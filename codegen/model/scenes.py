@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Any, cast
 
 from codegen.declare.body import Body
-from codegen.declare.condition import WatchedCondition
 from codegen.declare.element import Constraint
 from codegen.declare.name_rules_and_hints import name_problem, nearest
 from codegen.declare.returned_kinds import memoize_methods
@@ -14,6 +13,7 @@ from codegen.declare.returned_values import own_coordinates, place_near
 from codegen.declare.scene import Analysis, Owner, Request, Scene, name_of
 from codegen.declare.symbols import Coordinate, dotted
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values
+from codegen.declare.watched_conditions import WatchedCondition
 from codegen.errors import ModelError
 from codegen.model.bodies import Form
 from codegen.model.connections import MOST

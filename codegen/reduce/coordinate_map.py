@@ -9,7 +9,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.lowered_scene import Lowered
 from codegen.lower.module_tables import Description
 from codegen.lower.poses_near_start import Poses
 from codegen.lower.program import Op, dependencies

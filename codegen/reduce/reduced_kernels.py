@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.differentiation.program_tangents import differentiate, tangent_program
 from codegen.lower.kernels.corrections import least_correction
-from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.lowered_scene import Lowered
 from codegen.lower.module_tables import Pattern
 from codegen.lower.program import STATE, Kernel, Program, store, storing
 from codegen.lower.substitution import substitute

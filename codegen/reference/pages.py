@@ -11,7 +11,7 @@ from codegen.derive.equations import Equations, derive
 from codegen.elements.registry import Kind, kinds_of_elements
 from codegen.errors import ModelError
 from codegen.generated_files.generated_file import Written, write_folder
-from codegen.lower.kernels.scene_kernels import lower
+from codegen.lower.lowered_scene import lower
 from codegen.lower.operation_count import by_element
 from codegen.model import Model
 from codegen.readers.values import shown

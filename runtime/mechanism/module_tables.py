@@ -9,7 +9,7 @@ from typing import Any, get_args, get_origin
 import numpy as np
 import numpy.typing as npt
 
-from codegen.condition_evaluation import ConditionRow, ProfileRow
+from codegen.parameter_conditions import ConditionRow, ProfileRow
 from runtime.core.modes_and_event_kinds import Boundary, TablePart
 from runtime.mechanism.series_table import SeriesTable
 from runtime.mechanism.table_rows import (

@@ -13,7 +13,7 @@ from codegen.declare.scene import Scene
 from codegen.derive.equations import derive
 from codegen.emit.module import Origin, module_text
 from codegen.explain.operations_by_part import marginal_operations
-from codegen.lower.kernels.scene_kernels import Lowered, lower
+from codegen.lower.lowered_scene import Lowered, lower
 from codegen.lower.operation_count import operations
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes

@@ -19,7 +19,7 @@ from codegen.declare.symbols import Parameter, side
 from codegen.derive.equations import EffectEquations, Equations, derive
 from codegen.explain.element_times import about_the_start, parameters
 from codegen.lower.interpreter import evaluate
-from codegen.lower.kernels.scene_kernels import Lowered, lower
+from codegen.lower.lowered_scene import Lowered, lower
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.test_absent_effects import MACHINES, library

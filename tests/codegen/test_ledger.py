@@ -28,7 +28,7 @@ from codegen.explain.operations_by_part import (
 )
 from codegen.explain.picture import figure, page
 from codegen.explain.terminal_table import notes
-from codegen.lower.kernels.scene_kernels import lower
+from codegen.lower.lowered_scene import lower
 from codegen.lower.operation_count import operations
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes

@@ -9,7 +9,7 @@ from codegen.check.redundancy import TOLERANCE, Findings, examine
 from codegen.derive.equations import derive
 from codegen.lower import poses_near_start
 from codegen.lower.interpreter import LevelEvaluation
-from codegen.lower.kernels.scene_kernels import Lowered, lower
+from codegen.lower.lowered_scene import Lowered, lower
 from codegen.lower.poses_near_start import Poses, dependent_rows, least_norm
 from codegen.model import Model
 from codegen.reading.scene_selection import valid_scenes

@@ -4,7 +4,7 @@ import pytest
 
 from codegen import Model, ModelError
 from codegen.derive.equations import derive
-from codegen.lower.kernels.scene_kernels import lower
+from codegen.lower.lowered_scene import lower
 from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.test_scenes import sledge
 

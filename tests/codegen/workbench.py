@@ -15,7 +15,7 @@ from codegen.elements.registry import kinds_of_elements
 from codegen.emit.module import Origin, module_text
 from codegen.generated_files.provenance import fingerprint
 from codegen.lower.interpreter import evaluate
-from codegen.lower.kernels.scene_kernels import Lowered, lower
+from codegen.lower.lowered_scene import Lowered, lower
 from codegen.reading.scene_selection import valid_scenes
 
 STEP = 1e-40

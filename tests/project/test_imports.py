@@ -51,7 +51,7 @@ COMPILER = {
         "codegen.garbage_collection",
         "codegen.numba_cache",
         "codegen.separate_compilation",
-        "codegen.condition_evaluation",
+        "codegen.parameter_conditions",
         "codegen.termination_signals",
     ),
     *("codegen.files.generated_modules", "codegen.calls_of_kernels_from_python"),

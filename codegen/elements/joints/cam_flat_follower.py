@@ -6,7 +6,6 @@ from math import atan2, cos, sin
 import numpy as np
 import sympy
 
-from codegen.condition_evaluation import ALPHAS
 from codegen.declare.body import Curve, Point
 from codegen.declare.cam_profile_checks import compared, places
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
@@ -15,6 +14,7 @@ from codegen.declare.symbols import Coordinate, alpha, coordinate, given, own_co
 from codegen.drawing import shapes
 from codegen.elements.joints.body_line import Axis, axis_conditions, bind_axis
 from codegen.elements.registry import element
+from codegen.parameter_conditions import ALPHAS
 
 AXIS = sympy.Matrix([given("j_ux"), given("j_uy")])
 NORMAL = sympy.Matrix([-AXIS[1], AXIS[0]])

@@ -5,13 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 import sympy
 
-from codegen.condition_evaluation import ALPHAS
 from codegen.declare.body import Curve, Point
 from codegen.declare.cam_profile_checks import compared, in_ground
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.symbols import Coordinate, coordinate, own_coordinate
 from codegen.drawing import shapes
 from codegen.elements.registry import element
+from codegen.parameter_conditions import ALPHAS
 
 AT = coordinate("contact", "alpha")
 

@@ -15,7 +15,7 @@ from codegen.derive.scene_picture import (
 from codegen.drawing.layout import BodyLayout, Layout, ShapeLayout
 from codegen.drawing.shapes import Place
 from codegen.lower.differentiation.gradient import Slopes
-from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.lowered_scene import Lowered
 from codegen.lower.program import Program, storing
 from codegen.lower.scene_graph import SceneGraph
 from codegen.lower.sympy_translation import Translator

@@ -9,7 +9,7 @@ import pytest
 from codegen.derive.equations import derive
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
-from codegen.lower.kernels.scene_kernels import lower
+from codegen.lower.lowered_scene import lower
 from codegen.lower.poses_near_start import Poses
 from codegen.lower.program import Kernel, Op, Program, store
 from codegen.lower.substitution import expand_sine, substitute

@@ -6,7 +6,7 @@ import pytest
 from codegen import Model
 from codegen.derive.equations import derive
 from codegen.drawing.lines_between_bodies import lines_between_bodies
-from codegen.lower.kernels.scene_kernels import lower
+from codegen.lower.lowered_scene import lower
 from codegen.lower.poses_near_start import Poses
 from codegen.picture_at_start import picture_at_start
 from codegen.reading.scene_selection import valid_scenes

@@ -14,7 +14,7 @@ from codegen import Model
 from codegen.driver import translate
 from codegen.generated_files.generated_file import Clock
 from codegen.lower.interpreter import evaluate
-from codegen.lower.kernels.scene_kernels import Lowered
+from codegen.lower.lowered_scene import Lowered
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes
 from codegen.reduce.reduced_kernels import Reduced, reduce

@@ -14,7 +14,7 @@ from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.module_functions import SIN_COS_FUNCTION
 from codegen.emit.rolled_kernel import RolledKernelText
 from codegen.lower.interpreter import evaluate
-from codegen.lower.kernels.scene_kernels import Lowered, lower
+from codegen.lower.lowered_scene import Lowered, lower
 from codegen.lower.program import Kernel
 from codegen.reading.scene_selection import valid_scenes
 from codegen.reroll.parts import RolledKernel
