@@ -24,26 +24,32 @@ MACHINES = (("four_bar", "constant_torque"), ("slider_crank", "compressor"))
 _MODELS = Path(__file__).resolve().parents[1] / "models"
 _PROGRAM = """
 import json, sys, time
-from numba.core import event
-class Listener(event.Listener):
+from linkwright import load
+from codegen.machine_code import compiled_functions, kernels
+class Clock:
     depth = count = 0
     began = spent = 0.0
-    def on_start(self, about):
+    def begin(self, *about):
         self.depth, self.count = self.depth + 1, self.count + 1
         self.began = time.process_time() if self.depth == 1 else self.began
-    def on_end(self, about):
+    def end(self):
         self.depth -= 1
         self.spent += 0.0 if self.depth else time.process_time() - self.began
-listener = Listener()
-event.register("numba:compile", listener)
-from linkwright import load
+clock, execute = Clock(), kernels.execute
+def timed(*given):
+    clock.begin()
+    execute(*given)
+    clock.end()
+kernels.execute = timed
+watched = compiled_functions.watched_compilation(clock.begin, clock.end)
+watched.__enter__()
 imported = time.process_time()
 machine = load(sys.argv[1], scene=sys.argv[2])
-loaded, kernels = time.process_time(), listener.spent
+loaded, kernels = time.process_time(), clock.spent
 machine.simulate(1.0)
 print(json.dumps([imported, loaded - imported - kernels, kernels,
-    listener.spent - kernels, time.process_time() - loaded - (listener.spent - kernels),
-    listener.count, time.process_time()]), flush=True)
+    clock.spent - kernels, time.process_time() - loaded - (clock.spent - kernels),
+    clock.count, time.process_time()]), flush=True)
 """
 _PLAIN = """
 import sys

@@ -79,16 +79,11 @@ def compilation_shown(wanted: bool = True) -> Iterator[None]:
     if not (wanted and in_main and (terminal or notebook)) or _Compilation.current is not None:
         yield
         return
-    from numba.core import event
+    from codegen.machine_code.compiled_functions import watched_compilation
 
-    numba_events: Any = event  # numba leaves these untyped
     compilation = _Compilation.current = _Compilation(terminal)
-    listener = type("Listener", (numba_events.Listener,), {
-        "on_start": lambda _, about: compilation.begin(about.data["dispatcher"].py_func),
-        "on_end": lambda _, about: compilation.end(),
-    })()  # fmt: skip
     try:
-        with numba_events.install_listener("numba:compile", listener):
+        with watched_compilation(compilation.begin, compilation.end):
             yield
     finally:
         compilation.close()

@@ -4,19 +4,15 @@ import gc
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from hypothesis import settings
-
-from codegen.files import generated_modules
-from tests.machine_code import compile_apart
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 
@@ -105,25 +101,6 @@ def pytest_collection_finish() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(50_000, 20, 20)
-
-
-@pytest.fixture(scope="session", autouse=True)
-def compilation_apart(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Generated files compile in a forked process; the tests load machine code from the cache."""
-    if sys.platform != "linux":  # elsewhere a fork of a process with threads is not safe
-        yield
-        return
-    execute = generated_modules._execute
-    folder = tmp_path_factory.getbasetemp()
-    kept = (folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "machine_code"
-
-    def compile_and_execute(name: str, path: Path, text: str) -> ModuleType:
-        compile_apart(name, path, text, kept)
-        return execute(name, path, text)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(generated_modules, "_execute", compile_and_execute)
-        yield
 
 
 @pytest.fixture(scope="session")

@@ -35,7 +35,6 @@ from codegen.lower.interpreter import evaluate
 from codegen.lower.lowered_scene import Lowered
 from codegen.lower.poses_near_start import Poses
 from codegen.lower.program import Program
-from codegen.numba_cache import checked_caches
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -95,8 +94,7 @@ def _nothing(t: float, q: Any, v: Any, p: Any, modes: Any, a: Any, lam: Any) -> 
 def _compiled() -> tuple[Any, Any]:
     function = types.FunctionType(SIGNATURE)
     loop = F8(function, VECTOR, ROWS, ROWS, MODE_ROWS, VECTOR, VECTOR, VECTOR, types.int64)
-    with checked_caches():
-        return njit(loop, **OPTIONS)(_loop), njit(SIGNATURE, **OPTIONS)(_nothing)
+    return njit(loop, **OPTIONS)(_loop), njit(SIGNATURE, **OPTIONS)(_nothing)
 
 
 def times(kernels: Sequence[Timed], states: States, rounds: int = ROUNDS) -> list[float]:

@@ -12,18 +12,19 @@ import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cached_property
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import CodeType, ModuleType
 
 from codegen.errors import GeneratedFileError, SupersededError
+from codegen.machine_code.file_lock import locked
 
 MARK = "# content-sha256: "
 UNSIGNED = "0" * 64
 # in the header, in the form that a checkout has without an installation
 _REBUILD = re.compile(r"python -m codegen (\w+.*)")
 _SIGNATURE = re.compile(rf"^{MARK}([0-9a-f]{{64}})$", re.MULTILINE)
+_IMPORT = re.compile(r"^import numba$", re.MULTILINE)
 FIRST_KERNEL = re.compile(r"^(?:@|def )", re.MULTILINE)
 
 
@@ -98,11 +99,10 @@ def content_hash(path: Path, digest: str) -> str:
 
 
 def import_generated(path: Path, digest: str | None = None) -> ModuleType:
-    """Import a generated file, compiling what numba's cache does not hold.
+    """Import a generated file, compiling kernels whose machine code is not kept.
 
-    The module's name follows from the file's content: numba's cache asks for it by name, in the
-    process that compiled and in those that load, and a rebuilt module is never mistaken for the one
-    that it replaces. Raises GeneratedFileError if the file cannot be read or does not compile,
+    The module's name follows from the file's content: a rebuilt module is never mistaken for the
+    one that it replaces. Raises GeneratedFileError if the file cannot be read or does not compile,
     SupersededError if its text does not have the SHA-256 `digest`.
     """
     with alone(path):
@@ -127,16 +127,13 @@ def _name(path: Path, digest: str) -> str:
 
 def _execute(name: str, path: Path, text: str) -> ModuleType:
     """Execute a text that was verified: no byte code, and nothing else that lies in its folder."""
-    from codegen.numba_cache import checked_caches
-
     loader = _TextLoader(name, str(path), text)
     spec = importlib.util.spec_from_file_location(name, path, loader=loader)
     assert spec is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:
-        with checked_caches():
-            loader.exec_module(module)
+        loader.exec_module(module)
     except BaseException as error:
         del sys.modules[name]
         if not isinstance(error, Exception):
@@ -162,49 +159,24 @@ def alone(path: Path) -> Iterator[None]:
         yield
 
 
-@contextmanager
-def locked(path: Path) -> Iterator[None]:
-    """One process at a time; without a lock where the file `path` cannot be made."""
-    from filelock import FileLock  # which takes a tenth of a start of the program
-
-    lock = FileLock(path)
-    try:
-        lock.acquire()
-    except OSError:
-        yield
-        return
-    try:
-        yield
-    finally:
-        lock.release()
-
-
 class _TextLoader(SourceFileLoader):
-    """Python's own loader, of a text in place of a file; its kernels get options of ours."""
+    """Python's own loader, of a text in place of a file; its `numba.njit` makes kernels of ours."""
 
     def __init__(self, name: str, path: str, text: str) -> None:
         super().__init__(name, path)
         self.text = text
 
-    @cached_property
-    def lines(self) -> list[str]:
-        """The lines of the text, each with its end."""
-        return [f"{line}\n" for line in self.text.split("\n")]
-
     def get_code(self, fullname: str) -> CodeType:
-        """The text, compiled, with more options for kernels."""
-        from codegen.calls_of_kernels_from_python import with_kernel_options
-
-        return compile(with_kernel_options(self.text), self.path, "exec", dont_inherit=True)
+        """The text, compiled; it imports no numba."""
+        text = _IMPORT.sub("", self.text, count=1)
+        return compile(text, self.path, "exec", dont_inherit=True)
 
     def exec_module(self, module: ModuleType) -> None:
-        """Execute the text in a module, whose kernels can then be called from Python."""
-        from codegen.calls_of_kernels_from_python import KERNEL_OPTIONS, give_entries
+        """Execute the text in a module, and compile its kernels."""
+        from codegen.machine_code.kernels import execute
 
-        vars(module)["KERNEL_OPTIONS"] = KERNEL_OPTIONS
-        super().exec_module(module)
-        del vars(module)["KERNEL_OPTIONS"]
-        give_entries(vars(module).values())
+        run = super().exec_module
+        execute(Path(self.path), self.text, vars(module), lambda: run(module))
 
     def get_source(self, fullname: str) -> str:
         """The text."""

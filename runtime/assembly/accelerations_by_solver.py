@@ -6,12 +6,11 @@ import numpy as np
 from numba import njit
 
 from runtime.core.array_types import Kernel
-from runtime.core.jit import OPTIONS
 from runtime.core.kernel_abi import SIGNATURES, Kernels
 from runtime.linalg.row_elimination import Sparse
 from runtime.mechanism.module_tables import Description
 
-UNCACHED = {name: value for name, value in OPTIONS.items() if name != "cache"}
+UNCACHED: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
 """For kernels that close over those of a machine."""
 
 

@@ -7,25 +7,18 @@ also attributes of `context` in compiled code: ``context.modes``.
 """
 
 from collections.abc import Callable
-from functools import reduce
 from math import prod
-from typing import Any, ClassVar, NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
-from numba import extending, types
-from numba.core import cgutils
-from numba.core.typing import templates
-from numba.extending import intrinsic
+from numba import types
 
+from codegen.machine_code.table_values import array_at
 from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
-from runtime.core.jit import ADDRESSES, at
+from runtime.core.jit import at
 from runtime.core.kernel_abi import KERNELS
-from runtime.core.unowned_array_views import borrowed_array, open_array, pointer, word
 
 _ALIGNED = 8  # layout: words of a cache line, in which an array of its own begins
-_tools: Any = cgutils  # numba leaves these untyped
-_extending: Any = extending
-_AttributeTemplate: Any = templates.AttributeTemplate
 
 Length = int | tuple[int, int | None]
 """A slot that holds a length; or a factor and such a slot, or a factor alone and None."""
@@ -100,25 +93,10 @@ class TableLayout:
         return self._fetcher(name, self.arrays[matrix]._replace(flat=True))
 
     def _fetcher(self, name: str, array: ArraySlot) -> Callable[[Integers], Any]:
-        """An intrinsic that makes an array, not owned, of what lies at an address in a table."""
-
-        def fetch(typing_context: Any, context: Any) -> Any:
-            result = types.Array(array.item, 1 if array.flat else len(array.lengths), "C")
-            signature = result(context)
-
-            def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-                table = open_array(context, builder, signature, arguments)
-                shape = [_length(builder, table, *length) for length in array.lengths]
-                if array.flat:
-                    shape = [reduce(builder.mul, shape)]
-                data = pointer(context, builder, table, array.slot, array.item)
-                return borrowed_array(context, builder, signature.return_type, data, shape)
-
-            return signature, codegen
-
-        if self.attributes:
-            declare_attribute(name, fetch)
-        return cast(Callable[[Integers], Any], intrinsic(fetch))
+        """What makes an array, not owned, of what lies at an address in a table."""
+        attributes = (name,) if self.attributes else ()
+        found = array_at(array.slot, array.item, array.lengths, array.flat, attributes)
+        return cast(Callable[[Integers], Any], found)
 
     def allot(self, table: Integers) -> dict[str, Any]:
         """Arrays of zeros for a table whose numbers are set, their addresses written into it.
@@ -141,35 +119,6 @@ class TableLayout:
         return _Allotted(self, table, block, starts)
 
 
-@_extending.infer_getattr
-class _Attributes(_AttributeTemplate):  # type: ignore[misc]
-    """The arrays that a run's table has as attributes, in compiled code: name → type."""
-
-    key = types.Array
-    found: ClassVar[dict[str, Any]] = {}
-
-    def generic_resolve(self, array: Any, name: str) -> Any:
-        return self.found.get(name) if array == ADDRESSES else None
-
-
-def declare_attribute(name: str, fetch: Any, *numbers: int) -> None:
-    """Let ``context.name`` in compiled code be what the intrinsic of `fetch` takes out of a table.
-
-    `numbers` are the intrinsic's arguments behind the table. Raises ValueError if `name` is known,
-    or an attribute of every array, such as ``size``.
-    """
-    if name in _Attributes.found or hasattr(np.ndarray, name):
-        raise ValueError(f"context.{name} is taken: choose another name")
-    signature, codegen = fetch(None, ADDRESSES, *[types.intp] * len(numbers))
-    _Attributes.found[name] = signature.return_type
-
-    def lower(context: Any, builder: Any, kind: Any, table: Any) -> Any:
-        constants = [context.get_constant(types.intp, number) for number in numbers]
-        return codegen(context, builder, signature, [table, *constants])
-
-    _extending.lower_getattr(ADDRESSES, name)(lower)
-
-
 class _Allotted(dict[str, Any]):
     """Arrays of a table by name."""
 
@@ -185,10 +134,3 @@ class _Allotted(dict[str, Any]):
         words = words.view(np.float64) if array.item is types.float64 else words
         self[name] = words = words if array.flat else words.reshape(shape)
         return words
-
-
-def _length(builder: Any, table: Any, factor: int, count: int | None) -> Any:
-    if count is None:
-        return _tools.intp_t(factor)
-    value = word(builder, table, count)
-    return value if factor == 1 else builder.mul(value, _tools.intp_t(factor))

@@ -2,16 +2,15 @@
 
 from collections.abc import Callable
 from enum import IntEnum, unique
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numba import from_dtype
-from numba.extending import intrinsic
 
+from codegen.machine_code.table_values import record_at
 from runtime.core.array_types import Integers
 from runtime.core.function_table_slots import RECORD
 from runtime.core.jit import inlined
-from runtime.core.unowned_array_views import open_array, word
 
 _FLOATS = ["t_end", "h_min", "h_max", "rtol", "beta", "safety", "largest_dq"]
 _FLOATS += [
@@ -146,17 +145,7 @@ RUN = np.dtype(
 )
 
 
-def _run_record(typing_context: Any, context: Any) -> Any:
-    record = from_dtype(RUN)
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        table = open_array(context, builder, signature, arguments)
-        return builder.inttoptr(word(builder, table, RECORD), context.get_value_type(record))
-
-    return record(context), codegen
-
-
-run_record: Callable[[Integers], Any] = cast(Any, intrinsic(_run_record))
+run_record: Callable[[Integers], Any] = record_at(from_dtype(RUN), RECORD)
 """The record of the run, of the type `RUN`, for compiled code."""
 
 

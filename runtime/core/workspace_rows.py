@@ -7,15 +7,11 @@ continue with the same bits.
 """
 
 from collections.abc import Callable
-from typing import Any, cast
+from typing import cast
 
-from numba import types
-from numba.extending import intrinsic
-
+from codegen.machine_code.table_values import row_at
 from runtime.core.array_types import Integers, Vector
-from runtime.core.function_table_layout import declare_attribute
 from runtime.core.function_table_slots import COORDINATES, SWITCHES, TABLE
-from runtime.core.unowned_array_views import borrowed_array, open_array, pointer, word
 
 Y0 = 0  # state at the start of the step
 Y1 = 1  # state at its end
@@ -60,32 +56,12 @@ _Row = Callable[[Integers, int], Vector]
 
 
 def _row(array: str, count: int, factor: int, part: int | None, **named: int) -> _Row:
-    """An intrinsic that takes a row out of an array in the table, or a part of it.
+    """What takes a row out of an array in the table, or a part of it.
 
     Rows have `factor` parts, each as long as the number in slot `count`.
     The rows `named` become attributes of `context`.
     """
-
-    def fetch(typing_context: Any, context: Any, index: Any) -> Any:
-        signature = types.Array(types.float64, 1, "C")(context, types.intp)
-
-        def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            table = open_array(context, builder, signature, arguments)
-            length = word(builder, table, count)
-            row = builder.mul(length, context.get_constant(types.intp, factor))
-            start = builder.mul(arguments[1], row)
-            if part:
-                start = builder.add(start, length)
-            base = pointer(context, builder, table, TABLE.slots[array], types.float64)
-            data = builder.gep(base, [start], inbounds=True)
-            shape = [row if part is None else length]
-            return borrowed_array(context, builder, signature.return_type, data, shape)
-
-        return signature, codegen
-
-    for name, row in named.items():
-        declare_attribute(name, fetch, row)
-    return cast(_Row, intrinsic(fetch))
+    return cast(_Row, row_at(TABLE.slots[array], count, factor, part, **named))
 
 
 row_of = _row("workspace", COORDINATES, 2, None)  # row of the workspace, (2 n,)

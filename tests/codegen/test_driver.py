@@ -165,11 +165,9 @@ def test_stages_are_announced_and_timed(model: Path, tmp_path: Path) -> None:
     for stage in stages:
         assert any(stage in line for line in lines)
     module = import_generated(scene.path)
-    assert module.accelerations.signatures
+    assert module.accelerations.address
     assert (scene.coordinates, scene.constraints, scene.degrees_of_freedom) == (3, 2, 1)
     assert dict(module.OPERATIONS) == scene.operations
-    if sys.platform == "linux":  # tests/conftest.py: another process compiled it
-        assert not module.accelerations.stats.cache_misses
 
 
 def test_two_builds_at_once_write_one_file(model: Path, tmp_path: Path, root: Path) -> None:

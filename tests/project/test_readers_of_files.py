@@ -16,7 +16,7 @@ EXECUTES = {
 }
 PERMITTED = {
     "codegen/files/generated_modules.py": {"compile"},  # generated modules
-    "codegen/numba_cache.py": {"pickle.loads"},  # of the user's own cache folder
+    "codegen/machine_code/kernels.py": {"eval"},  # a kernel's signature, of a generated module
     "codegen/reference/examples.py": {"exec"},  # the examples of elements, from their classes
     "runtime/results/packed_values.py": {"np.load"},  # with allow_pickle=False
     "runtime/sweeps/block_parts.py": {"np.load"},  # with allow_pickle=False

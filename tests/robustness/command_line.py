@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from numba.core.caching import _CacheLocator
+from codegen.machine_code.code_folders import unique_name
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = """\
@@ -70,16 +70,13 @@ class Workplace:
         self.found = Findings.none()  # of the campaign that is under way
         (folder / "models").mkdir(parents=True)
         (folder / "models" / "rods.py").write_text(MODEL)
-        for cache in ROOT.glob("runtime/**/__pycache__"):
-            self._copy(cache)
-        self._copy(ROOT / "generated" / "methods" / "__pycache__")
+        self._copy(ROOT / "runtime")
+        self._copy(ROOT / "codegen" / "machine_code")
 
-    def _copy(self, cache: Path) -> None:
-        source = cache.parent / "any.py"
-        place = self.code / _CacheLocator.get_suitable_cache_subpath(str(source))
-        place.mkdir(parents=True, exist_ok=True)
-        for file in (*cache.glob("*.nbi"), *cache.glob("*.nbc")):
-            shutil.copy(file, place)
+    def _copy(self, beside: Path) -> None:
+        target = self.code / unique_name(beside)
+        for cache in beside.glob("__pycache__/lw-*"):
+            shutil.copytree(cache, target / cache.name)
 
     def start(self, *command: str) -> subprocess.Popen[str]:
         """Start `python -m COMMAND`, with the signals as a terminal leaves them."""

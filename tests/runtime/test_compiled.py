@@ -148,18 +148,6 @@ def test_every_file_with_compiled_code_counts_in_the_stamp() -> None:
             assert "runtime.core.jit" in text, path
 
 
-def test_the_cache_of_a_function_goes_stale_with_the_stamp() -> None:
-    index = plus._cache._cache_file
-    own, stamp = index._source_stamp
-    assert stamp == runtime.core.jit._STAMP
-    index._source_stamp = (own, "another")
-    try:
-        assert index._load_index() == {}
-    finally:
-        index._source_stamp = (own, stamp)
-    assert index._load_index() != {}
-
-
 def test_constants_by_keyword_compile_once() -> None:
     def scaled(a: float, factor: int) -> float:
         return a * factor

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from codegen.kernel_compiler.expression_translation import ExpressionTranslation, number_of, signed
-from codegen.kernel_compiler.llvm_instructions import (
+from codegen.machine_code.expression_translation import ExpressionTranslation, number_of, signed
+from codegen.machine_code.llvm_instructions import (
     INTEGER,
     Group,
     Number,
@@ -17,7 +17,7 @@ from codegen.kernel_compiler.llvm_instructions import (
 )
 
 if TYPE_CHECKING:
-    from codegen.kernel_compiler.llvm_module import LlvmModule
+    from codegen.machine_code.llvm_module import LlvmModule
 
 _BLOCKS = (ast.If, ast.For, ast.While)
 

@@ -1,6 +1,8 @@
 """Kernels have no entries from Python and from C of their own, and are called as if they had."""
 
-import signal
+import os
+import subprocess
+import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -43,15 +45,6 @@ def module(tmp_path: Path) -> ModuleType:
     path = tmp_path / "kernels.py"
     path.write_text(TEXT)
     return import_generated(path)
-
-
-def test_kernels_are_compiled_without_entries(module: ModuleType) -> None:
-    for kernel in (module.number, module.integer, module.nothing):
-        (result,) = kernel.overloads.values()
-        described, address = result.fndesc, result.library.get_pointer_to_function
-        assert address(described.llvm_func_name)
-        assert not address(described.llvm_cpython_wrapper_name)
-        assert not address(described.llvm_cfunc_wrapper_name)
 
 
 def test_python_calls_them(module: ModuleType) -> None:
@@ -105,10 +98,10 @@ def test_what_was_given_is_named(module: ModuleType) -> None:
 
 
 def test_a_result_that_no_caller_has_is_named(tmp_path: Path) -> None:
-    path = tmp_path / "truth.py"
-    text = TEXT.replace('"i8(f8[::1], f8)"', '"b1(f8[::1], f8)"')
-    path.write_text(text.replace("return 1 if p[0] > t else 0", "return p[0] > t"))
-    with pytest.raises(TypeError, match="integer returns bool; Python calls kernels that return"):
+    path = tmp_path / "pair.py"
+    text = TEXT.replace('"i8(f8[::1], f8)"', '"Tuple((f8, f8))(f8[::1], f8)"')
+    path.write_text(text.replace("return 1 if p[0] > t else 0", "return p[0], t"))
+    with pytest.raises(TypeError, match=r"integer returns .*; Python calls kernels that return"):
         import_generated(path).integer(np.ones(1), 0.0)
 
 
@@ -118,33 +111,52 @@ def test_what_has_no_signature_is_not_called(module: ModuleType) -> None:
 
 
 def test_compiled_code_calls_them_by_name_and_as_values(module: ModuleType) -> None:
-    number, p = module.number, np.array([3.0])
+    number, p = module.number, np.array([3.0, 1.0])
     by_name = numba.njit(lambda p: number(p, 1.0))
     assert by_name(p) == 9.0
     kind = types.FunctionType(f8(vector, f8))
     as_value = numba.njit(f8(kind, vector))(lambda kernel, p: kernel(p, 1.0))
     assert as_value(number, p) == 9.0
+    integer, nothing = module.integer, module.nothing
+    modes = np.array([1])
+    others = numba.njit(lambda p, modes: (nothing(7.0, p, modes), integer(p, 2.0)))
+    assert others(p, modes) == (None, 1)
+    assert p.tolist() == [3.0, 7.0]
 
 
-def test_an_interrupt_waits_for_the_entry_from_c(
-    module: ModuleType, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    compiled = []
+FOREIGN = """import sys
+from pathlib import Path
 
-    def interrupted(*arguments: object, **options: object) -> object:
-        signal.raise_signal(signal.SIGINT)
-        compiled.append(arguments)
-        return lambda _: None
+import numba
+import numpy as np
 
-    monkeypatch.setattr(numba, "cfunc", interrupted)
-    # A process in the background of a shell script is started to ignore the signal.
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            module.number.__wrapper_address__()
-    finally:
-        signal.signal(signal.SIGINT, before)
-    assert compiled
+from codegen.files.generated_modules import import_generated
+
+number = import_generated(Path(sys.argv[1])).number
+
+
+@numba.njit("f8(f8[::1])", cache=True)
+def twice(p):
+    return 2.0 * number(p, 1.0)
+
+
+print(twice(np.array([3.0])))
+"""
+
+
+def test_no_cache_of_a_users_keeps_an_old_kernel(tmp_path: Path, root: Path) -> None:
+    """Numba keeps no function that holds an address, and says so."""
+    path, program, answers = tmp_path / "kernels.py", tmp_path / "program.py", []
+    program.write_text(FOREIGN)
+    for text in (TEXT, TEXT.replace("x * x", "x + 1.0")):
+        path.write_text(text)
+        done = subprocess.run(
+            [sys.executable, program, path], env={**os.environ, "PYTHONPATH": str(root)},
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        assert "Cannot cache compiled function" in done.stderr
+        answers.append(float(done.stdout))
+    assert answers == [18.0, 8.0]
 
 
 def test_a_module_without_options_is_left_alone(tmp_path: Path) -> None:

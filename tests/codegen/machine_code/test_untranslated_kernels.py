@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.codegen.kernel_compiler.kernel_texts import EXACT, plain, python_only
+from tests.codegen.machine_code.kernel_texts import EXACT, plain, python_only
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from codegen.kernel_compiler.llvm_instructions import (
+from codegen.machine_code.llvm_instructions import (
     FLOAT,
     INTEGER,
     TRUTH,
@@ -24,7 +24,7 @@ from codegen.kernel_compiler.llvm_instructions import (
 )
 
 if TYPE_CHECKING:
-    from codegen.kernel_compiler.llvm_module import LlvmModule
+    from codegen.machine_code.llvm_module import LlvmModule
 
 # Functions of `math` by the number of their arguments: LLVM's own, and those of the C library.
 _INTRINSICS = {**dict.fromkeys(("sin", "cos", "exp", "log"), 1), "pow": 2}

@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 
 from codegen.files.generated_modules import import_generated
-from codegen.kernel_compiler import compilation_result
-from tests.codegen.kernel_compiler.kernel_texts import HEAD
+from codegen.machine_code import kernels
+from tests.codegen.machine_code.kernel_texts import HEAD
 
 
 @pytest.fixture
 def imported(tmp_path: Path) -> Callable[[str, str], ModuleType]:
-    """Imports a text as a generated one, or as numba compiles it."""
+    """Imports a text as a generated one."""
 
     def load(options: str, text: str) -> ModuleType:
         path = tmp_path / f"kernels_{len(list(tmp_path.iterdir()))}.py"
@@ -28,12 +28,12 @@ def imported(tmp_path: Path) -> Callable[[str, str], ModuleType]:
 def translated(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The names of the kernels that are translated from now on."""
     names: list[str] = []
-    translate = compilation_result.translate
+    translate = kernels._translation
 
-    def recorded(tree: Any, *arguments: Any) -> str:
-        text = translate(tree, *arguments)
-        names.append(tree.name)
-        return text
+    def recorded(found: Any, *arguments: Any) -> bytes:
+        code = translate(found, *arguments)
+        names.extend(kernel.py_func.__name__ for kernel in found)
+        return code
 
-    monkeypatch.setattr(compilation_result, "translate", recorded)
+    monkeypatch.setattr(kernels, "_translation", recorded)
     return names

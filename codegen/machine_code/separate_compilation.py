@@ -21,11 +21,10 @@ from importlib import import_module
 from typing import Any, NamedTuple
 
 from llvmlite import binding  # type: ignore[import-untyped]
-from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 
-_Library: Any = JITCodeLibrary  # numba and LLVM's bindings are untyped
-_Codegen: Any = JITCPUCodegen
-_llvm: Any = binding
+from codegen.machine_code.undocumented_names import CodeLibrary, CpuCodegen
+
+_llvm: Any = binding  # which is untyped
 
 _LONG = 150  # measured: lines of a body; LLVM inlines hardly anything as long as that
 _KIND = "object and symbols"  # code: of what is serialized; numba's are "object" and "bitcode"
@@ -71,7 +70,7 @@ def _loaded(*fields: Any) -> Callee:
     return callee
 
 
-class ObjectCode(_Library):  # type: ignore[misc]
+class ObjectCode(CodeLibrary):  # type: ignore[misc]
     """Compiled code, which has an interface once its function can be found by its name.
 
     Attributes
@@ -145,11 +144,11 @@ class ObjectCode(_Library):  # type: ignore[misc]
 @contextmanager
 def separate_compilation() -> Iterator[None]:
     """Within the block, libraries that numba makes or loads are `ObjectCode`."""
-    usual, _Codegen._library_class = _Codegen._library_class, ObjectCode
+    usual, CpuCodegen._library_class = CpuCodegen._library_class, ObjectCode
     try:
         yield
     finally:
-        _Codegen._library_class = usual
+        CpuCodegen._library_class = usual
 
 
 @contextmanager

@@ -1,0 +1,22 @@
+"""A lock that one process at a time has, by a file."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """One process at a time; without a lock where the file `path` cannot be made."""
+    from filelock import FileLock  # which takes a tenth of a start of the program
+
+    lock = FileLock(path)
+    try:
+        lock.acquire()
+    except OSError:
+        yield
+        return
+    try:
+        yield
+    finally:
+        lock.release()

@@ -1,0 +1,52 @@
+"""One package imports what numba does not document, and its table lists all of that."""
+
+import ast
+import importlib
+import re
+from pathlib import Path
+
+from codegen.machine_code.undocumented_names import TABLE
+
+PACKAGE = "codegen/machine_code"
+
+
+def imports(path: Path) -> set[str]:
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return {name for name in found if name.startswith(("numba.core", "numba.np", "llvmlite"))}
+
+
+def test_no_other_package_imports_them(root: Path) -> None:
+    files = [
+        p for room in ("codegen", "runtime", "linkwright") for p in (root / room).rglob("*.py")
+    ]
+    others = [p for p in files if not p.is_relative_to(root / PACKAGE)]
+    assert len(others) > 300
+    assert {str(p): found for p in others if (found := imports(p))} == {}
+
+
+def test_every_import_stands_in_the_table(root: Path) -> None:
+    listed = " ".join(row.names for row in TABLE)
+    for path in (root / PACKAGE).glob("*.py"):
+        names = {name for name in imports(path) if not name.startswith("llvmlite")}
+        assert not names or path.name == "undocumented_names.py", path
+        for name in names:
+            module, _, last = name.rpartition(".")
+            assert module in listed, name
+            assert re.search(rf"\b{last}\b", listed), name
+
+
+def test_numba_has_every_module_of_the_table() -> None:
+    modules = re.findall(r"numba\.core(?:\.[a-z_]+)+", " ".join(row.names for row in TABLE))
+    assert modules
+    for name in modules:
+        parent, _, last = name.rpartition(".")
+        try:
+            importlib.import_module(name)
+        except ModuleNotFoundError:
+            assert hasattr(importlib.import_module(parent), last)
+    assert all(field for row in TABLE for field in row)
