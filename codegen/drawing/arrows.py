@@ -163,10 +163,9 @@ class _Loads:
 
 def acting_loads(picture: Picture, series: Series | None = None) -> list[Load]:
     """What acts at one instant, is finite, and not 0 beside the largest of its unit."""
-    moving = MovingPicture.still(picture)
     finite = [
         load
-        for load in loads(moving, series or {})
+        for load in loads(picture.still, series or {})
         if np.isfinite(load.value).all() and np.isfinite(load.at).all()
     ]
     least = {word: VANISHING * largest(finite, word) for word in ("N", "N m")}

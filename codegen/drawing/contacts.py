@@ -25,7 +25,6 @@ from codegen.drawing.plane_geometry import (
 from codegen.drawing.proportions import BLOCK, HATCH, SAME
 from codegen.drawing.shapes import ContactSide
 
-SLOPES = ("gap", "gx", "gy", "turn", "bend", "third")
 GREATEST_GAP = 20.0  # layout: typical lengths from a body up to a surface that is drawn
 ROUNDING = 1e-9  # accuracy: of a contact's arms; a centre of curvature that moves less is fixed
 HALF = 0.24  # layout: half length of a surface under a body that stays, in typical lengths
@@ -62,31 +61,27 @@ class ContactLine(NamedTuple):
         return self.foot - self.arm * self.normal
 
 
-def contact_line(slopes: FloatArray, poses: FloatArray) -> ContactLine:
-    """The line of a contact's force.
-
-    Parameters
-    ----------
-    slopes
-        g, ∂g/∂x, ∂g/∂y, ∂g/∂φ, ∂²g/∂φ² and ∂³g/∂φ³, (k, 6).
-    poses
-        x, y and φ of the body, (k, 3).
-    """
-    gap, gx, gy, turn, bend, third = slopes.T
+def contact_line(moving: MovingPicture, number: int) -> ContactLine:
+    """The line of the force of a side, the symbol of this number, at all instants."""
+    gap, gx, gy, turn, bend, third = (
+        moving.number(number, name) for name in ("gap", "gx", "gy", "turn", "bend", "third")
+    )
     size = np.hypot(gx, gy)
     size = np.where(size > 0, size, np.nan)
     normal = gx / size + 1j * (gy / size)
     arms = abs(turn) + abs(bend)
     # the centre moves in the body with g_φ + g_φφφ, the change of the radius of curvature
     is_round = bool(np.any(arms > 0) and np.all(abs(turn + third) <= ROUNDING * arms.max()))
+    poses = moving.poses[:, side_of(moving.picture, number).body]
     foot = origin(poses) - 1j * (turn / size) * normal
     return ContactLine(foot, normal, gap / size, bend / size, is_round)
 
 
-def slopes_of(picture: Picture | MovingPicture, number: int) -> FloatArray:
-    """The numbers of a side, the symbol of this number, at all instants, (k, 6)."""
-    moving = MovingPicture.still(picture) if isinstance(picture, Picture) else picture
-    return np.stack([moving.number(number, name) for name in SLOPES], axis=1)
+def side_of(picture: Picture, number: int) -> ContactSide:
+    """The side of a contact that is the symbol of this number."""
+    side = picture.symbols[number].shape
+    assert isinstance(side, ContactSide)
+    return side
 
 
 def reach_of_outlines(
@@ -119,18 +114,14 @@ class Touch(NamedTuple):
     normal: Points
 
 
-def touch(picture: Picture | MovingPicture, number: int) -> Touch:
+def touch(moving: MovingPicture, number: int) -> Touch:
     """Where the body of a side touches, the symbol of this number, at all instants.
 
     The bodies have their outlines.
     """
-    moving = MovingPicture.still(picture) if isinstance(picture, Picture) else picture
-    side = moving.picture.symbols[number].shape
-    assert isinstance(side, ContactSide)
-    poses = moving.poses[:, side.body]
-    line = contact_line(slopes_of(moving, number), poses)
-    outlines = moving.picture.bodies[side.body].outlines
-    point = line.foot - reach_of_outlines(outlines, line, poses) * line.normal
+    body, line = side_of(moving.picture, number).body, contact_line(moving, number)
+    outlines = moving.picture.bodies[body].outlines
+    point = line.foot - reach_of_outlines(outlines, line, moving.poses[:, body]) * line.normal
     return Touch(point, point - line.gap * line.normal, line.normal)
 
 
@@ -140,13 +131,11 @@ def heights(picture: Picture, number: int, motion: FloatArray | None = None) -> 
     A level side has its slopes at all poses; of others, and without a motion, it is the gap at the
     instant of the picture, (1,). The body's turning is left out.
     """
-    side = picture.symbols[number].shape
-    assert isinstance(side, ContactSide)
-    pose = picture.poses[side.body]
-    line = contact_line(slopes_of(picture, number), pose[None])
+    side, line = side_of(picture, number), contact_line(picture.still, number)
     if motion is None or not side.is_level:
         return line.gap
-    return np.asarray(line.gap + dot(line.normal, origin(motion[:, side.body]) - origin(pose)))
+    away = origin(motion[:, side.body]) - origin(picture.poses[side.body])
+    return np.asarray(line.gap + dot(line.normal, away))
 
 
 def is_far(gaps: FloatArray, size: float) -> bool:
@@ -215,12 +204,10 @@ def surfaces(picture: Picture, fixed: bool, motion: FloatArray | None = None) ->
 def surface_of(picture: Picture, number: int, motion: FloatArray | None = None) -> Surface | None:
     """The surface of the side of this number in a picture; None where none is ever near."""
     symbol, size = picture.symbols[number], picture.size
-    (point,), (at,), (normal,) = touch(picture, number)
-    gaps = heights(picture, number, motion)
-    side = symbol.shape
+    (point,), (at,), (normal,) = touch(picture.still, number)
+    gaps, side = heights(picture, number, motion), side_of(picture, number)
     if not np.isfinite([point, at, normal]).all() or is_far(gaps, size):
         return None
-    assert isinstance(side, ContactSide)
     if side.is_stop:
         return Surface(symbol.element, at, normal, PLATE * BLOCK[1] * size)
     along = -1j * normal

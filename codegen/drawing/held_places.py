@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from codegen.drawing.contacts import contact_line, heights, is_far, sides_of, slopes_of
+from codegen.drawing.contacts import contact_line, heights, is_far, sides_of
 from codegen.drawing.picture import Picture
 from codegen.drawing.plane_geometry import FloatArray, Points, distinct, origin
 from codegen.drawing.shapes import (
@@ -45,7 +45,7 @@ def typical_length(picture: Picture, motion: FloatArray | None = None) -> float:
             points += [z for line in body.polygons for z in picture.placed(line, number)]
     length = _diagonal(points)
     for number, _, side in sides_of(picture):
-        line = contact_line(slopes_of(picture, number), picture.poses[[side.body]])
+        line = contact_line(picture.still, number)
         near = length == 0.0 or not is_far(heights(picture, number, motion), length)
         if side.is_grounded and near:
             points += [*line.center, *(line.center - line.gap * line.normal)]
@@ -82,6 +82,6 @@ def held_places(picture: Picture, body: int) -> Points:
     ]
     for number, _, side in sides_of(picture):
         if side.body == body and (side.turn or side.bend):
-            line = contact_line(slopes_of(picture, number), picture.poses[[body]])
-            found += list(picture.in_body(line.center[np.isfinite(line.center)], body))
+            center = contact_line(picture.still, number).center
+            found += list(picture.in_body(center[np.isfinite(center)], body))
     return np.array(found, dtype=complex)

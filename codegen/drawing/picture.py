@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from operator import attrgetter
 from typing import Any, TypeVar
 
 import numpy as np
@@ -96,6 +97,12 @@ class Picture:
         elements = {symbol.element for symbol in self.symbols if symbol.shape is shape}
         return [one for symbol, one in self.having(kind) if symbol.element in elements]
 
+    @property
+    def still(self) -> "MovingPicture":
+        """The picture as one of a single instant."""
+        poses = self.poses[None]
+        return MovingPicture(np.zeros(1), self, poses, {}, {}, poses)
+
     def without(self, numbers: set[int]) -> "Picture":
         """The picture without the symbols of these numbers."""
         kept = tuple(s for k, s in enumerate(self.symbols) if k not in numbers)
@@ -131,15 +138,9 @@ class MovingPicture:
     active: dict[int, tuple[tuple[float, float], ...]]
     motion: FloatArray
 
-    @classmethod
-    def still(cls, picture: Picture) -> "MovingPicture":
-        """The picture of one instant."""
-        poses = picture.poses[None]
-        return cls(np.zeros(1), picture, poses, {}, {}, poses)
-
     def number(self, symbol: int, name: str) -> FloatArray:
-        """A number of a symbol's shape at all instants, (k,)."""
-        value = getattr(self.picture.symbols[symbol].shape, name)
+        """A number of a symbol's shape, or of a place of it as ``"i.x"``, at all instants, (k,)."""
+        value = attrgetter(name)(self.picture.symbols[symbol].shape)
         return self.moving.get((symbol, name), np.full(len(self.t), value, dtype=float))
 
     def vector(self, symbol: int, x: str, y: str) -> Points:
@@ -148,12 +149,11 @@ class MovingPicture:
 
     def place(self, symbol: int, name: str) -> Points:
         """A place of a symbol's shape in the frame of its body, (k,), m."""
-        place = getattr(self.picture.symbols[symbol].shape, name)
-        x, y = (
-            self.moving.get((symbol, f"{name}.{c}"), np.full(len(self.t), getattr(place, c), float))
-            for c in ("x", "y")
-        )
-        return x + 1j * y
+        return self.vector(symbol, f"{name}.x", f"{name}.y")
+
+    def moves(self, symbol: int, name: str) -> bool:
+        """Whether a place of a symbol's shape moves in its body."""
+        return any((symbol, f"{name}.{c}") in self.moving for c in "xy")
 
     def path(self, symbol: int, name: str) -> Points:
         """A place of a symbol's shape in the global frame, (k,), m."""
@@ -167,8 +167,7 @@ class MovingPicture:
         for number, symbol in enumerate(self.picture.symbols):
             for one in fields(symbol.shape):
                 place = getattr(symbol.shape, one.name)
-                keys = [(number, f"{one.name}.{c}") for c in ("x", "y")]
-                if isinstance(place, Place) and any(key in self.moving for key in keys):
+                if isinstance(place, Place) and self.moves(number, one.name):
                     shift = self.place(number, one.name) - place.point
                     found.setdefault((symbol.element, place.body), shift)
         return found

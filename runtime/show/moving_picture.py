@@ -1,5 +1,6 @@
 """The moving picture of a result: bodies, poses and shapes at all of its instants."""
 
+from collections import Counter
 from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -37,9 +38,9 @@ def moving_picture(result: "Result") -> MovingPicture:
     found = [_of_span(result, known, rows) for known, rows in spans]
     first = found[0].layout.picture(found[0].numbers[0], found[0].curves)
     poses = np.concatenate([one.layout.poses(one.numbers) for one in found])
-    known, numbers, undefined, active = _joined(found, spans, result.t)
-    moving = {key: values for key, values in numbers.items() if _varies(values, key in undefined)}
-    picture = complete_picture(replace(first, symbols=known), poses)
+    symbols, numbers, active = _joined(found, [rows for _, rows in spans], result.t)
+    moving = {key: values for key, values in numbers.items() if _varies(values)}
+    picture = complete_picture(replace(first, symbols=symbols), poses)
     return MovingPicture(result.t, picture, poses, moving, active, poses)
 
 
@@ -69,10 +70,10 @@ def moving_picture_of_part(result: "Result", part: "Result") -> MovingPicture:
     return replace(some, picture=picture, motion=whole.motion)
 
 
-def _varies(values: FloatArray, is_undefined: bool) -> bool:
+def _varies(values: FloatArray) -> bool:
     """Whether a number takes several values, or one, and at some instants none."""
     known = values[np.isfinite(values)]
-    return len(known) > 0 and (is_undefined or float(np.ptp(known)) > 0.0)
+    return len(known) > 0 and (len(known) < len(values) or float(np.ptp(known)) > 0.0)
 
 
 def _spans(result: "Result", mechanism: Mechanism) -> list[tuple[Mechanism, slice]]:
@@ -99,37 +100,32 @@ def _of_span(result: "Result", mechanism: Mechanism, rows: slice) -> Geometry:
 
 
 def _joined(
-    found: list[Geometry], spans: list[tuple[Mechanism, slice]], t: FloatArray
+    found: list[Geometry], spans: list[slice], t: FloatArray
 ) -> tuple[
     tuple[Symbol, ...],
     dict[tuple[int, str], FloatArray],
-    set[tuple[int, str]],
     dict[int, tuple[tuple[float, float], ...]],
 ]:
     """The symbols of all spans, their numbers over time, and when those act that come or go.
 
-    The set has the numbers that have no value at some instant at which their symbol acts.
+    While a symbol does not act, its numbers are those of its first instant.
     """
-    names: dict[tuple[str, str, int], int] = {}
-    symbols: list[Symbol] = []
+    symbols: dict[tuple[str, str, int], Symbol] = {}
     numbers: dict[tuple[int, str], FloatArray] = {}
-    undefined: set[tuple[int, str]] = set()
-    acts: dict[int, list[tuple[float, float]]] = {}
-    for one, (_, rows) in zip(found, spans, strict=True):
+    acts: dict[int, tuple[tuple[float, float], ...]] = {}
+    ends = [*t, np.nextafter(t[-1], np.inf)]
+    for one, rows in zip(found, spans, strict=True):
+        seen = Counter[tuple[str, str]]()
         drawn = one.layout.picture(one.numbers[0], one.curves)
-        seen: dict[tuple[str, str], int] = {}
         for k, symbol in enumerate(drawn.symbols):
             pair = symbol.element, symbol.shape.kind
-            seen[pair] = seen.get(pair, -1) + 1
-            index = names.setdefault((*pair, seen[pair]), len(symbols))
-            if index == len(symbols):
-                symbols.append(symbol)
-            last = float(t[rows.stop]) if rows.stop < len(t) else np.nextafter(t[-1], np.inf)
-            acts.setdefault(index, []).append((float(t[rows.start]), float(last)))
+            key = *pair, seen[pair]
+            seen[pair] += 1
+            symbols.setdefault(key, symbol)
+            index = [*symbols].index(key)
+            acts[index] = (*acts.get(index, ()), (float(ends[rows.start]), float(ends[rows.stop])))
             for field, slot in one.layout.slots(k).items():
-                values = numbers.setdefault((index, field), np.full(len(t), np.nan))
-                values[rows] = one.numbers[:, slot]
-                if not np.isfinite(values[rows]).all():
-                    undefined.add((index, field))
-    active = {k: tuple(spells) for k, spells in acts.items() if len(spells) < len(spans)}
-    return tuple(symbols), numbers, undefined, active
+                still = np.full(len(t), one.numbers[0, slot])
+                numbers.setdefault((index, field), still)[rows] = one.numbers[:, slot]
+    active = {k: spells for k, spells in acts.items() if len(spells) < len(spans)}
+    return tuple(symbols.values()), numbers, active

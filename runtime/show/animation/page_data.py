@@ -106,7 +106,7 @@ class _Machine:
     def place(self, number: int, name: str) -> Row:
         """A place of a symbol's shape."""
         place = getattr(self.picture.symbols[number].shape, name)
-        if {(number, f"{name}.x"), (number, f"{name}.y")} & self.moving.moving.keys():
+        if self.moving.moves(number, name):
             return {"path": self.path(self.moving.path(number, name))}
         return self._fixed(place.body, place.point)
 

@@ -33,7 +33,7 @@ def drawn(model: Model, body: Body, *contacts: str, x: float = 0.0, y: float = 1
 def touching(picture: Picture, element: str) -> tuple[complex, complex, complex]:
     """Where a body touches, the point of the surface, and the normal."""
     (number,) = (k for k, symbol, _ in sides_of(picture) if symbol.element == element)
-    point, surface, normal = (complex(found[0]) for found in touch(picture, number))
+    point, surface, normal = (complex(found[0]) for found in touch(picture.still, number))
     return point, surface, normal
 
 
@@ -122,7 +122,7 @@ def test_a_gap_without_slopes_at_the_start_has_no_place(model: Model) -> None:
     sides = sides_of(picture)
     assert sides
     assert all(np.isnan(side.gx) for *_, side in sides)
-    assert all(np.isnan(touch(picture, number).point).all() for number, *_ in sides)
+    assert all(np.isnan(touch(picture.still, number).point).all() for number, *_ in sides)
     assert surfaces(picture, fixed=True) == surfaces(picture, fixed=False) == []
     assert np.isfinite(picture.poses).all()
     names = {text.get_text() for text in model.draw(forces=True).axes[0].texts}
@@ -176,7 +176,7 @@ def test_the_drawn_force_is_the_force_of_the_equations(path: str, scene: str) ->
     found = sides_of(picture)
     assert found
     for number, _, side in found:
-        arm = complex(touch(picture, number).point[0]) - picture.placed(0j, side.body)
+        arm = complex(touch(picture.still, number).point[0]) - picture.placed(0j, side.body)
         moment = arm.real * side.gy - arm.imag * side.gx
         assert moment == pytest.approx(side.turn, abs=1e-12)
 
@@ -224,7 +224,7 @@ def test_contacts_without_a_surface() -> None:
     assert names == [("hit", "one"), ("hit", "two"), ("sky", "one")]
     assert surfaces(picture, fixed=True) == surfaces(picture, fixed=False) == []
     for (number, *_), x in zip(sides_of(picture)[:2], (1.1, 1.9), strict=True):
-        assert_allclose(touch(picture, number).point[0], x, atol=1e-3)
+        assert_allclose(touch(picture.still, number).point[0], x, atol=1e-3)
 
 
 def test_a_wall_that_moves_is_no_part_of_the_ground_at_rest() -> None:

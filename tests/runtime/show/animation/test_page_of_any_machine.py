@@ -9,8 +9,10 @@ import pytest
 from PIL import Image
 
 import runtime
+from codegen.drawing.shapes import Force, Mark, Place
 from runtime import Result, load
 from runtime.show.animation.instants import TURN, instants_between
+from runtime.show.animation.page_data import event_marks
 from tests.runtime.show.animation.conftest import PHONE, Open
 from tests.runtime.show.animation.machines import (
     crank_pictures,
@@ -112,8 +114,6 @@ def test_a_constant_force_among_smaller_ones_is_not_cut(show: Open, tmp_path: Pa
 
 
 def test_each_arrow_counts_for_the_scale(show: Open, tmp_path: Path) -> None:
-    from codegen.drawing.shapes import Force, Place
-
     t = np.linspace(0.0, 1.0, 11)
     sizes = [*np.full(60, 1.0), 50.0]
     forces = tuple(Force(Place(1, 0.5, 0.0), size, 0.0) for size in sizes)
@@ -161,8 +161,6 @@ def test_a_run_takes_ten_seconds_at_first(
 
 
 def test_geometry_that_is_no_number_is_left_out(show: Open, tmp_path: Path) -> None:
-    from codegen.drawing.shapes import Force, Mark, Place
-
     t = np.linspace(0.0, 1.0, 11)
     shapes = (Mark(Place(1, np.nan, 0.0)), Force(Place(1, 0.5, 0.0), 1.0, 0.0))
     page = show(page_of(tmp_path / "nan.html", crank_pictures(t, t, shapes=shapes)))
@@ -171,8 +169,6 @@ def test_geometry_that_is_no_number_is_left_out(show: Open, tmp_path: Path) -> N
 
 
 def test_one_instant_has_the_events_of_that_instant(compressor: Result) -> None:
-    from runtime.show.animation.page_data import event_marks
-
     time = compressor.events[3].time
     assert len(event_marks(compressor)) == len(compressor.events)
     assert event_marks(compressor.at(time + 1e-4)) == []
@@ -216,16 +212,3 @@ def test_a_machine_without_its_model_file_has_curves_and_says_why(
     assert page.locator("figcaption").text_content().startswith("No picture: ")
     assert page.locator(".chip").count() > 2
     page.evaluate("player.clock.seek(0.5)")
-
-
-def test_springs_have_the_lines_of_figures(show: Open, tmp_path: Path) -> None:
-    from codegen.drawing.lines_between_bodies import lines_between_bodies
-    from codegen.drawing.plane_geometry import pairs
-
-    drawn = spring_on_a_shaker(np.linspace(0.0, 3.0, 7))
-    page = show(page_of(tmp_path / "spring.html", drawn))
-    page.evaluate("player.clock.seek(1.5)")
-    path = page.locator(".between path.spring").get_attribute("d")
-    points = np.array([[float(v) for v in p.split()] for p in path.removeprefix("M").split("L")])
-    (stroke,) = (s for s in lines_between_bodies(drawn.at(3)) if s.style == "spring")
-    assert points == pytest.approx(pairs(stroke.points), abs=1e-5)
