@@ -211,9 +211,13 @@ def command(folder: Path, monkeypatch: pytest.MonkeyPatch, *words: str) -> dict[
 
 
 def test_all_commands_but_one_set_start_values() -> None:
-    commands = vars(get_command(app))["commands"]
-    able = {name for name, one in commands.items() if "start" in {p.name for p in one.params}}
-    assert able == set(commands) - {"equilibrium"}
+    words = {
+        name: {p.name for p in one.params}
+        for name, one in vars(get_command(app))["commands"].items()
+    }
+    able = {name for name in words if "start" in words[name]}
+    assert able == {name for name in words if "guess" in words[name]} - {"equilibrium"}
+    assert len(able) == 8
 
 
 @pytest.mark.parametrize("name", COMMANDS)
