@@ -1,10 +1,7 @@
-"""Ledgers on a terminal: a part a row, no wider than a person reads; or as one JSON object."""
+"""Ledgers on a terminal: a part a row, no wider than a person reads."""
 
-import json
 from collections.abc import Iterator
-from dataclasses import asdict
 
-import typer
 from rich.console import Console
 from rich.table import Table
 
@@ -14,16 +11,8 @@ from codegen.figures_and_html import terminal_width
 PAPER = 1000  # columns of a table that is as wide as its content, whatever the terminal
 
 
-def show(
-    ledgers: tuple[Ledger, ...], comparison: Comparison | None, *, kernels: bool, as_json: bool
-) -> None:
+def show(ledgers: tuple[Ledger, ...], comparison: Comparison | None, *, kernels: bool) -> None:
     """Print the ledgers, or their comparison, on stdout; with `kernels` also the wide tables."""
-    if as_json:
-        answer: dict[str, object] = {"scenes": [asdict(ledger) for ledger in ledgers]}
-        if comparison is not None:
-            answer["differences"] = [asdict(row) for row in (*comparison.rows, comparison.total)]
-        typer.echo(json.dumps(answer))
-        return
     screen = Console(width=terminal_width(), highlight=False)
     if comparison is not None:
         screen.print(comparison_table(comparison))

@@ -195,7 +195,13 @@ def explain(
             for ledger in ledgers_of(model, name, measure=timed, t_end=run, progress=progress)
         )
         comparison = compare_ledgers(*ledgers) if compare else None
-    show(ledgers, comparison, kernels=kernels, as_json=as_json)
+    if as_json:
+        facts: dict[str, Any] = {"scenes": [asdict(ledger) for ledger in ledgers]}
+        if comparison is not None:
+            facts["differences"] = [asdict(row) for row in (*comparison.rows, comparison.total)]
+        print_json(facts)
+    else:
+        show(ledgers, comparison, kernels=kernels)
     if out is not None:
         write_line(f"saved {write(ledgers, out)}")
 
