@@ -77,7 +77,7 @@ def test_json_is_one_object_alone_on_stdout(model: Path, tmp_path: Path, root: P
     assert Path(scene["path"]).is_file()
     assert scene["operations"]["accelerations"] > 0
     assert "hello from the model file" in done.stderr
-    assert list((tmp_path / "g" / "__pycache__").glob("clock__swing.*.nbi"))
+    assert list((tmp_path / "g" / "__pycache__").glob("clock__swing.*.lwo"))
 
 
 def test_check(model: Path, run: object, tmp_path: Path) -> None:
