@@ -287,7 +287,7 @@ class Machine(MachineStates):
         >>> r = lw.load("slide.py").kinematics([0.0, 0.5, 1.0])  # s
         >>> r.q("slide.x"), r.v("slide.vx"), r.a("slide.x")  # m, m/s, m/s^2
         """
-        from runtime.dynamics.kinematics_and_inverse_dynamics import kinematics
+        from runtime.dynamics.prescribed_motion import kinematics
 
         return self._prescribed_motion(
             kinematics, t_end, t_eval=t_eval, parameters=parameters, guess=guess, start=start,
@@ -324,7 +324,7 @@ class Machine(MachineStates):
         >>> r = lw.load("slide.py").inverse_dynamics([0.0, 0.5, 1.0])  # s
         >>> r.reaction("feed", "fx")  # N: what the driver exerts
         """
-        from runtime.dynamics.kinematics_and_inverse_dynamics import inverse_dynamics
+        from runtime.dynamics.prescribed_motion import inverse_dynamics
 
         return self._prescribed_motion(
             inverse_dynamics, t_end, t_eval=t_eval, parameters=parameters, guess=guess,

@@ -76,9 +76,9 @@ def load(
     with compilation_shown():
         from runtime.core.kernel_abi import gather
         from runtime.machine_facade import Machine
+        from runtime.mechanism.companion_modules import Origin
         from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
         from runtime.mechanism.module_tables import describe
-        from runtime.mechanism.tangents_and_reduced_modules import Origin
 
     description = describe(module)
     declared = None if scene is None or isinstance(scene, str) else scene

@@ -11,8 +11,8 @@ from codegen.lower.kernels.accelerations import accelerations
 from codegen.lower.kernels.corrections import correction
 from codegen.lower.kernels.inverse_mass_ratio import inverse_mass_ratio, weak_pivot
 from codegen.lower.kernels.parameter_conditions import condition_kernels
-from codegen.lower.kernels.rigid_contact_and_stiction import hold_kernels, reaction_outputs
 from codegen.lower.kernels.samples import sampling_kernels, watching_kernels
+from codegen.lower.kernels.set_valued_forces import hold_kernels, reaction_outputs
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.module_tables import Description, describe
 from codegen.lower.program import (

@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.drawing.layout import SAMPLES, BodyLayout, Layout, ShapeLayout
+from runtime.mechanism.companion_modules import load_companion
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
-from runtime.mechanism.tangents_and_reduced_modules import load_companion
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -13,15 +13,15 @@ import numpy.typing as npt
 from codegen.errors import AnalysisError
 from runtime.core.kernel_abi import Kernels
 from runtime.core.system import System
-from runtime.mechanism.module_tables import Description
-from runtime.mechanism.reduced_kernels import Reduced, gather_reduced
-from runtime.mechanism.system import Tangents, common_system, gather_tangents
-from runtime.mechanism.tangents_and_reduced_modules import (
+from runtime.mechanism.companion_modules import (
     Kind,
     Origin,
     has_companion,
     load_companion,
 )
+from runtime.mechanism.module_tables import Description
+from runtime.mechanism.reduced_kernels import Reduced, gather_reduced
+from runtime.mechanism.system import Tangents, common_system, gather_tangents
 
 Values = Mapping[str, float]
 

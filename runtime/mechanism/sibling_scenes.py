@@ -11,10 +11,10 @@ from codegen.files.generated_modules import (
     text_hash,
 )
 from runtime.core.kernel_abi import gather
+from runtime.mechanism.companion_modules import Origin
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import describe
 from runtime.mechanism.table_rows import Watched
-from runtime.mechanism.tangents_and_reduced_modules import Origin
 
 if TYPE_CHECKING:
     from codegen import Scene

@@ -15,9 +15,9 @@ from codegen.files.generated_modules import (
 )
 from runtime.core.kernel_abi import gather
 from runtime.machine_facade import Machine
+from runtime.mechanism.companion_modules import Origin
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import describe
-from runtime.mechanism.tangents_and_reduced_modules import Origin
 from runtime.sweeps import block_parts, store
 from runtime.sweeps.journal import TRIES, WRITING, Journal
 from runtime.sweeps.member_run import KILLED, REPEATED, Row, evaluate_member, without_run

@@ -14,7 +14,7 @@ from codegen.generated_files.generated_file import write_if_changed
 from codegen.reading.model_file import file_hash
 from runtime import load
 from runtime.machine_facade import Machine
-from runtime.mechanism.tangents_and_reduced_modules import Origin
+from runtime.mechanism.companion_modules import Origin
 
 
 def _mechanisms() -> ModuleType:

@@ -85,6 +85,17 @@ def test_ends_of_bouncing_alone_are_put_in_order() -> None:
     assert events.index.tolist() == [0, 0, 2, 0, 2, 1]
 
 
+def record_modes(patch: pytest.MonkeyPatch, change: Callable[[np.ndarray], np.ndarray]) -> None:
+    """Let runs record other modes than they had."""
+    recorded = Recording.samples
+
+    def missed(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        t, y, modes = recorded(recording)
+        return t, y, change(modes)
+
+    patch.setattr(Recording, "samples", missed)
+
+
 @pytest.mark.parametrize("t_eval", [None, np.linspace(0.0, 1.0, 50)])
 def test_run_whose_modes_contradict_their_functions_is_not_ok(
     gas: Machine, monkeypatch: pytest.MonkeyPatch, t_eval: np.ndarray | None
@@ -92,13 +103,7 @@ def test_run_whose_modes_contradict_their_functions_is_not_ok(
     """A condition that the run takes for false while it holds: an event was missed."""
     turning = {"crank.omega": 30.0}
     assert gas.simulate(1.0, t_eval, start=turning).outcome is Outcome.OK
-    recorded = Recording.samples
-
-    def missed(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        t, y, modes = recorded(recording)
-        return t, y, 1 - modes
-
-    monkeypatch.setattr(Recording, "samples", missed)
+    record_modes(monkeypatch, lambda modes: 1 - modes)
     run = gas.simulate(1.0, t_eval, start=turning)
     assert run.outcome is Outcome.CONTRADICTED
     assert "contradicts its switching function" in run.message
@@ -113,14 +118,9 @@ def test_a_mode_is_judged_at_the_edge_of_its_functions_domain(
     bead = model.particle("bead", mass=1.0)
     model.force("push", bead, fy=1.0, when=(-bead.x) ** 2.5 + 1 - bead.y > 0)
     machine = load(model, folder=workshop)
-    moving, recorded = {"bead.vy": 0.1}, Recording.samples
+    moving = {"bead.vy": 0.1}
     assert machine.simulate(0.5, start=moving).outcome is Outcome.OK
-
-    def missed(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        times, y, modes = recorded(recording)
-        return times, y, 1 - modes
-
-    monkeypatch.setattr(Recording, "samples", missed)
+    record_modes(monkeypatch, lambda modes: 1 - modes)
     run = machine.simulate(0.5, start=moving)
     assert run.outcome is Outcome.CONTRADICTED
     assert "contradicts its switching function" in run.message
@@ -131,15 +131,9 @@ def test_one_sample_that_contradicts_its_function_is_an_event_missed(
 ) -> None:
     """A condition that turns twice between two samples that are right leaves no two wrong ones."""
     turning, at = {"crank.omega": 30.0}, np.linspace(0.0, 1.0, 50)
-    recorded = Recording.samples
-
-    def missed(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        t, y, modes = recorded(recording)
-        modes = modes.copy()
-        modes[20] = 1 - modes[20]
-        return t, y, modes
-
-    monkeypatch.setattr(Recording, "samples", missed)
+    record_modes(
+        monkeypatch, lambda modes: np.where(np.arange(50)[:, None] == 20, 1 - modes, modes)
+    )
     run = gas.simulate(1.0, at, start=turning)
     assert run.outcome is Outcome.CONTRADICTED
     assert f"From t = {at[20]:.6g} s on the mode of " in run.message
@@ -207,17 +201,13 @@ def test_modes_that_stay_past_a_jump_are_events_missed(
     machine = load(model, folder=workshop)
     run = machine.simulate(1.0, t_eval, method=method, progress=False)
     assert run.outcome is Outcome.OK
-    recorded, logged = Recording.samples, Recording.events
-
-    def never_on(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        times, y, modes = recorded(recording)
-        return times, y, 0 * modes
+    logged = Recording.events
 
     def none(recording: Recording) -> Events:
         events = logged(recording)
         return Events(*(getattr(events, field.name)[:0] for field in fields(events)))
 
-    monkeypatch.setattr(Recording, "samples", never_on)
+    record_modes(monkeypatch, lambda modes: 0 * modes)
     monkeypatch.setattr(Recording, "events", none)
     run = machine.simulate(1.0, t_eval, method=method, progress=False)
     assert run.outcome is Outcome.CONTRADICTED

@@ -8,8 +8,8 @@ import pytest
 
 from codegen.termination_signals import SignalDeferral
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.kinematics_and_inverse_dynamics import kinematics
 from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.dynamics.prescribed_motion import kinematics
 from runtime.integrate.trajectory import Trajectory
 from runtime.machine_facade import Machine
 

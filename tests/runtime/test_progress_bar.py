@@ -51,7 +51,7 @@ def test_a_bar_can_be_declined(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_analyses_report_their_progress(driven: Machine) -> None:
-    from runtime.dynamics.kinematics_and_inverse_dynamics import kinematics
+    from runtime.dynamics.prescribed_motion import kinematics
 
     seen: list[float] = []
     kinematics(driven.mechanism, np.linspace(0.0, 1.0, 10001), progress=seen.append)

@@ -9,11 +9,17 @@ from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.rolled_kernel import RolledKernelText
 from codegen.emit.unrolling import kernel_texts
 from codegen.lower.interpreter import evaluate
-from codegen.reroll.batching import batch
-from codegen.reroll.rerolling import reroll
+from codegen.reroll.batching import ExpressionTrees, batch, list_schedule
+from codegen.reroll.rerolling import reroll, with_affine_accesses
+from codegen.reroll.sequence import OperationSequence, Stretch
 from tests.codegen.reroll.machines import Rolling, lowered, rolled_text, run
 
 CLOSE = 1e-12  # of the largest output: sums of a few hundred terms
+LOOP = Stretch(100, 3, 40)
+TURNS = np.arange(LOOP.turns)
+PLACES = np.zeros(LOOP.turns, dtype=np.int64)  # all of one kind
+ELSEWHERE = 10 * TURNS
+ELSEWHERE[[0, -1]] = 999, -5
 
 
 @pytest.mark.parametrize("least_mode", [0, 1])
@@ -102,3 +108,61 @@ def test_the_code_of_a_module_does_not_grow() -> None:
         texts = kernel_texts(machine.program, Arguments.of(machine.description), "auto")
         lines.append(sum(len(text.lines()) for text in texts))
     assert lines[1] <= 1.05 * lines[0]
+
+
+@pytest.mark.parametrize(
+    ("columns", "expected"),
+    [
+        ([(PLACES, 7 * TURNS), (PLACES, 500 - 2 * TURNS)], [LOOP]),  # straight lines
+        ([], [LOOP]),
+        # Every other turn reads at another distance, the first and the last elsewhere, or from
+        # another kind of place; or the text without the table is longer.
+        ([(PLACES, 10 * TURNS + 4 * (TURNS % 2))], [(100, 6, 20)]),
+        ([(PLACES, ELSEWHERE)], [(100, 3, 1), (103, 3, 38), (217, 3, 1)]),
+        ([(PLACES + (TURNS[-1] == TURNS), 10 * TURNS)], [(100, 3, 39), (217, 3, 1)]),
+        ([(PLACES, np.random.default_rng(5).integers(0, 1000, LOOP.turns))], [LOOP]),
+    ],
+)
+def test_a_loop_becomes_one_on_straight_lines_and_turns_beside_it(
+    columns: list[tuple[np.ndarray, np.ndarray]], expected: list[tuple[int, int, int]]
+) -> None:
+    assert with_affine_accesses(LOOP, columns) == expected
+
+
+@pytest.mark.parametrize("family", ["chain", "n_four_bar"])
+def test_accelerations_of_a_row_read_one_table_that_of_the_checks(family: str) -> None:
+    machine = lowered(family, 60)
+    text = rolled_text(machine, machine.kernels["accelerations"], reroll)
+    *others, checks = (table for table in text.tables if table.columns)
+    assert len(checks.columns) == 3
+    assert sum(len(table.columns) for table in others) <= 1
+
+
+def trees_of(family: str, size: int) -> ExpressionTrees:
+    machine = lowered(family, size)
+    program, kernel = machine.program, machine.kernels["accelerations"]
+    slots = Arguments.of(machine.description).slots(program)
+    constants = {k: slots[k] for k in program.hoisted(kernel)}
+    return ExpressionTrees(OperationSequence(program, kernel, constants), kernel)
+
+
+def test_each_tree_is_in_one_batch_behind_all_that_it_takes() -> None:
+    trees = trees_of("tree", 4)
+    order = [tree for batch in list_schedule(trees) for tree in batch]
+    place = {tree: k for k, tree in enumerate(order)}
+    assert sorted(order) == list(range(len(trees.trees)))
+    assert all(place[taken] < place[tree] for tree in order for taken in trees.takes(tree))
+
+
+def test_the_trees_of_a_batch_are_of_one_kind() -> None:
+    trees = trees_of("net", 4)
+    batches = list_schedule(trees)
+    assert all(len({trees.kinds[tree] for tree in batch}) == 1 for batch in batches)
+    assert len(batches) < len(trees.trees) / 4
+
+
+def test_each_operation_is_in_one_tree() -> None:
+    trees = trees_of("tree", 4)
+    places = [place for tree in trees.trees for place in tree.places]
+    assert sorted(places) == list(range(len(trees.tree_of)))
+    assert len(set(trees.kinds)) < 60
