@@ -23,8 +23,8 @@ from codegen.errors import LinkwrightError
 if TYPE_CHECKING:
     from runtime.accuracy_target.run_comparison import Quantities
     from runtime.machine_facade import Machine
-    from runtime.results.accuracy_target_record import ReachedAccuracy
     from runtime.results.result import Result
+    from runtime.results.run_records import ReachedAccuracy
 
 Array = npt.NDArray[np.float64]
 

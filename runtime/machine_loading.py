@@ -8,6 +8,7 @@ import hashlib
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING
+from weakref import WeakSet
 
 from codegen import __version__
 from codegen.errors import ModelFileError, SupersededError
@@ -27,7 +28,10 @@ from runtime.progress_bar import compilation_shown
 if TYPE_CHECKING:
     from codegen import Model, Scene
     from runtime.machine_facade import Machine
+    from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 
+LOADED: "WeakSet[Mechanism]" = WeakSet()
+"""The mechanisms that `load` has made, as long as anybody holds them."""
 _ATTEMPTS = 5
 
 
@@ -84,7 +88,9 @@ def load(
     declared = None if scene is None or isinstance(scene, str) else scene
     source = file if isinstance(model, str | os.PathLike) else model
     origin = Origin(source, declared or description.scene, path, digest)
-    return Machine(Mechanism(description, gather(module), path, origin))
+    mechanism = Mechanism(description, gather(module), path, origin)
+    LOADED.add(mechanism)
+    return Machine(mechanism)
 
 
 def _locate(model: str, folder: Path) -> tuple[Path, Path]:

@@ -1,7 +1,7 @@
 """Results from files: the `Result` that was saved, with its machine.
 
-A file from elsewhere executes nothing: the model file that it names is loaded, and its checkpoints
-are handed to compiled code, only where this user saved it; see `runtime.results.result_signature`.
+A file executes nothing, and names no file that is executed: its machine is the one that is given,
+or one that this process has loaded.
 """
 
 import os
@@ -15,17 +15,27 @@ import numpy as np
 from codegen.errors import FAILURES, InputError, LinkwrightError
 from codegen.files.generated_modules import content_hash
 from codegen.readers import arguments as readers
-from codegen.readers.values import KindError
-from runtime.results.saved_result import GROUP, KINDS, events_of, partitions_of
+from codegen.readers.values import KindError, one_line
+from runtime.results.saved_result import (
+    GROUP,
+    KINDS,
+    events_of,
+    floats,
+    partitions_of,
+    samples_of,
+    unpack,
+)
 
 if TYPE_CHECKING:
+    from runtime.integrate.problem import Discrete
     from runtime.machine_facade import Machine
     from runtime.mechanism.dense_equations import FloatArray
     from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
     from runtime.results.assembled_state import Assembly
     from runtime.results.motion_at_instants import Motion
     from runtime.results.result import Result
-    from runtime.results.samples import Samples
+
+_LIBRARIES = {".nc": "netCDF4", ".zarr": "zarr"}
 
 
 def _machine(value: Any) -> Any:
@@ -40,114 +50,76 @@ def _machine(value: Any) -> Any:
 def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) -> "Result":
     """The result that `Result.save` wrote into a .nc file or a .zarr store, with all that it had.
 
-    Its quantities are computed again from its states by the machine, with the same bits, so that
-    `Result.at` and `Result.resume` go on as well: functions of your own that control a run, which
-    no file keeps, are missing there. That of an equilibrium comes back as a plain result.
+    The machine computes its quantities again from its states, with the same bits. `Result.at` and
+    `Result.resume` take the run again from its start, since no checkpoint stands in a file: they
+    return the same bits, after as long as the run took. Functions of your own that control a run,
+    which no file keeps, are missing there: simulate anew. That of an equilibrium comes back as a
+    plain result.
 
     Parameters
     ----------
     path
         A file ending in .nc or a store ending in .zarr, in any folder.
     machine
-        The machine of the result, loaded from anywhere; unless given, that of the model file from
-        which it was loaded, whose place the file tells. A model file is Python and is executed, so
-        that a file which was not saved by you, on this machine, needs this argument.
+        The machine of the result; unless given, that of its model and scene which is loaded.
 
     Raises
     ------
     InputError
         If the file cannot be read or was not written by `Result.save`, if the model is another
-        one than it was, or if somebody else saved it and `machine` is not given.
+        one than it was, or if `machine` is not given and none of the result's scene is loaded.
     """
-    from runtime.mechanism.sibling_scenes import sibling_named
-    from runtime.results.result_signature import key_problem
-
     place = Path(path)
-    saved, own = _content(place)
-    if machine is None and not own:
-        why = key_problem()
-        whose = f"may be your own, but {why}" if why else "was not saved by you on this machine"
-        raise InputError(
-            f"{place} {whose}, and the model file that it names is Python, which would be "
-            f"executed. Load the machine of {saved['title']} from a model file that you trust: "
-            "load_result(path, machine=load(...)); or read the numbers alone with xarray."
-        )
-    machine = machine or _machine_of(place, saved)
-    mechanism, title = machine.mechanism, saved["title"]
-    mechanism = sibling_named(mechanism, title.partition("/")[2]) or mechanism
-    if mechanism.description.title != title:
-        raise InputError(
-            f"{place} has a result of {title}, and the machine is {mechanism.description.title}."
-        )
-    source, origin = _source(saved), mechanism.origin
-    content = None if origin is None else content_hash(origin.path, origin.digest)
-    if source and origin is not None and source["content"] != content:
-        raise InputError(
-            f"{place}: the model of {title}, or the generator, has changed since the result was "
-            f"saved, so that {origin.path} computes something else. Load the machine as it was, "
-            "and give it as machine=; or read the numbers alone with xarray."
-        )
+    saved = _content(place)
+    mechanism = _mechanism_of(place, saved, None if machine is None else machine.mechanism)
     try:
-        return _result(mechanism, saved, own)
+        return _result(mechanism, saved)
     except LinkwrightError:
         raise
-    except KeyError as error:
-        raise _unreadable(place, error) from error
     except FAILURES as error:
-        if own:
-            raise
         raise _unreadable(place, error) from error
 
 
-def _content(path: Path) -> tuple[dict[str, Any], bool]:
-    """What `Result.save` wrote beside the series, and whether this user did."""
-    from runtime.dynamics.changes_of_coordinates import RunsSnapshot
+def _content(path: Path) -> dict[str, Any]:
+    """What `Result.save` wrote beside the series."""
     from runtime.dynamics.prepared_simulation import Handover
-    from runtime.integrate.checkpoints import Checkpoint, Snapshot
     from runtime.integrate.problem import Discrete
-    from runtime.integrate.trajectory import Crossing
-    from runtime.results.packed_values import unpack
-    from runtime.results.result_signature import is_own
 
-    libraries = {".nc": "netCDF4", ".zarr": "zarr"}
-    if path.suffix.lower() not in libraries:
+    ending = path.suffix.lower()
+    if ending not in _LIBRARIES:
         raise InputError(
             f"{path}: results come back from .nc files and .zarr stores alone, as Result.save "
             "writes them."
         )
     if not path.exists():
         raise InputError(f"{path}: there is no such file.")
-    library = libraries[path.suffix.lower()]
     try:
-        import_module(library)
+        import_module(_LIBRARIES[ending])
     except ImportError as error:
         raise InputError(
-            f"{path}: reading {path.suffix} needs the library {library}, which cannot be imported "
-            f"({error}). Run pip install 'linkwright[files]', in the checkout pip install "
-            "'.[files]'."
+            f"{path}: reading {path.suffix} needs the library {_LIBRARIES[ending]}, which cannot "
+            f"be imported ({error}). Run pip install 'linkwright[files]', in the checkout pip "
+            "install '.[files]'."
         ) from error
-    kinds = [*KINDS, Checkpoint, Crossing, Discrete, Handover, RunsSnapshot, Snapshot]
     try:
-        content, signed = _read_zarr(path) if library == "zarr" else _read_netcdf(path)
-        saved: dict[str, Any] = unpack(content, kinds)
-        _ = saved["title"], _source(saved)
+        content = _read_netcdf(path) if ending == ".nc" else _read_zarr(path)
+        saved: dict[str, Any] = unpack(content, [*KINDS, Discrete, Handover])
+        _ = saved["title"].partition, _source(saved)
     except InputError:
         raise
-    except (*FAILURES, KeyError, OSError) as error:
+    except FAILURES as error:
         raise _unreadable(path, error) from error
-    return saved, is_own(content, signed)
+    return saved
 
 
-def _read_netcdf(path: Path) -> tuple[bytes, str]:
+def _read_netcdf(path: Path) -> bytes:
     import netCDF4
 
     with netCDF4.Dataset(path) as file:
-        group = file.groups[GROUP]
-        content = np.asarray(group.variables[GROUP][:], np.uint8).tobytes()
-        return content, str(getattr(group, "signature", ""))
+        return np.asarray(file.groups[GROUP].variables[GROUP][:], np.uint8).tobytes()
 
 
-def _read_zarr(path: Path) -> tuple[bytes, str]:
+def _read_zarr(path: Path) -> bytes:
     from runtime.results.zarr_store import read_content
 
     return read_content(path)
@@ -163,46 +135,66 @@ def _unreadable(path: Path, error: BaseException) -> InputError:
 def _source(saved: dict[str, Any]) -> dict[str, str] | None:
     """Where the machine of a saved result comes from; KeyError where a field is missing."""
     source = saved["motion"] and saved["motion"]["source"]
-    return source and {name: source[name] for name in ("model", "scene", "generated", "content")}
+    return source and {name: source[name] for name in ("model", "scene", "content")}
 
 
-def _machine_of(path: Path, saved: dict[str, Any]) -> "Machine":
-    """The machine of a saved result, from its model file."""
-    from runtime.machine_loading import load
+def _mechanism_of(path: Path, saved: dict[str, Any], given: "Mechanism | None") -> "Mechanism":
+    """The mechanism of a result: of the machine that is given, or of one that is loaded."""
+    from runtime.machine_loading import LOADED
+    from runtime.mechanism.sibling_scenes import sibling_named
 
-    source = _source(saved)
-    if not source or not source["model"]:
+    title, source = saved["title"], _source(saved)
+    model, _, scene = title.partition("/")
+    known = [*LOADED] if given is None else [given]
+    near = [one for one in known if one.description.model == model]
+    found = [one for one in (sibling_named(one, scene) for one in near) if one is not None]
+    if given is not None and not found:
         raise InputError(
-            f"{path}: the machine of {saved['title']} was not loaded from a model file. Give it: "
-            "load_result(path, machine=...)."
+            f"{path} has a result of {title}, and the machine is {given.description.title}."
         )
-    folder = source["generated"] if Path(source["generated"]).is_dir() else None
-    return load(source["model"], source["scene"], generated=folder)
+    if not found:
+        file = one_line(source["model"]) if source and source["model"] else "the model"
+        raise InputError(
+            f"{path} has a result of {one_line(title)}, whose machine is not loaded. Load it "
+            f"({file}, scene {one_line(scene)}) and give it: load_result(path, "
+            "machine=load(...)); or read the numbers alone with xarray."
+        )
+    for one in found:
+        origin = one.origin
+        if source is None or origin is None:
+            return one
+        if source["content"] == content_hash(origin.path, origin.digest):
+            return one
+    raise InputError(
+        f"{path}: the model of {title}, or the generator, has changed since the result was saved, "
+        f"so that {found[-1].path} computes something else. Load the machine as it was, and give "
+        "it as machine=; or read the numbers alone with xarray."
+    )
 
 
-def _result(mechanism: "Mechanism", saved: dict[str, Any], own: bool) -> "Result":
+def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     """The result of a machine that was saved."""
     from runtime.assembly.assemble import assemble
     from runtime.core.outcomes import Outcome
+    from runtime.dynamics.output_quantities import evaluate
     from runtime.results.assembled_state import State
     from runtime.results.result import Result
-    from runtime.results.saved_arrays import plain_arrays
     from runtime.validation.parameters import parameter_values
 
-    if saved["motion"] is not None and "parts" in saved["motion"]:
-        return _joined(mechanism, saved, own)
-    saved = saved if own else plain_arrays(saved, mechanism.description)
     kept, parameters = saved["motion"], saved["parameters"]
+    if kept is not None and "parts" in kept:
+        return _joined(mechanism, saved)
     p, motion, variant = parameter_values(mechanism, parameters), None, mechanism
+    states = samples_of(saved["samples"], mechanism.description)
     if kept is not None:
-        state = State(kept["t"], kept["q"], kept["v"])
+        q, v = (floats(kept[name], states[name].shape[1:], name) for name in "qv")
+        state = State(kept["t"], q, v)
         start = assemble(mechanism, None, parameters, state.t, start_at=state)
-        start = replace(start, q=kept["q"], v=kept["v"])
+        start = replace(start, q=q, v=v)
         make = _simulated if saved["analysis"] == "simulation" else _driven
         variant, motion = make(mechanism, start, saved)
-    samples = _samples(variant, p, saved["samples"])
     result = Result(
-        mechanism.description, samples, p, analysis=saved["analysis"],
+        mechanism.description, evaluate(variant, p, **states), p, analysis=saved["analysis"],
         outcome=Outcome[saved["outcome"]], message=saved["message"], stats=saved["stats"],
         events=events_of(saved["events"]), partitions=partitions_of(saved["partitions"]),
         not_unique=saved["not_unique"], singular=saved["singular"],
@@ -211,16 +203,17 @@ def _result(mechanism: "Mechanism", saved: dict[str, Any], own: bool) -> "Result
     result.contradiction, result._motion = saved["contradiction"], motion
     result._mechanism = mechanism
     result.ended_by, result.work_at_end = saved["ended_by"], saved["work_at_end"]
+    result.site = saved.get("site", "")  # of older files unknown
     result._until = tuple(saved["until"])
     return result
 
 
-def _joined(mechanism: "Mechanism", saved: dict[str, Any], own: bool) -> "Result":
+def _joined(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     """The result of several runs, with other joints each."""
     from runtime.core.outcomes import Outcome
     from runtime.dynamics.joined_results import joined
     from runtime.mechanism.sibling_scenes import sibling
-    from runtime.results.result_restriction import keep
+    from runtime.results.motion_at_instants import keep
 
     results, changes = [], saved["motion"]["changes"]
     for part, change in zip(saved["motion"]["parts"], [None, *changes], strict=True):
@@ -231,21 +224,16 @@ def _joined(mechanism: "Mechanism", saved: dict[str, Any], own: bool) -> "Result
                 if (row.target, row.action) == (change.joint, change.action)
             )
             mechanism = sibling(mechanism, watched)
-        results.append(_result(mechanism, part, own))
+        results.append(_result(mechanism, part))
     found, times = joined(results, changes, saved["motion"]["since"]), saved["t"]
     found.outcome, found.message = Outcome[saved["outcome"]], saved["message"]
     if len(times) < len(found.t):
         last = times[-1] if found.outcome is Outcome.INACCURATE else np.inf
         keep(found, np.isin(found.t, times), saved["motion"]["since"], last)
     found.accuracy, found.ended_by = saved["accuracy"], saved["ended_by"]
+    found.site = saved.get("site", "")
     found._until = tuple(saved["until"])
     return found
-
-
-def _samples(mechanism: "Mechanism", p: "FloatArray", kept: dict[str, Any]) -> "Samples":
-    from runtime.dynamics.output_quantities import evaluate
-
-    return evaluate(mechanism, p, kept["t"], kept["q"], kept["v"], kept["modes"])
 
 
 def _simulated(
@@ -254,9 +242,10 @@ def _simulated(
     """The run of a simulation, and the mechanism with the kernels that it took."""
     from runtime.dynamics.formulations import formulate
     from runtime.dynamics.motion_at_instants import SimulatedMotion
-    from runtime.dynamics.prepared_simulation import PreparedSimulation
+    from runtime.dynamics.prepared_simulation import Handover, PreparedSimulation
     from runtime.integrate.checkpoints import Checkpoints
     from runtime.integrate.problem import Options
+    from runtime.validation.parameters import parameter_values
 
     def missing(*_: Any) -> float:
         raise InputError(
@@ -264,20 +253,40 @@ def _simulated(
             "it cannot be taken again. Simulate anew."
         )
 
-    kept = saved["motion"]
+    kept, p = saved["motion"], parameter_values(mechanism, saved["parameters"])
+    handover = kept["handover"]
+    if handover is not None:
+        handover = Handover(_discrete(mechanism, p, handover.discrete), float(handover.length))
     ready = PreparedSimulation(
         mechanism, kept["t_end"], t_start=start.t, parameters=saved["parameters"], guess=None,
         start=start, controllers=dict.fromkeys(mechanism.description.controllers, missing),
-        handover=kept["handover"],
+        handover=handover,
     )  # fmt: skip
     ready.given_t = kept["given_t"]
     ready.samples_taken, taken = kept["taken"]
-    ready.discrete, last = kept["discrete"]
+    ready.discrete, last = (_discrete(mechanism, p, stand) for stand in kept["discrete"])
     options = Options(**kept["options"])
     coordinates = formulate(ready, kept["formulation"], options.method, options.correction)
-    checkpoints = Checkpoints(rows=kept["checkpoints"])
-    motion = SimulatedMotion(ready, coordinates, options, checkpoints, kept["end"], taken, last)
+    motion = SimulatedMotion(ready, coordinates, options, Checkpoints(), kept["end"], taken, last)
     return coordinates.mechanism, motion
+
+
+def _discrete(mechanism: "Mechanism", p: "FloatArray", stand: Any) -> "Discrete | None":
+    """Where clocks and conditions stand, by the tables of the machine; InputError if by others."""
+    from runtime.integrate.clocks import queue_length, read_clocks
+    from runtime.integrate.problem import Discrete
+
+    if stand is None:
+        return None
+    clocks = read_clocks(mechanism.system, p)
+    count, queue = len(clocks), queue_length(clocks)
+    ticks = floats(stand.ticks, (2 * count,), "ticks").astype(np.int64)
+    ahead = np.diff(ticks.reshape(count, 2))  # from the next sample to the next that acts
+    if ((ahead > 0) | (ahead < -queue)).any():
+        raise InputError("the array ticks of the file has clocks that wait for what never comes.")
+    waiting = floats(stand.waiting, (count, queue), "waiting")
+    watched = len(mechanism.description.watched)
+    return Discrete(ticks, waiting, floats(stand.held, (watched,), "held"))
 
 
 def _driven(
@@ -291,4 +300,6 @@ def _driven(
 
     kept, p = saved["motion"], parameter_values(mechanism, saved["parameters"])
     suited = suited_to_masses(with_redundancy(mechanism, start), start.t, start.q, p)
-    return suited, DrivenMotionAtInstants(suited, p, start, kept["preferred"], kept["times"])
+    preferred: FloatArray = floats(kept["preferred"], start.q.shape, "preferred")
+    times = floats(kept["times"], (-1,), "times")
+    return suited, DrivenMotionAtInstants(suited, p, start, preferred, times)

@@ -15,9 +15,9 @@ from runtime.accuracy_target.run_comparison import (
 )
 from runtime.core.outcomes import Outcome
 from runtime.core.unit_roundoff import EPS
-from runtime.results.accuracy_target_record import Estimate, ReachedAccuracy
+from runtime.results.motion_at_instants import end_after
 from runtime.results.result import Result
-from runtime.results.result_restriction import end_after
+from runtime.results.run_records import Estimate, ReachedAccuracy
 
 
 def with_accuracy(

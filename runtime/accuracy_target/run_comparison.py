@@ -17,8 +17,8 @@ from runtime.integrate.problem import Formulation, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
-from runtime.results.accuracy_target_record import Trial
 from runtime.results.result import Result
+from runtime.results.run_records import Trial
 
 DIVERGED = 0.1  # accuracy: scaled difference of runs that have nothing in common any more
 ROUNDING = 2e-13  # accuracy: rtol from which on rounding keeps errors from falling

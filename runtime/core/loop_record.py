@@ -95,6 +95,7 @@ _INTEGERS += [
     "standing",  # events in a row without time between them
     "blamed",  # switching function for which no mode is consistent, or -1
     "index",  # function or constraint that an outcome concerns
+    "site",  # where it was set, a `Site`
     "lent",  # 1: another method steps near a singular position than elsewhere
     "planned",  # 1: a plan sets the end of this step
     "announced",  # 1: a singular configuration lies ahead of it

@@ -1,31 +1,20 @@
 """Every way in which a run can end, and what to try next."""
 
-from enum import EnumType, IntEnum, unique
-from numbers import Integral
-from typing import Any
+from enum import IntEnum, unique
 
 from codegen.errors import InputError
 from codegen.readers.values import shown
 
 
-class _Outcomes(EnumType):
-    """The class of `Outcome`, whose call finds a member and makes no other enumeration."""
-
-    def __call__(cls, *values: Any, **words: Any) -> Any:
-        number: Any = values[0] if len(values) == 1 and not words else None
-        if type(number) is not bool and issubclass(type(number), Integral):
-            return super().__call__(number)
-        given = [*map(shown, values), *(f"{k}={shown(v)}" for k, v in words.items())]
-        raise InputError(f"Outcome({', '.join(given)}): give the number of an outcome.")
-
-
 @unique
-class Outcome(IntEnum, metaclass=_Outcomes):
+class Outcome(IntEnum):
     """How a run ended. Everything but `OK` keeps the results up to that time."""
 
     @classmethod
     def _missing_(cls, value: object) -> None:
-        raise InputError(f"Outcome({value}): the outcomes have the numbers 0 to {len(cls) - 1}.")
+        raise InputError(
+            f"Outcome({shown(value)}): give the number of an outcome, 0 to {len(cls) - 1}."
+        )
 
     def __str__(self) -> str:
         """The name, not the number."""
@@ -63,6 +52,73 @@ class Outcome(IntEnum, metaclass=_Outcomes):
         """What to try next, in a sentence."""
         return " ".join(_TEXT[self].split("\n\n")[1].split())
 
+
+@unique
+class Site(IntEnum):
+    """The place in the program at which a run was ended, where several lead to its outcome."""
+
+    NOWHERE = 0
+    START_RANK = 1
+    START_NEWTON = 2
+    START_WEAK = 3
+    START_ASTRAY = 4
+    START_MODES = 5
+    START_JAM = 6
+    START_NOT_FINITE = 7
+    ANEW = 8
+    WEAK_STATES = 9
+    NO_POSITION = 10
+    NO_ACCELERATIONS = 11
+    STEPS_ACROSS = 12
+    NARROW_MISS = 13
+    LOCK_UP = 14
+    JAM = 15
+    SHORTEST_STEP = 16
+    ENDLESS_STEPS = 17
+    STANDING = 18
+    CROWDED_MODES = 19
+    CROWDED = 20
+    MOST_EVENTS = 21
+    EVENT_MODES = 22
+    CONDITIONS = 23
+    STEP_BALANCE = 24
+    EVENT_BALANCE = 25
+    CHECKS = 26
+
+    def of(self, subject: str) -> str:
+        """The function and what it has found, of a joint, driver or condition; empty of NOWHERE."""
+        text = _SITES.get(self, "")
+        return f"{text}, of {subject}" if text and subject else text
+
+
+_SITES = {
+    Site.START_RANK: "place_on_constraints: fewer constraints are independent than the machine has",
+    Site.START_NEWTON: "place_on_constraints: Newton's method does not reach the constraints",
+    Site.START_WEAK: "start: weak pivot in the accelerations of the start",
+    Site.START_ASTRAY: "prepare_start: start velocity off every branch",
+    Site.START_MODES: "choose_modes: no consistent modes at the start",
+    Site.START_JAM: "start: friction that jams at the start",
+    Site.START_NOT_FINITE: "start: accelerations of the start that are not finite",
+    Site.ANEW: "start_anew: no first step under other laws of time",
+    Site.WEAK_STATES: "follow_plan: third weak state in a row",
+    Site.NO_POSITION: "plan_crossing: third weak state in a row, and no singular position near",
+    Site.NO_ACCELERATIONS: "cross: no accelerations by continuity",
+    Site.STEPS_ACROSS: "judge_step_across: failed steps across one position",
+    Site.NARROW_MISS: "follow_miss: a bend too narrow for the tolerance",
+    Site.LOCK_UP: "end_at_lock_up: drivers ask for ever more speed",
+    Site.JAM: "end_at_jam: friction or contacts that lock up or jam",
+    Site.SHORTEST_STEP: "plan_step: the shortest step was rejected",
+    Site.ENDLESS_STEPS: "is_endless: ever shorter steps",
+    Site.STANDING: "stay: events in a row without time between them",
+    Site.CROWDED_MODES: "judge_events: no consistent modes after ever denser events",
+    Site.CROWDED: "judge_events: ever denser events",
+    Site.MOST_EVENTS: "judge_events: most events of a run",
+    Site.EVENT_MODES: "judge_events: no consistent modes after an event",
+    Site.CONDITIONS: "watch: conditions that renew each other without end",
+    Site.STEP_BALANCE: "balance_step: energy of steps that no work explains",
+    Site.EVENT_BALANCE: "balance_event: energy at an event that no work explains",
+    Site.CHECKS: "check_result: a check after the run",
+}
 
 _OF_SWITCH = {
     *(Outcome.INCONSISTENT, Outcome.ZENO, Outcome.CONTRADICTED, Outcome.OUT_OF_RANGE),

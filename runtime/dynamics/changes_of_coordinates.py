@@ -73,11 +73,6 @@ class RunsSnapshot(NamedTuple):
         """Bytes that it takes."""
         return sum(kept.nbytes for kept in (self.less, self.whole) if kept is not None)
 
-    def plain(self) -> "RunsSnapshot":
-        """The same without what is found again."""
-        less, whole = (None if kept is None else kept.plain() for kept in (self.less, self.whole))
-        return self._replace(less=less, whole=whole)
-
     @property
     def longest(self) -> float:
         """Length of the last step and of the next one, the larger, s."""

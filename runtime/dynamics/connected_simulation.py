@@ -26,8 +26,8 @@ from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.one_sided_impact import Contradiction, impact
 from runtime.mechanism.sibling_scenes import sibling
 from runtime.results.assembled_state import Assembly, State
-from runtime.results.reconnection import Ending, Reconnection
 from runtime.results.result import Result
+from runtime.results.run_records import Ending, Reconnection
 from runtime.results.samples import Samples
 from runtime.validation.output_instants import uniform
 from runtime.validation.parameters import parameter_values

@@ -14,8 +14,7 @@ from runtime.integrate.clocks import queue_length, read_clocks, set_clocks
 from runtime.integrate.problem import Discrete
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.mechanism.sibling_scenes import sibling_named
-from runtime.results.assembled_state import State
-from runtime.results.discrete_state import DiscreteState
+from runtime.results.assembled_state import DiscreteState, State
 from runtime.results.result import Result
 
 Row = TypeVar("Row")

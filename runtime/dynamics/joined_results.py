@@ -10,11 +10,10 @@ import numpy.typing as npt
 from codegen.object_display import counted
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
-from runtime.results.discrete_state import DiscreteState
-from runtime.results.motion_at_instants import Motion
-from runtime.results.reconnection import Reconnection, sentences
+from runtime.results.assembled_state import DiscreteState
+from runtime.results.motion_at_instants import Motion, keep
 from runtime.results.result import Result
-from runtime.results.result_restriction import keep
+from runtime.results.run_records import Reconnection, sentences
 from runtime.results.samples import Samples
 from runtime.results.saved_result import saved_fields
 
@@ -58,7 +57,7 @@ def joined(
     )  # fmt: skip
     result.contradiction = " ".join(filter(None, (r.contradiction for r in results)))
     result.reconnections, result._mechanism = tuple(passed), results[0]._mechanism
-    result.ended_by = last.ended_by
+    result.ended_by, result.site = last.ended_by, last.site
     motions = [one._motion for one in results]
     if all(motion is not None for motion in motions):
         result._motion = JoinedMotion(tuple(results), tuple(changes), description, since)

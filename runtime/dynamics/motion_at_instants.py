@@ -26,8 +26,7 @@ from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.progress_bar import silent
-from runtime.results.assembled_state import Assembly
-from runtime.results.discrete_state import DiscreteState
+from runtime.results.assembled_state import Assembly, DiscreteState
 from runtime.results.result import Result
 from runtime.results.samples import Samples
 
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
     from runtime.dynamics.formulations import Coordinates
     from runtime.dynamics.prepared_simulation import PreparedSimulation
 
-_SAVED_BYTES = 2**22  # safety: of checkpoints in a file
 SAVED = (
     "method", "rtol", "atol_q", "atol_v", "correction", "time_scale", "first_step", "h_max",
     "max_steps", "max_bytes", "step_limit",
@@ -139,7 +137,7 @@ class SimulatedMotion:
         return evaluate(mechanism, p, run.t[rows], run.q[rows], run.v[rows], run.modes[rows])
 
     def saved(self) -> dict[str, Any]:
-        """Its start, its settings, and as many checkpoints as are few bytes."""
+        """Its start and its settings."""
         ready, begin = self.ready, self.ready.begin
         options = {name: getattr(self.options, name) for name in SAVED}
         return {
@@ -147,7 +145,7 @@ class SimulatedMotion:
             "taken": (ready.samples_taken, self.samples_taken), "handover": ready.handover,
             "discrete": (ready.discrete, self.last),
             "t_end": ready.t_end, "formulation": self.coordinates.name, "options": options,
-            "checkpoints": self.checkpoints.few(_SAVED_BYTES), "source": _source(ready.mechanism),
+            "source": _source(ready.mechanism),
         }  # fmt: skip
 
     def resumed(
@@ -257,11 +255,10 @@ class DrivenMotionAtInstants:
 
 
 def _source(mechanism: Mechanism) -> dict[str, str] | None:
-    """Where a machine comes from: model file ("" of one that was declared), scene and folder."""
+    """Where a machine comes from: model file ("" of one that was declared), scene and content."""
     origin = mechanism.origin
     if origin is None:
         return None
     file = str(origin.model) if isinstance(origin.model, Path) else ""
     return {"model": file, "scene": mechanism.description.scene,
-            "generated": str(origin.path.resolve().parent),
             "content": content_hash(origin.path, origin.digest)}  # fmt: skip

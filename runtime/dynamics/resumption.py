@@ -30,10 +30,9 @@ from runtime.integrate.trajectory import Events, Partitions, Trajectory
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import bar
 from runtime.results.assembled_state import State
-from runtime.results.motion_at_instants import Motion
-from runtime.results.reconnection import Reconnection
+from runtime.results.motion_at_instants import Motion, keep
 from runtime.results.result import Result
-from runtime.results.result_restriction import keep
+from runtime.results.run_records import Reconnection
 from runtime.validation.output_instants import read_instants, uniform
 
 Resumable = SimulatedMotion | JoinedMotion

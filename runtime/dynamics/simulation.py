@@ -1,15 +1,25 @@
 """Dynamics: how the machine moves under the forces that act on it, with one set of joints.
 
-prepare    Mechanism, values         → PreparedSimulation  (runtime.dynamics.prepared_simulation)
+From a call of `Machine.simulate` (runtime.machine_facade) to its result:
+
+read       arguments                 → plain values        (runtime.validation.arguments)
+follow     joints that come and go   → a run of each set   (runtime.dynamics.connected_simulation)
+prepare    Mechanism, values         → PreparedSimulation  (runtime.dynamics.prepared_simulation,
+                                                           runtime.assembly.assemble)
 formulate  PreparedSimulation        → Coordinates         (runtime.dynamics.formulations)
-integrate  Coordinates, Options      → Trajectory          (runtime.integrate)
+integrate  Coordinates, Options      → Trajectory          (runtime.integrate.run): of this
+  set up   System, Problem, Options  → the table by which compiled code reaches kernels and arrays
+                                                           (runtime.integrate.run_state, .wiring)
+  start    table                     → modes, derivative and first length of a step
+                                                           (runtime.integrate.initialization)
+  advance  table                     → accepted steps      (runtime.integrate.loop, .step)
 jam        Trajectory                → its end, where friction jams or a machine locks up
                                                            (runtime.dynamics.checks.jamming)
 evaluate   Trajectory                → Samples, works      (runtime.dynamics.output_quantities)
 screen     Samples, Trajectory       → Suspicions          (runtime.dynamics.checks.screening)
 check      Suspicions                → what contradicts OK (runtime.dynamics.checks.end_checks)
 
-Where joints come and go, such runs follow one another (`runtime.dynamics.connected_simulation`).
+With an accuracy target, runtime.accuracy_target makes several such runs.
 """
 
 import time as clock
@@ -38,12 +48,10 @@ from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly, State
-from runtime.results.event_records import Event
-from runtime.results.event_words import event_words
-from runtime.results.memory import require_memory, sample_bytes, state_bytes
-from runtime.results.reconnection import Ending
+from runtime.results.event_records import Event, event_words
 from runtime.results.result import Result
-from runtime.results.samples import Partition, Samples
+from runtime.results.run_records import Ending
+from runtime.results.samples import Partition, Samples, require_memory, sample_bytes, state_bytes
 from runtime.validation.finite_equations import describe_infinite
 from runtime.validation.output_instants import POINTS
 from runtime.validation.scene_support import driven_note
@@ -146,7 +154,8 @@ def run_prepared(
     count, note = describe_unresolved_switches(equations, run.events, suspicions)
     result.stats["events_within_tolerance"] = count
     result.message += note
-    result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
+    if run.crossings:
+        result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
     result.message += driven_note(mechanism, begin)
     return result
 
@@ -232,6 +241,7 @@ def _result(
         events=events,
         partitions=partitions, not_unique=begin.not_unique,
     )  # fmt: skip
+    result.site = run.site.of(_subject(mechanism, run))
     if run.outcome in _LEAVING:
         name_left_tables(result, Equations(mechanism, p))
     if _is_ended(mechanism, run):
@@ -281,6 +291,16 @@ def _crossings_note(mechanism: Mechanism, run: Trajectory) -> str:
 def text_of_end(t: float, steps: int) -> str:
     """That a run has reached its end, an instant in s."""
     return f"Reached t = {t:g} s in {counted(steps, 'step')}."
+
+
+def _subject(mechanism: Mechanism, run: Trajectory) -> str:
+    """The condition, joint or driver that an outcome concerns; empty if none."""
+    description = mechanism.description
+    if run.index < 0:
+        return ""
+    if run.outcome.of_switch:
+        return description.switches[run.index].title
+    return description.constraints[run.index].name
 
 
 def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:

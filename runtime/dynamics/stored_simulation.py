@@ -21,8 +21,9 @@ from runtime.dynamics.simulation import ends_early, run_prepared
 from runtime.integrate.problem import Options
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.progress_bar import Progress
+from runtime.results.export import check_place
 from runtime.results.result import Result
-from runtime.results.result_store import ResultStore
+from runtime.results.zarr_store import ResultStore
 
 
 def refuse_store(mechanism: Mechanism, settings: Mapping[str, Any], until: Any) -> None:
@@ -80,6 +81,18 @@ class Writer:
             self.store.append(evaluate(self.mechanism, self.p, t[rows], q, v, modes[rows]))
 
 
+def _check_place(path: Path) -> None:
+    """Refuse a place at which no store can begin."""
+    if path.suffix.lower() != ".zarr":
+        raise InputError(
+            f"out={str(path)!r}: rows are written into a Zarr store while the run goes on. "
+            "Choose a name that ends in .zarr, or save the result: Result.save."
+        )
+    if path.exists():
+        raise InputError(f"{path} is there already. Choose another name, or remove it.")
+    check_place(path)
+
+
 def simulate_into(
     out: Path, ready: PreparedSimulation, coordinates: Coordinates, options: Options,
     began: float, progress: Progress,
@@ -89,6 +102,7 @@ def simulate_into(
     Where the run fails, the store has what was computed before, and the error.
     """
     mechanism = coordinates.mechanism
+    _check_place(out)
     store = ResultStore(out, mechanism.description, ready.p)
     writer = Writer(store, mechanism, ready.p)
     try:

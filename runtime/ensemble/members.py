@@ -11,7 +11,7 @@ from codegen.errors import InputError
 from codegen.readers.values import shown
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.table_rows import unknown
-from runtime.results.memory import require_memory, sample_bytes
+from runtime.results.samples import require_memory, sample_bytes
 
 FloatArray = npt.NDArray[np.float64]
 Columns = Mapping[str, npt.ArrayLike]

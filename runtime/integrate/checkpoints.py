@@ -48,10 +48,6 @@ class Snapshot(NamedTuple):
         """Bytes that it takes."""
         return int(self.block.nbytes + self.record.nbytes + self.p.nbytes)
 
-    def plain(self) -> "Snapshot":
-        """The same without orders of pivots, which are found again."""
-        return self._replace(crossings=(*self.crossings[:-1], ()))
-
     @property
     def longest(self) -> float:
         """Length of the last step and of the next one, the larger, s."""
@@ -135,15 +131,6 @@ class Checkpoints:
             self.rows, self.spacing = self.rows[::2], 2.0 * self.spacing
             self.bytes = sum(kept.state.nbytes for kept in self.rows)
         self.due = time.perf_counter() + self.spacing
-
-    def few(self, most: int) -> "list[Checkpoint]":
-        """The last of them, and of the others every so many, within some bytes.
-
-        Orders of pivots that singular positions were looked for with are left out.
-        """
-        every = max(1, -(-self.bytes // most))
-        rows = self.rows[::-1][::every][::-1]
-        return [row._replace(state=row.state.plain()) for row in rows]
 
     def before(self, t: float) -> Checkpoint | None:
         """The last checkpoint before the instant `t`, s; None: only the start of the run is."""

@@ -10,7 +10,7 @@ from runtime.core.jit import ADDRESSES, compiled, inner, unlocked
 from runtime.core.kernel_abi import switching_rates_of
 from runtime.core.loop_record import Plan, run_record
 from runtime.core.modes_and_event_kinds import OPEN, SLIDING, Direction
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.workspace_rows import Y0, K, row_of, switch_row
 from runtime.hybrid.impact import ON_SURFACE
@@ -93,10 +93,12 @@ def place_on_constraints(context: Context, t: float) -> int:
     r.repartitions *= r.resumed  # what a run begins with is no change
     if r.rank < context[ft.RANK]:
         r.index = context.row_order[r.rank]
+        r.site = Site.START_RANK
         return Outcome.SINGULAR
     result = ft.correct_of(context)(context, t, Y0, ws.PARTITION)
     r.returns += 1
     if result == FAILED:
+        r.site = Site.START_NEWTON
         return Outcome.NEWTON_FAILED
     r.corrections += result
     return Outcome.OK
@@ -132,6 +134,7 @@ def choose_modes(context: Context, t: float) -> int:
     r.rhs += 2
     if blamed != CONSISTENT:
         r.index = blamed
+        r.site = Site.START_MODES
         return Outcome.INCONSISTENT
     return Outcome.OK
 
@@ -188,6 +191,7 @@ def start(context: Context) -> int:
         weak = write_derivative(context, t, Y0, K)
         if weak > 0 and are_dependent(context, t):
             r.index = weak - 1
+            r.site = Site.START_WEAK
             return Outcome.SINGULAR
     else:  # accelerations are those by continuity
         copy_vector(v, ws.position_rates(context, K))
@@ -197,8 +201,10 @@ def start(context: Context) -> int:
         jammed = find_jamming_friction(context, t, q, v, a)
         if jammed == CONSISTENT:
             r.index = weak - 1  # of the joint whose friction, of a creep speed, jams, if any
+            r.site = Site.START_NOT_FINITE
             return Outcome.NOT_FINITE
         r.index = jammed
+        r.site = Site.START_JAM
         return Outcome.INCONSISTENT
     if r.fixed == 0 and not r.h > 0.0:
         r.h = ft.first_step_of(context)(context, t, r.h_max, r.rtol, r.estimate_order)
@@ -247,7 +253,7 @@ def start_anew(context: Context) -> int:
     Returns the code of an outcome.
     """
     r = run_record(context)
-    t = r.t
+    t, r.site = r.t, Site.ANEW
     if context[ft.CONSTRAINT_COUNT] > 0 and context[ft.CORRECTING] != 0:
         result = ft.correct_of(context)(context, t, Y0, ws.PROJECTION)
         if result == FAILED:

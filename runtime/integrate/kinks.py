@@ -6,7 +6,7 @@ import numpy as np
 
 from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Integers, Vector
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.integrate.initialization import start_anew
 from runtime.integrate.problem import Passage
 from runtime.integrate.sampling import STEP_ENDS
@@ -49,7 +49,7 @@ def _passage(run: "Run", stop: int) -> Passage:
     kink = int(state.wiring.arrays["stop_kinds"][stop])
     passage = state.stops.passage(kink, q.copy(), v.copy(), state.modes.copy())
     if passage.outcome is not Outcome.OK:
-        r["index"], run.note = passage.row, passage.note
+        r["index"], r["site"], run.note = passage.row, Site.NOWHERE, passage.note
     return passage
 
 

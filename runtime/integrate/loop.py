@@ -12,7 +12,7 @@ from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context, Integers, i8
 from runtime.core.jit import ADDRESSES, addressed, inner, unlocked
 from runtime.core.loop_record import Plan, run_record
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.core.workspace_rows import Y0, Y1
 from runtime.hybrid.events import INSTANT, UNRESOLVED
 from runtime.integrate.sampling import has_room
@@ -72,6 +72,7 @@ def plan_step(context: Context) -> int:
         h = last - t
         end = last
     elif h <= r.h_min or end <= t:
+        r.site = Site.SHORTEST_STEP
         if r.reason == TrialStep.NEWTON_FAILED:
             return Outcome.NEWTON_FAILED
         if r.reason == TrialStep.NOT_FINITE:
@@ -165,6 +166,7 @@ def follow_plan(context: Integers) -> int:
         r.vanishing = 0.0  # where constraints are left there is a position to look for
         if r.index < context[ft.CONSTRAINT_COUNT]:
             return Signal.LOOK
+        r.site = Site.WEAK_STATES
         return Outcome.SINGULAR
     if r.planned == 0 and r.length > 0.0:
         r.usual = max(r.length, 0.5 * r.usual)

@@ -10,7 +10,7 @@ from codegen.errors import AnalysisError
 from codegen.termination_signals import SignalDeferral
 from runtime.core.array_types import Integers, Vector
 from runtime.core.modes_and_event_kinds import SLIDING, Direction
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.core.system import System
 from runtime.core.workspace_rows import BAND, STRUCK
 from runtime.integrate import notes_on_outcomes as notes
@@ -44,6 +44,9 @@ _CHUNK_SECONDS = 0.05  # measured: s between two returns to Python, for progress
 _GOING, _LOOK, _CHANGE = int(Signal.GOING), int(Signal.LOOK), int(Signal.CHANGE)
 _KINK, _SAMPLE, _STOP = int(Signal.KINK), int(Signal.SAMPLE), int(Signal.STOP)
 _STUCK = (Outcome.STEP_TOO_SMALL, Outcome.NOT_FINITE, Outcome.NEWTON_FAILED)
+_AT_ONE_SITE = {
+    *(Outcome.OK, Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED, Outcome.OUT_OF_RANGE),
+}
 _CLOSE = 1e-6  # safety: of the run; nearer to a lock-up, that is why it ends
 
 
@@ -128,6 +131,7 @@ class Run:
                     code = self.crossings.leave_start()
             elif self.crossings.note:
                 code = Outcome.SINGULAR  # whichever way the search for a start ended
+                self.state.record["site"] = Site.START_ASTRAY
         if code == Outcome.OK and self.state.system.watches and not self.state.record["resumed"]:
             before = self.state.modes.copy()
             code = self.watch_start()
@@ -136,6 +140,8 @@ class Run:
         self.recording.flush()
         if self.state.system.switches and not self.state.record["resumed"]:
             self._log_first_impacts()
+        if code == Outcome.OK:
+            self.state.record["site"] = Site.NOWHERE
         return code
 
     def _log_first_impacts(self) -> None:
@@ -213,7 +219,7 @@ class Run:
         row = self.crossings.find_lock_up(_CLOSE * float(r["duration"]))
         if row < 0:
             return code
-        r["index"] = row
+        r["index"], r["site"] = row, Site.LOCK_UP
         return int(Outcome.SINGULAR)
 
     def watch_start(self) -> int:
@@ -271,6 +277,7 @@ class Run:
             discrete=state.discrete,
             stopped_by=int(r["stopped_by"]),
             index=int(r["index"]),
+            site=Site.NOWHERE if outcome in _AT_ONE_SITE else Site(int(r["site"])),
             first_t=self.first_t,
             final_t=stopped,
             final_q=state.y[0].copy(),

@@ -12,7 +12,7 @@ from runtime.core.jit import ADDRESSES, addressed, compiled, inner
 from runtime.core.kernel_abi import samples_of, watched_of
 from runtime.core.loop_record import run_record
 from runtime.core.modes_and_event_kinds import SLIDING
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.core.workspace_rows import Y0, row_of
 from runtime.integrate.clocks import CLOCK
 from runtime.integrate.initialization import start_anew
@@ -161,7 +161,7 @@ def watch(context: Context) -> int:
         replace_samples(context)
         if outcome != Outcome.OK:
             return int(outcome)
-    r.index = -1
+    r.index, r.site = -1, Site.CONDITIONS
     return Outcome.ZENO
 
 

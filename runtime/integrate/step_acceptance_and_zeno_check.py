@@ -8,7 +8,7 @@ from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import kinetic_energy_of
 from runtime.core.loop_record import Plan, run_record
 from runtime.core.modes_and_event_kinds import KNOTS, RANGE
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.integrate.step import Signal, TrialStep, reject
 from runtime.integrate.step_accumulation import is_endless
@@ -51,6 +51,7 @@ def accept_step(context: Context) -> int:
         watched = r.steps >= r.balance_at or (r.end >= r.t_end and r.power_rows >= 0)
         if watched and ft.balance_step_of(context)(context) != 0:
             if r.doubts > _DOUBTS:
+                r.site = Site.STEP_BALANCE
                 return Outcome.CONTRADICTED
             return reject_late(context, _TOO_LARGE, _SHORTER * h)
         if ft.emit_of(context)(context, r.t, r.end, h, r.dense_ready) < 0:
@@ -62,6 +63,7 @@ def accept_step(context: Context) -> int:
         r.weak = r.weak + 1 if r.weak_row > 0 else 0
     r.t, r.h = r.end, r.next_length
     if r.steps >= r.pace_steps and is_endless(context):
+        r.site = Site.ENDLESS_STEPS
         return Outcome.STEP_TOO_SMALL
     for k in range(modes.size):
         largest[k] = max(largest[k], abs(g1[k]))
@@ -80,6 +82,7 @@ def accept_step(context: Context) -> int:
         r.rhs += 1
         if r.power_rows >= 0 and ft.balance_event_of(context)(context) != 0:
             r.index = r.crossing
+            r.site = Site.EVENT_BALANCE
             return Outcome.CONTRADICTED
     copy_end(context, 1, 0)
     return Signal.PROCEED
@@ -119,10 +122,13 @@ def judge_events(context: Context) -> int:
     if r.blamed != CONSISTENT:
         # Where all the events kept crowd, no mode fits only because their limit is too near.
         r.index = r.blamed
-        return Outcome.ZENO if r.shrinking >= ft.RECENT else Outcome.INCONSISTENT
+        crowded = r.shrinking >= ft.RECENT
+        r.site = Site.CROWDED_MODES if crowded else Site.EVENT_MODES
+        return Outcome.ZENO if crowded else Outcome.INCONSISTENT
     endless = r.shrinking >= _ZENO_EVENTS and span < _ZENO_SPAN * r.duration
     if endless or r.events > r.max_events:
         r.index = r.crossing
+        r.site = Site.CROWDED if endless else Site.MOST_EVENTS
         return Outcome.ZENO
     begin_anew(context)
     return Signal.PROCEED

@@ -9,7 +9,7 @@ from runtime.core.array_types import Context, Integers
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
 from runtime.core.modes_and_event_kinds import RANGE
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.core.workspace_rows import row_of, switch_row
 from runtime.hybrid.events import INSTANT, UNRESOLVED, find_crossing_at_end
 from runtime.hybrid.sliding_motion import evaluate_switching_and_rates
@@ -39,6 +39,7 @@ def stay(context: Integers) -> int:
     r.standing += 1
     if r.standing > _STANDING + 2 * context[ft.SWITCHES]:
         r.index = r.crossing
+        r.site = Site.STANDING
         return Outcome.ZENO
     return Signal.PROCEED
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.integrate.problem import Discrete
 
 if TYPE_CHECKING:
@@ -89,6 +89,7 @@ class Trajectory:
     statistics: Statistics
     events: Events
     partitions: Partitions
+    site: Site = Site.NOWHERE  # where the outcome was set
     crossings: tuple[Crossing, ...] = ()
     note: str = ""  # what else is to be said about the outcome; empty as a rule
     methods: tuple[tuple[float, str], ...] = ()  # from when on each was used: one, but for "auto"

@@ -34,7 +34,7 @@ Indices = npt.NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Description:
-    """The literals of a generated module, and what follows from them."""
+    """The literals of a generated module, and what follows from them, found once."""
 
     generator: str
     model: str
@@ -85,7 +85,7 @@ class Description:
     controllers: tuple[str, ...] = ()  # those among them whose samples a run brings
     workspace: int = 0  # entries of `p` behind the constants that kernels write
 
-    @property
+    @cached_property
     def title(self) -> str:
         """`model/scene`, as messages name it."""
         return f"{self.model}/{self.scene}"
@@ -95,7 +95,7 @@ class Description:
         """The series of the scene's results: of each name its column, unit and kind."""
         return SeriesTable(self)
 
-    @property
+    @cached_property
     def parameter_slots(self) -> int:
         """Length of `p`: parameters, the constants behind them, and the workspace of kernels."""
         return len(self.parameters) + len(self.constants) + self.workspace
@@ -127,37 +127,37 @@ class Description:
             return False
         return not any(f"{output}({element})" in self.outputs for element in elements)
 
-    @property
+    @cached_property
     def tracked(self) -> tuple[str, ...]:
         """Points that are outputs."""
         return tuple(row.name for row in self.effects if row.kind == TRACKED)
 
-    @property
+    @cached_property
     def mass_diagonal(self) -> npt.NDArray[np.int64]:
         """Of each non-zero of M its coordinate on the diagonal, else -1; shape (nm,)."""
         on_it = self.mass_rows == self.mass_columns
         return np.where(on_it, self.mass_rows, -1).astype(np.int64)
 
-    @property
+    @cached_property
     def boundaries(self) -> npt.NDArray[np.int64]:
         """Of each switch what holds where its function stays at zero, a `Boundary`."""
         kinds = {one.name.lower(): one for one in Boundary}
         words = (row.kind.partition(" ")[0] for row in self.switches)
         return np.array([kinds.get(word, Boundary.OPEN) for word in words], np.int64)
 
-    @property
+    @cached_property
     def table_parts(self) -> tuple[int, ...]:
         """Of each switch what it says of a table, a `TablePart`."""
         parts = {part.name.lower(): int(part) for part in TablePart}
         return tuple(parts.get(row.kind.partition(" ")[0], 0) for row in self.switches)
 
-    @property
+    @cached_property
     def work_rows(self) -> dict[str, int]:
         """Effect or driver → the row of the power of which its work is the integral."""
         rows = enumerate(self.powers)
         return {row.name[len("work(") : -1]: k for k, row in rows if row.kind == "work"}
 
-    @property
+    @cached_property
     def balanced_rows(self) -> int:
         """Number of the first powers, which with the energies make a balance; -1: not all."""
         outputs = self.outputs
@@ -165,7 +165,7 @@ class Description:
         balanced = sum(row.kind not in ("power", "work") for row in self.powers)
         return balanced if known and self.has_masses else -1
 
-    @property
+    @cached_property
     def whole_powers(self) -> dict[str, int]:
         """Effect or driver → the row of the power of all that it exerts."""
         rows = {}
@@ -176,12 +176,12 @@ class Description:
                 rows[row.name[len(f"{row.kind}(") : -1]] = k
         return rows
 
-    @property
+    @cached_property
     def driver_rows(self) -> npt.NDArray[np.bool_]:
         """True for constraints of drivers, shape (m,)."""
         return np.array([row.element in self.drivers for row in self.constraints], dtype=np.bool_)
 
-    @property
+    @cached_property
     def friction_limits(self) -> tuple[tuple[int, int, int], ...]:
         """(switch, row of its force, row of its limit) of the frictions that report a limit."""
         rows = {(row.element, row.component): i for i, row in enumerate(self.reactions)}
@@ -192,44 +192,44 @@ class Description:
             if row.sticks and {(row.name, part), (row.name, "limit")} <= rows.keys()
         )
 
-    @property
+    @cached_property
     def superposes(self) -> bool:
         """Whether forces that keep functions at zero add up: no friction beside them follows."""
         rubbing = sum(row.kind == "friction" for row in self.effects)
         return not self.shares and (not self.stiction or rubbing < 2)
 
-    @property
+    @cached_property
     def has_linear_reactions(self) -> bool:
         """Whether reactions are linear in multipliers: no friction follows from them."""
         return not any(row.kind == "friction" for row in self.effects)
 
-    @property
+    @cached_property
     def is_length(self) -> npt.NDArray[np.bool_]:
         """True for coordinates that are lengths, shape (n,); the typical size of others is 1."""
         return np.array([row.is_length for row in self.coordinates], dtype=np.bool_)
 
-    @property
+    @cached_property
     def state_columns(self) -> tuple[int, ...]:
         """Columns of the states with rates of their own."""
         return tuple(row.column for row in self.states if row.name not in self.sampled)
 
-    @property
+    @cached_property
     def sampled_columns(self) -> tuple[int, ...]:
         """Columns of the values that clocks renew."""
         return tuple(self.states[name].column for name in self.sampled)
 
-    @property
+    @cached_property
     def positions(self) -> tuple[Coordinate, ...]:
         """The coordinates without the integrals of states, which only bookkeeping has."""
         return tuple(row for row in self.coordinates if not row.is_state)
 
-    @property
+    @cached_property
     def variables(self) -> tuple[str, ...]:
         """Names of all that is integrated: coordinates, velocities, and states."""
         rates = (row.velocity for row in self.positions)
         return (*(row.name for row in self.positions), *rates, *self.states.names)
 
-    @property
+    @cached_property
     def neutral(self) -> npt.NDArray[np.float64]:
         """The neutral pose, in which no body is turned, shape (n,)."""
         values = {row.name: row.value for row in self.start if row.role == "neutral"}

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 from codegen.errors import InputError, UnknownNameError
+from codegen.readers.values import shown
 from runtime.mechanism.table_rows import TRACKED, ReactionRow, unknown
 
 if TYPE_CHECKING:
@@ -110,6 +111,7 @@ class SeriesTable:
 
     def find(self, name: str) -> Series:
         """The series of any name; InputError where the scene has none of it."""
+        self._require_texts(name)
         if name in self._by_name:
             return self._by_name[name]
         owner, _, component = name.partition(".")
@@ -137,6 +139,7 @@ class SeriesTable:
 
     def coordinate(self, name: str, *, velocity: bool) -> int:
         """The column of a coordinate, by its name; or by that of its `velocity` as well."""
+        self._require_texts(name)
         for column, row in enumerate(self.description.coordinates):
             if name == row.name or (velocity and name == row.velocity):
                 return column
@@ -152,12 +155,14 @@ class SeriesTable:
 
     def state(self, name: str) -> Series:
         """A state of first order, a sampled value or a latch."""
+        self._require_texts(name)
         if name not in self.description.states.names:
             raise self._unknown("state", name, self.description.states.names)
         return next(row for row in self.of_kind("state") if row.name == name)
 
     def point(self, name: str, component: str) -> Series:
         """A component of a tracked point."""
+        self._require_texts(name, component)
         tracked, left_out = self.description.tracked, self.description.left_out
         if name in tracked:
             if component not in POINT:
@@ -169,6 +174,7 @@ class SeriesTable:
 
     def reaction(self, joint: str, component: str) -> Series:
         """A component of what a joint or driver transmits."""
+        self._require_texts(joint, component)
         description, rows = self.description, self.of_kind("reaction", "effect")
         if joint in description.tracked:
             raise InputError(
@@ -190,6 +196,7 @@ class SeriesTable:
 
     def energy(self, part: str) -> Series:
         """An energy, one of ENERGIES."""
+        self._require_texts(part)
         if part not in ENERGIES:
             raise InputError(unknown("energy", part, ENERGIES))
         if not self.description.has_masses:
@@ -199,6 +206,7 @@ class SeriesTable:
 
     def power(self, source: str, part: str = "whole") -> Series:
         """The power of an effect or driver: of all that it exerts, or of the nonconservative."""
+        self._require_texts(source, part)
         if part not in PARTS:
             raise self._unknown("part of a power", part, PARTS)
         rows = {row.element: row for row in self.of_kind("power")}
@@ -220,6 +228,7 @@ class SeriesTable:
 
     def work(self, source: str) -> Series:
         """The work of an effect or driver, which results of simulations have."""
+        self._require_texts(source)
         works = {row.element: row for row in self.of_kind("work")}
         if source in works:
             return works[source]
@@ -239,6 +248,7 @@ class SeriesTable:
 
     def of_effect(self, quantity: str, effect: str, component: str = "") -> Series:
         """A quantity of an effect; of a joint or driver its reaction, if it is a force."""
+        self._require_texts(quantity, effect, component)
         found = self._component(effect, quantity, component)
         if found is not None:
             return found
@@ -270,6 +280,27 @@ class SeriesTable:
                 f"scene.with_({effect!r}, outputs=['default', '{quantity}({effect})'])."
             )
         raise self._unknown(f"{quantity} of", effect, self._acting)
+
+    def switch(self, condition: str) -> int:
+        """The column of a switching condition, by its title, or by its effect if that has one."""
+        self._require_texts(condition)
+        switches = self.description.switches
+        titles = [row.title for row in switches]
+        if condition in titles:
+            return titles.index(condition)
+        of_effect = [k for k, row in enumerate(switches) if row.name == condition]
+        if len(of_effect) == 1:
+            return of_effect[0]
+        raise self._unknown("condition", condition, titles)
+
+    def _require_texts(self, *names: object) -> None:
+        """Refuse names that are no texts."""
+        for name in names:
+            if not isinstance(name, str):
+                raise InputError(
+                    f"{self.title}: {shown(name)} is no name; a name is a text, such as "
+                    f"{self.description.coordinates.names[0]!r} of a coordinate."
+                )
 
     def _require_output(self, output: str, *element: str) -> None:
         """Refuse an output that the scene was declared without."""

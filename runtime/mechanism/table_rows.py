@@ -60,25 +60,19 @@ class Table(tuple[RowT, ...]):
     def __getitem__(self, item: slice) -> tuple[RowT, ...]: ...
     def __getitem__(self, item: SupportsIndex | str | slice) -> RowT | tuple[RowT, ...]:
         """Row by position or name."""
-        plain = issubclass(type(item), int | np.integer | slice)
+        place = item if isinstance(item, int | np.integer | slice) else self.index(item)
         try:
-            return super().__getitem__(item if plain else self.index(item))  # type: ignore[index]
+            return super().__getitem__(place)
         except IndexError:
             raise UnknownNameError(unknown("row", item, self.names)) from None
 
     def index(self, item: object, *bounds: SupportsIndex) -> int:
         """Position of a row, or of the row of that name."""
-        if isinstance(item, str):
-            try:
-                return self.names.index(item, *bounds)
-            except ValueError:
-                raise UnknownNameError(unknown("name", item, self.names)) from None
+        rows: tuple[Any, ...] = self.names if isinstance(item, str) else tuple(self)
         try:
-            return super().index(item, *bounds)
-        except KeyboardInterrupt:
-            raise
-        except BaseException as error:
-            raise UnknownNameError(unknown("name", item, self.names)) from error
+            return rows.index(item, *bounds)
+        except ValueError:
+            raise UnknownNameError(unknown("name", item, self.names)) from None
 
 
 class Coordinate(NamedTuple):

@@ -10,10 +10,20 @@ import numpy.typing as npt
 from codegen.errors import UnknownNameError
 from codegen.object_display import html_of, html_table, listed, without_rounding
 from codegen.readers.calls import checked_class, named_attributes
+from runtime.integrate.problem import Discrete
 from runtime.mechanism.table_rows import Coordinate, Table, unknown
-from runtime.results.discrete_state import DiscreteState
 
 FloatArray = npt.NDArray[np.float64]
+
+
+class DiscreteState(NamedTuple):
+    """Samples that wait for their delay, and conditions that hold, by the names of a scene."""
+
+    scene: str
+    sampled: tuple[str, ...]  # values that clocks or conditions renew; a latch stands there twice
+    clocks: FloatArray  # period and delay of each of them, s, (count, 2)
+    watched: tuple[tuple[str, ...], ...]  # name, action and target of each condition
+    stand: Discrete
 
 
 class Moved(NamedTuple):

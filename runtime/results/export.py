@@ -3,12 +3,12 @@
 The table of a .csv or .parquet file has one column a series, its unit in brackets.
 """
 
-import csv
+import re
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,11 +17,17 @@ from codegen.errors import InputError
 from codegen.files.whole_files import require_replaceable, whole_file, whole_folder
 from runtime.results.dataset import dataset
 from runtime.results.result import Result
-from runtime.results.result_signature import signature
 from runtime.results.saved_result import GROUP, saved_result
+from runtime.results.zarr_store import write_store
 
 FloatArray = npt.NDArray[np.float64]
 
+_LONGEST = 63  # layout: characters of a name in MATLAB (namelengthmax)
+_KEYWORDS = {
+    *("break", "case", "catch", "classdef", "continue", "else", "elseif", "end", "for"),
+    *("function", "global", "if", "otherwise", "parfor", "persistent", "return", "spmd"),
+    *("switch", "try", "while"),
+}
 _STORE = f"{GROUP}/zarr.json"  # the file that a store has which `save` wrote, and no other one
 
 
@@ -69,39 +75,56 @@ def save(result: Result, path: Path) -> Path:
     return path
 
 
-_HEADINGS = {"power": "power({})", "nonconservative power": "nonconservative power({})"}
-"""Kind of a series → its name in the heading of a column, where that is not its own."""
+class Column(NamedTuple):
+    """A series of a table."""
+
+    name: str
+    unit: str  # empty of residuals, whose rows have several
+    values: FloatArray  # (k,)
+
+    @property
+    def heading(self) -> str:
+        """The name with the unit in brackets."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
-def columns(result: Result) -> dict[str, FloatArray]:
-    """The result as columns over time, named `series [unit]`."""
-    samples, table = result.samples, {"time [s]": result.t}
+_NAMES = {"power": "power({})", "nonconservative power": "nonconservative power({})"}
+"""Kind of a series → its name in a table, where that is not its own."""
+
+
+def columns(result: Result) -> Iterator[Column]:
+    """The result as columns over time."""
+    yield Column("time", "s", result.t)
     for row in result.description.series:
         known = row.kind != "work" or row.element in result.works
         if known and row.kind not in ("bookkeeping", "rate of state", "energy"):
-            name = _HEADINGS.get(row.kind, "{}").format(row.name)
-            table[f"{name} [{row.unit}]"] = result.column(row)
+            name = _NAMES.get(row.kind, "{}").format(row.name)
+            yield Column(name, row.unit, result.column(row))
+    energy, residual = result.samples.energy.T, result.samples.residual.T
     if result.description.has_masses:  # not a number where the scene leaves them out
-        table["kinetic energy [J]"] = samples.energy[:, 0]
-        table["potential energy [J]"] = samples.energy[:, 1]
-    table["constraint residual"] = samples.residual[:, 0]
-    table["velocity residual"] = samples.residual[:, 1]
-    return table
+        yield Column("kinetic energy", "J", energy[0])
+        yield Column("potential energy", "J", energy[1])
+    yield Column("constraint residual", "", residual[0])
+    yield Column("velocity residual", "", residual[1])
+
+
+def _table(result: Result) -> dict[str, FloatArray]:
+    return {column.heading: column.values for column in columns(result)}
 
 
 def _write_csv(result: Result, path: Path) -> None:
-    table = columns(result)
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(table)
-        writer.writerows(np.column_stack(list(table.values())).tolist())
+    import pandas as pd
+
+    with path.open("wb") as file:
+        table = pd.DataFrame(_table(result), copy=False)
+        table.to_csv(file, index=False, na_rep="nan", lineterminator="\r\n")
 
 
 def _write_parquet(result: Result, path: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    table = pa.table(columns(result)).replace_schema_metadata(result.about())
+    table = pa.table(_table(result)).replace_schema_metadata(result.about())
     with path.open("wb") as file:  # closed also where the disk is full
         pq.write_table(table, file)
 
@@ -115,22 +138,58 @@ def _write_netcdf(result: Result, path: Path) -> None:
     dataset(result).dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
     content = saved_result(result)
     group = file.createGroup(GROUP)
-    group.signature = signature(content)
     group.createDimension("byte", len(content))
     group.createVariable(GROUP, "u1", ("byte",))[:] = np.frombuffer(content, np.uint8)
     path.write_bytes(file.close())
 
 
+def field_names(names: Iterable[str]) -> list[str]:
+    """Names that MATLAB accepts, each another one, in order: ``a(bob.phi)`` is ``a_bob_phi``.
+
+    MATLAB takes ASCII letters, digits and underscores, a letter first, 63 characters at most, and
+    no keyword. Another letter becomes its number: ``φ`` is ``u03c6``.
+    """
+    taken = dict[str, None]()
+    for name in names:
+        letters = "".join(c if c.isascii() else f"u{ord(c):04x}" for c in name)
+        plain = re.sub(r"[^A-Za-z0-9]+", "_", letters).strip("_")
+        if not plain[:1].isalpha() or plain in _KEYWORDS:
+            plain = f"x_{plain}"
+        field, count = plain[:_LONGEST], 1
+        while field in taken:
+            count += 1
+            tail = f"_{count}"
+            field = f"{plain[: _LONGEST - len(tail)]}{tail}"
+        taken[field] = None
+    return list(taken)
+
+
+def _matlab_struct(result: Result) -> dict[str, Any]:
+    """The struct of a result: `series`, their `names` and `units`, `parameters`, and texts."""
+    names, units, values = zip(*columns(result), strict=True)
+
+    def struct(of: Mapping[str, Any]) -> dict[str, Any]:
+        return dict(zip(field_names(of), of.values(), strict=True))
+
+    return {
+        "series": struct({name: x.reshape(-1, 1) for name, x in zip(names, values, strict=True)}),
+        "names": struct({name: name for name in names}),
+        "units": struct(dict(zip(names, units, strict=True))),
+        "parameters": struct(result.parameters),
+        "about": struct(result.about()),
+    }
+
+
 def _write_matlab(result: Result, path: Path) -> None:
-    from runtime.results.matlab_file import write
+    from scipy.io import savemat
+    from scipy.io.matlab import MatWriteError
 
-    write(result, columns(result), path)
-
-
-def _write_zarr(result: Result, path: Path) -> None:
-    from runtime.results.zarr_store import write
-
-    write(result, path)
+    struct = _matlab_struct(result)
+    try:
+        with path.open("wb") as file:
+            savemat(file, {"result": struct}, long_field_names=True, do_compression=True)
+    except MatWriteError as error:
+        raise InputError(f"{path.name}: {error}. Save as .nc or .zarr.") from error
 
 
 def _write_page(result: Result, path: Path) -> None:
@@ -150,7 +209,7 @@ class _Format(NamedTuple):
 
 _FORMATS = {
     ".nc": _Format(_write_netcdf, ("xarray", "netCDF4")),
-    ".zarr": _Format(_write_zarr, ("xarray", "zarr")),
+    ".zarr": _Format(write_store, ("xarray", "zarr")),
     ".csv": _Format(_write_csv),
     ".parquet": _Format(_write_parquet, ("pyarrow", "pyarrow.parquet")),
     ".mat": _Format(_write_matlab, ("scipy.io",)),

@@ -1,4 +1,4 @@
-"""Instants between the samples of a result, and the sides of its events."""
+"""Other instants of a result: between its samples, on a side of its events, or some of its own."""
 
 from copy import copy
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol
@@ -9,8 +9,7 @@ import numpy.typing as npt
 from codegen.errors import InputError
 from codegen.readers.values import shown
 from runtime.core.unit_roundoff import EPS
-from runtime.results.assembled_state import State
-from runtime.results.discrete_state import DiscreteState
+from runtime.results.assembled_state import DiscreteState, State
 from runtime.results.samples import Samples
 
 if TYPE_CHECKING:
@@ -221,3 +220,26 @@ def resume(
         )
     found: Result = motion.resumed(result, t_end, t_eval, max_steps, progress)
     return found
+
+
+def keep(result: "Result", rows: npt.NDArray[np.bool_], first: float, last: float) -> None:
+    """Keep these rows, (k,), and what happened behind `first` and up to `last`, s.
+
+    Of the partitions the one in force at `first` is kept from there on.
+    """
+    result.samples = Samples._make(array[rows] for array in result.samples)
+    result.works = {name: work[rows] for name, work in result.works.items()}
+    result.events = tuple(event for event in result.events if first < event.time <= last)
+    result.singular = tuple(one for one in result.singular if first < one.time <= last)
+    changes = (one for one in result.reconnections if first < one.time <= last)
+    result.reconnections = tuple(changes)
+    sets = [one for one in result.partitions if one.time <= last]
+    before = [one._replace(time=first) for one in sets if one.time <= first][-1:]
+    result.partitions = (*before, *(one for one in sets if one.time > first))
+
+
+def end_after(result: "Result", count: int) -> None:
+    """Let a result end at one of its instants, behind which it is not what was asked for."""
+    last = float(result.t[count - 1])
+    keep(result, np.arange(len(result.t)) < count, -np.inf, last)
+    result.ended_by = ""

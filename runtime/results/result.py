@@ -15,14 +15,12 @@ from codegen.errors import InputError
 from codegen.object_display import counted
 from codegen.readers import arguments as readers
 from codegen.readers.calls import checked_class, named_attributes
-from codegen.readers.values import shown
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
-from runtime.results.accuracy_target_record import ReachedAccuracy
 from runtime.results.assembled_state import State
 from runtime.results.event_records import Event, SingularPosition
 from runtime.results.motion_at_instants import Motion, at, resume, state
-from runtime.results.reconnection import Ending, Reconnection
+from runtime.results.run_records import Ending, ReachedAccuracy, Reconnection
 from runtime.results.samples import Partition, Samples, plain
 from runtime.results.series_lookup import TimeSeries
 
@@ -48,6 +46,9 @@ class Result(TimeSeries):
         The arrays, one row an instant.
     outcome
         How the analysis ended; `message` says it in full, with time and joint.
+    site
+        The function that ended the run, and what it found, where several lead to the outcome; empty
+        otherwise.
     contradiction
         What a check found against the results, with numbers; empty if none did.
     stats
@@ -84,6 +85,7 @@ class Result(TimeSeries):
 
     outcome: Outcome
     message: str
+    site: str
     contradiction: str
     stats: dict[str, float]
     events: tuple[Event, ...]
@@ -107,22 +109,12 @@ class Result(TimeSeries):
         partitions: Sequence[Partition] = (), not_unique: Sequence[str] = (),
         singular: Sequence[SingularPosition] = ()
     ) -> None:  # fmt: skip
-        for value, kind in (
-            (description, Description), (samples, Samples), (p, np.ndarray), (outcome, Outcome),
-            (stats, Mapping), (events, Sequence), (partitions, Sequence), (not_unique, Sequence),
-            (singular, Sequence),
-        ):  # fmt: skip
-            if not isinstance(value, kind):
-                raise InputError(
-                    f"Result: {shown(value)} is no {kind.__name__}; the analyses of a machine make "
-                    "results."
-                )
         self.description, self.samples = description, samples
         self.analysis, self.outcome, self.message = analysis, outcome, message
         self.stats = dict(stats)
         self.events, self.partitions = tuple(events), tuple(partitions)
         self.not_unique, self.singular = tuple(not_unique), tuple(singular)
-        self.works, self.accuracy, self.contradiction = {}, None, ""
+        self.works, self.accuracy, self.contradiction, self.site = {}, None, "", ""
         self._motion, self._mechanism, self._chosen = None, None, False
         self.ended_by, self.reconnections, self.reconnection = "", (), None
         self.work_at_end, self._until = {}, ()
@@ -359,6 +351,7 @@ class Result(TimeSeries):
             "analysis": self.analysis,
             "outcome": self.outcome.name,
             "message": self.message,
+            **({"site": self.site} if self.site else {}),
             "parameters": self.parameters,
             "stats": plain(self.stats),
             "not_unique": ", ".join(self.not_unique),

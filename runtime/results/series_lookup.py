@@ -1,41 +1,15 @@
 """Series of a result by name: motion, reactions, quantities of effects, energies, powers, works."""
 
-from collections.abc import Callable
-from functools import wraps
-from typing import Concatenate, ParamSpec, TypeVar
-
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
 from codegen.readers.calls import checked_class
-from codegen.readers.values import shown
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.series_table import Series
-from runtime.mechanism.table_rows import unknown
 from runtime.results.samples import Samples
 
 FloatArray = npt.NDArray[np.float64]
-Names = ParamSpec("Names")
-Column = TypeVar("Column")
-Owner = TypeVar("Owner", bound="TimeSeries")
-Lookup = Callable[Concatenate[Owner, Names], Column]
-
-
-def by_names(lookup: Lookup[Owner, Names, Column]) -> Lookup[Owner, Names, Column]:
-    """A lookup that refuses arguments that are no texts."""
-
-    @wraps(lookup)
-    def checked(result: Owner, /, *names: Names.args, **keywords: Names.kwargs) -> Column:
-        for name in (*names, *keywords.values()):
-            if not isinstance(name, str):
-                raise InputError(
-                    f"{result.description.title}: {lookup.__name__}({shown(name)}): a name is "
-                    f"a text, such as {result.description.coordinates.names[0]!r} of a coordinate."
-                )
-        return lookup(result, *names, **keywords)
-
-    return checked
 
 
 @checked_class
@@ -50,7 +24,6 @@ class TimeSeries:
     works: dict[str, FloatArray]
     analysis: str
 
-    @by_names
     def q(self, name: str) -> FloatArray:
         """A coordinate over time.
 
@@ -66,7 +39,6 @@ class TimeSeries:
         """
         return self.samples.q[:, self.description.series.coordinate(name, velocity=False)]
 
-    @by_names
     def v(self, name: str) -> FloatArray:
         """A velocity over time.
 
@@ -82,7 +54,6 @@ class TimeSeries:
         """
         return self.samples.v[:, self.description.series.coordinate(name, velocity=True)]
 
-    @by_names
     def a(self, name: str) -> FloatArray:
         """An acceleration over time.
 
@@ -99,7 +70,6 @@ class TimeSeries:
         """
         return self.samples.a[:, self.description.series.coordinate(name, velocity=True)]
 
-    @by_names
     def y(self, name: str) -> FloatArray:
         """A first-order state, a sampled value or a latch over time.
 
@@ -120,7 +90,6 @@ class TimeSeries:
         """
         return self.column(self.description.series.state(name))
 
-    @by_names
     def point(self, name: str, component: str = "") -> FloatArray:
         """Place of a tracked point over time, in global axes.
 
@@ -144,7 +113,6 @@ class TimeSeries:
             return self.column(self.description.series.point(name, component))
         return np.column_stack([self.point(name, axis) for axis in "xy"])
 
-    @by_names
     def reaction(self, joint: str, component: str) -> FloatArray:
         """Force or torque that the first body of a joint exerts on the second, in joint axes.
 
@@ -169,7 +137,6 @@ class TimeSeries:
         """
         return self.column(self.description.series.reaction(joint, component))
 
-    @by_names
     def mode(self, condition: str) -> npt.NDArray[np.int64]:
         """Mode of a switching condition over time.
 
@@ -185,9 +152,8 @@ class TimeSeries:
             1 where the condition held, 0 where it did not, 2 where its function stayed at zero: the
             motion slid on the switching surface, friction stuck, or a rigid contact was closed.
         """
-        return self.samples.modes[:, self._switch(condition)]
+        return self.samples.modes[:, self.description.series.switch(condition)]
 
-    @by_names
     def share(self, condition: str) -> FloatArray:
         """Filippov's share α of a condition over time, where its mode is 2.
 
@@ -204,9 +170,8 @@ class TimeSeries:
         (k,) float64
             From 0 to 1; not a number where the mode is 0 or 1.
         """
-        return self.samples.share[:, self._switch(condition)]
+        return self.samples.share[:, self.description.series.switch(condition)]
 
-    @by_names
     def energy(self, part: str = "total") -> FloatArray:
         """Energy over time.
 
@@ -227,7 +192,6 @@ class TimeSeries:
         """
         return self.column(self.description.series.energy(part))
 
-    @by_names
     def force(self, effect: str, component: str = "") -> FloatArray:
         """Force of an effect over time, an output ``force(NAME)`` of the scene.
 
@@ -258,7 +222,6 @@ class TimeSeries:
         """
         return self._quantity("force", effect, component)
 
-    @by_names
     def torque(self, effect: str, component: str = "") -> FloatArray:
         """Torque of an effect over time, an output ``torque(NAME)`` of the scene.
 
@@ -270,17 +233,14 @@ class TimeSeries:
         """
         return self._quantity("torque", effect, component)
 
-    @by_names
     def length(self, effect: str) -> FloatArray:
         """Length of a spring or damper over time, in m; an output ``length(NAME)``."""
         return self._quantity("length", effect)
 
-    @by_names
     def angle(self, effect: str) -> FloatArray:
         """Angle φ_j - φ_i of a torsion spring over time, in rad; an output ``angle(NAME)``."""
         return self._quantity("angle", effect)
 
-    @by_names
     def rate(self, effect: str, component: str = "") -> FloatArray:
         """Rate of a length, an angle or a gap, or the slip of a friction, in m/s or rad/s.
 
@@ -288,7 +248,6 @@ class TimeSeries:
         """
         return self._quantity("rate", effect, component)
 
-    @by_names
     def deflection(self, effect: str, component: str = "") -> FloatArray:
         """Length less free length of a spring, or angle less free angle, in m or rad.
 
@@ -297,7 +256,6 @@ class TimeSeries:
         """
         return self._quantity("deflection", effect, component)
 
-    @by_names
     def gap(self, effect: str, component: str = "") -> FloatArray:
         """Gap of a contact over time, in m, negative where it is penetrated; ``gap(NAME)``.
 
@@ -305,17 +263,14 @@ class TimeSeries:
         """
         return self._quantity("gap", effect, component)
 
-    @by_names
     def penetration(self, effect: str, component: str = "") -> FloatArray:
         """Penetration of a contact that yields, in m, 0 where it is open; ``penetration(NAME)``."""
         return self._quantity("penetration", effect, component)
 
-    @by_names
     def potential(self, effect: str) -> FloatArray:
         """Potential energy of an effect over time, in J; an output ``potential(NAME)``."""
         return self._quantity("potential", effect)
 
-    @by_names
     def power(self, source: str, part: str = "whole") -> FloatArray:
         """Power of an effect or driver on the machine.
 
@@ -340,7 +295,6 @@ class TimeSeries:
         """
         return self.column(self.description.series.power(source, part))
 
-    @by_names
     def work(self, source: str) -> FloatArray:
         """Work of an effect or driver on the machine since the start of a simulation.
 
@@ -365,7 +319,6 @@ class TimeSeries:
         """
         return self.column(self.description.series.work(source))
 
-    @by_names
     def series(self, name: str) -> tuple[FloatArray, str]:
         """A column by any of its names, and its unit.
 
@@ -399,13 +352,3 @@ class TimeSeries:
 
     def _quantity(self, quantity: str, effect: str, component: str = "") -> FloatArray:
         return self.column(self.description.series.of_effect(quantity, effect, component))
-
-    def _switch(self, condition: str) -> int:
-        switches = self.description.switches
-        full = [row.title for row in switches]
-        if condition in full:
-            return full.index(condition)
-        of_effect = [k for k, row in enumerate(switches) if row.name == condition]
-        if len(of_effect) == 1:
-            return of_effect[0]
-        raise InputError(f"{self.description.title}: {unknown('condition', condition, full)}")

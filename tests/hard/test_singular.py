@@ -149,6 +149,7 @@ def test_a_start_that_is_on_no_branch_ends_by_name(machines: dict[int, Machine])
     run = machines[2].simulate(1.0, **begin, progress=False)
     assert run.outcome is Outcome.SINGULAR
     assert "its velocity is off them by" in run.message
+    assert run.site.startswith("prepare_start: start velocity off every branch")
 
 
 @pytest.mark.parametrize("excess", [0.0, 1e-3, -1e-3])
@@ -184,8 +185,10 @@ def test_a_miss_below_rounding_names_the_tolerance_that_would_do() -> None:
     )
     assert advice is not None, run.message
     assert "Remove the constraint" not in run.message
+    assert run.site.startswith("follow_miss: a bend too narrow for the tolerance, of ")
     wider = machine.simulate(1.0, parameters=longer, rtol=float(advice[1]), progress=False)
     assert wider.outcome is Outcome.OK, wider.message
+    assert wider.site == ""
 
 
 def test_a_driven_simulation_that_locks_up_points_to_kinematics() -> None:

@@ -18,7 +18,7 @@ PERMITTED = {
     "codegen/files/generated_modules.py": {"compile"},  # generated modules
     "codegen/machine_code/kernels.py": {"eval"},  # a kernel's signature, of a generated module
     "codegen/reference/examples.py": {"exec"},  # the examples of elements, from their classes
-    "runtime/results/packed_values.py": {"np.load"},  # with allow_pickle=False
+    "runtime/results/saved_result.py": {"np.load"},  # with allow_pickle=False
     "runtime/sweeps/block_parts.py": {"np.load"},  # with allow_pickle=False
     "runtime/sweeps/dask_cluster.py": {"pickle.loads"},  # of the scheduler, which sends programs
     "runtime/sweeps/local_workers.py": {"pickle.load"},  # of processes that the sweep has started
@@ -52,7 +52,7 @@ def test_what_executes_data_is_named_here(package: str) -> None:
 
 
 def test_arrays_are_loaded_without_pickles() -> None:
-    tree = ast.parse((ROOT / "runtime/results/packed_values.py").read_bytes())
+    tree = ast.parse((ROOT / "runtime/results/saved_result.py").read_bytes())
     (load,) = (call for call in calls(tree) if dotted(call.func) == "np.load")
     words = {word.arg: ast.unparse(word.value) for word in load.keywords}
     assert words == {"allow_pickle": "False"}

@@ -1,4 +1,4 @@
-"""Result files from elsewhere execute nothing: no model file, pickle, codec or checkpoint."""
+"""Result files execute nothing: no model file, pickle, codec or checkpoint."""
 
 import io
 import json
@@ -8,18 +8,19 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
+from codegen import Model
 from codegen.errors import InputError
 from runtime import load, load_result
+from runtime.integrate.problem import Discrete
 from runtime.machine_facade import Machine
 from runtime.results import export, zarr_store
-from runtime.results.packed_values import pack
 from runtime.results.result import Result
-from runtime.results.saved_result import saved_fields
+from runtime.results.saved_result import pack, saved_fields
 
 _MODEL = """
 import os
@@ -53,95 +54,140 @@ def result(machine: Machine) -> Result:
     return machine.simulate(0.8, 41)
 
 
-@pytest.fixture
-def sent(
-    result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, folder: Path
-) -> Callable[..., Path]:
-    """Save the result as another user, changed or not; the model would leave its mark."""
+Sent = Callable[..., Path]
 
-    def save(ending: str, change: Callable[[dict[str, Any]], None] | None = None) -> Path:
-        def content(of: Result) -> bytes:
+
+@pytest.fixture
+def sent(result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Sent:
+    """Save the result, or another one, with fields that somebody has changed, or other bytes."""
+
+    def save(
+        ending: str, change: Callable[[dict[str, Any]], None] = lambda _: None,
+        content: bytes | None = None, of: Result = result,
+    ) -> Path:  # fmt: skip
+        def packed(of: Result) -> bytes:
             fields = saved_fields(of)
-            if change is not None:
-                change(fields)
-            return pack(fields)
+            change(fields)
+            return pack(fields) if content is None else content
 
         with monkeypatch.context() as other:
-            other.setenv("XDG_DATA_HOME", str(tmp_path / "another user"))
             for module in (export, zarr_store):
-                other.setattr(module, "saved_result", content)
-            path = result.save(tmp_path / f"run{ending}")
-        (folder / "mark").unlink(missing_ok=True)
-        return path
+                other.setattr(module, "saved_result", packed)
+            return of.save(tmp_path / f"run{ending}")
 
     return save
 
 
 @pytest.mark.parametrize("ending", [".nc", ".zarr"])
-def test_the_model_of_a_file_from_elsewhere_is_not_executed(
-    sent: Callable[..., Path], folder: Path, machine: Machine, result: Result, ending: str
+def test_the_model_that_a_file_names_is_not_executed(
+    result: Result, folder: Path, tmp_path: Path, ending: str
 ) -> None:
-    path = sent(ending)
+    """Also where it is newer than its module, so that a load would execute it."""
+    path = result.save(tmp_path / f"run{ending}")
     model = folder / "bob.py"
-    text = model.read_text()
-    model.write_text(f"{text}# newer than the module, so that a load executes it\n")
-    with pytest.raises(InputError, match=r"not saved by you on this machine.*machine=load"):
-        load_result(path)
+    model.write_text(f"{model.read_text()}# changed\n")
+    (folder / "mark").unlink(missing_ok=True)
+    program = """
+import sys
+from runtime import load_result
+try:
+    load_result(sys.argv[1])
+except Exception as error:
+    print(type(error).__name__, error)
+"""
+    run = [sys.executable, "-c", program, path]
+    said = subprocess.run(run, capture_output=True, text=True, check=True).stdout
+    assert "InputError" in said
+    assert "bob.py, scene swing) and give it: load_result(path, machine=load(...))" in said
     assert not (folder / "mark").exists()
-    found = load_result(path, machine)
+
+
+@pytest.mark.parametrize("given", [True, False])
+def test_the_machine_is_the_one_that_is_given_or_loaded(
+    result: Result, machine: Machine, folder: Path, tmp_path: Path, given: bool
+) -> None:
+    (folder / "mark").unlink(missing_ok=True)
+    found = load_result(result.save(tmp_path / "run.nc"), machine if given else None)
     np.testing.assert_array_equal(found.q("bob.phi"), result.q("bob.phi"))
     np.testing.assert_array_equal(found.at(0.61).v("bob.omega"), result.at(0.61).v("bob.omega"))
     assert not (folder / "mark").exists()
-    model.write_text(text)
 
 
-def test_own_files_name_their_model(result: Result, tmp_path: Path, folder: Path) -> None:
-    fresh = load(folder / "bob.py", folder=folder).simulate(0.1)
-    path = fresh.save(tmp_path / "own.nc")
-    assert load_result(path).q("bob.phi").tolist() == fresh.q("bob.phi").tolist()
+def test_no_checkpoint_is_written_or_read(sent: Sent, machine: Machine, result: Result) -> None:
+    """Older files have some: they are left out, and all else is read."""
 
+    class Checkpoint(NamedTuple):
+        t: float
+        state: Any
 
-def test_checkpoints_from_elsewhere_reach_no_compiled_code(
-    sent: Callable[..., Path], machine: Machine, result: Result
-) -> None:
     def poison(fields: dict[str, Any]) -> None:
-        fields["motion"]["checkpoints"] = ["an address"]
+        assert "checkpoints" not in fields["motion"]
+        fields["motion"]["checkpoints"] = [Checkpoint(0.1, np.array([1, 2, 3]))]
 
     found = load_result(sent(".nc", poison), machine)
+    assert found._motion.checkpoints.rows == []  # type: ignore[union-attr]
     np.testing.assert_array_equal(found.at(0.61).v("bob.omega"), result.at(0.61).v("bob.omega"))
+    np.testing.assert_array_equal(found.resume(1.0, 5).samples.q, result.resume(1.0, 5).samples.q)
 
 
 @pytest.mark.parametrize(
-    ("name", "value"),
+    ("part", "name", "value"),
     [
-        ("q", np.zeros((41, 1))),
-        ("q", np.zeros((41, 3), np.complex128)),
-        ("v", np.zeros((40, 3))),
-        ("t", np.zeros((41, 2))),
-        ("modes", np.full((41, 1), 7)),
-        ("modes", np.zeros((41, 9), np.int64)),
-        ("modes", np.zeros((41, 1))),
+        ("samples", "q", np.zeros((41, 1))),
+        ("samples", "q", np.zeros((41, 3), np.complex128)),
+        ("samples", "v", np.zeros((40, 3))),
+        ("samples", "t", np.zeros((41, 2))),
+        ("samples", "modes", np.full((41, 1), 7)),
+        ("samples", "modes", np.zeros((41, 9), np.int64)),
+        ("samples", "modes", np.zeros((41, 1))),
+        ("motion", "q", np.zeros(2)),
+        ("motion", "v", np.zeros(2)),
     ],
 )
 def test_arrays_of_other_shapes_are_refused(
-    sent: Callable[..., Path], machine: Machine, name: str, value: Any
+    sent: Sent, machine: Machine, part: str, name: str, value: Any
 ) -> None:
     def poison(fields: dict[str, Any]) -> None:
-        fields["samples"] = {**fields["samples"], name: value}
+        fields[part] = {**fields[part], name: value}
 
     with pytest.raises(InputError, match=rf"the array {name} of the file has the shape"):
         load_result(sent(".nc", poison), machine)
 
 
-@pytest.mark.parametrize("name", ["q", "v"])
-def test_a_start_of_another_shape_is_refused(
-    sent: Callable[..., Path], machine: Machine, name: str
-) -> None:
-    def poison(fields: dict[str, Any]) -> None:
-        fields["motion"][name] = np.zeros(2)
+@pytest.fixture(scope="module")
+def sampled(workshop: Path) -> Machine:
+    model = Model("sampled_elsewhere")
+    cart = model.particle("cart", 1.0)
+    model.absolute("rail", cart, "y", 0.0)
+    pull = model.sampled("pull", 0.1, -cart.x, unit="N", delay=0.15)
+    model.force("actuator", cart, fx=pull)
+    model.scene("run", ["actuator"], start={cart.x: 1.0, cart.vx: 0.0})
+    return load(model, folder=workshop)
 
-    with pytest.raises(InputError, match=rf"the array {name} of the file has the shape \(2,\)"):
-        load_result(sent(".nc", poison), machine)
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("ticks", np.zeros(8, np.int64), "the array ticks of the file has the shape"),
+        ("ticks", np.array([1 << 40, 0]), "clocks that wait for what never comes"),
+        ("waiting", np.zeros((1, 900)), "the array waiting of the file has the shape"),
+        ("held", np.zeros(3), "the array held of the file has the shape"),
+    ],
+)
+def test_clocks_of_other_shapes_are_refused(
+    sent: Sent, sampled: Machine, field: str, value: Any, message: str
+) -> None:
+    run = sampled.simulate(0.33, 5)
+    back = load_result(sent(".nc", of=run), sampled)
+    assert (back.resume(0.5, 3).samples.q == run.resume(0.5, 3).samples.q).all()
+
+    def poison(fields: dict[str, Any]) -> None:
+        first, last = fields["motion"]["discrete"]
+        assert isinstance(last, Discrete)
+        fields["motion"]["discrete"] = first, last._replace(**{field: value})
+
+    with pytest.raises(InputError, match=message):
+        load_result(sent(".nc", poison, of=run), sampled)
 
 
 class Bomb:
@@ -154,18 +200,15 @@ class Bomb:
         return Path.write_text, (self.mark, "executed")
 
 
+@pytest.mark.parametrize("ending", [".nc", ".zarr"])
 def test_pickles_in_arrays_are_not_read(
-    result: Result, machine: Machine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    sent: Sent, machine: Machine, tmp_path: Path, ending: str
 ) -> None:
-    mark = tmp_path / "mark"
-    file = io.BytesIO()
+    mark, file = tmp_path / "mark", io.BytesIO()
     text = np.frombuffer(b'{"array": 0}', np.uint8)
     np.savez(file, a0=np.array([Bomb(mark)], object), json=text)
-    for ending in (".nc", ".zarr"):
-        for module in (export, zarr_store):
-            monkeypatch.setattr(module, "saved_result", lambda _: file.getvalue())
-        with pytest.raises(InputError, match="is damaged"):
-            load_result(result.save(tmp_path / f"run{ending}"), machine)
+    with pytest.raises(InputError, match="is damaged"):
+        load_result(sent(ending, content=file.getvalue()), machine)
     assert not mark.exists()
     np.load(io.BytesIO(file.getvalue()), allow_pickle=True)["a0"]
     assert mark.exists()  # the bomb is one
@@ -174,27 +217,11 @@ def test_pickles_in_arrays_are_not_read(
 @pytest.mark.parametrize(
     "content", ['{"kind": "system", "of": ["id"]}', '{"kind": "__import__", "of": ["os"]}', "[[["]
 )
-def test_kinds_that_are_none_of_a_result(
-    result: Result, machine: Machine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, content: str
-) -> None:
+def test_kinds_that_are_none_of_a_result(sent: Sent, machine: Machine, content: str) -> None:
     file = io.BytesIO()
     np.savez(file, json=np.frombuffer(content.encode(), np.uint8))
-    monkeypatch.setattr(export, "saved_result", lambda _: file.getvalue())
     with pytest.raises(InputError, match="is damaged"):
-        load_result(result.save(tmp_path / "run.nc"), machine)
-
-
-def test_attributes_of_netcdf_are_texts(
-    result: Result, machine: Machine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    mark = tmp_path / "mark"
-    bomb = np.frombuffer(pickle.dumps(Bomb(mark)), np.uint8)
-    monkeypatch.setattr(export, "signature", lambda _: bomb)
-    path = result.save(tmp_path / "run.nc")
-    with pytest.raises(InputError, match="not saved by you"):
-        load_result(path)
-    load_result(path, machine)
-    assert not mark.exists()
+        load_result(sent(".nc", content=file.getvalue()), machine)
 
 
 def test_a_store_whose_filter_unpickles_is_not_opened(machine: Machine, tmp_path: Path) -> None:
@@ -248,7 +275,7 @@ def test_metadata_that_are_none(
 
 
 def test_texts_of_a_file_are_no_markup_on_a_page(
-    sent: Callable[..., Path], machine: Machine, tmp_path: Path
+    sent: Sent, machine: Machine, tmp_path: Path
 ) -> None:
     markup = "</script><script>alert(1)</script><img src=x onerror=alert(1)>"
 
@@ -265,31 +292,6 @@ def test_texts_of_a_file_are_no_markup_on_a_page(
     for text in (page, moving, found._repr_html_()):
         assert "<script>alert" not in text
         assert "<img src=x" not in text
-
-
-def test_a_user_without_a_folder_for_keys_is_told_so(
-    result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "file").touch()
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "file"))
-    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "file"))
-    path = result.save(tmp_path / "run.nc")
-    with pytest.raises(InputError, match="may be your own, but no key can be kept in the user"):
-        load_result(path)
-
-
-def test_a_key_is_kept_where_hard_links_are_not(
-    result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refused(*names: object) -> None:
-        raise PermissionError(1, "Operation not permitted")
-
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "data"))
-    monkeypatch.setattr(os, "link", refused)
-    path = result.save(tmp_path / "run.nc")
-    assert (load_result(path).q("bob.phi") == result.q("bob.phi")).all()
-    assert [file.name for file in (tmp_path / "data" / "linkwright").iterdir()] == ["signing_key"]
 
 
 @pytest.mark.parametrize("own", [True, False])

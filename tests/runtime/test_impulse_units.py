@@ -7,7 +7,7 @@ import pytest
 
 from codegen import Model
 from runtime import load
-from runtime.results.reconnection import Reconnection
+from runtime.results.run_records import Reconnection
 
 
 def _caught(kind: str, folder: Path) -> Reconnection:

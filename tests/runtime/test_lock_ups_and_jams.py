@@ -7,7 +7,7 @@ import pytest
 
 from codegen import Model
 from runtime import load
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.dynamics.checks.jamming import blocking_rows
 from runtime.machine_facade import Machine
 from tests.random_mechanisms import Scales, random_mechanism
@@ -23,6 +23,7 @@ def test_a_lock_up_has_one_name_whatever_the_tolerance(tmp_path: Path) -> None:
         assert run.outcome is Outcome.SINGULAR, run.message
         assert run.t[-1] == pytest.approx(0.39231464, abs=2e-8)
         assert "driver drive1.distance" in run.message
+        assert run.site in {one.of("drive1.distance") for one in (Site.LOCK_UP, Site.NO_POSITION)}
 
 
 def test_a_motion_into_a_jam_names_the_joint(tmp_path: Path) -> None:
@@ -37,6 +38,8 @@ def test_a_motion_into_a_jam_names_the_joint(tmp_path: Path) -> None:
     assert run.outcome is Outcome.NOT_FINITE
     assert 0.1 < run.t[-1] < 0.102
     assert "joint slide.normal. Friction rub in joint slide jams" in run.message
+    assert run.site == "end_at_jam: friction or contacts that lock up or jam, of slide.normal"
+    assert run.facts()["site"] == run.site
 
 
 def test_a_singular_start_is_no_jam_of_a_friction_in_it(tmp_path: Path) -> None:
@@ -53,6 +56,7 @@ def test_a_singular_start_is_no_jam_of_a_friction_in_it(tmp_path: Path) -> None:
     run = load(model, folder=tmp_path).simulate(2.0)
     assert run.outcome is Outcome.SINGULAR
     assert "jams" not in run.message
+    assert run.site == Site.START_RANK.of("slide.normal")
 
 
 @pytest.mark.parametrize(("seed", "kept"), [(62, "friction rub0"), (74, "contact stop0")])
@@ -156,3 +160,4 @@ def test_a_run_beyond_all_numbers_ends_by_name(tmp_path: Path) -> None:
     model.scene("fall", ["gravity", "floor"], start={ball.y: 1.0, ball.x: 0.0})
     run = load(model, folder=tmp_path).simulate(1e300)
     assert run.outcome is Outcome.STEP_TOO_SMALL
+    assert run.site in (Site.ENDLESS_STEPS.of(""), Site.SHORTEST_STEP.of(""))

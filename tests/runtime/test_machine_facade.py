@@ -126,9 +126,6 @@ def test_attributes_of_a_subclass_of_a_users_are_its_own(driven: Machine) -> Non
 
 WRONG: dict[str, Callable[[Machine], Any]] = {
     "'x' is no mechanism": lambda of: Machine("x"),  # type: ignore[arg-type]
-    "Result: None is no Description": lambda of: Result(
-        None, None, None, analysis="", outcome=None, message="", stats=None,  # type: ignore[arg-type]
-    ),
     "Result.facts: too many positional arguments; it takes ()": lambda of: result(of).facts(3),  # type: ignore[call-arg]
     "Equilibrium.facts: too many positional arguments; it takes ()": lambda of: Equilibrium.facts(
         object.__new__(Equilibrium), 3  # type: ignore[call-arg]

@@ -10,9 +10,8 @@ from codegen.errors import InputError
 from runtime import load, load_result
 from runtime.machine_facade import Machine
 from runtime.results import export
-from runtime.results.packed_values import pack
 from runtime.results.result import Result
-from runtime.results.saved_result import saved_fields
+from runtime.results.saved_result import pack, saved_fields
 
 
 @pytest.fixture(scope="module")

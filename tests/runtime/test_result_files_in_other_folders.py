@@ -1,4 +1,4 @@
-"""Results come back in any folder: a file tells where its machine lies."""
+"""Results come back in any folder, by a machine that is loaded or given."""
 
 from pathlib import Path
 
@@ -18,16 +18,16 @@ model.scene("swing", effects=["gravity", "damper"], start={{bob.phi: 0.4, bob.om
 """
 
 
-def _write(folder: Path, damping: float = 0.3) -> Path:
+def _write(folder: Path, name: str, damping: float = 0.3) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "far_bob.py").write_text(_MODEL.format(name="far_bob", damping=damping))
-    return folder / "far_bob.py"
+    (folder / f"{name}.py").write_text(_MODEL.format(name=name, damping=damping))
+    return folder / f"{name}.py"
 
 
 def test_a_result_comes_back_in_another_folder_and_with_a_machine_loaded_from_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    _write(tmp_path / "one")
+    _write(tmp_path / "one", "far_bob")
     (tmp_path / "two").mkdir()
     monkeypatch.chdir(tmp_path / "one")
     result = load("far_bob.py").simulate(0.6)
@@ -48,9 +48,12 @@ def test_a_result_comes_back_in_another_folder_and_with_a_machine_loaded_from_th
 def test_a_result_of_another_model_is_refused_in_whatever_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    _write(tmp_path / "one")
+    _write(tmp_path / "one", "changed_bob")
     monkeypatch.chdir(tmp_path)
-    place = load("one/far_bob.py").simulate(0.1).save("far.nc")
-    _write(tmp_path / "one", damping=0.4)
-    with pytest.raises(InputError, match=r"has changed since .*far_bob__swing\.py computes"):
-        load_result(place)
+    before = load("one/changed_bob.py")
+    place = before.simulate(0.1).save("far.nc")
+    after = load(_write(tmp_path / "one", "changed_bob", damping=0.4))
+    with pytest.raises(InputError, match=r"has changed since .*changed_bob__swing\.py computes"):
+        load_result(place, after)
+    assert load_result(place).q("bob.phi")[-1] != after.simulate(0.1).q("bob.phi")[-1]
+    assert load_result(place, before).at(0.05).t == 0.05

@@ -10,7 +10,7 @@ from codegen import Model
 from codegen.errors import InputError
 from runtime import load, load_result
 from runtime.machine_facade import Machine
-from runtime.results.matlab_file import field_names
+from runtime.results.export import field_names
 from runtime.results.result import Result
 
 

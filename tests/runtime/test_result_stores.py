@@ -19,7 +19,7 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics.simulation import simulate_joints
 from runtime.integrate import recording_buffers
 from runtime.machine_facade import Machine
-from runtime.results import memory, result_store
+from runtime.results import samples, zarr_store
 from tests.runtime import bars
 
 ROWS = 64  # of a chunk in these tests
@@ -46,7 +46,7 @@ def swing(workshop: Path) -> Machine:
 
 @pytest.fixture
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(result_store, "_MOST", ROWS)
+    monkeypatch.setattr(zarr_store, "_MOST", ROWS)
     monkeypatch.setattr(recording_buffers, "_SINK_BYTES", 0)
 
 
@@ -137,7 +137,7 @@ def test_what_a_run_holds_does_not_grow_with_its_instants(tmp_path: Path) -> Non
         held.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
         assert len(result.t) == count
-    more = 12_000 * memory.sample_bytes(chain.description)  # in the last of the results
+    more = 12_000 * samples.sample_bytes(chain.description)  # in the last of the results
     assert held[2] < held[1] + more / 4
 
 
@@ -161,21 +161,21 @@ def test_a_place_that_is_taken_and_other_runs_are_refused(swing: Machine, tmp_pa
 def test_samples_that_do_not_fit_into_memory_are_refused_by_number(
     swing: Machine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(memory, "free_bytes", lambda: 10**6)
-    message = r"the samples at 20000 instants take 0\.0\d+ GB, and 0\.001 GB of memory are free"
+    monkeypatch.setattr(samples, "free_bytes", lambda: 10**7)
+    message = r"the samples at 200000 instants take 0\.0\d+ GB, and 0\.01 GB of memory are free"
     with pytest.raises(InputError, match=message):
-        swing.simulate(1.0, 20_000)
-    with pytest.raises(InputError, match=message.replace("20000", "20001")):
-        swing.simulate(1.0, np.linspace(0.0, 1.0, 20_001))
-    monkeypatch.setattr(memory, "free_bytes", lambda: 3 * 10**6)
-    assert len(swing.simulate(1.0, 20_000, out=tmp_path / "run.zarr").t) == 20_000
-    assert memory.sample_bytes(swing.description) * 20_000 > 3 * 10**6
-    monkeypatch.setattr(memory, "free_bytes", lambda: None)  # where the system does not tell
+        swing.simulate(1.0, 200_000)
+    with pytest.raises(InputError, match=message.replace("200000", "200001")):
+        swing.simulate(1.0, np.linspace(0.0, 1.0, 200_001))
+    monkeypatch.setattr(samples, "free_bytes", lambda: 3 * 10**7)
+    assert len(swing.simulate(1.0, 200_000, out=tmp_path / "run.zarr").t) == 200_000
+    assert samples.sample_bytes(swing.description) * 200_000 > 3 * 10**7
+    monkeypatch.setattr(samples, "free_bytes", lambda: None)  # where the system does not tell
     assert swing.simulate(1.0, 3).outcome is Outcome.OK
 
 
 def test_what_is_free_is_known_here() -> None:
-    free = memory.free_bytes()
+    free = samples.free_bytes()
     assert free is None or free > 2**20
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core.modes_and_event_kinds import SLIDING
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.dynamics.checks.screening import (
     APART,
     CLOSED,
@@ -65,7 +65,7 @@ def check_result(
         found = " ".join(filter(None, [order, modes, found, unexplained]))
     if found:
         outcome, result.contradiction = Outcome.CONTRADICTED, found
-        result.outcome = outcome
+        result.outcome, result.site = outcome, Site.CHECKS.of("")
         result.message = f"{outcome.meaning} {found} {outcome.advice} {result.message}"
 
 

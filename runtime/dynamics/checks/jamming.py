@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core.modes_and_event_kinds import SLIDING
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.dynamics.output_quantities import evaluate
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray
@@ -67,7 +67,7 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
     locked = locked or _describe_lock_up(equations, run, proven=True)
     if locked:
         ended = Outcome.LOCKED if description.drivers else Outcome.SINGULAR
-        return replace(run, outcome=ended, index=-1, note=locked)
+        return replace(run, outcome=ended, site=Site.JAM, index=-1, note=locked)
     if not grows:
         return run
     a, _, _ = equations.motion(t, q, v, run.final_modes)
@@ -79,11 +79,13 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
         if weak > 0 and not np.isfinite(ahead).all():
             resting, _, _ = equations.motion(there[0], there[1], np.zeros_like(v), run.final_modes)
             if np.isfinite(resting).all():
-                return replace(run, outcome=Outcome.NOT_FINITE, index=weak - 1)
+                return replace(run, outcome=Outcome.NOT_FINITE, site=Site.JAM, index=weak - 1)
             break
     sentences = (_describe_switched(mechanism, p, there, run.final_modes) for there in later)
     jammed = next(filter(None, sentences), "")
-    return replace(run, outcome=Outcome.NOT_FINITE, index=-1, note=jammed) if jammed else run
+    if not jammed:
+        return run
+    return replace(run, outcome=Outcome.NOT_FINITE, site=Site.JAM, index=-1, note=jammed)
 
 
 def _describe_lock_up(equations: Equations, run: Trajectory, *, proven: bool) -> str:

@@ -18,7 +18,7 @@ import numpy as np
 from runtime.core.array_types import Vector
 from runtime.core.kernel_abi import find_stand_in
 from runtime.core.loop_record import Plan
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.core.workspace_rows import Y0, Y1, K
 from runtime.integrate.loop import WEAK_STATES
 from runtime.integrate.problem import Problem
@@ -40,7 +40,7 @@ _TRIES = 4  # safety: plans for one crossing
 
 # As integers: looking up a member of an enumeration is slow in Python 3.11.
 _FREE, _APPROACHING, _CROSSING, _LEAVING, _MISSING = map(int, Plan)
-_GOING, _SINGULAR = int(Signal.GOING), int(Outcome.SINGULAR)
+_GOING = int(Signal.GOING)
 
 
 class Crossings:
@@ -149,7 +149,7 @@ class Crossings:
         weak, r["weak"] = r["weak"], 0
         if position is None or not position.rate > 0.0:
             if weak >= WEAK_STATES:
-                return _SINGULAR
+                return self._end(Site.NO_POSITION)
             # The step that was tried may be taken; the look at the next one is another.
             r["quiet"] = motion.t + max(0.5 * abs(s), 0.5 * usual, 1.001 * r["tried"])
             return _GOING
@@ -189,7 +189,7 @@ class Crossings:
         noisy = noise * step.h > abs(step.lead) ** 3
         close = abs(step.lead) < steps.reach(position)
         if noisy and close and not self._extrapolate(motion, position):
-            return _SINGULAR
+            return self._end(Site.NO_ACCELERATIONS)
         self.step, self.before = step, self._start_state()
         r["plan"], r["length_across"] = _CROSSING, step.h
         r["permitted"] = 2.0 * step.method + _ALLOWANCE * (step.rounding + step.start)
@@ -230,9 +230,14 @@ class Crossings:
                     "No step across has samples that meet the constraints and balances the energy; "
                     "take other instants, or loosen rtol."
                 )
-            return _SINGULAR
+            return self._end(Site.STEPS_ACROSS)
         ahead = position.t - float(r["t"])
         return _GOING if self._approach(position, ahead) else self._cross()
+
+    def _end(self, site: Site) -> int:
+        """End the run in a singular position."""
+        self.record["site"] = site
+        return int(Outcome.SINGULAR)
 
     def _follow_miss(self, position: Singularity) -> int:
         """The machine misses the position by a gap: its motion bends away, within the width τ.
@@ -255,7 +260,7 @@ class Crossings:
                 f"cross by {position.gap:.1e}, too little to be followed in rounded numbers with "
                 f"this rtol; loosen rtol to about {needed:.0e}, or make the lengths agree exactly."
             )
-            return _SINGULAR
+            return self._end(Site.NARROW_MISS)
         r["plan"], r["turn"], r["length_across"] = _MISSING, position.t, 0.5 * width
         # From further away than the bend is wide, what is missed may turn out to be met.
         r["quiet"] = r["t"] + 0.5 * ahead

@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 from runtime.core.kernel_abi import SIGNATURES
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options
 from runtime.integrate.run import integrate
@@ -120,6 +120,7 @@ def test_singular_names_the_constraint():
         with_accelerations(weak_accelerations), pendulum_problem(np.pi, 0.0, 5.0), options("dopri5")
     )
     assert r.outcome == Outcome.SINGULAR
+    assert r.site is Site.NO_POSITION
     assert r.index == 1
     assert 1.0 < r.final_t < 1.2
     assert r.t[-1] == r.final_t
@@ -141,5 +142,6 @@ def test_redundant_constraints_are_named_at_the_start():
     system = replace(PENDULUM, jacobian_rows=np.array([0, 0, 0, 0]))
     r = integrate(system, pendulum_problem(0.0, 0.0, 1.0, p), options("dop853"))
     assert r.outcome == Outcome.SINGULAR
+    assert r.site is Site.START_RANK
     assert r.index == 1
     assert r.statistics.steps == 0

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.core.outcomes import Outcome
+from runtime.core.outcomes import Outcome, Site
 from runtime.core.workspace_rows import Y0, Y1
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.integrate.step import Signal
@@ -41,15 +41,18 @@ def test_an_event_changes_the_mode_and_starts_the_method_anew():
 
 
 @pytest.mark.parametrize(
-    ("changes", "outcome", "index"),
+    ("changes", "outcome", "index", "site"),
     [
-        ({"blamed": 0}, Outcome.INCONSISTENT, 0),
-        ({"blamed": 0, "shrinking": 7, "event_span": np.inf}, Outcome.ZENO, 0),
-        ({"events": 11}, Outcome.ZENO, 3),
-        ({"shrinking": 29, "event_span": 1.0, "duration": 1e12}, Outcome.ZENO, 3),
+        ({"blamed": 0}, Outcome.INCONSISTENT, 0, Site.EVENT_MODES),
+        (
+            {"blamed": 0, "shrinking": 7, "event_span": np.inf},
+            *(Outcome.ZENO, 0, Site.CROWDED_MODES),
+        ),
+        ({"events": 11}, Outcome.ZENO, 3, Site.MOST_EVENTS),
+        ({"shrinking": 29, "event_span": 1.0, "duration": 1e12}, Outcome.ZENO, 3, Site.CROWDED),
     ],
 )
-def test_events_without_end_or_modes_end_the_run(changes, outcome, index):
+def test_events_without_end_or_modes_end_the_run(changes, outcome, index, site):
     run = accepted(0.5, max_events=10)
     run.recording.wiring.arrays["recent_events"][:] = FALL
     given = {"blamed": CONSISTENT, "crossing": 3, "flight": np.inf, "event_span": 0.0, **changes}
@@ -57,3 +60,4 @@ def test_events_without_end_or_modes_end_the_run(changes, outcome, index):
         run.state.record[name] = value
     assert judge_events(run.state.table) == outcome
     assert run.state.record["index"] == index
+    assert run.state.record["site"] == site

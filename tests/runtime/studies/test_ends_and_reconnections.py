@@ -13,7 +13,7 @@ from codegen import Model
 from codegen.errors import InputError
 from runtime import load
 from runtime.accuracy_target.run_comparison import own_instants
-from runtime.results.reconnection import Reconnection
+from runtime.results.run_records import Reconnection
 from runtime.studies.effect_ranking import matters
 from runtime.studies.work_precision import accuracy
 from runtime.studies.work_precision.reference import Places
