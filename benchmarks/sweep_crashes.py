@@ -22,8 +22,8 @@ from typing import Annotated, BinaryIO, NamedTuple
 import numpy as np
 import typer
 
-from runtime.sweeps import load_study
-from runtime.sweeps.store import layout_of, open_group, unfinished
+from runtime.sweeps.store import open_store
+from runtime.sweeps.study import load_study
 
 ROOT = Path(__file__).resolve().parent.parent
 MODES = ("worker", "scheduler", "whole")
@@ -164,7 +164,7 @@ def wait(campaign: Campaign, store: str, process: "subprocess.Popen[bytes]", kil
     before = marks(path)
     while process.poll() is None:
         if not wanted and path.exists():
-            blocks = layout_of(open_group(path)).blocks
+            blocks = open_store(path).blocks
             wanted = before + 1 + int(share * (blocks - before - 1) / (campaign.kills - kills + 1))
         if wanted and marks(path) >= wanted:
             time.sleep(delay)
@@ -176,7 +176,7 @@ def wait(campaign: Campaign, store: str, process: "subprocess.Popen[bytes]", kil
 def judge(campaign: Campaign, store: str) -> str:
     """What is wrong with the rows of a store; nothing if they are those of the reference."""
     path = campaign.folder / store
-    if unfinished(open_group(path)):
+    if open_store(path).unfinished():
         return "blocks are not done"
     study, reference = load_study(path), load_study(campaign.folder / "reference.zarr")
     if len(study) != campaign.side**2 or not study.complete:

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from runtime.statics.equilibrium import Equilibrium
     from runtime.studies.effect_ranking import matters
     from runtime.studies.work_precision import accuracy
-    from runtime.sweeps import Study, load_study, sweep
+    from runtime.sweeps.study import Study, load_study
+    from runtime.sweeps.sweep import sweep
 
 _HOMES = {
     "Animation": "runtime.show.animation.animation",
@@ -33,15 +34,15 @@ _HOMES = {
     "Machine": "runtime.machine_facade",
     "Outcome": "runtime.core.outcomes",
     "Result": "runtime.results.result",
-    "Study": "runtime.sweeps",
+    "Study": "runtime.sweeps.study",
     "accuracy": "runtime.studies.work_precision",
     "animate": "runtime.show.animation.animation",
     "load": "runtime.machine_loading",
     "load_case": "runtime.cases.case",
     "load_result": "runtime.result_loading",
-    "load_study": "runtime.sweeps",
+    "load_study": "runtime.sweeps.study",
     "matters": "runtime.studies.effect_ranking",
-    "sweep": "runtime.sweeps",
+    "sweep": "runtime.sweeps.sweep",
 }
 
 __all__ = ["Animation", "Assembly", "Case", "Equilibrium", "Event", "Machine", "Outcome", "Result"]

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
     from runtime.dynamics.controllers import Functions
     from runtime.dynamics.output_conditions import Conditions
-    from runtime.ensemble.members import Columns
     from runtime.integrate.problem import Correction, Formulation
     from runtime.results.assembled_state import Assembly, State
     from runtime.results.result import Result
     from runtime.statics.equilibrium import Equilibrium
+    from runtime.sweeps.ensemble_rows import Columns
 
 # arguments of `simulate` that choose between given tolerances and a search for an accuracy
 _SETTINGS = ("accuracy", "rtol", "atol", "quantities", "method", "formulation")
@@ -222,7 +222,7 @@ class Machine(MachineStates):
         >>> m = lw.load("pendulum.py", scene="swing")
         >>> m.ensemble(10.0, 101, parameters={"length": np.linspace(0.5, 2.0, 1000)})
         """
-        from runtime.ensemble.run_ensemble import run_ensemble
+        from runtime.sweeps.ensemble import run_ensemble
         from runtime.validation.output_instants import uniform
 
         require_motion(self.mechanism, "ensemble")

@@ -72,10 +72,7 @@ def whole_folder(path: Path, mark: str, kind: type[InputError] = InputError) -> 
             temporary, older = folder / "new" / path.name, folder / "old"
             temporary.parent.mkdir()
             yield temporary
-            for file in sorted(temporary.rglob("*")):
-                if file.is_file():
-                    with file.open("rb") as written:
-                        os.fsync(written.fileno())
+            flush_folder(temporary)
             if path.exists():
                 path.replace(older)
             try:
@@ -88,6 +85,14 @@ def whole_folder(path: Path, mark: str, kind: type[InputError] = InputError) -> 
         raise kind(f"cannot write {path}: {error.strerror or error}. {_advice(path, error)}") from (
             error
         )
+
+
+def flush_folder(folder: Path) -> None:
+    """Have a file, or all those of a folder, on the disk before a name that leads to them is."""
+    for file in (folder, *folder.rglob("*")):
+        if file.is_file():
+            with file.open("rb") as written:
+                os.fsync(written.fileno())
 
 
 @contextmanager

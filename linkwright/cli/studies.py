@@ -235,7 +235,7 @@ def sweep(
 ) -> None:  # fmt: skip
     """Run a scene for many values of its parameters, into a Zarr store; it can be resumed."""
     from codegen.figures_and_html import check_picture, save_picture
-    from runtime.sweeps import sweep as make
+    from runtime.sweeps.sweep import sweep as make
 
     if picture is not None:
         check_picture(picture)

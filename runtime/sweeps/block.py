@@ -1,28 +1,53 @@
-"""A block of runs, the task of a sweep: the same function in every process and on every cluster."""
+"""A block of runs, the task of a sweep: the same function in every process and on every cluster.
 
+A task notes in a journal which run it begins. A note that is left when the block is begun again
+tells at which run a process ended; a run at which several have ended is not made again. The journal
+is that of one session: a session that ends, by whatever, accuses no run.
+
+A block of slow runs takes minutes. Its rows so far stand in a file of their own, its part, until
+the block is written. Parts lie in the folder of an array, where no reader of Zarr looks for members
+of the group.
+"""
+
+import json
+import shutil
 import threading
 import time
-from collections.abc import Iterable, Mapping
+import uuid
+import zipfile
+import zlib
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from codegen.errors import SupersededError
+import numpy as np
+
+from codegen.errors import LinkwrightError, SupersededError
 from codegen.files.generated_modules import (
     companion_path,
     import_generated,
     read_generated,
     text_hash,
 )
+from codegen.files.whole_files import flush_folder, whole_file
 from runtime.core.kernel_abi import gather
 from runtime.machine_facade import Machine
 from runtime.mechanism.companion_modules import Origin
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
 from runtime.mechanism.module_tables import describe
-from runtime.sweeps import block_parts, store
-from runtime.sweeps.journal import TRIES, WRITING, Journal
 from runtime.sweeps.member_run import KILLED, REPEATED, Row, evaluate_member, without_run
-from runtime.sweeps.programs import require_programs
-from runtime.sweeps.request import Request
+from runtime.sweeps.request import Request, require_programs
+from runtime.sweeps.store import DONE, Store, reopen
+
+TRIES = 3  # safety: processes that may end at one run
+SAVE_SECONDS = 30.0  # safety: s of work in a block after which its rows so far are saved
+_LOADING, _WRITING = -1, -2  # notes of a journal, beside the numbers of runs
+_WIDTH = 8  # layout: bytes of a note
+_DAMAGE = (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error)
+_loaded: dict[str, Machine] = {}  # of this process, by the identity of the store
+_alone = threading.Lock()  # of this process, which a cluster may give several threads
 
 
 class Job(NamedTuple):
@@ -30,12 +55,10 @@ class Job(NamedTuple):
 
     store: str  # folder of the Zarr store, which all processes see
     identity: str  # of the store
-    digest: str  # of the request's facts
     programs: Mapping[str, str]  # with which the sweep began
     request: Request
     module: str  # file of the generated module
     model: str  # file of the model; empty for one of a running program
-    scene: str
     trials: Mapping[int, Row]  # run → row of the members that were run beforehand
 
 
@@ -48,30 +71,92 @@ class BlockReport(NamedTuple):
     overhead: float  # s of the processor in loading, journals and writing
 
 
-SAVE_SECONDS = 30.0  # safety: s of work in a block after which its rows so far are saved
-_loaded: dict[str, Machine] = {}  # of this process, by the identity of the store
-_alone = threading.Lock()  # of this process, which a cluster may give several threads
+def run_block(job: Job, block: int) -> BlockReport:
+    """Make the runs of a block and write their rows, its mark last.
+
+    Runs at which other processes have ended several times are left out, with the outcome KILLED.
+    """
+    with _alone:
+        return _run_block(job, block)
+
+
+def _run_block(job: Job, block: int) -> BlockReport:
+    began, simulation, path, request = time.process_time(), 0.0, Path(job.store), job.request
+    losses = _losses(path, block)
+    with _journal(path, block) as note:
+        store = reopen(path, job.identity)  # it may be another one by now
+        runs = store.runs_of(block)
+        earlier = _to_keep(store.rows(block) | read_part(store, block))
+        rows = {run: row for run, row in _to_keep(job.trials).items() if run in runs} | earlier
+        machine, saved, count = load_machine(job), time.monotonic(), len(rows)
+        for run, point in zip(runs, store.points(runs), strict=True):
+            if run in rows:
+                continue
+            if losses[run] >= TRIES:
+                rows[run] = without_run(request, KILLED, _killed(losses[run]))
+                continue
+            if len(rows) > count and time.monotonic() - saved > SAVE_SECONDS:
+                note(_WRITING)
+                write_part(store, block, rows)
+                saved, count = time.monotonic(), len(rows)
+            note(run)
+            start = time.thread_time()  # of this task alone: Dask's other threads are no simulation
+            rows[run] = evaluate_member(machine, request, point)
+            simulation += time.thread_time() - start
+        note(_WRITING)
+        finish_block(store, block, rows)
+    overhead = time.process_time() - began - simulation
+    return BlockReport(block, len(runs) - len(earlier), simulation, overhead)
+
+
+def finish_block(store: Store, block: int, rows: Mapping[int, Row]) -> None:
+    """Write a block, all rows of which are there; while an older one is replaced, they stand by."""
+    if store.mark(block):
+        write_part(store, block, rows)
+    store.write_block(block, [rows[run] for run in store.runs_of(block)])
+    file = part_file(store.path, block)
+    if file.exists():
+        for place in store.chunks(block):
+            flush_folder(place)
+        file.unlink(missing_ok=True)
+
+
+def _to_keep(rows: Mapping[int, Row]) -> dict[int, Row]:
+    """The rows whose runs would end the same way if they were repeated."""
+    return {run: row for run, row in rows.items() if row.outcome not in REPEATED}
+
+
+def _killed(times: int) -> str:
+    return (
+        f"{times} processes ended at this run: killed, out of memory, or by a fault of compiled "
+        "code. The sweep goes on without it; --resume (resume=True) tries it again."
+    )
 
 
 def load_machine(job: Job) -> Machine:
-    """The machine of a job, from its generated modules.
+    """The machine of a job from its generated modules, loaded once in a process.
 
     Raises
     ------
-    SupersededError
-        If one of them has changed.
+    LinkwrightError
+        If the programs or the modules are others than when the sweep began.
     """
-    path, wanted = Path(job.module), job.request.companions
-    module = import_generated(path, job.request.module)
-    origin = Origin(Path(job.model) if job.model else path, job.scene, path, job.request.module)
+    if job.identity in _loaded:
+        return _loaded[job.identity]
+    require_programs(job.programs)
+    path, request = Path(job.module), job.request
+    module = import_generated(path, request.module)
+    origin = Origin(Path(job.model) if job.model else path, request.scene, path, request.module)
     machine = Machine(Mechanism(describe(module), gather(module), path, origin))
-    found = companions_of(machine, wanted)
-    changed = [kind for kind in wanted if found[kind] != wanted[kind]]
-    if changed:
-        raise SupersededError(
-            f"{companion_path(path, changed[0])} has another text than when the sweep began. "
-            "Repeat the call of the sweep."
-        )
+    found = companions_of(machine, request.companions)
+    for kind, digest in request.companions.items():
+        if found[kind] != digest:
+            raise SupersededError(
+                f"{companion_path(path, kind)} has another text than when the sweep began. "
+                "Repeat the call of the sweep."
+            )
+    _loaded.clear()
+    _loaded[job.identity] = machine
     return machine
 
 
@@ -85,114 +170,94 @@ def companions_of(machine: Machine, kinds: Iterable[str]) -> dict[str, str]:
     return found
 
 
-def load_job(job: Job) -> Machine:
-    """The machine of a job, loaded once in a process."""
-    if job.identity not in _loaded:
-        require_programs(job.programs)
-        machine = load_machine(job)
-        _loaded.clear()
-        _loaded[job.identity] = machine
-    return _loaded[job.identity]
+def working_folder(path: Path) -> Path:
+    """The folder of the journals, next to a store."""
+    return path.with_name(f"{path.name}.working")
 
 
-def _points(group: store.Group, request: Request, runs: range) -> Any:
-    """The points of these runs, (runs, factors)."""
-    import numpy as np
-
-    return np.stack([group[name][runs.start : runs.stop] for name in request.names], axis=1)
+def clear_journals(path: Path) -> None:
+    """Forget what the tasks of a session have noted."""
+    shutil.rmtree(working_folder(path), ignore_errors=True)
 
 
-def run_block(job: Job, block: int) -> BlockReport:
-    """Make the runs of a block and write their rows, its mark last.
+def _losses(path: Path, block: int) -> Counter[int]:
+    """Run, or _LOADING or _WRITING → processes that ended there."""
+    found: Counter[int] = Counter()
+    for file in working_folder(path).glob(f"{block}-*"):
+        content = file.read_bytes()
+        found[int.from_bytes(content, "little", signed=True) if content else _LOADING] += 1
+    for place, word in ((_LOADING, "loaded the machine"), (_WRITING, "wrote its rows")):
+        if found[place] >= TRIES:
+            raise LinkwrightError(
+                f"{found[place]} processes ended while one {word} (block {block}): they "
+                "were killed, or lack memory or rights. Nothing that is done is lost."
+            )
+    return found
 
-    Runs at which other processes have ended several times are left out, with the outcome KILLED.
+
+@contextmanager
+def _journal(path: Path, block: int) -> Iterator[Callable[[int], None]]:
+    """A function that notes where this task is, in a file that outlives the process alone."""
+    folder = working_folder(path)
+    folder.mkdir(parents=True, exist_ok=True)
+    place = folder / f"{block}-{uuid.uuid4().hex}"
+    try:
+        with place.open("wb", buffering=0) as file:
+
+            def note(run: int) -> None:
+                file.seek(0)
+                file.write(run.to_bytes(_WIDTH, "little", signed=True))
+
+            note(_LOADING)
+            yield note
+    finally:
+        place.unlink(missing_ok=True)  # an exception accuses no run
+    for other in folder.glob(f"{block}-*"):
+        other.unlink(missing_ok=True)
+
+
+def part_file(path: Path, block: int) -> Path:
+    """The file of a block's part, in the folder of the parts of a store."""
+    return path / DONE / "parts" / f"{block}.npz"
+
+
+def write_part(store: Store, block: int, rows: Mapping[int, Row]) -> None:
+    """Replace the part of a block by these rows, run → row; the older one stays where that fails.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written: a disk that is full.
     """
-    with _alone:
-        return _run_block(job, block)
+    numbers = np.array([(*r.quantities, r.t_last, *r.series.ravel()) for r in rows.values()])
+    texts = json.dumps([(row.outcome, row.message) for row in rows.values()])
+    path = part_file(store.path, block)
+    path.parent.mkdir(exist_ok=True)
+    with whole_file(path) as place, place.open("wb") as file:
+        np.savez(file, seal=store.seal, runs=[*rows], numbers=numbers, texts=texts)
 
 
-def _run_block(job: Job, block: int) -> BlockReport:
-    began = time.process_time()
-    journal = Journal(Path(job.store), block)
-    losses = journal.losses()
-    with journal:
-        group = store.reopen(Path(job.store), job.identity)  # it may be another one by now
-        request, runs = job.request, store.layout_of(group).runs_of(block)
-        about = store.about_of(group)
-        there = store.rows_made(group, request, runs)
-        there |= block_parts.read_part(Path(job.store), about, request, block)
-        earlier = _to_keep({run: row for run, row in there.items() if run in runs})
-        trials = {run: row for run, row in job.trials.items() if run in runs}
-        part = _Part(job, group, block, runs, _to_keep(trials) | earlier)
-        machine, simulation = load_job(job), 0.0
-        for run, point in zip(runs, _points(group, request, runs), strict=True):
-            if run in part.rows:
-                continue
-            if losses[run] >= TRIES:
-                part.rows[run] = without_run(request, KILLED, _killed(losses[run]))
-                continue
-            if part.is_due:
-                journal.note(WRITING)
-                part.save()
-            journal.note(run)
-            start = time.thread_time()  # of this task alone: Dask's other threads are no simulation
-            part.rows[run], _ = evaluate_member(machine, request, point)
-            simulation += time.thread_time() - start
-        journal.note(WRITING)
-        part.finish()
-    overhead = time.process_time() - began - simulation
-    return BlockReport(block, len(runs) - len(earlier), simulation, overhead)
+def read_part(store: Store, block: int) -> dict[int, Row]:
+    """Run → row of the part of a block; nothing where there is none, or it is of another sweep."""
+    try:
+        with (
+            part_file(store.path, block).open("rb") as file,
+            np.load(file, allow_pickle=False) as part,
+        ):
+            seal, runs, numbers, texts = (part[n] for n in ("seal", "runs", "numbers", "texts"))
+        if str(seal) != store.seal:
+            return {}
+        last = len(store.columns) - 1
+        rows = zip(runs.tolist(), numbers, json.loads(str(texts)), strict=True)
+        return {
+            run: Row(row[:last], outcome, message, float(row[last]),
+                     row[last + 1 :].reshape(-1, store.instants))
+            for run, row, (outcome, message) in rows
+        }  # fmt: skip
+    except _DAMAGE:
+        return {}
 
 
-def _to_keep(rows: Mapping[int, Row]) -> dict[int, Row]:
-    """The rows whose runs would end the same way if they were repeated."""
-    return {run: row for run, row in rows.items() if row.outcome not in REPEATED}
-
-
-class _Part:
-    """The rows of a block that are there, written beside it now and then where runs are slow."""
-
-    def __init__(
-        self, job: Job, group: store.Group, block: int, runs: range, rows: dict[int, Row]
-    ) -> None:
-        self.job, self.group, self.block, self.runs, self.rows = job, group, block, runs, rows
-        self.mark, self.written = store.mark_there(group, block), time.monotonic()
-        self.count = len(rows)  # of the rows that are written, or need not be
-
-    @property
-    def is_due(self) -> bool:
-        """Whether rows have waited long enough to be written."""
-        waiting = len(self.rows) > self.count
-        return waiting and time.monotonic() - self.written > SAVE_SECONDS
-
-    def save(self) -> None:
-        """Write the rows so far beside the block, unless another process has written it."""
-        self.written, self.count = time.monotonic(), len(self.rows)
-        if store.mark_there(self.group, self.block) == self.mark:
-            self._write_part()
-
-    def finish(self) -> None:
-        """Write the block, now that all its rows are there.
-
-        While a block that was written before is replaced, its rows stand beside it.
-        """
-        path, request = Path(self.job.store), self.job.request
-        if store.mark_there(self.group, self.block):
-            self._write_part()
-        rows = [self.rows[run] for run in self.runs]
-        store.write_block(path, self.job.identity, request, self.runs, rows)
-        block_parts.remove_part(path, request, self.block)
-
-    def _write_part(self) -> None:
-        """Write the rows, and those that another process has written beside the block."""
-        path, request = Path(self.job.store), self.job.request
-        about = store.about_of(store.reopen(path, self.job.identity))
-        others = block_parts.read_part(path, about, request, self.block)
-        block_parts.write_part(path, about, request, self.block, others | self.rows)
-
-
-def _killed(times: int) -> str:
-    return (
-        f"{times} processes ended at this run: killed, out of memory, or by a fault of compiled "
-        "code. The sweep goes on without it; --resume (resume=True) tries it again."
-    )
+def remove_parts(path: Path) -> None:
+    """Remove what is left of parts in a store whose blocks are all written."""
+    shutil.rmtree(path / DONE / "parts", ignore_errors=True)

@@ -3,8 +3,8 @@
 import hashlib
 import math
 import warnings
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,7 +30,7 @@ class Design:
     names: tuple[str, ...]
     points: FloatArray  # (runs, factors), in the declared units
     factors: tuple[Factor, ...] = ()  # none of points that were given
-    axes: tuple[tuple[str, tuple[float, ...]], ...] = ()  # of a grid: its values by name
+    axes: Mapping[str, int] = field(default_factory=dict)  # of a grid: its values, counted by name
     seed: int | None = None  # of a sample
     units: tuple[tuple[str, str], ...] = ()  # by name, where they are not the declared ones
 
@@ -47,7 +47,7 @@ class Design:
             "kind": self.kind,
             "names": [*self.names],
             "factors": {factor.name: factor.text for factor in self.factors},
-            "axes": {name: len(values) for name, values in self.axes},
+            "axes": dict(self.axes),
             "seed": self.seed,
         }
 
@@ -73,10 +73,9 @@ def design_of(
     names = tuple(factor.name for factor in factors)
     units = tuple((factor.name, factor.unit) for factor in factors if factor.unit)
     if kind == GRID:
-        values = [np.array(factor.values) for factor in factors]
-        mesh = np.meshgrid(*values, indexing="ij")
+        mesh = np.meshgrid(*(np.array(factor.values) for factor in factors), indexing="ij")
         points = np.stack([axis.ravel() for axis in mesh], axis=1)
-        axes = tuple((factor.name, factor.values) for factor in factors)
+        axes = {factor.name: len(factor.values) for factor in factors}
         return Design(kind, names, points, tuple(factors), axes, units=units)
     assert count is not None
     shares = unit_sample(kind, len(factors), count, seed)
@@ -93,8 +92,9 @@ def _misfits(
     if not kind:
         names = ", ".join(factor.name for factor in drawn)
         text = (
-            f"{names}: an interval or a distribution is sampled. Say how, by "
-            "sample and count (lhs, 1000), or give values, NAME=FIRST:LAST:COUNT."
+            f"{names}: an interval or a distribution is "
+            "sampled. Say how, by sample and count (lhs, 1000), or give values, "
+            "NAME=FIRST:LAST:COUNT."
         )
         return [text]
     if kind == GRID:
@@ -118,9 +118,8 @@ def _misfits(
     if count is None:
         problems.append(f"The sample {kind} needs the number of its points, count.")
     else:
-        each = len(factors) + 2 if kind == "saltelli" else 1
-        if not 1 <= count <= MOST_RUNS // each:
-            most = MOST_RUNS // each
+        most = MOST_RUNS // (len(factors) + 2 if kind == "saltelli" else 1)
+        if not 1 <= count <= most:
             problems.append(f"count is {count}; it must lie from 1 to {most:g}.")
     return problems
 
@@ -158,6 +157,8 @@ def given_design(points: "xr.Dataset") -> Design:
     InputError
         If there are no numbers, or a point is repeated; all problems at once.
     """
+    import xarray as xr
+
     names = [str(name) for name in (*points.data_vars, *points.coords)]
     names = [name for name in names if not _counts_points(points, name)]
     problems = [
@@ -168,21 +169,24 @@ def given_design(points: "xr.Dataset") -> Design:
         problems.append("The dataset of points has no variables and no coordinates.")
     if problems:
         raise InputError(problems)
-    import xarray as xr
-
-    units = {name: points[name].attrs["units"] for name in names if "units" in points[name].attrs}
-    given_units = tuple((name, str(unit)) for name, unit in units.items())
-    if not points.data_vars and all(points[name].dims == (name,) for name in names):
-        values = {name: np.asarray(points[name], dtype=float) for name in names}
-        for name, axis in values.items():
-            _require_points({name: axis})
-        factors = [Factor(name, values=tuple(axis.tolist())) for name, axis in values.items()]
-        return replace(design_of(factors, GRID, None, 0), units=given_units)
-    arrays = xr.broadcast(*(points[name] for name in names))
-    columns = {
-        name: np.asarray(a, dtype=float).ravel() for name, a in zip(names, arrays, strict=True)
-    }
-    return Design(GIVEN, tuple(names), _require_points(columns), units=given_units)
+    columns = xr.broadcast(*(points[name] for name in names))
+    if columns[0].size > MOST_RUNS:
+        raise InputError(
+            f"The dataset has {columns[0].size:g} points; {MOST_RUNS:g} are permitted."
+        )
+    is_grid = not points.data_vars and all(points[name].dims == (name,) for name in names)
+    if is_grid:
+        for name in names:
+            _require_points([name], [points[name]])
+    table = _require_points(names, columns)
+    units = tuple(
+        (name, str(points[name].attrs["units"])) for name in names if "units" in points[name].attrs
+    )
+    if not is_grid:
+        return Design(GIVEN, tuple(names), table, units=units)
+    factors = tuple(Factor(name, values=tuple(points[name].values.tolist())) for name in names)
+    axes = {name: points[name].size for name in names}
+    return Design(GRID, tuple(names), table, factors, axes, units=units)
 
 
 def _counts_points(points: "xr.Dataset", name: str) -> bool:
@@ -197,16 +201,14 @@ def _counts_points(points: "xr.Dataset", name: str) -> bool:
     )
 
 
-def _require_points(columns: dict[str, FloatArray]) -> FloatArray:
+def _require_points(names: Sequence[str], columns: Sequence[Any]) -> FloatArray:
     """The points as rows; InputError if there are none, or one is not finite or is repeated."""
-    table = np.stack([*columns.values()], axis=1)
+    table = np.stack([np.asarray(column, dtype=float).ravel() for column in columns], axis=1)
     if not len(table):
         raise InputError("The dataset of points is empty.")
-    if len(table) > MOST_RUNS:
-        raise InputError(f"The dataset has {len(table):g} points; {MOST_RUNS:g} are permitted.")
     problems = [
         f"{name}: point {int(np.flatnonzero(~np.isfinite(column))[0])} is not a finite number."
-        for name, column in columns.items()
+        for name, column in zip(names, table.T, strict=True)
         if not np.isfinite(column).all()
     ]
     if problems:
@@ -216,7 +218,7 @@ def _require_points(columns: dict[str, FloatArray]) -> FloatArray:
     (again,) = np.nonzero(earlier != np.arange(len(table)))
     if len(again):
         raise InputError(
-            f"Point {again[0]} of {', '.join(columns)} is that of {earlier[again[0]]}; the same "
+            f"Point {again[0]} of {', '.join(names)} is that of {earlier[again[0]]}; the same "
             f"run would be made twice. Leave {counted(len(again), 'point')} out."
         )
     return table

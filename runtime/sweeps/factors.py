@@ -68,7 +68,15 @@ def read_factors(over: Mapping[str, Any] | Sequence[str]) -> tuple[Factor, ...]:
         One sentence for each factor that cannot be read.
     """
     found, problems = dict[str, Factor](), list[str]()
-    for name, given in _pairs(over, problems):
+    texts = () if isinstance(over, Mapping) else over
+    pairs = [*over.items()] if isinstance(over, Mapping) else []
+    for text in texts:
+        name, sign, given = (part.strip() for part in text.partition("="))
+        if sign and name:
+            pairs.append((name, given))
+        else:
+            problems.append(f"over, {one_line(text)}: {_FORM}.")
+    for name, given in pairs:
         try:
             factor = read_factor(name, given)
         except InputError as error:
@@ -82,19 +90,6 @@ def read_factors(over: Mapping[str, Any] | Sequence[str]) -> tuple[Factor, ...]:
     if problems:
         raise InputError(problems)
     return tuple(found.values())
-
-
-def _pairs(over: Mapping[str, Any] | Sequence[str], problems: list[str]) -> list[tuple[str, Any]]:
-    if isinstance(over, Mapping):
-        return list(over.items())
-    pairs = []
-    for text in over:
-        name, sign, given = text.partition("=")
-        if not (sign and name.strip()):
-            problems.append(f"over, {one_line(text)}: {_FORM}.")
-            continue
-        pairs.append((name.strip(), given.strip()))
-    return pairs
 
 
 def read_factor(name: str, given: Any) -> Factor:

@@ -60,57 +60,47 @@ def run_member(machine: Machine, request: Request, point: FloatArray) -> Result:
     return driven(np.linspace(first, last, count), **values)
 
 
-def evaluate_member(
-    machine: Machine, request: Request, point: FloatArray
-) -> tuple[Row, Result | None]:
-    """Run a member and read its quantities; every failure is a row, without a result."""
-    nothing = without_run(request, REFUSED, "")
+def evaluate_member(machine: Machine, request: Request, point: FloatArray) -> Row:
+    """Run a member and read its quantities; every failure is a row."""
     try:
         result = run_member(machine, request, point)
     except LinkwrightError as error:
-        return nothing._replace(message=message_text(str(error))), None
-    except KeyboardInterrupt:
-        raise
+        return without_run(request, REFUSED, str(error))
     except FAILURES as error:
         outcome = MEMORY if isinstance(error, MemoryError) else ERROR
-        text = f"{type(error).__name__}: {error}"
-        return nothing._replace(outcome=outcome, message=message_text(text)), None
-    return _row_of(result, request), result
+        return without_run(request, outcome, f"{type(error).__name__}: {error}")
+    return _row_of(result, request)
 
 
 def _row_of(result: Result, request: Request) -> Row:
     """What is kept of a result; a quantity that it does not have is not a number."""
     if result.outcome is Outcome.INTERRUPTED:
         raise KeyboardInterrupt  # the wish to stop is no outcome of a member
-    outcome, notes = result.outcome.name, [result.message]
-    quantities = np.full(len(request.quantities), np.nan)
+    row, outcome, notes = without_run(request, "", ""), result.outcome.name, [result.message]
     if not result.failed:
-        for k, quantity in enumerate(request.readers):
+        for k, quantity in enumerate(request.readers.values()):
             try:
-                quantities[k] = quantity.read(result).value
-            except KeyboardInterrupt:
-                raise
+                row.quantities[k] = quantity.read(result).value
             except InputError as error:
                 notes.append(str(error))
             except FAILURES as error:
                 outcome = MEMORY if isinstance(error, MemoryError) else outcome
                 notes.append(f"{quantity.text}: {type(error).__name__}: {error}")
-    t_last = float(result.t[-1]) if len(result.t) else np.nan
-    series = _series(result, request)
-    return Row(quantities, outcome, message_text("\n".join(notes)), t_last, series)
+    if len(result.t):
+        row = row._replace(t_last=float(result.t[-1]))
+        _keep_series(result, request, row.series)
+    return row._replace(outcome=outcome, message=message_text("\n".join(notes)))
 
 
 def without_run(request: Request, outcome: str, message: str) -> Row:
     """The row of a member that has no result."""
+    quantities = np.full(len(request.quantities), np.nan)
     series = np.full((len(request.keep), request.points), np.nan)
-    return Row(np.full(len(request.quantities), np.nan), outcome, message, np.nan, series)
+    return Row(quantities, outcome, message_text(message), np.nan, series)
 
 
-def _series(result: Result, request: Request) -> FloatArray:
-    """The series that are kept, at the instants of the sweep."""
-    values = np.full((len(request.keep), request.points), np.nan)
-    if not (request.keep and len(result.t)):
-        return values
+def _keep_series(result: Result, request: Request, series: FloatArray) -> None:
+    """Write the series that are kept, at the instants of the sweep."""
     instants = np.linspace(request.t_start, request.t_end, request.points)
     span = max(request.t_end - request.t_start, 1e-300)
     nearest = np.rint((result.t - request.t_start) / span * (request.points - 1)).astype(int)
@@ -119,8 +109,7 @@ def _series(result: Result, request: Request) -> FloatArray:
     there = inside & (np.abs(instants[near] - result.t) <= _SAME * span)
     for k, name in enumerate(request.keep):
         with suppress(InputError):  # of a scene, behind a change of joints, that has no such series
-            values[k, near[there]] = result.series(name)[0][there]
-    return values
+            series[k, near[there]] = result.series(name)[0][there]
 
 
 def message_text(text: str) -> str:

@@ -8,13 +8,12 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from codegen.errors import InputError, LinkwrightError, UnknownNameError
+from codegen.errors import InputError, LinkwrightError
 from runtime.core.analysis_names import ANALYSES, analysis_name, analysis_title
 from runtime.integrate.method import IMPLICIT
 from runtime.machine_facade import Machine
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
-from runtime.results.result import Result
 from runtime.studies.harness import (
     analysis_of,
     read_simulation_arguments,
@@ -23,11 +22,10 @@ from runtime.studies.harness import (
 )
 from runtime.studies.quantity import Function, declared_unit
 from runtime.sweeps.block import companions_of
-from runtime.sweeps.column_names import name_problems
 from runtime.sweeps.design import Design
 from runtime.sweeps.member_run import Row, evaluate_member
 from runtime.sweeps.request import Request
-from runtime.sweeps.store_template import Columns
+from runtime.sweeps.store import name_problems
 
 Answer = TypeVar("Answer")
 _TRIAL_SECONDS = 0.5  # measured: s of the processor after which a mean time of runs is known
@@ -67,7 +65,7 @@ def plan_of(
     assert mechanism.origin is not None
     return Request(
         about.model, about.scene, mechanism.origin.digest, kind, design.names, starts,
-        tuple(quantities.items()), _own_names(about, keep),
+        dict(quantities), _own_names(about, keep),
         float(t_start), float(t_end), points, parameters, guess, start, options,
         _companions(machine, kind, options),
     )  # fmt: skip
@@ -140,64 +138,36 @@ class Estimate(NamedTuple):
     """What a few members have shown before the sweep."""
 
     seconds: float  # of the processor, a run
-    columns: Columns
     rows: Mapping[int, Row]  # of these members, which need not be run again
     simulation: float  # s of the processor in these members, as runs take it that load nothing
     overhead: float  # s of the processor in loading and compiling for them
 
 
 def estimate_of(machine: Machine, request: Request, design: Design) -> Estimate:
-    """Run a few members: all that is built on demand is there then, and a run's time is known.
-
-    Raises
-    ------
-    InputError
-        If a quantity asks for a series or an effect that does not exist.
-    """
+    """Run a few members: all that is built on demand is there then, and a run's time is known."""
     members = np.unique(np.linspace(0, len(design.points) - 1, _TRIALS).astype(int)).tolist()
-    units, times, rows = dict[str, str](), list[float](), dict[int, Row]()
-    declared = {name: _declared(machine, given) for name, given in request.quantities}
-    unknown_units = {name for name, unit in declared.items() if unit is None}
-    kept = dict[str, str]()
+    times, rows = list[float](), dict[int, Row]()
     for member in members:
         started = time.process_time()
-        rows[member], result = evaluate_member(machine, request, design.points[member])
+        rows[member] = evaluate_member(machine, request, design.points[member])
         times.append(time.process_time() - started)
-        if result is not None and not result.failed:
-            units |= _units(request, result)
-            kept |= {name: result.series(name)[1] for name in request.keep}
-        known = unknown_units <= units.keys() and kept.keys() == {*request.keep}
-        if known and (times[0] > _SLOW_SECONDS or sum(times[1:]) > _TRIAL_SECONDS):
+        slow = times[0] > _SLOW_SECONDS
+        if slow or sum(times[1:]) > _TRIAL_SECONDS:
             break
-    slow = times[0] > _SLOW_SECONDS
     seconds = float(np.mean(times if slow else times[1:] or times))  # the first loads and compiles
-    factors = {name: factor_unit(machine, name) or "" for name in design.names}
-    quantities = {name: units.get(name) or declared[name] or "" for name in declared}
-    series = {name: kept.get(name, "") for name in request.keep}
+    simulation = min(seconds * len(times), sum(times))
     if sum(row.series.nbytes for row in rows.values()) > _MOST_BYTES:
         rows = {}
-    simulation = min(seconds * len(times), sum(times))
-    return Estimate(
-        seconds, Columns(factors, quantities, series), rows, simulation, sum(times) - simulation
-    )  # fmt: skip
+    return Estimate(seconds, rows, simulation, sum(times) - simulation)
 
 
-def _declared(machine: Machine, given: str | Function) -> str | None:
-    """The unit of a quantity; None where only a result tells."""
-    return declared_unit(given, machine.description) if isinstance(given, str) else ""
-
-
-def _units(request: Request, result: Result) -> dict[str, str]:
-    units, problems = dict[str, str](), list[str]()
-    for (name, _), quantity in zip(request.quantities, request.readers, strict=True):
-        try:
-            units[name] = quantity.read(result).unit
-        except UnknownNameError as error:
-            problems += error.problems
-        except Exception:  # a value that this run does not have
-            continue
-    if problems:
-        raise InputError(problems)
+def units_of(machine: Machine, request: Request) -> dict[str, str]:
+    """The units of all columns, by name."""
+    about = machine.description
+    units = {name: factor_unit(machine, name) or "" for name in request.names}
+    units |= {name: about.series.find(name).unit for name in request.keep}
+    for name, given in request.quantities.items():
+        units[name] = declared_unit(given, about) if isinstance(given, str) else ""
     return units
 
 

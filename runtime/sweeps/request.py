@@ -2,20 +2,27 @@
 
 import hashlib
 import json
+import platform
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
+from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from codegen.errors import InputError
+from codegen import __version__
+from codegen.errors import InputError, LinkwrightError
 from codegen.readers.values import one_line
 from runtime.results.samples import plain
 from runtime.studies.quantity import Function, Quantity, parse_quantity
-from runtime.sweeps.programs import SOURCES, program_facts
 from runtime.sweeps.value_digest import ContentError, value_digest
 
 _WIDEST = 120  # layout: characters of a value in a message
+SOURCES, PROCESSOR = "sources of Linkwright", "processor"
 
 
 @dataclass(frozen=True)
@@ -28,7 +35,7 @@ class Request:
     analysis: str  # one of `runtime.core.analysis_names.ANALYSES`
     names: tuple[str, ...]  # of the factors
     starts: tuple[str, ...]  # those of them that are start values; the others are parameters
-    quantities: tuple[tuple[str, str | Function], ...]  # by the name of their column
+    quantities: Mapping[str, str | Function]  # by the name of their column
     keep: tuple[str, ...]  # series that are kept of each run
     t_start: float  # s
     t_end: float  # s
@@ -40,17 +47,16 @@ class Request:
     companions: Mapping[str, str] = field(default_factory=dict)  # SHA-256 of their texts, by kind
 
     @property
-    def readers(self) -> tuple[Quantity, ...]:
+    def readers(self) -> dict[str, Quantity]:
         """The quantities, ready to be read from a result."""
-        return tuple(parse_quantity(given) for _, given in self.quantities)
+        return {name: parse_quantity(given) for name, given in self.quantities.items()}
 
-    def values(self, point: np.ndarray[Any, np.dtype[np.float64]]) -> dict[str, dict[str, float]]:
+    def values(self, point: npt.NDArray[np.float64]) -> dict[str, dict[str, float]]:
         """Parameters, guesses and start values of one run, by name."""
-        varied = dict(zip(self.names, point.tolist(), strict=True))
-        starts = {name: value for name, value in varied.items() if name in self.starts}
-        others = {name: value for name, value in varied.items() if name not in self.starts}
-        values = {"parameters": {**self.parameters, **others}, "guess": dict(self.guess)}
-        start = {**self.start, **starts}
+        parameters, start = dict(self.parameters), dict(self.start)
+        for name, value in zip(self.names, point.tolist(), strict=True):
+            (start if name in self.starts else parameters)[name] = value
+        values = {"parameters": parameters, "guess": dict(self.guess)}
         return values | ({"start": start} if start else {})
 
     def facts(self, points: str) -> dict[str, Any]:
@@ -69,7 +75,9 @@ class Request:
             "analysis": self.analysis,
             "points": points,
             "start values": [*self.starts],
-            "quantities": {name: description(given, name) for name, given in self.quantities},
+            "quantities": {
+                name: description(given, name) for name, given in self.quantities.items()
+            },
             "series": [*self.keep],
             "t_start": self.t_start,
             "t_end": self.t_end,
@@ -97,14 +105,9 @@ def request_of(facts: Mapping[str, Any], names: tuple[str, ...]) -> Request:
     values = (facts[x] for x in ("parameters", "guess", "start", "options", "companions"))
     return Request(
         model, scene, facts["generated module"], facts["analysis"], names,
-        tuple(facts["start values"]), tuple(facts["quantities"].items()), tuple(facts["series"]),
+        tuple(facts["start values"]), facts["quantities"], tuple(facts["series"]),
         facts["t_start"], facts["t_end"], facts["instants"], *values,
     )  # fmt: skip
-
-
-def digest_of(facts: Mapping[str, Any]) -> str:
-    """SHA-256 of a request's facts."""
-    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
 
 
 def description(value: Any, name: str) -> Any:
@@ -132,6 +135,11 @@ def description(value: Any, name: str) -> Any:
     return plain(value)
 
 
+def digest_of(facts: Mapping[str, Any]) -> str:
+    """SHA-256 of a request's facts."""
+    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
+
+
 def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
     """A clause for each fact in which two requests differ."""
     for name in dict.fromkeys([*before, *now]):
@@ -139,9 +147,7 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[s
         if old == new:
             continue
         if isinstance(old, dict) and isinstance(new, dict):
-            for part in dict.fromkeys([*old, *new]):
-                if old.get(part) != new.get(part):
-                    yield _changed(f"{name}, {part}", old.get(part), new.get(part))
+            yield from (f"{name}, {clause}" for clause in differences(old, new))
         elif name == "generated module":
             yield "the model: its generated module has another text"
         elif name == SOURCES:
@@ -149,9 +155,54 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[s
         elif name == "points":
             yield "the points: other factors, values, sample, count or seed"
         else:
-            yield _changed(name, old, new)
+            texts = ("not given" if x is None else one_line(x, _WIDEST) for x in (old, new))
+            yield "{} was {} and is {}".format(name, *texts)
 
 
-def _changed(name: str, old: object, new: object) -> str:
-    shown = ("not given" if x is None else one_line(x, _WIDEST) for x in (old, new))
-    return "{} was {} and is {}".format(name, *shown)
+@cache
+def program_facts() -> dict[str, str]:
+    """Versions by name, the hash of Linkwright's own sources, and the kind of processor."""
+    binding = import_module("llvmlite.binding")  # which has no types
+    libraries = ("llvmlite", "numba", "numpy", "scipy")
+    return {
+        "linkwright": __version__,
+        SOURCES: sources_hash(),
+        "python": platform.python_version(),
+        **{library: version(library) for library in libraries},
+        PROCESSOR: f"{platform.machine()} {binding.get_host_cpu_name()}",
+    }
+
+
+def sources_hash() -> str:
+    """SHA-256 of the files of Python that this installation has of Linkwright."""
+    root = Path(__file__).resolve().parents[2]
+    found = hashlib.sha256()
+    for package in ("codegen", "runtime"):
+        for file in sorted((root / package).rglob("*.py")):
+            content = file.read_bytes()
+            found.update(f"{file.relative_to(root).as_posix()} {len(content)}\n".encode() + content)
+    return found.hexdigest()
+
+
+def changed_programs(before: Mapping[str, Any]) -> list[str]:
+    """A clause for each program that was another one when facts were noted."""
+    now = program_facts()
+    return [*differences({name: before.get(name, "not noted") for name in now}, now)]
+
+
+def require_programs(wanted: Mapping[str, Any]) -> None:
+    """Refuse to make runs by other programs than the sweep began with.
+
+    The processor may differ, as that of a cluster's computers may.
+
+    Raises
+    ------
+    LinkwrightError
+        With all that differs.
+    """
+    changes = [x for x in changed_programs(wanted) if not x.startswith(PROCESSOR)]
+    if changes:
+        raise LinkwrightError(
+            f"A worker on {platform.node() or 'another computer'} has other programs than the "
+            f"sweep: {'; '.join(changes)}. Install the same ones there, and start it again."
+        )

@@ -8,6 +8,8 @@ import numpy as np
 from codegen.errors import InputError
 from codegen.object_display import counted
 from codegen.readers.values import one_line
+from runtime.core.outcomes import Outcome
+from runtime.sweeps.member_run import FAILED_TO_RUN
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,10 +44,11 @@ def statistics_of(study: "Study", shares: Sequence[float]) -> "pd.DataFrame":
 
 def sentences_of(study: "Study", execution: "Execution | None") -> Iterator[str]:
     """Outcomes, extremes of the quantities, the first failures, and the time."""
-    from runtime.sweeps.study import NOT_RUN, meaning_of
+    from runtime.sweeps.study import NOT_RUN
 
+    known = FAILED_TO_RUN | {one.name: one.meaning for one in Outcome}
     for outcome, count in study.outcomes.items():
-        meaning = meaning_of(outcome).rstrip(".")
+        meaning = known.get(outcome, "not run yet").rstrip(".")
         yield f"{outcome}: {counted(count, 'run')} ({meaning[:1].lower() + meaning[1:]})"
         if outcome in {"OK", NOT_RUN}:
             continue
@@ -66,7 +69,7 @@ def sentences_of(study: "Study", execution: "Execution | None") -> Iterator[str]
             f"{name}: from {values[low]:.6g} (run {low}) to {values[high]:.6g} {unit}".rstrip()
             + f" (run {high})"
         )
-    if execution is not None and execution.blocks:
+    if execution is not None:
         yield _time(execution)
     if not study.complete:
         yield "Stopped before the end. Go on with the same request and --resume (resume=True)."

@@ -1,30 +1,32 @@
 """A study: the runs of a sweep as labelled arrays, and each member again as a result."""
 
+import os
+import warnings
 from collections import Counter
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from codegen.errors import InputError, UnknownNameError
 from codegen.object_display import counted, html_of, html_table, listed
+from codegen.readers import arguments as readers
 from codegen.readers.calls import checked_class, named_attributes
-from codegen.readers.values import shown
-from runtime.core.outcomes import Outcome
+from codegen.readers.values import KindError, shown
+from runtime.machine_facade import Machine
 from runtime.mechanism.table_rows import unknown
-from runtime.sweeps import column_names as columns
-from runtime.sweeps import store
-from runtime.sweeps.member_run import FAILED_TO_RUN, OK, run_member
-from runtime.sweeps.request import Request
+from runtime.sweeps import store as columns
+from runtime.sweeps.block import companions_of
+from runtime.sweeps.member_run import OK, run_member
+from runtime.sweeps.request import Request, changed_programs, request_of
+from runtime.sweeps.store import open_store
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from runtime.machine_facade import Machine
     from runtime.results.result import Result
     from runtime.sweeps.execution import Execution
 
@@ -46,23 +48,23 @@ class Study:
     """
 
     def __init__(
-        self, path: Path, machine: "Machine | None" = None, request: Request | None = None,
+        self, path: Path, machine: Machine | None = None, request: Request | None = None,
         execution: "Execution | None" = None,
     ) -> None:  # fmt: skip
         self.path, self._machine, self._request = path, machine, request
         self._execution = execution
-        self._group = group = store.open_group(path)
-        self._about = store.about_of(group)
+        self._store = open_store(path)
+        self._about = self._store.about
         self.factors: tuple[str, ...] = tuple(self._about["design"]["names"])
         self.quantities: tuple[str, ...] = tuple(self._about["quantities"])
-        self.series: tuple[str, ...] = tuple(self._about["series"])
+        self.series: tuple[str, ...] = self._store.series
 
     @cached_property
     def data(self) -> "xr.Dataset":
         """All runs as a dataset in memory, but for the kept series, which are read when used."""
         import xarray as xr
 
-        written = store.runs_written(self._group)  # rows without a mark may be halves
+        written = self._store.runs_written()  # rows without a mark may be halves
         nothing = {columns.OUTCOME: "", columns.MESSAGE: ""}
         try:
             found: xr.Dataset = xr.open_zarr(
@@ -81,9 +83,11 @@ class Study:
                 f"{self.path} has rows that cannot be read ({type(error).__name__}: {error}). "
                 "Repeat the sweep with --resume (resume=True), which makes them again."
             ) from error
-        outcomes, messages = (found[name].values for name in (columns.OUTCOME, columns.MESSAGE))
-        found[columns.OUTCOME] = columns.RUN, _outcomes(outcomes)
-        found[columns.MESSAGE] = columns.RUN, messages.astype(object)
+        outcomes, messages = (
+            found[name].values.astype(object) for name in (columns.OUTCOME, columns.MESSAGE)
+        )
+        outcomes[outcomes == ""] = NOT_RUN
+        found = found.assign(outcome=(columns.RUN, outcomes), message=(columns.RUN, messages))
         found.attrs = {"model": self._about["facts"]["model"]}
         return found
 
@@ -101,22 +105,17 @@ class Study:
             raise InputError(f"{self.path} is a sample of points and no grid; take data.")
         import xarray as xr
 
-        names = self.factors
-        shape = tuple(axes[name] for name in names)
-        arrays = {}
+        shape, arrays = tuple(axes[name] for name in self.factors), {}
         rows = (columns.OUTCOME, columns.MESSAGE, columns.LAST)
         for name in (*self.quantities, *rows, *self.series):
             column = self.data[name]
-            rest = column.dims[1:]
             values = column.values.reshape(shape + column.shape[1:])
-            arrays[name] = xr.Variable((*names, *rest), values, column.attrs)
-        coordinates = {}
-        for k, name in enumerate(names):
-            first = tuple(slice(None) if k == j else 0 for j in range(len(names)))
-            values = self.data[name].values.reshape(shape)[first]
+            arrays[name] = xr.Variable((*self.factors, *column.dims[1:]), values, column.attrs)
+        coordinates = {columns.TIME: self.data[columns.TIME].variable} if self.series else {}
+        for k, name in enumerate(self.factors):
+            values = np.moveaxis(self.data[name].values.reshape(shape), k, 0)
+            values = values.reshape(axes[name], -1)[:, 0]
             coordinates[name] = xr.Variable((name,), values, self.data[name].attrs)
-        if self.series:
-            coordinates[columns.TIME] = self.data[columns.TIME].variable
         return xr.Dataset(arrays, coordinates, self.data.attrs)
 
     @property
@@ -279,13 +278,55 @@ class Study:
         )
 
 
-def _outcomes(values: npt.NDArray[Any]) -> npt.NDArray[np.object_]:
-    """Names of outcomes as Python's texts."""
-    return np.array([str(name) or NOT_RUN for name in values], dtype=object)
+def _study_path(value: Any) -> Path:
+    path: Path = readers.path(value)
+    if not path.is_dir():
+        raise KindError("there is no such folder; name the one that a sweep has written.")
+    return path
 
 
-def meaning_of(outcome: str) -> str:
-    """An outcome of a member in words."""
-    if outcome in FAILED_TO_RUN:
-        return FAILED_TO_RUN[outcome]
-    return Outcome[outcome].meaning if outcome in Outcome.__members__ else "not run yet"
+_MACHINE = readers.instance("runtime.", "Machine", "a machine, as load() makes it")
+
+
+@readers.reads(path=_study_path, machine=readers.optional(_MACHINE))
+def load_study(path: str | os.PathLike[str], machine: Machine | None = None) -> Study:
+    """The study that a sweep wrote, in any process.
+
+    It is data alone: nothing of it is run, and no model is loaded because a file names it.
+
+    Parameters
+    ----------
+    path
+        The folder of the Zarr store.
+    machine
+        The machine of the study, for `Study.member`. A warning says where the programs are others
+        than those of the sweep, so that the last digits of a run may differ.
+
+    Raises
+    ------
+    InputError
+        If it was not written by a sweep, has anything but a sweep's data, or is that of another
+        machine.
+    """
+    place = Path(path).resolve()
+    study = Study(place)
+    if machine is None:
+        return study
+    facts = study.facts()["facts"]
+    origin = machine.mechanism.origin
+    if origin is None or origin.digest != facts["generated module"]:
+        raise InputError(
+            f"{place} is a study of {facts['model']} whose generated module had another text than "
+            f"that of {machine.mechanism.title}: the model has changed since, or is another one."
+        )
+    request = request_of(facts, study.factors)
+    changes = [*changed_programs(facts)]
+    if companions_of(machine, request.companions) != request.companions:
+        changes.append("the derivatives or reduced equations have another text")
+    if changes:
+        warnings.warn(
+            f"Runs of {place} that are made again may differ in their last digits: "
+            f"{'; '.join(changes)}.",
+            stacklevel=2,
+        )
+    return Study(place, machine, request)

@@ -19,10 +19,9 @@ PERMITTED = {
     "codegen/machine_code/kernels.py": {"eval"},  # a kernel's signature, of a generated module
     "codegen/reference/examples.py": {"exec"},  # the examples of elements, from their classes
     "runtime/results/saved_result.py": {"np.load"},  # with allow_pickle=False
-    "runtime/sweeps/block_parts.py": {"np.load"},  # with allow_pickle=False
-    "runtime/sweeps/dask_cluster.py": {"pickle.loads"},  # of the scheduler, which sends programs
-    "runtime/sweeps/local_workers.py": {"pickle.load"},  # of processes that the sweep has started
-    "runtime/sweeps/worker_process.py": {"pickle.load"},  # of the sweep that has started it
+    "runtime/sweeps/block.py": {"np.load"},  # with allow_pickle=False
+    # of processes that the sweep has started, of the sweep itself, and of the scheduler
+    "runtime/sweeps/workers.py": {"pickle.load", "pickle.loads"},
 }
 """Calls that are there, and what they read."""
 

@@ -9,9 +9,9 @@ import pytest
 
 from codegen.errors import InputError
 from runtime import load
-from runtime.ensemble import single_runs
-from runtime.ensemble import threads as in_threads
 from runtime.results import memory
+from runtime.sweeps import ensemble as in_threads
+from runtime.sweeps import ensemble as single_runs
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from runtime import sweep
-from runtime.sweeps import Study
+from runtime.sweeps.study import Study
 
 QUANTITIES = ("max:B.fx", "crank.omega")
 

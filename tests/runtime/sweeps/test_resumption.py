@@ -3,6 +3,7 @@
 import json
 import shutil
 import signal
+from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,15 @@ import pytest
 
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
+from codegen.termination_signals import SignalDeferral
 from runtime import load_study, sweep
-from runtime.sweeps import Study, block, block_parts, execution, member_run, run_sweep, store
+from runtime.sweeps import block, member_run, workers
 from runtime.sweeps.block import BlockReport
-from runtime.sweeps.store_attributes import Layout
+from runtime.sweeps.execution import make_blocks
+from runtime.sweeps.store import open_store, reopen
+from runtime.sweeps.study import Study
+from runtime.sweeps.sweep import store_lock
+from runtime.sweeps.workers import LostWorkerError
 
 
 def same(ours: Study, theirs: Study) -> bool:
@@ -38,7 +44,7 @@ def half(
 ) -> tuple[Path, Study]:
     """A store in which some blocks are done, and the study of an undisturbed sweep."""
     whole = sweep(out=tmp_path / "whole.zarr", **request_of)
-    real, count = block.run_block, iter(range(100))
+    real, count = workers.run_block, iter(range(100))
 
     def failing(job: Any, number: int) -> Any:
         if next(count) == 5:
@@ -46,7 +52,7 @@ def half(
         return real(job, number)
 
     with monkeypatch.context() as patch:
-        patch.setattr(block, "run_block", failing)
+        patch.setattr(workers, "run_block", failing)
         with pytest.raises(LinkwrightError) as caught:
             sweep(out=tmp_path / "half.zarr", **request_of)
     assert caught.value.problems[0] == "The cluster is lost."
@@ -62,9 +68,10 @@ def test_only_what_is_missing_is_made(
     assert not before.complete
     assert before.outcomes == {"OK": 15, "NOT RUN": 9}
     assert "Stopped before the end" in repr(before)
-    real, made = block.run_block, []
-    monkeypatch.setattr(block, "run_block", lambda job, k: made.append(k) or real(job, k))
-    monkeypatch.setattr(run_sweep, "estimate_of", None)  # no member is run for trial again
+    real, made = workers.run_block, []
+    monkeypatch.setattr(workers, "run_block", lambda job, k: made.append(k) or real(job, k))
+    # no member is run for trial again
+    monkeypatch.setattr("runtime.sweeps.sweep.estimate_of", None)
     after = sweep(out=path, resume=True, **request_of)
     assert made == [5, 6, 7]
     assert same(after, whole)
@@ -77,11 +84,12 @@ def test_rows_that_a_crash_has_damaged_are_made_again(
     half: tuple[Path, Study], request_of: dict[str, Any]
 ) -> None:
     path, whole = half
-    group = store.open_group(path, writable=True)
-    assert store.unfinished(group) == [5, 6, 7]
-    group["max(B.fx)"][4] = 1.0
+    store = reopen(path, open_store(path).about["identity"])
+    assert store.unfinished() == [5, 6, 7]
+    store.group["max(B.fx)"][4] = 1.0
+    assert store.unfinished() == [1, 5, 6, 7]
     shutil.rmtree(path / "message" / "c")
-    assert store.unfinished(group) == [*range(8)]
+    assert store.unfinished() == [*range(8)]
     assert same(sweep(out=path, resume=True, **request_of), whole)
 
 
@@ -130,7 +138,7 @@ def test_a_changed_model_or_function_is_another_sweep(
 def test_an_interrupt_keeps_what_is_done(
     request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    real, count = block.run_block, iter(range(100))
+    real, count = workers.run_block, iter(range(100))
 
     def interrupted(job: Any, number: int) -> Any:
         if next(count) == 3:
@@ -138,7 +146,7 @@ def test_an_interrupt_keeps_what_is_done(
         return real(job, number)
 
     with monkeypatch.context() as patch:
-        patch.setattr(block, "run_block", interrupted)
+        patch.setattr(workers, "run_block", interrupted)
         study = sweep(out=tmp_path / "s.zarr", **request_of)
     assert not study.complete
     assert study.outcomes["OK"] in {9, 12}
@@ -150,8 +158,6 @@ def test_an_interrupt_keeps_what_is_done(
 def test_a_store_of_which_another_sweep_is_writing(
     request_of: dict[str, Any], tmp_path: Path
 ) -> None:
-    from runtime.sweeps.execution import store_lock
-
     with (
         store_lock(tmp_path / "s.zarr"),
         pytest.raises(InputError, match="Another sweep is writing"),
@@ -207,18 +213,9 @@ def test_a_block_of_slow_runs_goes_on_where_it_was(
 ) -> None:
     whole = sweep(out=tmp_path / "whole.zarr", **request_of)
     monkeypatch.setattr(block, "SAVE_SECONDS", 0.0)
-    monkeypatch.setattr(execution, "BLOCKS_A_WORKER", 1)
+    monkeypatch.setattr("runtime.sweeps.sweep.BLOCKS_A_WORKER", 1)
     with monkeypatch.context() as patch:
         before = counted_runs(patch, last=12)
-        real = execution.ThisProcess.next
-
-        def stopped(self: Any, timeout: float) -> Any:
-            report = real(self, timeout)
-            if report is None:
-                signal.raise_signal(signal.SIGINT)
-            return report
-
-        patch.setattr(execution.ThisProcess, "next", stopped)
         half = sweep(out=tmp_path / "s.zarr", **request_of)
     assert half.outcomes == {"NOT RUN": 24}  # no block is whole
     assert not half.complete
@@ -231,79 +228,41 @@ def test_a_block_of_slow_runs_goes_on_where_it_was(
     assert not (found.path / "block_mark" / "parts").exists()
 
 
-def test_rows_of_another_process_are_not_replaced_by_fewer(
-    request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A task that lives on after its block was given to another one."""
-    jobs: list[Any] = []
-    real = block.run_block
-    with monkeypatch.context() as patch:
-        patch.setattr(block, "run_block", lambda job, k: jobs.append(job) or real(job, k))
-        whole = sweep(out=tmp_path / "s.zarr", **request_of)
-    group = store.open_group(whole.path, writable=True)
-    group["block_mark"][2] = 0
-    counts = list[tuple[str, int]]()
-    evaluate, write, save = block.evaluate_member, store.write_block, block_parts.write_part
-
-    def other(machine: Any, request: Any, point: Any) -> Any:
-        if not counts:
-            counts.append(("begun", 0))
-            real_block(jobs[0], 2)
-        return evaluate(machine, request, point)
-
-    def counted(path: Path, identity: str, request: Any, runs: range, rows: Any) -> int:
-        counts.append(("block", len(rows)))
-        return write(path, identity, request, runs, rows)
-
-    def saved(path: Path, about: Any, request: Any, number: int, rows: Any) -> None:
-        counts.append(("part", len(rows)))
-        save(path, about, request, number, rows)
-
-    real_block = block._run_block
-    monkeypatch.setattr(block, "SAVE_SECONDS", 0.0)
-    monkeypatch.setattr(block, "evaluate_member", other)
-    monkeypatch.setattr(store, "write_block", counted)
-    monkeypatch.setattr(block_parts, "write_part", saved)
-    block._run_block(jobs[0], 2)
-    theirs = [("part", 1), ("part", 2), ("block", 3)]
-    assert counts == [("begun", 0), *theirs, ("part", 3), ("block", 3)]
-
-
 class Waiting:
-    """Takes four blocks at a time."""
+    """Takes four blocks at a time, of which one is lost once."""
 
-    replaced = 0
+    room, lost = 4, LostWorkerError
 
     def __init__(self, stop_at: int = -1) -> None:
-        self.there, self.taken, self.most, self.stop_at = list[int](), 0, 0, stop_at
+        self.taken, self.stop_at = list[int](), stop_at
 
-    @property
-    def room(self) -> int:
-        return 4 - len(self.there)
-
-    def submit(self, number: int) -> None:
-        self.there.append(number)
-        self.taken, self.most = self.taken + 1, max(self.most, len(self.there))
+    def submit(self, number: int) -> "Future[BlockReport]":
+        future = Future[BlockReport]()
+        if number == 7 and number not in self.taken:
+            future.set_exception(LostWorkerError("killed"))
+        else:
+            future.set_result(BlockReport(number, 1, 1.0, 0.0))
+        self.taken.append(number)
         if number == self.stop_at:
             signal.raise_signal(signal.SIGINT)
+        return future
 
-    def next(self, timeout: float) -> BlockReport:
-        return BlockReport(self.there.pop(0), 1, 1.0, 0.0)
+    def check(self) -> None:
+        pass
 
     def close(self) -> None:
-        self.there.clear()
+        pass
 
 
-def test_tasks_are_handed_out_as_they_are_taken() -> None:
-    from codegen.termination_signals import SignalDeferral
-
-    shares, executor, layout = list[float](), Waiting(), Layout(20, 1)
+def test_blocks_are_handed_out_as_they_are_taken() -> None:
+    counts, pool = list[int](), Waiting()
     with SignalDeferral(computing=True) as signals:
-        made = execution._make(executor, [*range(5, 20)], layout, signals, shares.append)
-    assert [one.block for one in made] == [*range(5, 20)]
-    assert (executor.taken, executor.most, shares[-1]) == (15, 4, 1.0)
-    executor = Waiting(stop_at=6)
+        made, lost = make_blocks(pool, [*range(5, 20)], signals, counts.append)
+    assert sorted(one.block for one in made) == [*range(5, 20)]
+    assert (len(pool.taken), lost, counts[-1]) == (16, 1, 15)
+    pool = Waiting(stop_at=6)
     with SignalDeferral(computing=True) as signals:
-        made = execution._make(executor, [*range(5, 20)], layout, signals, shares.append)
+        made, _ = make_blocks(pool, [*range(5, 20)], signals, counts.append)
         signals.answered = True
-    assert (executor.taken, made) == (2, [])
+    assert pool.taken == [5, 6]
+    assert len(made) < 3

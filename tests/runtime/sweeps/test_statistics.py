@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from codegen.errors import InputError
 from linkwright.cli.application import app
 from runtime import sweep
-from runtime.sweeps import Study
+from runtime.sweeps.study import Study
 
 OVER = {"J1": "400:500", "motor_torque": ("normal", 41450.0, 1.0)}
 
@@ -127,7 +127,7 @@ def test_a_cluster_without_workers_is_named(
     about: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr("runtime.sweeps.dask_cluster._WORKER_PATIENCE", 0.5)
+    monkeypatch.setattr("runtime.sweeps.workers._WORKER_PATIENCE", 0.5)
     cluster = distributed.LocalCluster(
         n_workers=0, processes=False, dashboard_address="127.0.0.1:0"
     )

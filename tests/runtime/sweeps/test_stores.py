@@ -11,21 +11,19 @@ import pytest
 
 from codegen.errors import InputError
 from runtime import load_study
-from runtime.sweeps import store
-from runtime.sweeps.column_names import name_problems
 from runtime.sweeps.design import design_of
-from runtime.sweeps.execution import BLOCK_BYTES, MOST_BLOCKS, block_size, store_lock
 from runtime.sweeps.factors import read_factors
 from runtime.sweeps.member_run import KILLED, MEMORY, REPEATED, Row
 from runtime.sweeps.request import Request
-from runtime.sweeps.store_template import Columns, create_store
+from runtime.sweeps.store import Store, create_store, name_problems, open_store, reopen
+from runtime.sweeps.sweep import BLOCK_BYTES, MOST_BLOCKS, block_size, store_lock
 
 QUANTITY = "max:B.fx"
 RUNS, BLOCK = 7, 3
 
 
 def request(names: tuple[str, ...], parameters: dict[str, float] | None = None) -> Request:
-    quantities = ((QUANTITY, QUANTITY),)
+    quantities = {QUANTITY: QUANTITY}
     return Request(
         "m", "s", "0" * 64, "simulate", names, (), quantities, ("a.x",), 0.0, 1.0, 11,
         parameters=parameters or {},
@@ -36,8 +34,7 @@ def made(path: Path, over: str = f"J1=1:7:{RUNS}", **words: Any) -> Request:
     """A store without rows."""
     design = design_of(read_factors([over]), None, None, 0)
     asked = request(design.names, **words)
-    columns = Columns(dict.fromkeys(design.names, ""), {QUANTITY: "N"}, {"a.x": "m"})
-    create_store(path, asked, design, columns, BLOCK, 0.01)
+    create_store(path, asked, design, {QUANTITY: "N", "a.x": "m"}, BLOCK, 0.01)
     return asked
 
 
@@ -48,33 +45,34 @@ def rows(count: int, outcome: str = "OK") -> list[Row]:
     ]
 
 
-def identity(path: Path) -> str:
-    return str(store.about_of(store.open_group(path))["identity"])
+def writable(path: Path) -> Store:
+    return reopen(path, open_store(path).about["identity"])
 
 
-def write(path: Path, asked: Request, outcome: str = "OK") -> None:
+def write(path: Path) -> None:
     """All blocks."""
-    for first in range(0, RUNS, BLOCK):
-        runs = range(first, min(first + BLOCK, RUNS))
-        store.write_block(path, identity(path), asked, runs, rows(len(runs), outcome))
+    store = writable(path)
+    for block in range(store.blocks):
+        store.write_block(block, rows(len(store.runs_of(block))))
 
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
-    write(tmp_path / "s.zarr", made(tmp_path / "s.zarr"))
-    assert store.unfinished(store.open_group(tmp_path / "s.zarr")) == []
+    made(tmp_path / "s.zarr")
+    write(tmp_path / "s.zarr")
+    assert open_store(tmp_path / "s.zarr").unfinished() == []
     return tmp_path / "s.zarr"
 
 
 def test_rows_of_another_sweep_have_no_valid_mark(path: Path) -> None:
-    asked, late = made(path.with_name("t.zarr")), identity(path)
-    other = path.with_name("t.zarr")
+    other, late = path.with_name("t.zarr"), open_store(path).about["identity"]
+    made(other)
     for part in ("block_mark", "max(B.fx)", "outcome", "message", "t_last", "a.x"):
         shutil.rmtree(other / part)
         shutil.copytree(path / part, other / part)
-    assert store.unfinished(store.open_group(other)) == [0, 1, 2]
+    assert open_store(other).unfinished() == [0, 1, 2]
     with pytest.raises(InputError, match="the store of another sweep by now"):
-        store.write_block(other, late, asked, range(3), rows(3))
+        reopen(other, late)
 
 
 @pytest.mark.parametrize("name", ["max(B.fx)", "outcome", "message", "t_last", "a.x", "block_mark"])
@@ -87,22 +85,21 @@ def test_a_file_that_is_cut_short_is_a_block_to_make_again(
         (file,) = files or [path / name / "c" / str(block)]
         content = file.read_bytes()
         file.write_bytes(content[: int(share * len(content))])
-    assert store.unfinished(store.open_group(path)) == [1, 2]
+    assert open_store(path).unfinished() == [1, 2]
     if name not in {"a.x", "block_mark"}:
         with pytest.raises(InputError, match="cannot be read"):
             _ = load_study(path).data
-    write(path, request(("J1",)))
-    assert store.unfinished(store.open_group(path)) == []
+    write(path)
+    assert open_store(path).unfinished() == []
     assert load_study(path).data[QUANTITY].values.tolist() == [0, 1.5, 3, 0, 1.5, 3, 0]
 
 
 @pytest.mark.parametrize("outcome", [KILLED, MEMORY, "REFUSED"])
 def test_outcomes_of_another_day_are_repeated(path: Path, outcome: str) -> None:
-    runs = range(3, 6)
-    store.write_block(path, identity(path), request(("J1",)), runs, rows(3, outcome))
-    group = store.open_group(path)
-    assert store.unfinished(group) == []
-    assert store.unfinished(group, repeated=REPEATED) == ([1] if outcome != "REFUSED" else [])
+    store = writable(path)
+    store.write_block(1, rows(3, outcome))
+    assert store.unfinished() == []
+    assert store.unfinished(repeated=REPEATED) == ([1] if outcome != "REFUSED" else [])
 
 
 def test_a_factor_of_many_values(tmp_path: Path) -> None:
@@ -159,7 +156,7 @@ def test_a_lock_is_never_that_of_two(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(shutil, "rmtree", removing)
     with store_lock(path):
-        (tmp_path / "s.zarr.working" / "journals").mkdir(parents=True)
+        (tmp_path / "s.zarr.working").mkdir()
         inner.clear()
     assert inner
     assert [file.name for file in tmp_path.iterdir()] == [".s.zarr.lock"]

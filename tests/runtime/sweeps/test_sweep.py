@@ -10,7 +10,7 @@ import xarray as xr
 from codegen.errors import InputError, ParameterError
 from runtime import load, load_study, sweep
 from runtime.studies.quantity import parse_quantity
-from runtime.sweeps import Study
+from runtime.sweeps.study import Study
 
 
 def test_rows_have_the_bits_of_single_runs(study: Study) -> None:

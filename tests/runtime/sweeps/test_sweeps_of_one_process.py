@@ -14,9 +14,10 @@ from codegen import Model
 from codegen.errors import InputError, LinkwrightError
 from runtime import load, load_study, sweep
 from runtime.core.outcomes import Outcome
-from runtime.sweeps import block, execution, member_run, programs, store
+from runtime.sweeps import block, member_run, request, workers
+from runtime.sweeps import sweep as in_sweep
 from runtime.sweeps.block import run_block
-from runtime.sweeps.store_template import create_store
+from runtime.sweeps.store import Store, create_store, open_store
 from tests.runtime.sweeps.test_resumption import same
 
 
@@ -30,9 +31,9 @@ def test_a_store_that_is_made_anew_at_the_same_path(
 ) -> None:
     path, whole = tmp_path / "s.zarr", sweep(out=tmp_path / "whole.zarr", **request_of)
     for share in (8, 3, 8):  # with blocks of other lengths
-        monkeypatch.setattr(execution, "BLOCKS_A_WORKER", share)
+        monkeypatch.setattr(in_sweep, "BLOCKS_A_WORKER", share)
         assert same(sweep(out=path, **request_of), whole)
-        assert store.unfinished(store.open_group(path)) == []
+        assert open_store(path).unfinished() == []
         shutil.rmtree(path)
 
 
@@ -40,7 +41,7 @@ def test_a_late_task_of_another_sweep_writes_nothing(
     request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, jobs = tmp_path / "s.zarr", []
-    monkeypatch.setattr(block, "run_block", lambda job, k: jobs.append(job) or run_block(job, k))
+    monkeypatch.setattr(workers, "run_block", lambda job, k: jobs.append(job) or run_block(job, k))
     sweep(out=path, **request_of)
     shutil.rmtree(path)
     whole = sweep(out=path, **request_of | {"t_end": 0.04})
@@ -54,12 +55,12 @@ def test_a_late_task_of_another_sweep_writes_nothing(
 def test_rows_that_do_not_arrive_are_an_error(
     request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def lost(path: Path, identity: str, request: Any, runs: range, rows: Any) -> None:
-        if runs.start:
-            real(path, identity, request, runs, rows)
+    def lost(store: Store, number: int, rows: Any) -> None:
+        if number:
+            real(store, number, rows)
 
-    real = store.write_block
-    monkeypatch.setattr(store, "write_block", lost)
+    real = Store.write_block
+    monkeypatch.setattr(Store, "write_block", lost)
     with pytest.raises(
         LinkwrightError, match=r"1 block of .* not whole though .* first is 0"
     ) as raised:
@@ -73,7 +74,7 @@ def test_a_full_disk_says_how_to_go_on(
     def full(*arguments: Any) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(store, "write_block", full)
+    monkeypatch.setattr(Store, "write_block", full)
     with pytest.raises(LinkwrightError, match="No space left on device") as raised:
         sweep(out=tmp_path / "s.zarr", **request_of)
     assert "0 of 8 blocks are done" in str(raised.value)
@@ -84,18 +85,18 @@ def test_other_programs_are_another_sweep(
 ) -> None:
     jobs: list[Any] = []
     with monkeypatch.context() as patch:
-        patch.setattr(block, "run_block", lambda job, k: jobs.append(job) or run_block(job, k))
+        patch.setattr(workers, "run_block", lambda job, k: jobs.append(job) or run_block(job, k))
         study = sweep(out=tmp_path / "s.zarr", **request_of)
     machine = load("slider_crank", scene="compressor")
-    facts = programs.program_facts()
+    facts = request.program_facts()
     for name, said in (
-        (programs.SOURCES, "the sources of Linkwright have another text"),
+        (request.SOURCES, "the sources of Linkwright have another text"),
         ("llvmlite", f"llvmlite was {facts['llvmlite']} and is 0.1"),
         ("python", "and is 0.1"),
-        (programs.PROCESSOR, "processor was"),
+        (request.PROCESSOR, "processor was"),
     ):
         other = {**facts, name: "0.1"}
-        for module in ("programs", "request", "execution"):
+        for module in ("request", "sweep"):
             monkeypatch.setattr(f"runtime.sweeps.{module}.program_facts", lambda other=other: other)
         with pytest.raises(InputError, match="it cannot go on") as raised:
             sweep(out=study.path, resume=True, **request_of)
@@ -104,7 +105,7 @@ def test_other_programs_are_another_sweep(
             again = load_study(study.path, machine=machine)
         assert len(again.member(0).t) == 21
         block._loaded.clear()
-        if name == programs.PROCESSOR:
+        if name == request.PROCESSOR:
             run_block(jobs[0], 0)
         else:
             with pytest.raises(LinkwrightError, match="has other programs than the sweep"):
@@ -177,14 +178,14 @@ def test_a_sweep_begins_only_where_no_other_has(
     request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Another program writes the store while this one builds its machine."""
-    real = execution.create_store
+    real = in_sweep.create_store
 
     def begun(path: Path, *arguments: Any) -> None:
         path.mkdir()
         (path / "theirs").touch()
         real(path, *arguments)
 
-    monkeypatch.setattr(execution, "create_store", begun)
+    monkeypatch.setattr(in_sweep, "create_store", begun)
     with pytest.raises(InputError, match="exists by now"):
         sweep(out=tmp_path / "s.zarr", **request_of)
     assert [file.name for file in (tmp_path / "s.zarr").iterdir()] == ["theirs"]

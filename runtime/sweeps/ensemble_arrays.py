@@ -1,34 +1,133 @@
-"""What the runs of an ensemble have in common, made once; and what each thread has of its own."""
+"""Arrays of an ensemble's compiled loop: of all members, of a thread, of a block of members."""
 
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple, cast
 
 import numpy as np
+from numba import types
 
 from runtime.assembly.masses_far_apart import DOUBTFUL, MOST_SPREAD
 from runtime.assembly.regular_start import allow, let_lead
 from runtime.assembly.start_values import Start, start_note, start_values
+from runtime.core import array_types as arrays
+from runtime.core.array_types import (
+    Integers,
+    Matrix,
+    Vector,
+    f8,
+    integer_matrix,
+    integers,
+    matrix,
+    vector,
+)
 from runtime.dynamics.checks.end_checks import sentence_of_unresolved
 from runtime.dynamics.checks.screening import APART, CLOSED, RESIDUAL
 from runtime.dynamics.formulations import CartesianCoordinates
+from runtime.dynamics.output_quantities import SAMPLES
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import text_of_end
 from runtime.dynamics.sliding_outputs import wire_mixing
-from runtime.ensemble.member_arrays import Common, Own
-from runtime.ensemble.members import FloatArray, Members
 from runtime.integrate.problem import Options
 from runtime.integrate.run import Run
 from runtime.integrate.wiring import Wiring
 from runtime.linalg.sparse_least_norm import SPARSE_FROM
 from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
-from runtime.mechanism.module_tables import Description
 from runtime.mechanism.start_table import StartTable, start_table
 from runtime.results.result import Result
 from runtime.results.samples import Samples
+from runtime.sweeps.ensemble_rows import FloatArray, Members
 from runtime.validation.scene_support import driven_note
 
 _EVENTS = 64  # safety: room for events beyond twice those of the run that was made beforehand
+WAITING, DONE, LEFT = 0, 1, 2
+"""What became of a member: not made yet, made, left to `simulate`."""
+
+_cube: Any = types.Array(f8, 3, "C")
+
+
+class Common(NamedTuple):
+    """What all members have in common."""
+
+    values: Matrix  # (r, k): what the members differ in
+    kinds: Integers  # (k,): 0: parameters, 1: positions, 2: velocities
+    places: Integers  # (k,)
+    p: Vector  # parameters before the members' own values, without constants
+    q: Vector  # start values likewise, (n,) each
+    v: Vector
+    absolute: Vector  # (2n,): tolerances that are given, else no number
+    diagonal: Integers  # (nm,): coordinate of a non-zero of M on its diagonal, else -1
+    bodies: Integers  # (n,): 1 of coordinates that need a mass
+    low: Vector  # (c,): bounds of the conditions on parameters; no number: none
+    high: Vector
+    beyond: Integers  # (c,): 1 where the least value is itself too small
+    first: Integers  # (c,): place of each condition's number
+    t: float  # first instant, s
+    widest: float  # spread of the masses from which on kernels may not suit them; infinite: none
+    part: float  # of a typical size, that a residual may reach
+    near: float  # s; events are nearer to their instants
+
+
+class Own(NamedTuple):
+    """What a thread has of its own: the table of a run, its memory before a run, and room."""
+
+    table: Integers
+    block: Integers  # memory of the table's arrays
+    record: Integers  # the record of the run
+    fresh_table: Integers
+    fresh_block: Integers
+    fresh_record: Integers
+    p: Vector
+    q: Vector
+    v: Vector
+    sizes: Vector
+    mobility: Vector
+    inertia: Vector
+    masses: Vector
+    numbers: Vector  # of the conditions
+    start: Integers  # the table of `start_table`
+    samples: Samples
+    modes: Matrix  # (k, s) of int64: those of the samples, 0 and 1
+    slopes: Vector
+    phi: Vector
+    scratch: Matrix  # of the screening
+    switches: Matrix  # (2, s) of int64
+    reversed_event: Integers  # (e,)
+    reached: Vector  # (e,)
+    permitted: Vector  # (s,)
+    begun: Integers  # (1,): the member that has begun, or -1
+    mixing_table: Integers  # of `mix_rows`, as the next two; of no words where nothing slides
+    mixing_block: Integers
+    fresh_mixing: Integers
+    powers: Matrix  # (2, rows of POWERS)
+
+
+class Results(NamedTuple):
+    """What becomes of the members, and the samples of a block of them."""
+
+    samples: Samples  # each of one more dimension, in front: the members of the block
+    status: Integers  # (r,) of all members, as the others
+    steps: Integers
+    events: Integers  # that results show
+    logged: Integers  # all of them
+    unresolved: Any  # (r, s, 4): events within the tolerance, see `count_unresolved`
+
+
+COMMON = arrays.named_tuple_type(
+    [
+        matrix, integers, integers, vector, vector, vector, vector, integers,
+        integers, vector, vector, integers, integers, f8, f8, f8, f8,
+    ], Common,
+)  # fmt: skip
+OWN = arrays.named_tuple_type(
+    [
+        *[integers] * 6, *[vector] * 8, integers, SAMPLES, integer_matrix, vector, vector, matrix,
+        integer_matrix, integers, vector, vector, integers, integers, integers, integers, matrix,
+    ], Own,
+)  # fmt: skip
+RESULTS = arrays.named_tuple_type(
+    [arrays.named_tuple_type([matrix, *[_cube] * 10], Samples), *[integers] * 4, _cube], Results
+)
 
 
 class Preparation(NamedTuple):
@@ -43,7 +142,36 @@ class Preparation(NamedTuple):
 
     def own(self) -> tuple[Own, tuple[Run, Wiring, StartTable]]:
         """The arrays of one thread, and what its tables point to, which must live as long."""
-        return _own(self)
+        ready, mechanism = self.ready, self.ready.mechanism
+        description = mechanism.description
+        begin, k = ready.begin, np.size(self.options.t_eval)  # type: ignore[arg-type]
+        n, m, s = len(begin.q), len(description.constraints), len(description.switches)
+        start, nonzeros = start_table(mechanism), len(description.jacobian_rows)
+        allow(start, self.start)
+        let_lead(start)
+        problem = self.coordinates.problem(begin.t, begin.q, begin.v)
+        problem = replace(problem, p=problem.p.copy())
+        run = Run(self.coordinates.system, problem, self.options)
+        run.recording.make_room_for_events(self.event_rows + 3 * s)
+        wiring, e = run.state.wiring, self.event_rows + 3 * s
+        record = wiring.arrays["record"].view(np.int64)
+        widths = n, n, n, m, len(description.reactions), len(description.powers), 2, 2
+        floats = (np.zeros((k, width)) for width in widths)
+        fields = np.zeros(k), *floats, np.zeros((k, s), np.int64), np.zeros((k, s))
+        samples = Samples(*cast(Any, fields))
+        mixing = wire_mixing(mechanism, run.state.p)
+        numbers = sum(row.shown for row in description.conditions)
+        q, v, sizes, mobility, inertia = np.zeros((5, n))
+        return Own(
+            wiring.table, wiring.block, record, wiring.table.copy(), wiring.block.copy(),
+            record.copy(), run.state.p, q, v, sizes, mobility, inertia,
+            np.zeros(len(description.mass_rows)), np.zeros(numbers),
+            start.table, samples, np.zeros((k, s), np.int64),
+            np.zeros(nonzeros), np.zeros(m), np.zeros((5 + s, max(s, 2 * n))),
+            np.zeros((2, s), np.int64), np.zeros(e, np.int64), np.zeros(e), np.zeros(s),
+            np.full(1, -1), mixing.table, mixing.block, mixing.block.copy(),
+            np.zeros((2, len(description.powers))),
+        ), (run, mixing, start)  # fmt: skip
 
     def message(
         self, steps: int, start: Mapping[str, float], unresolved: FloatArray, events: int
@@ -141,37 +269,3 @@ def _common(
 
 def _bounds(values: Any) -> FloatArray:
     return np.array([np.nan if value is None else value for value in values], np.float64)
-
-
-def _own(made: Preparation) -> tuple[Own, tuple[Run, Wiring, StartTable]]:
-    """New arrays for a thread, and what lives as long as its tables, which point to it."""
-    ready, mechanism = made.ready, made.ready.mechanism
-    description: Description = mechanism.description
-    begin, k = ready.begin, np.size(made.options.t_eval)  # type: ignore[arg-type]
-    n, m, s = len(begin.q), len(description.constraints), len(description.switches)
-    start, nonzeros = start_table(mechanism), len(description.jacobian_rows)
-    allow(start, made.start)
-    let_lead(start)
-    problem = made.coordinates.problem(begin.t, begin.q, begin.v)
-    problem = replace(problem, p=problem.p.copy())
-    run = Run(made.coordinates.system, problem, made.options)
-    run.recording.make_room_for_events(made.event_rows + 3 * s)
-    wiring, e = run.state.wiring, made.event_rows + 3 * s
-    record = wiring.arrays["record"].view(np.int64)
-    widths = n, n, n, m, len(description.reactions), len(description.powers), 2, 2
-    floats = (np.zeros((k, width)) for width in widths)
-    fields = np.zeros(k), *floats, np.zeros((k, s), np.int64), np.zeros((k, s))
-    samples = Samples(*cast(Any, fields))
-    mixing = wire_mixing(mechanism, run.state.p)
-    numbers = sum(row.shown for row in description.conditions)
-    q, v, sizes, mobility, inertia = np.zeros((5, n))
-    return Own(
-        wiring.table, wiring.block, record, wiring.table.copy(), wiring.block.copy(),
-        record.copy(), run.state.p, q, v, sizes, mobility, inertia,
-        np.zeros(len(description.mass_rows)), np.zeros(numbers),
-        start.table, samples, np.zeros((k, s), np.int64),
-        np.zeros(nonzeros), np.zeros(m), np.zeros((5 + s, max(s, 2 * n))),
-        np.zeros((2, s), np.int64), np.zeros(e, np.int64), np.zeros(e), np.zeros(s),
-        np.full(1, -1), mixing.table, mixing.block, mixing.block.copy(),
-        np.zeros((2, len(description.powers))),
-    ), (run, mixing, start)  # fmt: skip

@@ -1,19 +1,36 @@
-"""The threads of an ensemble, each of which takes block after block of members."""
+"""An ensemble: many runs of one machine in threads, by a compiled loop as far as that goes."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from dataclasses import dataclass
 from threading import Event
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from codegen.errors import InputError, LinkwrightError
 from codegen.termination_signals import SignalDeferral
-from runtime.ensemble.member_arrays import DONE, LEFT, WAITING, Results
-from runtime.ensemble.member_loop import run_members
-from runtime.ensemble.preparation import Preparation
-from runtime.ensemble.single_runs import SingleRuns
-from runtime.progress_bar import Progress
+from runtime.core.outcomes import Outcome
+from runtime.dynamics.simulation import simulate_joints
+from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.progress_bar import Progress, silent
+from runtime.results.result import Result
 from runtime.results.samples import Samples
+from runtime.sweeps.ensemble_arrays import DONE, LEFT, WAITING, Preparation, Results, prepare
+from runtime.sweeps.ensemble_loop import run_members
+from runtime.sweeps.ensemble_rows import (
+    Columns,
+    FloatArray,
+    Members,
+    Rows,
+    forbidden_members,
+    read_members,
+    require_room,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _BLOCK = 32  # measured: members that a thread takes at a time, at most
 _SHARES = 8  # safety: blocks for each thread, so that all end at about the same time
@@ -25,6 +42,81 @@ _TRIED = 64  # safety: members of which the compiled loop must finish a part, to
 _MOST_LEFT = (
     0.8  # measured: part of them that is left to single runs, from which on it does not pay
 )
+
+
+def run_ensemble(
+    mechanism: Mechanism, t_end: float, times: FloatArray, parameters: Columns | None,
+    starts: Columns | None, threads: int, max_bytes: int, progress: Progress, **options: Any,
+) -> "xr.Dataset":  # fmt: skip
+    """One row a member; see `Machine.ensemble`. `options` are those of `simulate`."""
+    members = read_members(mechanism, parameters, starts)
+    if any(row.reconnects for row in mechanism.description.watched):
+        raise InputError(
+            f"{mechanism.title}: ensemble: joints come and go in this scene, and its runs do not "
+            "have the same variables. Use a sweep."
+        )
+    require_room(mechanism, members.count, len(times), max_bytes)
+    rows = Rows(members, times)
+    rows.status[forbidden_members(mechanism, members)] = LEFT  # to a single run, which says why
+    single = SingleRuns(mechanism, t_end, members, rows, options)
+    made = None
+    try:
+        first, made = single.prepare()
+        make_runs(single, made, first, threads, progress)
+    except KeyboardInterrupt:
+        pass  # members that were not run say so
+    if made is not None:
+        for run in np.flatnonzero(rows.placed).tolist():
+            rows.outcomes[run] = str(Outcome.OK)
+            rows.messages[run] = made.message(
+                int(rows.steps[run]), members.start_of(run), rows.unresolved[run],
+                int(rows.logged[run]),
+            )  # fmt: skip
+    rows.leave_out_failures()
+    return rows.dataset()
+
+
+@dataclass(frozen=True)
+class SingleRuns:
+    """Members that `simulate` runs: the first, and those that the compiled loop leaves."""
+
+    mechanism: Mechanism
+    t_end: float
+    members: Members
+    rows: Rows
+    options: Mapping[str, Any]
+
+    def make(self, run: int, progress: Progress = silent) -> Result | None:
+        """Make the run of a member; None where it is refused.
+
+        Raises KeyboardInterrupt where the run was interrupted; its row is kept.
+        """
+        start = self.members.start_of(run) or None
+        values = self.members.parameters_of(run) or None
+        try:
+            result = simulate_joints(
+                self.mechanism, self.t_end, self.rows.times, parameters=values, start=start,
+                progress=progress, **self.options,
+            )  # fmt: skip
+        except LinkwrightError as error:
+            self.rows.outcomes[run], self.rows.messages[run] = type(error).__name__, str(error)
+            return None
+        self.rows.take(run, result)
+        if result.outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
+        return result
+
+    def prepare(self) -> tuple[int, Preparation | None]:
+        """Make runs up to the first that ends well: the pattern of the others.
+
+        Returns the member that follows it, and what all have in common.
+        """
+        for run in range(self.members.count):
+            result = self.make(run)
+            if result is not None and result.outcome is Outcome.OK:
+                given = self.mechanism, self.t_end, self.rows.times, self.members, run, result
+                return run + 1, prepare(*given, self.options)
+        return self.members.count, None
 
 
 def make_runs(
@@ -89,24 +181,25 @@ class Worker:
             counts = rows.status, rows.steps, rows.events, rows.logged, rows.unresolved
             self.results = Results(Samples(*cubes), *counts)
 
-    def run(self, blocks: Iterator[int], tell: Callable[[], None] | None = None) -> None:
+    def run(self, blocks: Iterator[int], tell: Callable[[], None] = lambda: None) -> None:
         """Make the runs of blocks that nobody else has taken."""
         for first in blocks:
             last = min(first + self.size, self.single.members.count)
             try:
                 self._run_compiled(first, last, tell)
             finally:
-                self._place(first, last)
+                done = self.rows.status[first:last] == DONE
+                if done.any():
+                    self.rows.place(first, done, self.results.samples)
             for run in range(first, last):
                 if self.stopped.is_set():
                     return
                 if self.rows.status[run] in (WAITING, LEFT):
                     self.single.make(run, self._look)
                     self.ended += 1
-                    if tell is not None:
-                        tell()
+                    tell()
 
-    def _run_compiled(self, first: int, last: int, tell: Callable[[], None] | None) -> None:
+    def _run_compiled(self, first: int, last: int, tell: Callable[[], None]) -> None:
         """Make as many runs of a block as the compiled loop can; others are LEFT or WAITING."""
         made, at = self.made, first
         if made is None:
@@ -120,18 +213,11 @@ class Worker:
             elif took > _CALL_SECONDS:
                 self.steps = max(1, self.steps // 2)
             self.ended += int((self.rows.status[before:at] != LEFT).sum())
-            if tell is not None:
-                tell()
+            tell()
         self.tried += last - first
         self.left += int((self.rows.status[first:last] == LEFT).sum())
         if self.tried >= _TRIED and self.left > _MOST_LEFT * self.tried:
             self.made = None  # a scene of which single runs make most members anyway
-
-    def _place(self, first: int, last: int) -> None:
-        """Copy what the compiled loop has made of a block into its rows."""
-        done = self.rows.status[first:last] == DONE
-        if done.any():
-            self.rows.place(first, done, self.results.samples)
 
     def _look(self, fraction: float) -> None:
         """Interrupt a single run where all are to stop."""

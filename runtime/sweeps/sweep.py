@@ -1,35 +1,42 @@
-"""A sweep: its design is checked, its machine built, one run measured, and its blocks are made."""
+"""A sweep: its design is checked, its machine built, a few runs measured, its blocks are made."""
 
+import math
 import os
+import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, nullcontext, suppress
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from filelock import FileLock, Timeout
 
 from codegen.errors import InputError
 from codegen.readers import arguments as readers
 from codegen.readers.values import KindError
 from runtime.machine_facade import Machine
 from runtime.machine_loading import load
+from runtime.processors import available_cores
 from runtime.studies.harness import READERS, takes_simulation_arguments
 from runtime.studies.quantity import Function
-from runtime.sweeps import store
+from runtime.sweeps.block import Job, clear_journals
 from runtime.sweeps.design import NOTHING, Design, design_of, given_design, in_declared_units
-from runtime.sweeps.execution import begin_store, execute, job_of, require_same, store_lock
+from runtime.sweeps.execution import execute
 from runtime.sweeps.factors import read_factors
 from runtime.sweeps.member_run import REPEATED, Row
-from runtime.sweeps.planning import Estimate, attempt, estimate_of, factor_unit, plan_of
-from runtime.sweeps.request import Request
+from runtime.sweeps.planning import attempt, estimate_of, factor_unit, plan_of, units_of
+from runtime.sweeps.request import Request, differences, program_facts
+from runtime.sweeps.store import Store, create_store, open_store, require_zarr
 from runtime.sweeps.study import Study
+from runtime.sweeps.workers import ClusterWorkers, LocalWorkers, Pool, ThisProcess
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from codegen import Model, Scene
     from runtime.integrate.problem import Formulation
-    from runtime.sweeps.dask_cluster import ClusterWorkers
 
 Over = Mapping[str, Any] | Sequence[str]
 _NAMES = readers.texts('("max:B.fx",)')
@@ -64,6 +71,13 @@ def _quantities(value: Any) -> dict[str, str | Function]:
     ):
         return dict(value)
     raise KindError('it must be quantities, such as ["max:B.fx"] or {"peak": function}.')
+
+
+BLOCK_SECONDS = 3.0  # measured: of runs in a block, beside which starting and writing is little
+BLOCK_BYTES = 64 << 20  # safety: of rows in a block, which a worker has in memory twice
+MOST_BLOCKS = 10_000  # safety: blocks of a sweep, of which each has a file in each array
+BLOCKS_A_WORKER = 8  # measured: at least, so that the last ones end together
+LEAST_SECONDS = 1.5  # measured: of runs, below which processes would take longer to start
 
 
 @readers.reads(
@@ -156,7 +170,7 @@ def sweep(
     >>> study["max:B.fx"].max()  # N, an xarray.DataArray
     >>> study.member(3).plot("crank.omega")
     """
-    store.require_zarr()
+    require_zarr()
     path = Path(folder or ".", out).resolve()
     problems = list[str]()
     design = attempt(problems, lambda: _design(over, sample, count, seed))
@@ -187,27 +201,30 @@ def _study(
     scheduler: str | None, *, progress: bool,
 ) -> Study:  # fmt: skip
     """The study of a request: its store, which is created or goes on, and the runs it lacks."""
-    trials: Mapping[int, Row] = {}
-    blocks: list[int] | None = None
-    estimate: Estimate | None = None
-    began = time.perf_counter()
-    if path.exists():
-        require_same(path, request, design)
-        blocks = store.unfinished(store.open_group(path), repeated=REPEATED)
+    began, is_new = time.perf_counter(), not path.exists()
+    if not is_new:
+        store = _same_store(path, request, design)
+        blocks = store.unfinished(repeated=REPEATED)
         if not blocks:
             return Study(path, machine, request)
-    with _cluster(scheduler) as cluster:
-        if blocks is None:
-            estimate = estimate_of(machine, request, design)
-            begin_store(path, request, design, estimate, workers)
-            trials, blocks = estimate.rows, [*range(store.layout_of(store.open_group(path)).blocks)]
-        elif any(row.reconnects for row in machine.mechanism.description.watched):
+    with nullcontext() if scheduler is None else closing(ClusterWorkers(scheduler)) as cluster:
+        estimate = None
+        if is_new or any(row.reconnects for row in machine.mechanism.description.watched):
             estimate = estimate_of(machine, request, design)  # builds the scenes that are reached
-            trials = estimate.rows
-        execution = execute(
-            job_of(path, machine, request, design, trials), blocks, workers=workers,
-            cluster=cluster, progress=progress, title=f"sweep of {machine.mechanism.title}",
-        )  # fmt: skip
+        if is_new:
+            assert estimate is not None
+            numbers = len(request.quantities) + len(request.keep) * request.points + 2
+            count = available_cores() if workers is None else workers
+            size = block_size(len(design.points), estimate.seconds, count, 8 * numbers)
+            units = units_of(machine, request)
+            create_store(path, request, design, units, size, estimate.seconds)
+            store = open_store(path)
+            blocks = [*range(store.blocks)]
+        job = _job_of(store, machine, request, estimate.rows if estimate else {})
+        pool = cluster or _pool_of(job, store, len(blocks), workers)
+        if cluster is not None:
+            cluster.take(job)
+        execution = execute(pool, store, blocks, f"sweep of {machine.mechanism.title}", progress)
     if estimate is not None:  # the members that were run beforehand are runs of the sweep
         execution = execution._replace(
             seconds=time.perf_counter() - began,
@@ -217,20 +234,75 @@ def _study(
     return Study(path, machine, request, execution)
 
 
-@contextmanager
-def _cluster(address: str | None) -> "Iterator[ClusterWorkers | None]":
-    """The workers of a scheduler, which import their programs meanwhile; None without one."""
-    if address is None:
-        yield None
-        return
-    from runtime.sweeps.dask_cluster import ClusterWorkers
+def _same_store(path: Path, request: Request, design: Design) -> Store:
+    """The store at a path; one of another request is refused, with what differs."""
+    store = open_store(path)
+    changes = [*differences(store.about["facts"], request.facts(design.digest))]
+    if changes:
+        raise InputError(
+            f"{path} has runs of another sweep, so it cannot go on: {'; '.join(changes)}. "
+            "Repeat the request as it was, or begin a store of another name."
+        )
+    return store
 
-    workers = ClusterWorkers(address)
+
+def _job_of(store: Store, machine: Machine, request: Request, trials: Mapping[int, Row]) -> Job:
+    origin = machine.mechanism.origin
+    assert origin is not None
+    model = str(origin.model) if isinstance(origin.model, Path) else ""
+    place, identity = str(store.path), store.about["identity"]
+    return Job(place, identity, program_facts(), request, str(origin.path), model, trials)
+
+
+def _pool_of(job: Job, store: Store, blocks: int, workers: int | None) -> Pool:
+    """Who makes so many blocks: processes, unless their start would take longer than the runs."""
+    expected = store.about["seconds"] * min(blocks * store.block, store.runs)
+    if workers == 0 or (workers is None and expected < LEAST_SECONDS):
+        return ThisProcess(job)
+    # While others work: a study needs it at the end.
+    threading.Thread(target=_import_ahead, args=("xarray",), daemon=True).start()
+    return LocalWorkers(job, min(workers or available_cores(), blocks))
+
+
+def _import_ahead(name: str) -> None:
+    """Import a library in a thread; who needs it later says why that fails."""
+    with suppress(Exception):
+        import_module(name)
+
+
+def block_size(runs: int, seconds: float, workers: int, row: int) -> int:
+    """Runs in a block: a task takes seconds, each worker gets several, and its rows fit in memory.
+
+    `seconds` is the time of a run, `row` the bytes of its row. Of many slow runs a block has more,
+    and takes longer: so many files would burden a file system.
+    """
+    by_time = BLOCK_SECONDS / max(seconds, 1e-6)
+    by_share = runs / (BLOCKS_A_WORKER * max(workers, 1))
+    by_bytes = BLOCK_BYTES // max(row, 1)
+    wanted = max(min(by_time, by_share), runs / MOST_BLOCKS)
+    return max(1, min(runs, by_bytes, math.ceil(wanted)))
+
+
+@contextmanager
+def store_lock(path: Path) -> Iterator[None]:
+    """Keep other sweeps off a store; the folder of the journals goes when all is done.
+
+    The file of the lock stays: were it removed, two sweeps could lock two files of its name.
+    """
+    place = path.with_name(f".{path.name}.lock")
+    lock = FileLock(place, timeout=0)
     try:
-        yield workers
+        lock.acquire()
+    except Timeout:
+        raise InputError(f"Another sweep is writing {path}. Wait until it has ended.") from None
+    except OSError as error:
+        raise InputError(f"{place} cannot be written: {error.strerror or error}.") from error
+    try:
+        clear_journals(path)
+        yield
     finally:
-        with suppress(OSError):
-            workers.close()
+        clear_journals(path)
+        lock.release()
 
 
 def _design(over: Any, sample: str | None, count: int | None, seed: int) -> Design:

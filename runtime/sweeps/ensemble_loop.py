@@ -22,7 +22,6 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.screening import REVERSALS, count_unresolved, exceed_bound, screen
 from runtime.dynamics.output_quantities import evaluate_samples
 from runtime.dynamics.sliding_outputs import mix_rows
-from runtime.ensemble.member_arrays import COMMON, DONE, LEFT, OWN, RESULTS, WAITING
 from runtime.integrate.initialization import start, write_start
 from runtime.integrate.loop import advance
 from runtime.integrate.step import Signal
@@ -34,6 +33,7 @@ from runtime.mechanism.typical_sizes import (
     write_mobility,
     write_scale,
 )
+from runtime.sweeps.ensemble_arrays import COMMON, DONE, LEFT, OWN, RESULTS, WAITING
 
 _KNOTS = int(KNOTS)
 

@@ -1,1 +1,0 @@
-"""Many runs of one machine, as rows of one dataset."""
