@@ -3,6 +3,7 @@
 import os
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 from random import Random
@@ -66,6 +67,30 @@ def test_processes_that_do_not_start_end_the_sweep(
     monkeypatch.setattr("runtime.sweeps.workers.START", "import sys; sys.exit(7)")
     with pytest.raises(LinkwrightError, match="ended before they could begin, the last with st"):
         sweep(over={"J1": "200:1000:40"}, out=tmp_path / "s.zarr", workers=1, **about)
+
+
+SCRIPT = """
+import linkwright as lw
+
+print("begun")
+
+def stroke(result):
+    return float(result.t[-1])
+
+study = lw.sweep(
+    "slider_crank", "compressor", over={"J1": "200:1000:6"}, quantities={"stroke": stroke},
+    t_end=0.05, points=21, out="s.zarr", folder=FOLDER, workers=1, progress=False,
+)
+print(study.outcomes)
+"""
+
+
+def test_a_script_needs_no_guard(tmp_path: Path) -> None:
+    """Its functions go to the workers, which do not run it again."""
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT.replace("FOLDER", repr(str(tmp_path))))
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    assert done.stdout == "begun\n{'OK': 6}\n", done.stderr
 
 
 @pytest.mark.parametrize("mode", ["worker", "whole"])

@@ -10,8 +10,7 @@ import pytest
 from codegen.errors import InputError
 from runtime import load
 from runtime.results import memory
-from runtime.sweeps import ensemble as in_threads
-from runtime.sweeps import ensemble as single_runs
+from runtime.sweeps import ensemble
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +50,7 @@ def assert_equal_to_single_runs(machine, found, times, parameters, starts=None):
         ("hard/guide_friction", None),
     ],
 )
-def test_rows_equal_single_runs_bit_for_bit(model, scene, threads):
+def test_rows_equal_ensemble_bit_for_bit(model, scene, threads):
     machine = load(model, scene=scene) if scene else load(model)
     row = machine.mechanism.description.parameters[0]
     given = {row.name: row.default * np.linspace(1.0, 1.02, 9)}
@@ -78,13 +77,13 @@ def interrupt():
 
 def made_by_simulate(monkeypatch):
     """The members that are made by single runs from now on, one entry each."""
-    original, calls = single_runs.simulate, []
+    original, calls = ensemble.simulate, []
 
     def counted(*arguments, **words):
         calls.append(words["parameters"])
         return original(*arguments, **words)
 
-    monkeypatch.setattr(single_runs, "simulate", counted)
+    monkeypatch.setattr(ensemble, "simulate", counted)
     return calls
 
 
@@ -168,7 +167,7 @@ def test_a_dataset_larger_than_the_free_memory_is_refused(compressor, monkeypatc
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_an_interruption_keeps_what_is_done(compressor, monkeypatch, threads):
-    original, calls = in_threads.run_members, []
+    original, calls = ensemble.run_members, []
 
     def interrupted(*arguments):
         at = original(*arguments)
@@ -179,7 +178,7 @@ def test_an_interruption_keeps_what_is_done(compressor, monkeypatch, threads):
             time.sleep(0.3)  # the main thread has time to hear it, however busy the machine is
         return at
 
-    monkeypatch.setattr(in_threads, "run_members", interrupted)
+    monkeypatch.setattr(ensemble, "run_members", interrupted)
     count = 400
     given = {"J1": np.linspace(400.0, 500.0, count)}
     found = compressor.ensemble(1.0, 5, parameters=given, threads=threads, progress=False)
@@ -194,7 +193,7 @@ def test_an_interruption_keeps_what_is_done(compressor, monkeypatch, threads):
 
 def test_an_interruption_ends_single_runs_in_threads(monkeypatch):
     machine = load("quarter_car")
-    original, calls = single_runs.simulate, []
+    original, calls = ensemble.simulate, []
 
     def interrupted(*arguments, **words):
         calls.append(1)
@@ -204,7 +203,7 @@ def test_an_interruption_ends_single_runs_in_threads(monkeypatch):
             time.sleep(0.1)
         return original(*arguments, **words)
 
-    monkeypatch.setattr(single_runs, "simulate", interrupted)
+    monkeypatch.setattr(ensemble, "simulate", interrupted)
     name = machine.mechanism.description.parameters.names[0]
     usual = machine.mechanism.description.parameters[0].default
     given = {name: np.full(40, usual)}
@@ -218,7 +217,7 @@ def test_what_a_thread_raises_is_raised(compressor, monkeypatch):
     def broken(*arguments):
         raise RuntimeError("a fault in a thread")
 
-    monkeypatch.setattr(in_threads, "run_members", broken)
+    monkeypatch.setattr(ensemble, "run_members", broken)
     with pytest.raises(RuntimeError, match="a fault in a thread"):
         compressor.ensemble(
             0.1, 5, parameters={"J1": np.linspace(400.0, 500.0, 9)}, threads=2, progress=False
