@@ -77,13 +77,13 @@ def interrupt():
 
 def made_by_simulate(monkeypatch):
     """The members that are made by single runs from now on, one entry each."""
-    original, calls = ensemble.simulate, []
+    original, calls = ensemble.simulate_joints, []
 
     def counted(*arguments, **words):
         calls.append(words["parameters"])
         return original(*arguments, **words)
 
-    monkeypatch.setattr(ensemble, "simulate", counted)
+    monkeypatch.setattr(ensemble, "simulate_joints", counted)
     return calls
 
 
@@ -193,7 +193,7 @@ def test_an_interruption_keeps_what_is_done(compressor, monkeypatch, threads):
 
 def test_an_interruption_ends_single_runs_in_threads(monkeypatch):
     machine = load("quarter_car")
-    original, calls = ensemble.simulate, []
+    original, calls = ensemble.simulate_joints, []
 
     def interrupted(*arguments, **words):
         calls.append(1)
@@ -203,7 +203,7 @@ def test_an_interruption_ends_single_runs_in_threads(monkeypatch):
             time.sleep(0.1)
         return original(*arguments, **words)
 
-    monkeypatch.setattr(ensemble, "simulate", interrupted)
+    monkeypatch.setattr(ensemble, "simulate_joints", interrupted)
     name = machine.mechanism.description.parameters.names[0]
     usual = machine.mechanism.description.parameters[0].default
     given = {name: np.full(40, usual)}
