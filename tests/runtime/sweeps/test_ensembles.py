@@ -9,7 +9,7 @@ import pytest
 
 from codegen.errors import InputError
 from runtime import load
-from runtime.results import memory
+from runtime.results import samples
 from runtime.sweeps import ensemble
 
 
@@ -159,7 +159,7 @@ def test_too_large_a_dataset_is_refused_in_megabytes(compressor):
 
 
 def test_a_dataset_larger_than_the_free_memory_is_refused(compressor, monkeypatch):
-    monkeypatch.setattr(memory, "free_bytes", lambda: 10**6)
+    monkeypatch.setattr(samples, "free_bytes", lambda: 10**6)
     name = compressor.mechanism.description.parameters.names[0]
     with pytest.raises(InputError, match=r"and 0.001 GB of memory are free"):
         compressor.ensemble(0.1, 1001, parameters={name: np.ones(1000)}, progress=False)
