@@ -54,8 +54,7 @@ def links(shape: shapes.Shape) -> list[Link]:
         return [Link("rod", np.array([0j, 1]))]
     if not isinstance(shape, shapes.Spring):
         return []
-    wanted = {"spring": shape.elastic, "damper": shape.damper, "actuator": shape.actuator}
-    styles = [style for style, is_wanted in wanted.items() if is_wanted]
+    styles = _styles(shape)
     first = 0.1 if len(styles) > 1 else 0.0
     s = np.linspace(0.2, 0.8, 2 * COILS + 1)
     teeth = (s[1:] + s[:-1]) / 2 + 1j * np.resize([1, -1], 2 * COILS)
@@ -116,17 +115,22 @@ def windings(shape: shapes.Shape, size: float) -> list[Winding]:
     x = np.linspace(0.0, 1.0, SPIRAL_POINTS)
     (inner, outer), (start, sweep) = SPIRAL, ROUND_DAMPER
     spiral = inner + (outer - inner) * x, x, 2 * np.pi * SPIRAL_TURNS * x
-    cups = [(0 * x + radius, 0 * x + 1, start + sweep * x) for radius in ROUND_CUPS]
-    motor = 0 * x + ROUND_MOTOR, 0 * x + 1, 2 * np.pi * x
-    parts = [
-        *[("spring", spiral)] * shape.elastic,
-        *[("damper", cup) for cup in cups] * shape.damper,
-        *[("actuator", motor)] * shape.actuator,
-    ]
+    parts = {
+        "spring": [spiral],
+        "damper": [(0 * x + radius, 0 * x + 1, start + sweep * x) for radius in ROUND_CUPS],
+        "actuator": [(0 * x + ROUND_MOTOR, 0 * x + 1, 2 * np.pi * x)],
+    }
     return [
         Winding(style, np.stack([0 * x + 1, PIN * size * pins, share, offset], axis=1))
-        for style, (pins, share, offset) in parts
+        for style in _styles(shape)
+        for pins, share, offset in parts[style]
     ]
+
+
+def _styles(shape: shapes.Spring | shapes.SpiralSpring) -> list[str]:
+    """The styles of the parts that an element has."""
+    wanted = {"spring": shape.elastic, "damper": shape.damper, "actuator": shape.actuator}
+    return [style for style, is_wanted in wanted.items() if is_wanted]
 
 
 def winding_angles(
