@@ -113,34 +113,18 @@ STYLES = {
 }
 
 
-class Pen(NamedTuple):
-    """The inside, line, width in points and dashes of a stroke; an empty colour is none."""
-
-    fill: str
-    line: str
-    width: float
-    dashes: Dashes
-
-
-class Painted(NamedTuple):
-    """A stroke with its pen."""
-
-    stroke: Stroke
-    pen: Pen
-
-
-def pen(style: str, body: int) -> Pen:
-    """The pen for a stroke of a body, whose number picks the colours; the ground has its own."""
+def colors_of(style: str, body: int) -> tuple[str, str]:
+    """Colours of the inside and line of a stroke of a body, which may pick them; empty for none."""
     one = STYLES[style]
     own = (LIGHT.fill(body - 1), LIGHT.line(body - 1)) if body else (LIGHT.ground, LIGHT.joint)
     fill, line = (
         color if name == "body" else getattr(LIGHT, name) if name else ""
         for name, color in zip((one.fill, one.line), own, strict=True)
     )
-    return Pen(fill, line, one.width, one.dashes)
+    return fill, line
 
 
-def painted(picture: Picture, strokes: Iterable[Stroke]) -> list[Painted]:
+def ordered(picture: Picture, strokes: Iterable[Stroke]) -> list[Stroke]:
     """All strokes and the bodies' outlines in the order in which they are drawn.
 
     First the ground, then springs that end in blocks, then bodies, the largest at the back, then
@@ -159,11 +143,7 @@ def painted(picture: Picture, strokes: Iterable[Stroke]) -> list[Painted]:
         for style in ("edge", "inside"):
             layers["bodies"] += [Stroke(style, number, points, True) for points in polygons]
         layers["bodies"] += sorted(own[number], key=lambda stroke: STYLES[stroke.style].depth)
-    return [
-        Painted(stroke, pen(stroke.style, stroke.body))
-        for layer in layers.values()
-        for stroke in layer
-    ]
+    return [stroke for layer in layers.values() for stroke in layer]
 
 
 def springs_of_blocks(picture: Picture) -> set[str]:

@@ -15,7 +15,7 @@ from codegen.drawing.arrows import Series, drawn_loads, driver_strokes, force_sc
 from codegen.drawing.colors import LIGHT
 from codegen.drawing.label_placement import Label, place_labels, samples
 from codegen.drawing.label_texts import NUMBER_SIZE, engineering, label_texts
-from codegen.drawing.line_styles import Painted, Stroke, painted
+from codegen.drawing.line_styles import STYLES, Stroke, colors_of, ordered
 from codegen.drawing.lines_between_bodies import lines_between_bodies
 from codegen.drawing.lines_in_bodies import lines_in_bodies
 from codegen.drawing.picture import Picture
@@ -154,7 +154,7 @@ class PictureArtist:
         self.strength = 1.0
         self.collection: Any = None
 
-    def painted(self, picture: Picture) -> list[Painted]:
+    def strokes(self, picture: Picture) -> list[Stroke]:
         """All strokes at the poses of a picture, in the order in which they are drawn."""
         shifts = picture.shifts
         rigid = [
@@ -163,12 +163,12 @@ class PictureArtist:
         ]
         between = lines_between_bodies(picture, self.motion)
         moving = [stroke for stroke in between if self.gaps or stroke.style != "gap"]
-        return painted(picture, (*rigid, *moving, *self.signs))
+        return ordered(picture, (*rigid, *moving, *self.signs))
 
     def global_lines(self, picture: Picture) -> list[FloatArray]:
         """All visible lines in the global frame, (k, 2) each, m."""
-        strokes = [one.stroke for one in self.painted(picture) if one.pen.line]
-        return [_line(picture, stroke) for stroke in strokes]
+        strokes = self.strokes(picture)
+        return [_line(picture, stroke) for stroke in strokes if STYLES[stroke.style].line]
 
     def bounds(self, picture: Picture) -> tuple[FloatArray, FloatArray]:
         """Least and greatest x and y of the picture, with a border, m."""
@@ -184,13 +184,15 @@ class PictureArtist:
         """Draw on axes, and return the collection."""
         from matplotlib.collections import PathCollection
 
-        pens = [one.pen for one in self.painted(picture)]
+        strokes = self.strokes(picture)
+        colors = [colors_of(stroke.style, stroke.body) for stroke in strokes]
+        styles = [STYLES[stroke.style] for stroke in strokes]
         self.collection = PathCollection(
             self._paths(picture),
-            facecolors=[self._shade(pen.fill) for pen in pens],
-            edgecolors=[self._shade(pen.line) for pen in pens],
-            linewidths=[pen.width for pen in pens],
-            linestyles=[pen.dashes for pen in pens],
+            facecolors=[self._shade(fill) for fill, _ in colors],
+            edgecolors=[self._shade(line) for _, line in colors],
+            linewidths=[style.width for style in styles],
+            linestyles=[style.dashes for style in styles],
             capstyle="round",
             joinstyle="round",
             snap=False,  # lines and insides would be moved by different parts of a pixel
@@ -211,7 +213,7 @@ class PictureArtist:
     def _paths(self, picture: Picture) -> list[Any]:
         from matplotlib.path import Path
 
-        strokes = [one.stroke for one in self.painted(picture)]
+        strokes = self.strokes(picture)
         return [Path(_line(picture, stroke), closed=stroke.closed) for stroke in strokes]
 
     def update(self, picture: Picture) -> None:

@@ -181,7 +181,7 @@ def test_walls_go_with_the_ends_of_springs() -> None:
     frames = spring_on_a_shaker(np.array([0.0, np.pi / 2])).frames()
     artist = PictureArtist(frames[0])
     rails = [
-        [p.stroke.points.mean() for p in artist.painted(frame) if p.stroke.style == "rail"]
+        [stroke.points.mean() for stroke in artist.strokes(frame) if stroke.style == "rail"]
         for frame in frames
     ]
     moved = np.array(rails[1]) - np.array(rails[0])
