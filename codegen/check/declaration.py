@@ -9,9 +9,8 @@ from itertools import chain
 
 import sympy
 
-from codegen.check.bodies import body_problems
 from codegen.check.contact_and_stiction_declaration import contact_problems
-from codegen.check.elements import effect_problems, element_problems, unknown
+from codegen.check.elements import body_problems, effect_problems, element_problems, unknown
 from codegen.check.potential_steps import step_problems
 from codegen.check.requested_outputs import output_problems
 from codegen.declare import element as el

@@ -1,5 +1,6 @@
-"""Checks of one joint, driver or effect: its text, its bodies, the symbols of its expressions."""
+"""Checks of one joint, driver or effect, its text, bodies and symbols; and of one body."""
 
+import math
 from collections.abc import Iterable, Iterator
 
 import sympy
@@ -8,7 +9,7 @@ from codegen.check.expressions import all_problems, constraint_problems
 from codegen.declare import element as el
 from codegen.declare.body import Body
 from codegen.declare.cam_profile_checks import profile_problems
-from codegen.declare.name_rules_and_hints import nearest
+from codegen.declare.expression_rules import expression_problem
 from codegen.declare.returned_kinds import WORDS
 from codegen.declare.returned_terms import (
     effect_expressions,
@@ -18,6 +19,7 @@ from codegen.declare.returned_terms import (
 )
 from codegen.declare.returned_values import (
     bound_symbols,
+    check_body,
     closed_curves,
     conditions_of,
     moving_frame_problem,
@@ -38,8 +40,9 @@ from codegen.declare.symbols import (
 )
 from codegen.errors import ModelError
 from codegen.model import Model
-from codegen.readers.expressions import plain_expression
-from codegen.readers.values import shown
+from codegen.readers.expressions import constant_value, plain_expression
+from codegen.readers.names import nearest
+from codegen.readers.values import one_line, shown
 from codegen.tables.table_function import Interpolant
 
 
@@ -265,3 +268,42 @@ def unknown(model: Model, where: str, symbol: sympy.Symbol) -> str:
         f"{where}: unknown symbol '{symbol}'; declare it with model.parameter('{symbol}', ...), "
         f"or {nearest(symbol.name, model.parameters)}"
     )
+
+
+def body_problems(model: Model, body: Body, known: frozenset[sympy.Symbol]) -> Iterator[str]:
+    """Problems of a body: of what an own class returns, of its mass and inertia."""
+    if not type(body).__module__.startswith("codegen."):
+        try:
+            check_body(body, known)
+        except ModelError as error:
+            yield from error.problems
+            return
+    yield from _mass_problems(model, body)
+
+
+def _mass_problems(model: Model, body: Body) -> Iterator[str]:
+    for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
+        value = getattr(body, word)
+        if value is None:
+            continue
+        if problem := expression_problem(value):  # of a body that a modeller made by hand
+            yield f"{word} of body '{body.name}': {problem}"
+            continue
+        symbols = value.free_symbols
+        if unknown := sorted(s.name for s in symbols if s not in model.defaults):
+            yield (
+                f"{word} of body '{body.name}': unknown symbol {', '.join(map(repr, unknown))}; "
+                "a mass is a number or an expression of parameters."
+            )
+            continue
+        number = value.subs(model.defaults) if symbols else value
+        try:
+            size = constant_value(number)
+        except (TypeError, ValueError, ArithmeticError):  # it is complex, or zoo
+            size = math.nan
+        if not 0.0 < size < math.inf:
+            shown = one_line(number) if math.isnan(size) else f"{size:g}"
+            yield (
+                f"{word} of body '{body.name}' is {shown} {unit}; it must be positive and "
+                "finite (leave it out where the scene is kinematic)."
+            )

@@ -16,7 +16,6 @@ from sympy.core.relational import Relational
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.expression_rules import expression_problem
-from codegen.declare.name_rules_and_hints import nearest, nearest_quantity
 from codegen.declare.scene import name_of
 from codegen.declare.symbols import (
     Coordinate,
@@ -28,6 +27,7 @@ from codegen.declare.symbols import (
 from codegen.declare.units import UnitError, in_unit
 from codegen.readers.expressions import plain_expression
 from codegen.readers.failures import failure
+from codegen.readers.names import nearest, nearest_quantity
 from codegen.readers.values import (
     KindError,
     entries,

@@ -1,9 +1,9 @@
 """The common state of a declaration: its elements, their names and the problems found."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import copy
 from dataclasses import replace
-from functools import wraps
+from functools import cached_property, wraps
 from inspect import isfunction
 from pathlib import Path
 from typing import Any, Self, TypeVar
@@ -11,20 +11,48 @@ from typing import Any, Self, TypeVar
 import sympy
 
 from codegen.declare import symbols as sy
-from codegen.declare.body import Body, Point
+from codegen.declare.body import Body, Ground, Particle, Point
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.name_rules_and_hints import name_problem
-from codegen.declare.particle_and_ground import Ground, Particle
 from codegen.declare.returned_values import own_coordinates
 from codegen.declare.scene import Scene
 from codegen.declare.state import State
-from codegen.declare.symbols import dotted
+from codegen.declare.symbols import Coordinate, dotted
 from codegen.declare.value_reader import Reader
 from codegen.declare.watched_conditions import Connection
 from codegen.elements.registry import role
-from codegen.model.units_on_demand import UnitsOnDemand, units_of
 from codegen.readers.calls import declaring
+from codegen.readers.names import name_problem
 from codegen.readers.values import shown
+
+
+def units_of(coordinates: Iterable[Coordinate]) -> dict[str, str]:
+    """Name of a coordinate or velocity → its SI unit."""
+    units: dict[str, str] = {}
+    for q in coordinates:
+        units[dotted(q)] = q.unit
+        units[dotted(q.rate)] = q.measure.rate_unit
+    return units
+
+
+class UnitsOnDemand(Mapping[str, str]):
+    """Units by name; the `others` are found when a name is none of the `first`."""
+
+    def __init__(self, first: Mapping[str, str], others: Callable[[], Mapping[str, str]]) -> None:
+        self._first, self._find_others = first, others
+
+    @cached_property
+    def _all(self) -> dict[str, str]:
+        return {**self._first, **self._find_others()}
+
+    def __getitem__(self, name: str) -> str:
+        return self._first[name] if name in self._first else self._all[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._all)
+
+    def __len__(self) -> int:
+        return len(self._all)
+
 
 Declared = TypeVar("Declared", bound=Constraint | Effect | Body)
 Place = Point | Body  # a body means its centre of mass
@@ -59,24 +87,6 @@ TRACKED = "tracked point"  # kind of a point whose place is an output
 class Declarations:
     """All that has been declared, by name; a name stands for one thing only."""
 
-    name: str
-    token: object
-    ground: Ground
-    bodies: dict[str, Body]
-    parameters: dict[str, sy.ParameterDeclaration]
-    joints: dict[str, Constraint]
-    drivers: dict[str, Constraint]
-    effects: dict[str, Effect]
-    fidelities: dict[str, dict[str, Effect | str]]
-    groups: dict[str, dict[str, tuple[str, ...]]]
-    scenes: dict[str, Scene]
-    couplers: dict[str, tuple[Body, ...]]
-    states: dict[str, State]
-    connections: dict[str, Connection]
-    files: tuple[Path, ...]
-    noted: frozenset[str]
-    """Elements that hold stand-ins for what was noted; no more is said of them."""
-
     def __init_subclass__(cls) -> None:
         """Let the public methods fail with errors of ours, and mark elements with stand-ins."""
         super().__init_subclass__()
@@ -85,12 +95,22 @@ class Declarations:
                 setattr(cls, word, declaring("model")(_marked(method)))
 
     def __init__(self, name: str) -> None:
-        self.name, self.token = name, object()
+        self.name = name
+        self.token = object()
         self.ground = Ground("ground", None, None, self.token)
-        self.files, self.noted = (), frozenset()
-        self.bodies, self.parameters, self.joints, self.drivers, self.effects = {}, {}, {}, {}, {}
-        self.fidelities, self.groups, self.scenes, self.couplers = {}, {}, {}, {}
-        self.states, self.connections = {}, {}
+        self.bodies: dict[str, Body] = {}
+        self.parameters: dict[str, sy.ParameterDeclaration] = {}
+        self.joints: dict[str, Constraint] = {}
+        self.drivers: dict[str, Constraint] = {}
+        self.effects: dict[str, Effect] = {}
+        self.fidelities: dict[str, dict[str, Effect | str]] = {}
+        self.groups: dict[str, dict[str, tuple[str, ...]]] = {}
+        self.scenes: dict[str, Scene] = {}
+        self.couplers: dict[str, tuple[Body, ...]] = {}
+        self.states: dict[str, State] = {}
+        self.connections: dict[str, Connection] = {}
+        self.files: tuple[Path, ...] = ()
+        self.noted: frozenset[str] = frozenset()  # hold stand-ins; no more is said of them
         self._read = Reader()
         self._note = self._read.note
         self._kinds: dict[str, str] = {"ground": "body"}

@@ -10,9 +10,8 @@ from typing import Any, Literal
 import numpy as np
 import sympy
 
-from codegen.declare.body import Body, Point
+from codegen.declare.body import Body, Particle, Point
 from codegen.declare.outline import Outline
-from codegen.declare.particle_and_ground import Particle
 from codegen.declare.symbols import Parameter
 from codegen.declare.value_reader import Reader
 from codegen.model.base import Place

@@ -4,10 +4,10 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from codegen.declare.element import Effect
-from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import Scene, name_of
 from codegen.declare.value_reader import Reader
 from codegen.model.bodies import FORMS, Bodies
+from codegen.readers.names import nearest
 from codegen.readers.values import shown
 
 NONE = "none"  # the fidelity of an effect that a scene does without

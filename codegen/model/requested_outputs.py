@@ -7,10 +7,10 @@ from typing import Any
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import EXERTED, QUANTITIES, Effect, Reported, label
-from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.value_reader import Reader
 from codegen.drawing import shapes
 from codegen.model.base import TRACKED, Declarations, Place
+from codegen.readers.names import nearest
 from codegen.readers.values import KindError, entries, shown
 
 ALL = ("reactions", "energy", "powers")  # outputs of a scene that names none

@@ -7,7 +7,6 @@ from typing import Any, cast
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint
-from codegen.declare.name_rules_and_hints import name_problem, nearest
 from codegen.declare.returned_kinds import memoize_methods
 from codegen.declare.returned_values import own_coordinates, place_near
 from codegen.declare.scene import Analysis, Owner, Request, Scene, name_of
@@ -20,6 +19,7 @@ from codegen.model.connections import MOST
 from codegen.model.fidelities import NONE
 from codegen.model.requested_outputs import ONE
 from codegen.model.scene_requests import DEFAULTS, SceneRequests
+from codegen.readers.names import name_problem, nearest
 from codegen.readers.values import shown
 
 UNCHANGED = ("start", "parameters", "until", *DEFAULTS)

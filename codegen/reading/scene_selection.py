@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from codegen.check.declaration import check_model, check_scene
-from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import Scene
 from codegen.errors import ModelError, ParameterError, SceneError
 from codegen.model import Model
+from codegen.readers.names import nearest
 from codegen.readers.values import finite_float, one_line, shown
 
 

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.scene import Request, Scene
 from codegen.declare.symbols import dotted, t
 from codegen.errors import SceneError
 from codegen.model import Model
+from codegen.readers.names import nearest
 from codegen.readers.quantities import QuantityError, number_in, read_condition
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes

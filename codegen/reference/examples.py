@@ -14,11 +14,11 @@ from dataclasses import dataclass
 import sympy
 
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.name_rules_and_hints import nearest
 from codegen.declare.symbols import alpha, t
 from codegen.elements.registry import kinds_of_elements
 from codegen.errors import ModelError
 from codegen.model import Model
+from codegen.readers.names import nearest
 from codegen.readers.values import shown
 
 

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from codegen.declare.element import Constraint
-from codegen.declare.name_rules_and_hints import nearest
 from codegen.derive.equations import Equations, derive
 from codegen.elements.registry import Kind, kinds_of_elements
 from codegen.errors import ModelError
@@ -14,6 +13,7 @@ from codegen.generated_files.generated_file import Written, write_folder
 from codegen.lower.lowered_scene import lower
 from codegen.lower.operation_count import by_element
 from codegen.model import Model
+from codegen.readers.names import nearest
 from codegen.readers.values import shown
 from codegen.reading.scene_selection import valid_scenes
 from codegen.reference.equations import constraint_sections, effect_sections

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from codegen.declare.name_rules_and_hints import name_problem, nearest
 from codegen.errors import GeneratedFileError, InputError
+from codegen.readers.names import name_problem, nearest
 from linkwright.cli.completion import MODELS_TO_START_FROM as KINDS
 
 _TEMPLATES = Path(__file__).parents[1] / "templates"

@@ -4,10 +4,9 @@ from collections.abc import Mapping
 
 import sympy
 
-from codegen.declare.body import Body
+from codegen.declare.body import Body, Ground
 from codegen.declare.element import Constraint, label
 from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
-from codegen.declare.particle_and_ground import Ground
 from codegen.drawing import shapes
 from codegen.elements.joints.gear import find_carrier
 from codegen.elements.joints.revolute import Revolute
