@@ -2,24 +2,19 @@
 
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
-from typing import Any
 
 import sympy
 from sympy.core.relational import Relational
-from sympy.functions.elementary.piecewise import ExprCondPair
 
 from codegen.declare.element import Constraint, label
+from codegen.declare.expression_rules import compile_problem
 from codegen.declare.returned_values import statement_of
 from codegen.declare.symbols import Coordinate, Given, Time, Velocity, kinds
 from codegen.derive.piecewise_conditions import KINKED, STEPS, is_known_beforehand
-from codegen.lower.sympy_translation import FUNCTIONS
-from codegen.readers.expressions import number_problem, unreal_part
+from codegen.readers.expressions import distinct_nodes
 from codegen.tables.table_function import Interpolant
 
-KNOWN = ", ".join(sorted({f.__name__ for f in (*FUNCTIONS, *KINKED, *STEPS)}))
-ARITHMETIC = (sympy.Symbol, sympy.Number, sympy.NumberSymbol, sympy.Add, sympy.Mul, sympy.Pow)
-FINITE = "; give finite real numbers."
-UNDEFINED = f"nan{FINITE}"
+UNDEFINED = "nan; give finite real numbers."
 KEPT = 1000  # measured: expressions whose flaws are known; a machine has fewer different ones
 
 
@@ -67,35 +62,21 @@ def _flaws(expression: sympy.Basic, may_switch: bool) -> tuple[str, ...]:
 
 
 def _find_flaws(expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
-    if found := unreal_part(expression):
-        start = "the value" if found[0] == expression else expression
-        yield f"{start} {found[1]}{FINITE}"
-    elif problem := number_problem(expression):
+    if problem := compile_problem(expression):
         yield problem
-    stack: list[Any] = [expression]
-    while stack:
-        node = stack.pop()
-        if isinstance(node, sympy.Piecewise | ExprCondPair):
-            stack += [a for a in node.args if a not in (sympy.true, sympy.false)]
-            if isinstance(node, sympy.Piecewise):
-                yield from _piecewise_problems(node)
+    for node in distinct_nodes(expression):
+        if isinstance(node, sympy.Piecewise):
+            for _, condition in node.args:
+                if condition.is_Symbol:
+                    yield f"{condition} is no condition; compare it with something."
         elif isinstance(node, Relational):
             yield from _condition_problems(node, may_switch)
-            stack += node.args
-        elif isinstance(node, sympy.And | sympy.Or | sympy.Not | sympy.ITE):
-            stack += node.args
         elif node.func in KINKED and not (may_switch or is_known_beforehand(node)):
             yield f"{node} has a kink; constraints are smooth in coordinates."
         elif node.func in STEPS and not is_known_beforehand(node):
             yield f"{node} jumps where coordinates say; only the time and parameters may."
-        elif isinstance(node, Interpolant):
-            if not may_switch:
-                yield from _table_problems(node)
-            stack.append(node.at)
-        elif node.func in (*FUNCTIONS, *KINKED, *STEPS) or isinstance(node, ARITHMETIC):
-            stack += node.args
-        elif not node.is_number:
-            yield f"{node} cannot be compiled; known are {KNOWN}, powers and Piecewise."
+        elif isinstance(node, Interpolant) and not may_switch:
+            yield from _table_problems(node)
 
 
 def _table_problems(node: Interpolant) -> Iterator[str]:
@@ -111,16 +92,6 @@ def _table_problems(node: Interpolant) -> Iterator[str]:
         f"table '{table.name}' {fault} is taken at {node.at}, where accelerations need "
         f"continuous second derivatives; {remedy}."
     )
-
-
-def _piecewise_problems(node: sympy.Piecewise) -> Iterable[str]:
-    for _, condition in node.args:
-        if condition.is_Symbol:
-            yield f"{condition} is no condition; compare it with something."
-    if node.args[-1].cond != sympy.true:
-        yield (
-            f"{node} says nothing where none of its conditions holds; end it with (value, True)."
-        )
 
 
 def _condition_problems(node: Relational, may_switch: bool) -> Iterable[str]:

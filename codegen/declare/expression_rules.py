@@ -50,7 +50,6 @@ def expression_problem(expression: sympy.Expr, profile: bool = False) -> str | N
 
 
 def _problem(expression: sympy.Expr, profile: bool) -> str | None:
-    found = unreal_part(expression)
     for symbol in sorted(expression.free_symbols, key=str):
         if symbol == alpha and not profile:
             return (
@@ -63,12 +62,17 @@ def _problem(expression: sympy.Expr, profile: bool) -> str | None:
                 f"{one_line(expression)} contains '{one_line(symbol)}', a placeholder of an "
                 "element's equations; use coordinates, velocities, parameters and t."
             )
+    return compile_problem(expression)
+
+
+def compile_problem(expression: sympy.Basic) -> str | None:
+    """Why an expression has no value, or cannot be compiled; None: it can."""
+    found = unreal_part(expression)
     if found is None and (problem := number_problem(expression)):
         return problem
-    nodes = distinct_nodes(expression)
     unknown = [
         node
-        for node in nodes
+        for node in distinct_nodes(expression)
         if node.func not in FUNCTIONS and not isinstance(node, PLAIN) and not node.is_number
     ]
     if unknown:
