@@ -118,19 +118,21 @@ def statement_of(constraint: Any) -> el.Statement:
 def _check_equations(value: el.Statement) -> None:
     phi, names = (vars(value)[word] for word in ("phi", "rows"))
     if not isinstance(phi, tuple) or not phi:
-        raise MisfitError(f"has phi {shown(phi)}; give a tuple, of one equation (phi,).")
+        form = type(phi).__name__
+        raise ModelError(f"its phi is of type {form}; give a tuple, of one equation (phi,).")
     listed = isinstance(names, tuple | list)
     if not listed or len(names) != len(phi) or len({*map(str, names)}) != len(phi):
-        raise MisfitError(
-            f"has the rows {shown(names)}; give {len(phi)} different ASCII words, one an equation."
+        raise ModelError(
+            f"its rows {shown(names)} must be {len(phi)} ASCII words, one an equation, all "
+            "different."
         )
 
 
 def _check_reaction(statement: el.Statement) -> None:
     reaction, count = statement.reaction, len(statement.phi)
     if isinstance(reaction, el.ConjugateReaction) and len(reaction.components) != count:
-        raise MisfitError(
-            f"has the reactions {shown(reaction.components)}; give {count} pairs of a word and a "
+        raise ModelError(
+            f"its reactions {shown(reaction.components)} must be {count} pairs of a word and a "
             "unit."
         )
 
@@ -177,15 +179,15 @@ def _check_own_coordinates(constraint: Any, statement: el.Statement) -> None:
     """Refuse coordinates that are not the joint's own, or that their row does not determine."""
     for row, own in statement.own:
         if own.owner != constraint.name:
-            raise MisfitError(
-                f"brings the coordinate {own}, which belongs to '{own.owner}'; bring "
+            raise ModelError(
+                f"its own coordinate {own} belongs to '{own.owner}'; bring "
                 f"coordinate('{constraint.name}', '{own.letter}')."
             )
         phi = [e for e, name in zip(statement.phi, statement.rows, strict=True) if name == row]
         if own not in bound_symbols(statement, tuple(phi)):
-            raise MisfitError(
-                f"brings the coordinate {own}, which does not occur in the equation '{row}' that "
-                "is to determine it; name the row that does."
+            raise ModelError(
+                f"its own coordinate {own} does not occur in the equation '{row}', which is to "
+                "determine it; name the row that does."
             )
 
 
