@@ -7,7 +7,7 @@ from linkwright.cli.output import console, escaped, print_rows
 
 if TYPE_CHECKING:
     from codegen.check.assembly import Assembly
-    from codegen.declaration_report import DeclarationReport, SceneFacts
+    from codegen.explain.declaration_report import DeclarationReport, SceneFacts
 
 _MOVED = 3  # layout: coordinates that are listed
 _SINGULAR = {"bodies": "body", "parameters": "parameter"}

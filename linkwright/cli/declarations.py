@@ -149,7 +149,7 @@ def check(
     If nothing is: freedoms, redundant constraints, assembly. Nothing is compiled. Exit status 2
     where something is wrong.
     """
-    from codegen.declaration_report import check_declaration
+    from codegen.explain.declaration_report import check_declaration
     from linkwright.cli.declaration_display import show
 
     values = parameters(settings)

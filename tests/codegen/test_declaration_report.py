@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from codegen import Model, ModelFileError, ParameterError, SceneError, t
-from codegen.declaration_report import check_declaration
+from codegen.explain.declaration_report import check_declaration
 
 
 def linkage(crank: float = 1.0, rocker_end: float = 1.25, closed: bool = True) -> Model:
