@@ -25,7 +25,7 @@ COMMANDS = (
     ("program", "1e6"),
 )
 LAST_SCENE = "rods, scene driven: written"  # what a build says when all of it is there
-KERNELS = "generated*/rods*.nbc"
+KERNELS = "generated*/rods*.lwo"
 PROGRAM = """
 import sys
 from runtime import load
