@@ -34,7 +34,7 @@ _OUTSIDE = (
     "statics",
     "mechanism",
     "assembly",
-    "ensemble",
+    "sweeps",
 )
 """Rooms with some compiled code beside those that consist of it."""
 _METHOD_OF = {registration.module: name for name, registration in REGISTER.items()}

@@ -11,6 +11,7 @@ import platform
 import shutil
 import sys
 import tempfile
+import threading
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -30,6 +31,7 @@ CHOSEN = str(_config.CACHE_DIR)
 
 _KEPT = 4  # safety: states of one thing's sources whose machine code is kept, the newest
 _noted: set[Path] = set()  # folders with a note
+_deciding = threading.RLock()  # where numba keeps functions: all threads share its setting
 
 
 class CacheWarning(UserWarning):
@@ -106,11 +108,12 @@ def remove_older(folder: Path, pattern: str) -> None:
 @contextmanager
 def numba_keeps_in(folder: Path | None) -> Iterator[None]:
     """Within the block, functions that numba decorates are kept in this folder."""
-    before, _config.CACHE_DIR = _config.CACHE_DIR, str(folder or "")
-    try:
-        yield
-    finally:
-        _config.CACHE_DIR = before
+    with _deciding:
+        before, _config.CACHE_DIR = _config.CACHE_DIR, str(folder or "")
+        try:
+            yield
+        finally:
+            _config.CACHE_DIR = before
 
 
 def note(folder: Path, what: str) -> None:

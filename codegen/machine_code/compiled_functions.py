@@ -50,10 +50,19 @@ _numba: Any = numba  # numba leaves its names untyped
 _types: Any = types
 
 if not PLAIN:
-    # Numba tells functions of one name apart, closures above all, by a number that counts what a
-    # process has compiled. Two functions of two processes can have one number, and where both come
-    # from the disk, the linker takes the first for both. So processes begin at random numbers.
-    FunctionIdentity._unique_ids = count(secrets.randbits(64) << 32)
+
+    def _number_functions() -> None:
+        """Let this process number functions as no other does.
+
+        Numba tells functions of one name apart, closures above all, by a number that counts what a
+        process has compiled. Two functions of two processes can have one number, and where both
+        come from the disk, the linker takes the first for both.
+        """
+        FunctionIdentity._unique_ids = count(secrets.randbits(64) << 32)
+
+    _number_functions()
+    if hasattr(os, "register_at_fork"):  # a system that forks
+        os.register_at_fork(after_in_child=_number_functions)
 
 functions: "WeakSet[CompiledFunction]" = WeakSet()
 

@@ -7,10 +7,11 @@ translated for LLVM. Numba compiles a text that the translation does not know.
 import ast
 import inspect
 import tempfile
+import threading
 import zlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
-from functools import cache, cached_property, update_wrapper
+from contextlib import nullcontext, suppress
+from functools import cache, cached_property, partial, update_wrapper
 from pathlib import Path
 from typing import Any
 
@@ -38,13 +39,14 @@ from codegen.machine_code.llvm_instructions import (
     UntranslatableError,
 )
 from codegen.machine_code.llvm_module import Declaration, LlvmModule
-from codegen.machine_code.undocumented_names import PLAIN
+from codegen.machine_code.undocumented_names import PLAIN, global_compiler_lock
 from codegen.termination_signals import SignalDeferral
 
 _numba: Any = numba  # numba and LLVM's bindings leave their names untyped
 _types: Any = types
 _llvm: Any = binding
 _KINDS: dict[Any, str] = {types.float64: FLOAT, types.int64: INTEGER}
+_compiling = threading.Lock()  # one thread at a time: all share a target machine and an engine
 
 
 class Kernel(_types.WrapperAddressProtocol):  # type: ignore[misc]
@@ -157,10 +159,11 @@ def declare(declared: Any = None, **options: Any) -> Any:
     return lambda function: Kernel(function, declared, options)
 
 
-def _compile_by_numba(*declared: Any, **options: Any) -> Any:
+def _compile_by_numba(*declared: Any, keeps: bool, **options: Any) -> Any:
     """`numba.njit`, in the plain way with the options that its documentation has."""
     unknown = [name for name in options if PLAIN and name.startswith("_")]
-    return _numba.njit(*declared, **{k: x for k, x in options.items() if k not in unknown})
+    known = {k: x for k, x in options.items() if k not in unknown}
+    return _numba.njit(*declared, **{**known, "cache": keeps and bool(options.get("cache"))})
 
 
 def execute(path: Path, text: str, names: dict[str, Any], run: Callable[[], object]) -> None:
@@ -175,9 +178,10 @@ def execute(path: Path, text: str, names: dict[str, Any], run: Callable[[], obje
             _compile(path, text, names)
             return
     folder = code_folder(path.parent)
-    names["numba"] = NumbaOfTexts(_compile_by_numba)
+    names["numba"] = NumbaOfTexts(partial(_compile_by_numba, keeps=folder is not None))
     within = folder and folder / f"{path.stem}.{name_of_state([text.encode()])}"
-    with numba_keeps_in(within), SignalDeferral(in_commands=False):
+    first = global_compiler_lock or nullcontext()  # which a thread has that decorates for numba
+    with first, numba_keeps_in(within), SignalDeferral(in_commands=False):
         run()
 
 
@@ -187,14 +191,14 @@ def _compile(path: Path, text: str, names: Mapping[str, Any]) -> None:
         return
     state = name_of_state([text.encode()])
     symbols = [f"lw.{state}.{kernel.py_func.__name__}" for kernel in found]
-    with SignalDeferral(in_commands=False):
+    with SignalDeferral(in_commands=False), _compiling:
         code = _kept_code(path, state, lambda: _translation(found, symbols, names))
         engine = _engine()
         engine.add_object_file(_llvm.ObjectFileRef.from_data(code))
         engine.finalize_object()
-    for kernel, symbol in zip(found, symbols, strict=True):
-        kernel.address = engine.get_function_address(symbol)
-        kernel.c_address = engine.get_function_address(f"{symbol}.c")
+        for kernel, symbol in zip(found, symbols, strict=True):
+            kernel.address = engine.get_function_address(symbol)
+            kernel.c_address = engine.get_function_address(f"{symbol}.c")
 
 
 def _kept_code(path: Path, state: str, made: Callable[[], bytes]) -> bytes:

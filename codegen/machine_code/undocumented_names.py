@@ -97,7 +97,7 @@ TABLE = (
     ),
     Name(
         "numba.core.bytecode.FunctionIdentity: _unique_ids",
-        "numbers of functions that no other process gives; replaced once, for good",
+        "numbers of functions that no other process gives; replaced at the start and after a fork",
         "none",
         "the linker takes closures of one name that two processes compiled for each other",
     ),

@@ -12,6 +12,7 @@ A function is compiled apart from those that it calls, but for what is short
 """
 
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -122,15 +123,25 @@ def _made(
     return cast(F, compiled_function(function, signature, options, folder, from_python))
 
 
-def _sources() -> list[bytes]:
-    """What compiled code is made from: numerical rooms, methods, users of this module."""
+def sources() -> dict[Path, bytes]:
+    """What compiled code is made from: numerical rooms, methods, users of this module, constants.
+
+    Returns file → content.
+    """
     files = sorted({*methods_folder().glob("*.py"), *LIBRARY.glob("runtime/**/*.py")})
-    texts = [(path, path.read_bytes()) for path in files]
-    return [
-        text for path, text in texts
-        if path.relative_to(LIBRARY).parts[1] in ROOMS or b"runtime.core.jit" in text
-    ]  # fmt: skip
+    places = {path: path.relative_to(LIBRARY).parts for path in files}
+    texts = {path: path.read_bytes() for path in files}
+    return {
+        path: text for path, text in texts.items()
+        if places[path][1] in ROOMS or "/".join(places[path][1:]) in _OF_CONSTANTS
+        or b"runtime.core.jit" in text
+    }  # fmt: skip
 
 
 ROOMS = ("core", "linalg", "constraints", "singularity", "hybrid", "integrate")
-_FOLDER = own_folder(LIBRARY / "runtime", _sources())
+_OF_CONSTANTS = (
+    "assembly/joint_closing.py",
+    "mechanism/start_table.py",
+    "sweeps/ensemble_arrays.py",
+)
+_FOLDER = own_folder(LIBRARY / "runtime", [*sources().values()])

@@ -1,5 +1,6 @@
 """What the runtime adds to numba's compiling and caching."""
 
+import ast
 import re
 from pathlib import Path
 from threading import Barrier, Thread
@@ -174,3 +175,40 @@ def test_a_slot_of_a_table_has_one_name() -> None:
     layout.number("count")
     with pytest.raises(ValueError, match="'count' is taken"):
         layout.floats("count", 1)
+
+
+DECORATORS = re.compile(
+    "^(compiled|allocating|unlocked|addressed|inner|inner_allocating|closure|inlined|fetched)\\b"
+)
+
+
+def imported_names(tree: ast.Module, folder: Path) -> dict[str, Path]:
+    """What a module has of others of the runtime, name → file."""
+    found = {}
+    for node in tree.body:
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("runtime."):
+            place = folder.joinpath(*str(node.module).split("."))
+            for alias in node.names:
+                inside = place / f"{alias.name}.py"
+                home = inside if inside.is_file() else place.with_suffix(".py")
+                found[alias.asname or alias.name] = home
+    return found
+
+
+def test_an_edit_of_a_constant_is_an_edit_of_the_code_that_has_it() -> None:
+    """Compiled code holds the constants that it uses: their files name its folder, too."""
+    files, outside, seen = runtime.core.jit.sources(), [], 0
+    for path, text in files.items():
+        tree = ast.parse(text)
+        names = imported_names(tree, runtime.core.jit.LIBRARY)
+        for function in ast.walk(tree):
+            if isinstance(function, ast.FunctionDef) and DECORATORS.search(
+                " ".join(map(ast.unparse, function.decorator_list))
+            ):
+                used = {x.id for line in function.body for x in ast.walk(line)
+                        if isinstance(x, ast.Name)}  # fmt: skip
+                homes = {names[name] for name in used & names.keys()}
+                seen += len(homes)
+                outside += [(path.name, function.name, h.name) for h in homes - files.keys()]
+    assert seen > 500
+    assert outside == []

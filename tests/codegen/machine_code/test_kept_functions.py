@@ -121,10 +121,29 @@ work = make({factor})
 def {name}(x):
     return work(x, 2)
 """
-NAMED = "import sys\nfor n in sys.argv[1:]: print(getattr(__import__(n), n)(1.0))"
+NAMED = """
+import sys
+for name in sys.argv[1:]: print(getattr(__import__(name), name)(1.0), flush=True)
+"""
+COPIES = """
+import os, sys
+from codegen.machine_code import compiled_functions
+for name in sys.argv[1:]:
+    if not (copy := os.fork()):
+        print(getattr(__import__(name), name)(1.0), flush=True)
+        os._exit(0)
+    os.waitpid(copy, 0)
+"""
 
 
-def test_closures_of_two_processes_are_told_apart(tmp_path: Path, root: Path) -> None:
+@pytest.mark.parametrize(
+    "runs",
+    [[(NAMED, ["doubled"]), (NAMED, ["tripled"])], [(COPIES, ["doubled", "tripled"])]],
+    ids=["two processes", "two copies of a process"],
+)
+def test_closures_of_two_processes_are_told_apart(
+    tmp_path: Path, root: Path, runs: list[tuple[str, list[str]]]
+) -> None:
     """Each has the first number of its process, and the linker took one of them for both."""
     (tmp_path / "closures.py").write_text(CLOSURES)
     for name, factor in (("doubled", 2.0), ("tripled", 3.0)):
@@ -132,8 +151,8 @@ def test_closures_of_two_processes_are_told_apart(tmp_path: Path, root: Path) ->
     path = os.pathsep.join((str(tmp_path), str(root)))
     given = {**os.environ, "PYTHONPATH": path, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     texts = [
-        subprocess.run([sys.executable, "-c", NAMED, *names], env=given, check=True, text=True,
+        subprocess.run([sys.executable, "-c", program, *names], env=given, check=True, text=True,
                        stdout=subprocess.PIPE).stdout
-        for names in (["doubled"], ["tripled"], ["doubled", "tripled"])
+        for program, names in (*runs, (NAMED, ["doubled", "tripled"]))
     ]  # fmt: skip
-    assert texts == ["2.0\n", "3.0\n", "2.0\n3.0\n"]
+    assert "".join(texts) == "2.0\n3.0\n" * 2

@@ -4,7 +4,10 @@ import os
 import resource
 import subprocess
 import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -46,10 +49,8 @@ def kept(path: Path) -> list[Path]:
 def test_what_is_kept_is_taken(source: Path, translated: list[str]) -> None:
     assert [answer(source), answer(source)] == [2.0, 2.0]
     assert translated == ["scaled"]
-    assert [path.name for path in (source.parent / "__pycache__").iterdir()] == [
-        kept(source)[0].name,
-        "scaled.lock",
-    ]
+    names = {path.name for path in (source.parent / "__pycache__").iterdir()}
+    assert names == {kept(source)[0].name, "scaled.lock"}
 
 
 @pytest.mark.parametrize("length", [0, 1, 20, 0.3, 0.9, -1])
@@ -129,6 +130,55 @@ def test_a_full_disk_keeps_nothing_and_blocks_nothing(source: Path) -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, most))
     assert len(kept(source)) == 1
     assert not [*source.parent.glob("__pycache__/.lw-*")]
+
+
+def test_a_text_that_numba_compiles_needs_no_folder(
+    source: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (source.parent / "__pycache__").write_text("no folder")
+    source.write_text(TEXT.format(factor="len('xx')"))  # which is not translated
+    monkeypatch.setenv("XDG_CACHE_HOME", str(source))
+    with pytest.warns(CacheWarning, match="kept nowhere"):
+        assert answer(source) == 2.0
+
+
+def test_threads_that_load_two_modules_take_turns(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two at once made two engines of one target machine, and the first went with its code."""
+    usual, at_work, most = kernels._kept_code, [], []
+
+    def watched(path: Path, *arguments: Any) -> bytes:
+        at_work.append(path)
+        time.sleep(0.1)
+        most.append(len(at_work))
+        at_work.remove(path)
+        return usual(path, *arguments)
+
+    monkeypatch.setattr(kernels, "_kept_code", watched)
+    paths = [tmp_path / f"scaled_{k}.py" for k in range(3)]
+    for k, path in enumerate(paths):
+        path.write_text(TEXT.format(factor=float(k)))
+    with ThreadPoolExecutor(3) as pool:
+        modules = [*pool.map(import_generated, paths)]
+    assert [module.scaled(1.0) for module in modules] == [0.0, 1.0, 2.0]
+    assert most == [1, 1, 1]
+
+
+def test_threads_that_decorate_take_turns(tmp_path: Path) -> None:
+    usual = code_folders._config.CACHE_DIR
+
+    def decorate(name: str) -> set[bool]:
+        found = set()
+        for _ in range(50):
+            with code_folders.numba_keeps_in(tmp_path / name):
+                time.sleep(0.0001)
+                found.add(str(tmp_path / name) == code_folders._config.CACHE_DIR)
+        return found
+
+    with ThreadPoolExecutor(2) as pool:
+        assert [*pool.map(decorate, ("one", "two"))] == [{True}, {True}]
+    assert usual == code_folders._config.CACHE_DIR
 
 
 def test_a_folder_that_cannot_be_written_has_its_code_in_the_users_cache(
