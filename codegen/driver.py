@@ -9,7 +9,7 @@ emit      Lowered               → text                    (codegen.emit)
 accompany Lowered               → text of derivatives, of reduced equations
                                      (codegen.generated_files.companions), if asked for
 write     text                  → file, atomically        (codegen.generated_files.generated_file)
-compile   file                  → machine code in numba's cache
+compile   file                  → machine code, kept on the disk (codegen.machine_code)
 """
 
 from collections.abc import Mapping, Sequence

@@ -56,7 +56,7 @@ class File:
 
 
 def compile_modules(paths: Sequence[Path]) -> list[float]:
-    """Compile the kernels of each file into numba's cache; returns the seconds that each took."""
+    """Compile and keep the kernels of each file; returns the seconds that each took."""
     seconds = []
     for path in paths:
         started = perf_counter()

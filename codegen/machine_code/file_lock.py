@@ -7,13 +7,13 @@ from pathlib import Path
 
 @contextmanager
 def locked(path: Path) -> Iterator[None]:
-    """One process at a time; without a lock where the file `path` cannot be made."""
+    """One process at a time; without a lock where the file `path` cannot be made or locked."""
     from filelock import FileLock  # which takes a tenth of a start of the program
 
     lock = FileLock(path)
     try:
         lock.acquire()
-    except OSError:
+    except (OSError, NotImplementedError):  # read-only, or a disk without locks
         yield
         return
     try:

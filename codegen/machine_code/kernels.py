@@ -180,6 +180,8 @@ def execute(path: Path, text: str, names: dict[str, Any], run: Callable[[], obje
     folder = code_folder(path.parent)
     names["numba"] = NumbaOfTexts(partial(_compile_by_numba, keeps=folder is not None))
     within = folder and folder / f"{path.stem}.{name_of_state([text.encode()])}"
+    if folder and within and not within.exists():
+        remove_older(folder, f"{path.stem}.{'[0-9a-f]' * len(within.suffix[1:])}")
     first = global_compiler_lock or nullcontext()  # which a thread has that decorates for numba
     with first, numba_keeps_in(within), SignalDeferral(in_commands=False):
         run()

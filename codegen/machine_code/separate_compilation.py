@@ -76,7 +76,7 @@ class ObjectCode(CodeLibrary):  # type: ignore[misc]
     Attributes
     ----------
     keeps_symbols
-        Whether it is serialized for a checked cache; numba's own knows no symbols.
+        Whether it is serialized for our own cache; numba's knows no symbols.
     callee
         The function, for its callers.
     bitcode

@@ -25,10 +25,14 @@ from runtime.processors import available_cores
 PROGRAM = """
 import json, sys
 sys.path[:], functions = json.loads(sys.argv[1])
+import linkwright
 from runtime.integrate.second_compiler import compile_until_parent_ends
 compile_until_parent_ends(functions)
 """
-"""Its argument holds the path of modules, and (module, name) of each function."""
+"""Its argument holds the path of modules, and (module, name) of each function.
+
+`linkwright` finds our packages, also where the user's folder has a file `runtime.py`.
+"""
 
 _running: list["subprocess.Popen[bytes]"] = []  # processes that this one has started
 

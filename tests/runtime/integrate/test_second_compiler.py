@@ -12,6 +12,7 @@ from runtime.integrate.loop import advance
 from runtime.integrate.stability_limit import idle
 
 _BESIDE = """
+import linkwright
 from runtime.core.jit import is_kept, prepare
 from runtime.integrate import second_compiler
 from runtime.integrate.stability_limit import idle
@@ -25,11 +26,16 @@ print(sum(idle.stats.cache_hits.values()), sum(idle.stats.cache_misses.values())
 """
 
 
-def test_what_the_other_process_compiles_is_taken_from_the_cache(tmp_path):
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    command = [sys.executable, "-c", _BESIDE]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+def test_what_the_other_process_compiles_is_taken_from_the_cache(tmp_path, root):
+    """Also where the user's folder has a file of our package's name."""
+    (tmp_path / "runtime.py").write_text("open('executed', 'w')")
+    given = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(root)}
+    done = subprocess.run(
+        [sys.executable, "-c", _BESIDE], env={**os.environ, **given}, cwd=tmp_path,
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
     assert done.stdout.split() == ["False", "True", "1", "0"]
+    assert not (tmp_path / "executed").exists()
 
 
 def test_it_ends_with_the_process_that_started_it(tmp_path):
