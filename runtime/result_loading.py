@@ -61,7 +61,8 @@ def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) 
     path
         A file ending in .nc or a store ending in .zarr, in any folder.
     machine
-        The machine of the result; unless given, that of its model and scene which is loaded.
+        The machine of the result; unless given, that of its model and scene which is loaded. That
+        of an equilibrium, whose file does not tell the text of its model, must be given.
 
     Raises
     ------
@@ -158,6 +159,11 @@ def _mechanism_of(path: Path, saved: dict[str, Any], given: "Mechanism | None") 
             f"{path} has a result of {one_line(title)}, whose machine is not loaded. Load it "
             f"({file}, scene {one_line(scene)}) and give it: load_result(path, "
             "machine=load(...)); or read the numbers alone with xarray."
+        )
+    if given is None and source is None:  # nothing tells whether a loaded machine is that one
+        raise InputError(
+            f"{path} does not say from which text the machine of {one_line(title)} came, as that "
+            "of an equilibrium does not. Give it: load_result(path, machine=load(...))."
         )
     for one in found:
         origin = one.origin

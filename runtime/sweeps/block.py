@@ -227,8 +227,9 @@ def write_part(store: Store, block: int, rows: Mapping[int, Row]) -> None:
     Raises
     ------
     InputError
-        If it cannot be written: a disk that is full.
+        If it cannot be written, by a disk that is full, or another store lies there by now.
     """
+    reopen(store.path, store.about["identity"])
     numbers = np.array([(*r.quantities, r.t_last, *r.series.ravel()) for r in rows.values()])
     texts = json.dumps([(row.outcome, row.message) for row in rows.values()])
     path = part_file(store.path, block)

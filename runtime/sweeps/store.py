@@ -136,7 +136,13 @@ class Store:
         """Write the rows of a block, and then its mark.
 
         What an earlier process has left of the block is removed first, its mark before all.
+
+        Raises
+        ------
+        InputError
+            If another store lies there by now: the runs may have taken long.
         """
+        reopen(self.path, self.about["identity"])
         runs, arrays = self.runs_of(block), self.arrays_of(rows)
         for place in self.chunks(block):
             if place.is_dir():  # of a kept series

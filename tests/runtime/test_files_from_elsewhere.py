@@ -113,6 +113,20 @@ def test_the_machine_is_the_one_that_is_given_or_loaded(
     assert not (folder / "mark").exists()
 
 
+def test_no_loaded_machine_is_taken_where_no_text_of_its_model_is_told(
+    sent: Sent, machine: Machine, result: Result
+) -> None:
+    """So it is with an equilibrium; a model that was edited since would compute other forces."""
+
+    def still(fields: dict[str, Any]) -> None:
+        fields["motion"] = None
+
+    path = sent(".nc", still)
+    with pytest.raises(InputError, match=r"does not say from which text .* bob_elsewhere/swing"):
+        load_result(path)
+    np.testing.assert_array_equal(load_result(path, machine).samples.q, result.samples.q)
+
+
 def test_no_checkpoint_is_written_or_read(sent: Sent, machine: Machine, result: Result) -> None:
     """Older files have some: they are left out, and all else is read."""
 

@@ -52,6 +52,35 @@ def test_a_late_task_of_another_sweep_writes_nothing(
     assert whole.complete
 
 
+@pytest.mark.parametrize("seconds", [30.0, 0.0])  # with rows that are saved meanwhile, or none
+def test_a_task_whose_store_is_replaced_while_it_runs_writes_nothing(
+    request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seconds: float
+) -> None:
+    path, other, jobs = tmp_path / "s.zarr", tmp_path / "other.zarr", []
+    monkeypatch.setattr(workers, "run_block", lambda job, k: jobs.append(job) or run_block(job, k))
+    sweep(out=path, **request_of)
+    shutil.rmtree(path / "block_mark" / "c")  # nothing is done
+    sweep(out=other, **request_of | {"t_end": 0.04})
+    before = {file.relative_to(other): file.read_bytes() for file in files_of(other)}
+    real = block.evaluate_member
+
+    def replaced(*given: Any) -> Any:
+        if other.exists():
+            shutil.rmtree(path)
+            other.rename(path)
+        return real(*given)
+
+    monkeypatch.setattr(block, "evaluate_member", replaced)
+    monkeypatch.setattr(block, "SAVE_SECONDS", seconds)
+    with pytest.raises(InputError, match="the store of another sweep by now"):
+        run_block(jobs[0], 1)
+    assert before == {file.relative_to(path): file.read_bytes() for file in files_of(path)}
+
+
+def files_of(path: Path) -> list[Path]:
+    return [file for file in path.rglob("*") if file.is_file()]
+
+
 def test_rows_that_do_not_arrive_are_an_error(
     request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
