@@ -18,7 +18,7 @@ from codegen.declare.symbols import (
 )
 from codegen.readers.expressions import UNFINISHED, distinct_nodes, number_problem, unreal_part
 from codegen.readers.failures import unreadable
-from codegen.readers.values import one_line
+from codegen.readers.values import one_line, shown
 from codegen.tables.table_function import Interpolant, TableAtom
 
 INTERNAL = (Given, Side, Speed, Multiplier, Acceleration)
@@ -88,6 +88,6 @@ def compile_problem(expression: sympy.Basic) -> str | None:
         )
     if found:
         part, why = found
-        start = "the value" if part == expression else one_line(expression)
+        start = "the value" if part == expression else shown(expression)
         return f"{start} {one_line(why)}; give finite real numbers."
     return None

@@ -64,6 +64,8 @@ def declare_letter(letter: str, kind: CoordinateKind) -> None:
 class ModelSymbol(sympy.Symbol):  # type: ignore[misc]
     """A symbol of a model, which has no value while the model is declared."""
 
+    __slots__ = ()
+
     def __float__(self) -> float:
         """Refused, as of any symbol, with what to write; `math.sin` and NumPy ask for it."""
         raise TypeError(
@@ -79,6 +81,8 @@ def _in_notebook(symbol: sympy.Symbol, unit: str, more: str = "") -> str:
 
 class Coordinate(ModelSymbol):
     """A generalized coordinate, ``owner_letter``; `rate` is its velocity."""
+
+    __slots__ = ()
 
     @property
     def owner(self) -> str:
@@ -117,6 +121,8 @@ class Coordinate(ModelSymbol):
 class Velocity(ModelSymbol):
     """The time derivative of a generalized coordinate; `coordinate` is that coordinate."""
 
+    __slots__ = ()
+
     def _repr_latex_(self) -> str:
         """With its unit, for notebooks; expressions show the name alone."""
         return _in_notebook(self, self.coordinate.measure.rate_unit)
@@ -136,29 +142,43 @@ class Velocity(ModelSymbol):
 class Acceleration(ModelSymbol):
     """The second time derivative of a coordinate; occurs in rates of switching functions."""
 
+    __slots__ = ()
+
 
 class Multiplier(ModelSymbol):
     """A Lagrange multiplier."""
+
+    __slots__ = ()
 
 
 class Time(ModelSymbol):
     """The time, in seconds."""
 
+    __slots__ = ()
+
 
 class Side(ModelSymbol):
     """A number that says on which side of its surface an effect acts; its mode decides."""
+
+    __slots__ = ()
 
 
 class Speed(ModelSymbol):
     """The rate ṡ of the scalar along which a force acts."""
 
+    __slots__ = ()
+
 
 class Given(ModelSymbol):
     """A placeholder in the equations of an element, bound to a number or parameter in a model."""
 
+    __slots__ = ()
+
 
 class Parameter(ModelSymbol):
     """A number that may change between runs without a new build."""
+
+    __slots__ = ()
 
 
 @dataclass(frozen=True)

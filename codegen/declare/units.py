@@ -89,9 +89,13 @@ def in_unit(value: Any, unit: str) -> Any:
             f"{value} has the dimension {value.dimensionality}, but {needed} is needed; give a "
             f"quantity that converts to {needed}."
         )
-    if problem := cycles_for_radians(value, target, unit):
+    try:
+        problem = cycles_for_radians(value, target, unit)
+        magnitude = value.to(target).magnitude
+    except TypeError as error:  # of a text
+        raise KindError(one_line(error)) from error
+    if problem:
         raise UnitError(f"{value} {problem}")
-    magnitude = value.to(target).magnitude
     return magnitude if isinstance(magnitude, sympy.Basic) else plain_float(magnitude)
 
 

@@ -78,11 +78,11 @@ def find_model_file(model: str | Path, folder: Path | None = None, library: Path
         beside = (here / f"{given}.py").is_file()
     except OSError as error:
         raise ModelFileError(f"no file can be {shown(str(model))}: {error.strerror}.") from error
-    near = get_close_matches(given.stem, names, n=3, cutoff=0.5) or names[:8]
+    near = get_close_matches(given.stem, names, n=3, cutoff=0.5) or names
     hint = f" Models there: {', '.join(near)}." if near else ""
     if beside:
         hint = f" A path ends in .py: did you mean {given}.py?"
-    places_tried = " and ".join(one_line(path, _LONGEST_PATH) for path in tried)
+    places_tried = " and ".join(one_line(path, _LONGEST_PATH) for path in dict.fromkeys(tried))
     raise ModelFileError(f"There is no model {shown(str(model))}: looked for {places_tried}.{hint}")
 
 

@@ -75,7 +75,7 @@ def _marked(method: Callable[..., Any]) -> Callable[..., Any]:
         given = {word: _plain_text(value) for word, value in words.items()}
         element = method(model, *map(_plain_text, arguments), **given)
         if len(problems) > before and isinstance(element, Constraint | Effect):
-            model.noted |= {element.name}
+            model.noted |= {str(element.name)}  # it may be a list
         return element
 
     return call

@@ -13,7 +13,7 @@ from codegen.declare.returned_kinds import named
 from codegen.declare.returned_values import check_parts
 from codegen.declare.scene import Scene
 from codegen.elements.registry import ACTIONS
-from codegen.errors import ModelError
+from codegen.errors import ModelError, NoAttributeError
 from codegen.model.base import Declared
 from codegen.model.cams import Cams
 from codegen.model.contacts_and_friction import Contacts
@@ -26,7 +26,7 @@ from codegen.model.stops_and_clearances import Limits
 from codegen.model.transmissions import Transmissions
 from codegen.object_display import html_of, html_table
 from codegen.readers.calls import declaring, named_attributes
-from codegen.readers.values import shown
+from codegen.readers.values import one_line, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -57,6 +57,16 @@ class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Limits, Transmi
         super().__init__(name)
         if gravity is not None:
             self.gravity("gravity", gravity)
+
+    def __setattr__(self, word: str, value: object) -> None:
+        """Refuse ``model.gravity = (0, -9.81)`` and other words, as nothing would read them."""
+        is_inner = word.startswith("_") or word in ("files", "noted") or "_kinds" not in vars(self)
+        if not is_inner and (type(self) is Model or hasattr(self, word)):
+            raise NoAttributeError(
+                f"model '{self.name}': '{one_line(word)}' cannot be set; declare with the methods "
+                "of the model, and a machine of another name as another model."
+            )
+        super().__setattr__(word, value)
 
     def __str__(self) -> str:
         """The name, then what is declared, a line a kind."""

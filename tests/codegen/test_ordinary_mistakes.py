@@ -60,3 +60,20 @@ def test_an_ordinary_mistake_is_told(case: str) -> None:
         made = eval(case, known)
         valid_scenes(known["m"], made if isinstance(made, Scene) else None)
     assert [*caught.value.problems] == CASES[case]
+
+
+@pytest.mark.parametrize("symbol", ["k", "a.x", "a.vx"])
+def test_a_symbol_takes_no_value(symbol: str) -> None:
+    with pytest.raises(AttributeError):
+        eval(symbol, words()).value = 3.0
+
+
+def test_a_model_of_an_own_class_has_its_own_words() -> None:
+    class Crane(Model):
+        """A model with a number of its own."""
+
+    crane = Crane("crane")
+    crane.reach = 3.0  # type: ignore[attr-defined]
+    assert crane.reach == 3.0
+    with pytest.raises(LinkwrightError, match="'force' cannot be set"):
+        crane.force = 3.0  # type: ignore[method-assign, assignment]
