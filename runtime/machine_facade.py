@@ -11,7 +11,7 @@ import numpy.typing as npt
 from codegen.errors import InputError
 from codegen.readers.calls import checked_class, named_attributes
 from runtime.machine_states import MachineStates
-from runtime.mechanism.mechanism_tables_and_kernels import Values
+from runtime.mechanism.mechanism import Values
 from runtime.processors import available_cores
 from runtime.progress_bar import bar, shows_compilation
 from runtime.validation.arguments import check

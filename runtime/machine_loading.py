@@ -28,7 +28,7 @@ from runtime.progress_bar import compilation_shown
 if TYPE_CHECKING:
     from codegen import Model, Scene
     from runtime.machine_facade import Machine
-    from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+    from runtime.mechanism.mechanism import Mechanism
 
 LOADED: "WeakSet[Mechanism]" = WeakSet()
 """The mechanisms that `load` has made, as long as anybody holds them."""
@@ -81,7 +81,7 @@ def load(
         from runtime.core.kernel_abi import gather
         from runtime.machine_facade import Machine
         from runtime.mechanism.companion_modules import Origin
-        from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+        from runtime.mechanism.mechanism import Mechanism
         from runtime.mechanism.module_tables import describe
 
     description = describe(module)

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from codegen.readers.calls import checked_class
 from runtime.mechanism.inspection_tables import MechanismTables
-from runtime.mechanism.mechanism_tables_and_kernels import Values
+from runtime.mechanism.mechanism import Values
 from runtime.progress_bar import shows_compilation
 from runtime.validation.arguments import check
 from runtime.validation.parameters import parameter_values

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from runtime.integrate.problem import Discrete
     from runtime.machine_facade import Machine
     from runtime.mechanism.dense_equations import FloatArray
-    from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+    from runtime.mechanism.mechanism import Mechanism
     from runtime.results.assembled_state import Assembly
     from runtime.results.motion_at_instants import Motion
     from runtime.results.result import Result

@@ -9,10 +9,10 @@ from itertools import chain
 
 import sympy
 
-from codegen.check.contact_and_stiction_declaration import contact_problems
 from codegen.check.elements import body_problems, effect_problems, element_problems, unknown
 from codegen.check.potential_steps import step_problems
 from codegen.check.requested_outputs import output_problems
+from codegen.check.set_valued_forces import contact_problems
 from codegen.declare import element as el
 from codegen.declare.cam_profile_checks import profile_problems
 from codegen.declare.returned_kinds import name_errors

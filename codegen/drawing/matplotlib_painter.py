@@ -20,7 +20,7 @@ from codegen.drawing.lines_between_bodies import lines_between_bodies
 from codegen.drawing.lines_in_bodies import lines_in_bodies
 from codegen.drawing.picture import Picture
 from codegen.drawing.plane_geometry import FloatArray, pairs
-from codegen.figures_and_html import new_figure
+from codegen.presentation import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

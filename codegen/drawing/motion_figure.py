@@ -13,7 +13,7 @@ from codegen.drawing.matplotlib_painter import PictureArtist, Writer, inches, pr
 from codegen.drawing.picture import Picture
 from codegen.drawing.plane_geometry import FloatArray
 from codegen.drawing.shapes import Force, Torque
-from codegen.figures_and_html import new_figure
+from codegen.presentation import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,15 +9,15 @@ import numpy as np
 
 from codegen.errors import InputError
 from codegen.explain.ledger import Ledger, Part
-from codegen.figures_and_html import (
+from codegen.files.whole_files import whole_file
+from codegen.object_display import html_table
+from codegen.presentation import (
     finish_axes,
     html_figure,
     html_page,
     new_figure,
     save_figure,
 )
-from codegen.files.whole_files import whole_file
-from codegen.object_display import html_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 
 from codegen.explain.ledger import Comparison, Ledger, Part, RunCosts
-from codegen.figures_and_html import terminal_width
+from codegen.presentation import terminal_width
 
 PAPER = 1000  # columns of a table that is as wide as its content, whatever the terminal
 

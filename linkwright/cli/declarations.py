@@ -194,7 +194,7 @@ def draw(
     as_json: Json = False,
 ) -> None:  # fmt: skip
     """Draw a machine as it is declared, at its start or at an instant, into a file."""
-    from codegen.figures_and_html import check_picture, save_picture
+    from codegen.presentation import check_picture, save_picture
 
     check_picture(out)
     if guesses and t is not None:

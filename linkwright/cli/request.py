@@ -52,7 +52,7 @@ def model_or_case(context: typer.Context, given: str) -> Any:
 def _options(case: "Case", context: typer.Context) -> dict[str, Any]:
     """The words of a case by the names of the options that they stand for."""
     from runtime.cases.fields import read_run
-    from runtime.core.analysis_names import ANALYSES, analysis_name
+    from runtime.core.kinds import ANALYSES, analysis_name
 
     command = context.info_name or ""
     analysis = analysis_name(command)

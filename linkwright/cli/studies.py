@@ -141,7 +141,7 @@ def matters(
     **run: Any,
 ) -> None:  # fmt: skip
     """Which effects a quantity needs: its change without each of them, and the time that saves."""
-    from codegen.figures_and_html import check_picture
+    from codegen.presentation import check_picture
     from runtime.studies.effect_ranking import matters as rank_effects
     from runtime.studies.pictures import save_ranking
 
@@ -234,7 +234,7 @@ def sweep(
     **run: Any,
 ) -> None:  # fmt: skip
     """Run a scene for many values of its parameters, into a Zarr store; it can be resumed."""
-    from codegen.figures_and_html import check_picture, save_picture
+    from codegen.presentation import check_picture, save_picture
     from runtime.sweeps.sweep import sweep as make
 
     if picture is not None:

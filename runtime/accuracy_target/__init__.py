@@ -5,7 +5,7 @@ from functools import partial
 
 from codegen.errors import InputError
 from runtime.integrate.problem import Formulation
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
 

@@ -23,7 +23,7 @@ from runtime.dynamics.simulation import run_prepared
 from runtime.integrate.method import IMPLICIT, LEADING
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.trajectory import Partitions, Statistics, Trajectory
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
 

@@ -43,7 +43,7 @@ from runtime.dynamics.simulation import note_repetition, run_prepared
 from runtime.integrate.method import REGISTER
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.wiring import function_table
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.result import Result

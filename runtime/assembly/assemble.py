@@ -19,7 +19,7 @@ from runtime.assembly.regular_start import LARGEST, VELOCITY_CLOSED, find_regula
 from runtime.assembly.start_values import MOVED, Start, start_of_state, start_values
 from runtime.linalg.least_norm_newton import least_norm_solver
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import Assembly, Moved, Redundant, State
 from runtime.validation.finite_equations import require_finite

@@ -14,7 +14,7 @@ from runtime.integrate.method import EXPLICIT, IMPLICIT, alternatives
 from runtime.integrate.problem import Correction
 from runtime.linalg.redundant_constraints_solve import solve_least_norm, solve_motion
 from runtime.linalg.row_elimination import Sparse
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import Assembly
 

@@ -13,7 +13,7 @@ import numpy as np
 from codegen.errors import AnalysisError
 from runtime.assembly.accelerations_by_solver import accelerations_by
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.typical_sizes import measure_spread
 
 # accuracy: part of a pivot's reference that the masses alone may cost, in weak pivots: beyond it

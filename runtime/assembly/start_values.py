@@ -8,7 +8,7 @@ import numpy.typing as npt
 from codegen.errors import AssemblyError
 from codegen.readers.values import finite_float, shown
 from runtime.mechanism.dense_equations import FloatArray
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
 from runtime.results.assembled_state import Assembly, State

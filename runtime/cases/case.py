@@ -14,7 +14,7 @@ from codegen.readers.values import shown
 from runtime.cases.document import ENDINGS, Document, Place, plain, read_document, text_of
 from runtime.cases.fields import FORMAT, analysis_of, problems_of, read_run
 from runtime.cases.machine_values import conditions_of, values_of
-from runtime.core.analysis_names import ANALYSES
+from runtime.core.kinds import ANALYSES
 
 if TYPE_CHECKING:
     from codegen import Model, Scene

@@ -22,7 +22,7 @@ from runtime.dynamics.prepared_simulation import Handover
 from runtime.dynamics.simulation import simulate_joints
 from runtime.integrate.problem import Discrete
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.mechanism.one_sided_impact import Contradiction, impact
 from runtime.mechanism.sibling_scenes import sibling
 from runtime.results.assembled_state import Assembly, State

@@ -12,7 +12,7 @@ import numpy as np
 from runtime.core.array_types import Vector
 from runtime.integrate.clocks import queue_length, read_clocks, set_clocks
 from runtime.integrate.problem import Discrete
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.mechanism.sibling_scenes import sibling_named
 from runtime.results.assembled_state import DiscreteState, State
 from runtime.results.result import Result

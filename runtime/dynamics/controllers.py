@@ -9,7 +9,7 @@ from codegen.readers.failures import note_user_error
 from codegen.readers.values import finite_float, shown
 from runtime.core.array_types import Vector
 from runtime.integrate.problem import Controller
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
 

@@ -18,7 +18,7 @@ from runtime.integrate.recording_buffers import in_order
 from runtime.integrate.run import Progress, Run, integrate
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.typical_sizes import measure_mobility
 
 FORMULATIONS = ("cartesian", "reduced")

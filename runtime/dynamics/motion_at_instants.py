@@ -24,7 +24,7 @@ from runtime.integrate.run import Change
 from runtime.integrate.sampling import INTERVAL
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.progress_bar import silent
 from runtime.results.assembled_state import Assembly, DiscreteState
 from runtime.results.result import Result

@@ -15,11 +15,11 @@ from runtime.core import array_types as arrays
 from runtime.core import kernel_abi as abi
 from runtime.core.array_types import IntegerMatrix, Matrix, Vector, integers, matrix, none, vector
 from runtime.core.jit import ADDRESSES, compiled, unlocked
-from runtime.core.modes_and_event_kinds import MIXED, OPEN, SLIDING
+from runtime.core.kinds import MIXED, OPEN, SLIDING
 from runtime.integrate.sampling import INTERVAL, WEIGHTS
 from runtime.linalg.vectors import largest_magnitude
 from runtime.mechanism.dense_equations import KEPT, Equations, FloatArray
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
 from runtime.results.samples import Samples

@@ -19,14 +19,14 @@ from runtime.integrate.problem import Discrete, Options, Stops
 from runtime.integrate.trajectory import Trajectory
 from runtime.integrate.wiring import begin_compiling
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly, State
 from runtime.validation.masses import require_masses
 from runtime.validation.output_instants import instants, uniform
 from runtime.validation.parameters import parameter_values
-from runtime.validation.requirements_of_contact_and_stiction import require_apart
 from runtime.validation.scene_support import refuse_massless, refuse_structure
+from runtime.validation.set_valued_forces import require_apart
 
 if TYPE_CHECKING:
     from runtime.dynamics.formulations import Coordinates

@@ -17,7 +17,7 @@ from runtime.assembly.assemble import assemble
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
 from runtime.assembly.masses_far_apart import suited_to_masses
 from runtime.assembly.start_values import start_note, start_values
-from runtime.core.modes_and_event_kinds import Direction
+from runtime.core.kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.end_checks import check_result
 from runtime.dynamics.driven_motion_past_kinks import follow_past_kinks
@@ -25,7 +25,7 @@ from runtime.dynamics.motion_at_instants import DrivenMotionAtInstants
 from runtime.dynamics.output_quantities import evaluate
 from runtime.integrate.problem import Options
 from runtime.mechanism.dense_equations import Equations, magnitudes
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import Event, SingularPosition
@@ -33,7 +33,7 @@ from runtime.results.result import Result
 from runtime.validation.masses import require_masses
 from runtime.validation.output_instants import instants
 from runtime.validation.parameters import parameter_values
-from runtime.validation.requirements_of_contact_and_stiction import require_no_rigid, require_slip
+from runtime.validation.set_valued_forces import require_no_rigid, require_slip
 from runtime.validation.table_ranges import name_left_tables
 
 _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCKED)}

@@ -32,7 +32,7 @@ import numpy.typing as npt
 from codegen.object_display import counted
 from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
-from runtime.core.modes_and_event_kinds import KNOTS
+from runtime.core.kinds import KNOTS
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.end_checks import check_result, describe_unresolved_switches
 from runtime.dynamics.checks.jamming import describe_jam, end_at_jam
@@ -45,7 +45,7 @@ from runtime.dynamics.prepared_simulation import Handover, PreparedSimulation
 from runtime.integrate.problem import MOST_STEPS, Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.event_records import Event, event_words

@@ -10,13 +10,13 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import integers, matrix, none, vector
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import mass_of, powers_of, switching_rates_of
-from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.kinds import SLIDING
 from runtime.dynamics.output_quantities import SAMPLES
 from runtime.hybrid.filippov_shares import mix_reactions
 from runtime.hybrid.mode_consistency import count_sliding
 from runtime.hybrid.stiction_force import is_prescribed, set_unit
 from runtime.integrate.wiring import Wiring, wire
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.start_table import start_table
 from runtime.mechanism.typical_sizes import measure_length, write_scale
 from runtime.results.samples import Samples

@@ -19,7 +19,7 @@ from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import ends_early, run_prepared
 from runtime.integrate.problem import Options
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.progress_bar import Progress
 from runtime.results.export import check_place
 from runtime.results.result import Result

@@ -9,7 +9,7 @@ from itertools import chain, islice, zip_longest
 import numpy as np
 
 from runtime.core.array_types import Integers, Vector
-from runtime.core.modes_and_event_kinds import SLIDING, Direction
+from runtime.core.kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
 from runtime.explicit_time.function_scan import FAR, GROWTH
 from runtime.explicit_time.impulses_of_jumps import acts

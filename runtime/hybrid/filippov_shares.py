@@ -27,7 +27,7 @@ from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.jit import addressed, inner
-from runtime.core.modes_and_event_kinds import FREE, SLIDING
+from runtime.core.kinds import FREE, SLIDING
 from runtime.core.unit_roundoff import EPS
 from runtime.hybrid.redundant_sliding import (
     is_unilateral,

@@ -10,7 +10,7 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inner
-from runtime.core.modes_and_event_kinds import FREE, ONE_WAY, SLIDING
+from runtime.core.kinds import FREE, ONE_WAY, SLIDING
 from runtime.core.unowned_array_views import view
 from runtime.hybrid import filippov_shares as shares
 from runtime.hybrid.filippov_shares import put_friction_on_law

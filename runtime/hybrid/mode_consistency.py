@@ -8,7 +8,7 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.jit import inlined, inner
-from runtime.core.modes_and_event_kinds import BALANCED, CLOSED, SLIDING, Mode
+from runtime.core.kinds import BALANCED, CLOSED, SLIDING, Mode
 from runtime.core.state_derivative import evaluate_accelerations
 from runtime.hybrid.redundant_sliding import is_resting, rests
 from runtime.hybrid.sliding_motion import UNBOUNDED, extrapolate

@@ -20,7 +20,7 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inlined, inner
-from runtime.core.modes_and_event_kinds import BALANCED, KNOTS, MIXED, ONE_WAY, SLIDING
+from runtime.core.kinds import BALANCED, KNOTS, MIXED, ONE_WAY, SLIDING
 from runtime.core.state_derivative import evaluate_accelerations
 from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid.impact import ON_SURFACE

@@ -7,7 +7,7 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Vector
 from runtime.core.jit import inlined, inner
-from runtime.core.modes_and_event_kinds import BALANCED, MIXED, ONE_WAY, SLIDING
+from runtime.core.kinds import BALANCED, MIXED, ONE_WAY, SLIDING
 from runtime.core.unowned_array_views import view
 from runtime.linalg.lu import equilibrate
 from runtime.linalg.rank_policy import SAME_HOLD

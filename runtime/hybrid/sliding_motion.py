@@ -15,7 +15,7 @@ from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Integers, Vector
 from runtime.core.jit import addressed, inlined, inner
-from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.kinds import SLIDING
 from runtime.core.state_derivative import write_derivative
 from runtime.core.unowned_array_views import view
 from runtime.hybrid import filippov_shares as shares

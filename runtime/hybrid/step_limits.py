@@ -27,8 +27,8 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import peak_arguments_of
+from runtime.core.kinds import EXPONENTIAL, POWER, STEP
 from runtime.core.loop_record import run_record
-from runtime.core.peak_kinds import EXPONENTIAL, POWER, STEP
 from runtime.core.unowned_array_views import view
 from runtime.hybrid.events import X1, X2, X3, cubic, write_motion_between
 

@@ -13,7 +13,7 @@ from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core.array_types import Context, Vector
 from runtime.core.jit import inner
-from runtime.core.modes_and_event_kinds import MIXED, SLIDING
+from runtime.core.kinds import MIXED, SLIDING
 from runtime.linalg.vectors import copy_vector, is_finite
 
 PRESCRIBED = SLIDING  # the mode in which kernels take the stiction force from p

@@ -23,8 +23,8 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context
 from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inner
+from runtime.core.kinds import SLIDING
 from runtime.core.loop_record import Plan, run_record
-from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.integrate.energy_tolerances import ERRORS, PART, ROUNDING
 from runtime.integrate.rounding_of_potential import measure_rounding
 from runtime.integrate.sampling import NODES, WEIGHTS

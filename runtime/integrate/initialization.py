@@ -8,8 +8,8 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Vector, i8, none, vector
 from runtime.core.jit import ADDRESSES, compiled, inner, unlocked
 from runtime.core.kernel_abi import switching_rates_of
+from runtime.core.kinds import OPEN, SLIDING, Direction
 from runtime.core.loop_record import Plan, run_record
-from runtime.core.modes_and_event_kinds import OPEN, SLIDING, Direction
 from runtime.core.outcomes import Outcome, Site
 from runtime.core.state_derivative import evaluate_accelerations, write_derivative
 from runtime.core.workspace_rows import Y0, K, row_of, switch_row
@@ -20,7 +20,7 @@ from runtime.hybrid.redundant_sliding import is_unilateral
 from runtime.hybrid.sliding_motion import STEP, evaluate_switching_and_rates
 from runtime.hybrid.stiction_force import find_jamming_friction, suspend_friction
 from runtime.integrate.sampling import record
-from runtime.integrate.step_acceptance_and_zeno_check import LEAST_ERROR
+from runtime.integrate.step_acceptance import LEAST_ERROR
 from runtime.integrate.step_to_event import copy_end
 from runtime.linalg.vectors import copy_vector, is_finite
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
-from runtime.core.modes_and_event_kinds import Direction
+from runtime.core.kinds import Direction
 from runtime.core.outcomes import Outcome
 
 Correction = Literal["step", "stage", "projection", "baumgarte", "hybrid"]

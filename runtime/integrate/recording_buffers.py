@@ -7,7 +7,7 @@ import numpy as np
 
 from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.function_table_slots import EVENT_ROWS, OUT_ROWS, SAMPLE_TIMES
-from runtime.core.modes_and_event_kinds import Direction
+from runtime.core.kinds import Direction
 from runtime.integrate.problem import Rows
 from runtime.integrate.trajectory import Events, Partitions
 from runtime.integrate.wiring import Wiring, place

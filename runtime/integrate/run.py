@@ -9,7 +9,7 @@ import numpy as np
 from codegen.errors import AnalysisError
 from codegen.termination_signals import SignalDeferral
 from runtime.core.array_types import Integers, Vector
-from runtime.core.modes_and_event_kinds import SLIDING, Direction
+from runtime.core.kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome, Site
 from runtime.core.system import System
 from runtime.core.workspace_rows import BAND, STRUCK

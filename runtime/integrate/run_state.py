@@ -7,8 +7,8 @@ from runtime.constraints.repartitioning import GROWTH_LIMIT
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Matrix, Vector
+from runtime.core.kinds import SLIDING
 from runtime.core.loop_record import ConstraintReturn
-from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.system import System
 from runtime.hybrid.sliding_motion import TIME_SCALE
 from runtime.integrate.clocks import set_clocks

@@ -10,8 +10,8 @@ from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context, i8
 from runtime.core.jit import ADDRESSES, addressed, compiled, inner
 from runtime.core.kernel_abi import samples_of, watched_of
+from runtime.core.kinds import SLIDING
 from runtime.core.loop_record import run_record
-from runtime.core.modes_and_event_kinds import SLIDING
 from runtime.core.outcomes import Outcome, Site
 from runtime.core.workspace_rows import Y0, row_of
 from runtime.integrate.clocks import CLOCK

@@ -7,8 +7,8 @@ from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Context, Integers
 from runtime.core.jit import addressed, inner
+from runtime.core.kinds import RANGE
 from runtime.core.loop_record import run_record
-from runtime.core.modes_and_event_kinds import RANGE
 from runtime.core.outcomes import Outcome, Site
 from runtime.core.workspace_rows import row_of, switch_row
 from runtime.hybrid.events import INSTANT, UNRESOLVED, find_crossing_at_end

@@ -12,8 +12,8 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Integers, Vector, i8
 from runtime.core.jit import addressed, addresses, is_kept
 from runtime.core.kernel_abi import KERNELS
+from runtime.core.kinds import Hold
 from runtime.core.loop_record import RUN, ConstraintReturn
-from runtime.core.modes_and_event_kinds import Hold
 from runtime.core.system import System
 from runtime.hybrid import (
     events,
@@ -29,7 +29,7 @@ from runtime.integrate.clocks import queue_length, read_clocks
 from runtime.integrate.method import find_method
 from runtime.integrate.second_compiler import compile_beside
 from runtime.linalg.sparse_least_norm import SPARSE_FROM
-from runtime.linalg.symbolic_elimination_and_replay import plan_capacity
+from runtime.linalg.symbolic_elimination import plan_capacity
 from runtime.singularity.prediction import predict_vanishing_pivot
 
 METHOD_SLOTS = slice(ft.TABLE.slots["stages"], ft.TABLE.slots["correct"])

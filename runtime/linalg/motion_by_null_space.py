@@ -12,7 +12,7 @@ from runtime.core.array_types import Integers, Matrix, Vector, i8, vector
 from runtime.core.jit import allocating, inner
 from runtime.linalg import cholesky
 from runtime.linalg.full_pivoting import eliminate_below
-from runtime.linalg.leading_block_and_null_vectors import null_vectors
+from runtime.linalg.leading_block import null_vectors
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.linalg.redundant_constraints_solve import SPARSE, solve_factored
 from runtime.linalg.row_elimination import Sparse

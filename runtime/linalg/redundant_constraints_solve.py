@@ -14,7 +14,7 @@ from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, mat
 from runtime.core.jit import allocating, inner
 from runtime.linalg import cholesky
 from runtime.linalg.full_pivoting import factor_fully
-from runtime.linalg.leading_block_and_null_vectors import complete_solution, null_vectors
+from runtime.linalg.leading_block import complete_solution, null_vectors
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.linalg.row_elimination import Sparse
 from runtime.linalg.vectors import dot, multiply

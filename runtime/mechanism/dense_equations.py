@@ -12,9 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core.array_types import Kernel
-from runtime.core.modes_and_event_kinds import MIXED, SLIDING
+from runtime.core.kinds import MIXED, SLIDING
 from runtime.linalg.sparse_least_norm import SPARSE_FROM
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.start_table import StartTable, start_table
 from runtime.mechanism.typical_sizes import measure, measure_rows
 from runtime.singularity.scaled_constraints import ScaledConstraints

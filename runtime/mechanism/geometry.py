@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from codegen.drawing.layout import SAMPLES, BodyLayout, Layout, ShapeLayout
 from runtime.mechanism.companion_modules import load_companion
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from codegen.readers.calls import checked_class
 from codegen.readers.values import shown
 from runtime.core.kernel_abi import Kernels
 from runtime.mechanism import table_rows as rows
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
 
 _SHOWN = 8  # layout: parameters that the text names

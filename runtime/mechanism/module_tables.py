@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.parameter_conditions import ConditionRow, ProfileRow
-from runtime.core.modes_and_event_kinds import Boundary, TablePart
+from runtime.core.kinds import Boundary, TablePart
 from runtime.mechanism.series_table import SeriesTable
 from runtime.mechanism.table_rows import (
     TRACKED,

@@ -12,7 +12,7 @@ from codegen.files.generated_modules import (
 )
 from runtime.core.kernel_abi import gather
 from runtime.mechanism.companion_modules import Origin
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import describe
 from runtime.mechanism.table_rows import Watched
 

@@ -13,7 +13,7 @@ from runtime.core.kernel_abi import KERNELS
 from runtime.linalg.sparse_least_norm import SPARSE_FROM
 
 if TYPE_CHECKING:
-    from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+    from runtime.mechanism.mechanism import Mechanism
 
 START = TableLayout(attributes=True)
 

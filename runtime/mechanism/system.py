@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from runtime.core.array_types import Integers, Kernel
 from runtime.core.kernel_abi import Kernels
-from runtime.core.peak_kinds import PeakKind
+from runtime.core.kinds import PeakKind
 from runtime.core.system import System
 from runtime.mechanism.module_tables import Description
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.readers.calls import readable_class
-from runtime.core.modes_and_event_kinds import SLIDING, Direction
+from runtime.core.kinds import SLIDING, Direction
 from runtime.mechanism.module_tables import Description
 from runtime.results.samples import plain
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+    from runtime.mechanism.mechanism import Mechanism
     from runtime.show.animation.animation import Animation
 
 

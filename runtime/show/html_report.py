@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from codegen.figures_and_html import html_page
+from codegen.presentation import html_page
 from runtime.show.animation.animation import Animation
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from codegen.drawing.motion_figure import MovieFigure, phase_figure
 from codegen.errors import InputError
-from codegen.figures_and_html import save_figure
 from codegen.files.whole_files import whole_file
+from codegen.presentation import save_figure
 from runtime.progress_bar import bar
 from runtime.show.file_endings import MOVIES
 from runtime.show.moving_picture import moving_picture_at

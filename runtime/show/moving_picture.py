@@ -12,7 +12,7 @@ from codegen.drawing.body_outlines import complete_picture
 from codegen.drawing.picture import MovingPicture, Symbol
 from codegen.errors import InputError
 from runtime.mechanism.geometry import Geometry, geometry
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.sibling_scenes import sibling_named
 
 if TYPE_CHECKING:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from codegen.figures_and_html import new_figure
+from codegen.presentation import new_figure
 from runtime.results.motion_at_instants import for_curves
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from codegen.figures_and_html import terminal_width
+from codegen.presentation import terminal_width
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -10,11 +10,11 @@ import numpy as np
 from runtime.core.array_types import Integers, Matrix, Vector, f8, integers, matrix, vector
 from runtime.core.jit import allocating
 from runtime.linalg.cholesky import orthonormalise, solve_cholesky
-from runtime.linalg.leading_block_and_null_vectors import complete_solution
+from runtime.linalg.leading_block import complete_solution
 from runtime.linalg.vectors import copy_vector
 from runtime.singularity import schur_complement as schur
 from runtime.singularity import search_function_table as st
-from runtime.singularity.complement_derivative_and_nearest_branch import factor_normal_equations
+from runtime.singularity.nearest_branch import factor_normal_equations
 
 _ITERATIONS = 40  # safety: Newton iterations
 _KEEP = 5  # measured: iterations with the same second derivatives, but for the first one's

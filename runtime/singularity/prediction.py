@@ -17,7 +17,7 @@ from runtime.core.loop_record import run_record
 from runtime.core.unit_roundoff import EPS
 from runtime.linalg.rank_policy import REDUNDANT
 from runtime.linalg.row_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
-from runtime.linalg.symbolic_elimination_and_replay import replay_plan, write_plan
+from runtime.linalg.symbolic_elimination import replay_plan, write_plan
 from runtime.linalg.vectors import copy_vector, largest_ratio
 
 BEHIND = 0.1  # measured: of a step; how far back the motion is looked at

@@ -12,7 +12,7 @@ import numpy as np
 from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix
 from runtime.core.jit import allocating, inner
 from runtime.linalg.cholesky import factor_cholesky, multiply_gram, orthonormalise, solve_lower
-from runtime.linalg.leading_block_and_null_vectors import (
+from runtime.linalg.leading_block import (
     eliminate_leading,
     left_vectors,
     null_vectors,

@@ -77,7 +77,7 @@ class Search:
     def passage(self, root: Root, rate: Vector) -> Passage:
         """How a motion at the rate dz/ds, (n + 1,), passes a root."""
         # Loaded where something is singular.
-        from runtime.singularity.complement_derivative_and_nearest_branch import find_branch
+        from runtime.singularity.nearest_branch import find_branch
 
         weak, free = root.left.shape[1], root.null.shape[1]
         passing, x = np.empty((weak, free)), np.empty(free)  # of the complement; towards the branch

@@ -11,7 +11,7 @@ import numpy as np
 
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
-from runtime.statics.reduced_forces_and_stiffness import (
+from runtime.statics.stiffness import (
     BALANCED,
     Partition,
     StaticEquations,

@@ -13,13 +13,12 @@ from runtime.assembly.masses_far_apart import suited_to_masses
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.mechanism.module_tables import Description
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
 from runtime.results.samples import plain
 from runtime.statics.energy_minimisation import RestPosition, evaluate_position, minimise, polish
-from runtime.statics.reduced_forces_and_stiffness import StaticEquations
 from runtime.statics.stability import Judgement, Stability, judge, unjudged
 from runtime.statics.states_at_rest import (
     StatesAtRest,
@@ -27,9 +26,10 @@ from runtime.statics.states_at_rest import (
     free_states,
     require_expressions,
 )
+from runtime.statics.stiffness import StaticEquations
 from runtime.validation.masses import require_masses
 from runtime.validation.parameters import parameter_values
-from runtime.validation.requirements_of_contact_and_stiction import (
+from runtime.validation.set_valued_forces import (
     require_no_rigid,
     require_no_sticking,
 )

@@ -15,12 +15,12 @@ from numba import from_dtype
 from runtime.core.array_types import i8, integers, matrix, named_tuple_type, vector
 from runtime.core.jit import ADDRESSES, compiled, inlined, inner
 from runtime.core.kernel_abi import accelerations_of, correction_of, kinetic_energy_of, switching_of
-from runtime.core.modes_and_event_kinds import CLOSED, MIXED, SLIDING
+from runtime.core.kinds import CLOSED, MIXED, SLIDING
 from runtime.linalg.vectors import axpy, largest_ratio
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
 from runtime.statics.energy_minimisation import AWAY
-from runtime.statics.reduced_forces_and_stiffness import StaticEquations
+from runtime.statics.stiffness import StaticEquations
 
 # measured: relative error of a step; only the position at which the motion ends matters
 _TOLERANCE = 1e-4

@@ -7,7 +7,7 @@ import numpy as np
 
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.statics.energy_minimisation import RestPosition
-from runtime.statics.reduced_forces_and_stiffness import StaticEquations
+from runtime.statics.stiffness import StaticEquations
 
 _FLAT = 1e-8  # accuracy: part of the largest stiffness; a smaller one is indifferent
 

@@ -14,7 +14,7 @@ from codegen.errors import AnalysisError
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.module_tables import Description
 from runtime.statics.energy_minimisation import AWAY
-from runtime.statics.reduced_forces_and_stiffness import Partition, StaticEquations
+from runtime.statics.stiffness import Partition, StaticEquations
 
 _DIFFERENCE = 1e-5  # accuracy: scaled step of the central difference quotients
 _BALANCED = 1e-9  # accuracy: part of what unknowns of their size change a rate by; less is zero

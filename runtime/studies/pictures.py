@@ -9,8 +9,8 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from codegen.errors import InputError
-from codegen.figures_and_html import check_parent, finish_axes, new_figure, save_picture
 from codegen.files.whole_files import whole_file
+from codegen.presentation import check_parent, finish_axes, new_figure, save_picture
 from runtime.integrate.method import METHODS
 from runtime.studies.effect_ranking.ranking import Matters, Row, Verdict, percent
 from runtime.studies.work_precision.diagram import Line, Point, WorkPrecision

@@ -35,7 +35,7 @@ from codegen.files.whole_files import flush_folder, whole_file
 from runtime.core.kernel_abi import gather
 from runtime.machine_facade import Machine
 from runtime.mechanism.companion_modules import Origin
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import describe
 from runtime.sweeps.member_run import KILLED, REPEATED, Row, evaluate_member, without_run
 from runtime.sweeps.request import Request, require_programs

@@ -13,7 +13,7 @@ from codegen.errors import InputError, LinkwrightError
 from codegen.termination_signals import SignalDeferral
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.simulation import simulate_joints
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
 from runtime.results.samples import Samples

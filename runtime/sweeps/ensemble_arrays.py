@@ -32,7 +32,7 @@ from runtime.integrate.problem import Options
 from runtime.integrate.run import Run
 from runtime.integrate.wiring import Wiring
 from runtime.linalg.sparse_least_norm import SPARSE_FROM
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.start_table import StartTable, start_table
 from runtime.results.result import Result
 from runtime.results.samples import Samples

@@ -16,8 +16,8 @@ from runtime.core import workspace_rows as ws
 from runtime.core.array_types import Vector, i8
 from runtime.core.jit import inner, unlocked
 from runtime.core.kernel_abi import conditions_of, constants_of, jacobian_of, mass_of
+from runtime.core.kinds import KNOTS, SLIDING
 from runtime.core.loop_record import run_record
-from runtime.core.modes_and_event_kinds import KNOTS, SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.screening import REVERSALS, count_unresolved, exceed_bound, screen
 from runtime.dynamics.output_quantities import evaluate_samples

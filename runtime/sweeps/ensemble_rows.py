@@ -12,7 +12,7 @@ from codegen.errors import InputError
 from codegen.readers.values import shown
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import leave_out_unknown
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.table_rows import unknown
 from runtime.results.dataset import Labels, labels_of
 from runtime.results.result import Result

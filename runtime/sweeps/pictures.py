@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
-from codegen.figures_and_html import finish_axes, new_figure
+from codegen.presentation import finish_axes, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

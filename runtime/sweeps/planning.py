@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from codegen.errors import InputError, LinkwrightError
-from runtime.core.analysis_names import ANALYSES, analysis_name, analysis_title
+from runtime.core.kinds import ANALYSES, analysis_name, analysis_title
 from runtime.integrate.method import IMPLICIT
 from runtime.machine_facade import Machine
 from runtime.mechanism.module_tables import Description

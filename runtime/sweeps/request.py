@@ -32,7 +32,7 @@ class Request:
     model: str
     scene: str
     module: str  # SHA-256 of the generated module's text
-    analysis: str  # one of `runtime.core.analysis_names.ANALYSES`
+    analysis: str  # one of `runtime.core.kinds.ANALYSES`
     names: tuple[str, ...]  # of the factors
     starts: tuple[str, ...]  # those of them that are start values; the others are parameters
     quantities: Mapping[str, str | Function]  # by the name of their column

@@ -14,7 +14,7 @@ from codegen.errors import InputError
 from codegen.readers import arguments as readers
 from codegen.readers.arguments import Reader, optional
 from codegen.readers.values import KindError, finite_float
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.result import Result

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from codegen.errors import AssemblyError
-from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.kinds import SLIDING
 from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray
 
 _AHEAD = tuple(10.0**k for k in range(-12, 0))  # safety: of a second; where a run was to go next

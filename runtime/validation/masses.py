@@ -6,7 +6,7 @@ import numpy as np
 
 from codegen.errors import ParameterError
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.validation.parameters import parameter_values
 
 

@@ -6,7 +6,7 @@ import numpy.typing as npt
 from codegen.errors import ParameterError
 from codegen.parameter_conditions import ALPHAS, shape_problems, violated_conditions
 from codegen.readers.values import finite_float, shown
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.mechanism.table_rows import unknown
 from runtime.validation.arguments import check
 

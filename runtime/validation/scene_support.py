@@ -3,7 +3,7 @@
 from typing import NoReturn
 
 from codegen.errors import AnalysisError
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.results.assembled_state import Assembly
 
 

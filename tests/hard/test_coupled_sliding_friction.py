@@ -13,10 +13,10 @@ from sympy import sign
 
 from codegen import Model
 from runtime import load
-from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.kinds import SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
-from tests.hard.start_and_guess import start_and_guess
+from tests.hard.start_values import start_and_guess
 
 CRANK, INERTIA, WEIGHT, SMALL = 1.0, 0.8, 0.7, 0.05  # kg, kg m², kg, kg m²
 INNER, OUTER, G = 0.2, 0.4, 9.81  # m: from the bearing to the centres of mass

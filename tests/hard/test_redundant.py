@@ -21,7 +21,7 @@ from models.hard.suite.closed import pendulum
 from runtime import Machine, Outcome, Result, load
 from runtime.integrate.method import EXPLICIT
 from runtime.mechanism.dense_equations import Equations
-from tests.hard.start_and_guess import start_and_guess
+from tests.hard.start_values import start_and_guess
 
 JOINTS = tuple(f"{pin}{k}" for k in range(4) for pin in "AB")
 TIMES = np.linspace(0.0, 5.0, 101)

@@ -14,7 +14,7 @@ from models.hard.suite.case import ROOT, table
 from models.hard.suite.linkages import crank_angle, crank_growth, equal_rods_angle
 from runtime import Machine, Outcome, Result, load
 from runtime.integrate.method import EXPLICIT
-from tests.hard.start_and_guess import start_and_guess
+from tests.hard.start_values import start_and_guess
 from tests.runtime.integrate.systems import ACCURATE
 
 

@@ -14,7 +14,7 @@ from linkwright.cli.application import app
 from models.hard.parallel_linkage import parallel_linkage
 from runtime import Machine, Outcome, load
 from tests.hard.driven import STANDING
-from tests.hard.start_and_guess import start_and_guess
+from tests.hard.start_values import start_and_guess
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from codegen.errors import InputError
 from docs.make_schemas import FOLDER, SCHEMAS, text_of
 from runtime import load_case
 from runtime.cases.fields import RUN, schema
-from runtime.core.analysis_names import ANALYSES
+from runtime.core.kinds import ANALYSES
 from runtime.machine_facade import Machine
 
 

@@ -8,14 +8,14 @@ import numpy as np
 
 from codegen import Model
 from tests.random_mechanisms import modules, parts
-from tests.random_mechanisms.declaration import RATES, declare
-from tests.random_mechanisms.effects_and_drivers import (
+from tests.random_mechanisms.applied_effects import (
     add_contact,
     add_drivers,
     add_effects,
     mechanism_of,
     set_laws,
 )
+from tests.random_mechanisms.declaration import RATES, declare
 from tests.random_mechanisms.modules import Host, Module
 from tests.random_mechanisms.parts import GROUND
 from tests.random_mechanisms.pose_analysis import LEAST_SINGULAR_VALUE, column_sizes, freedoms

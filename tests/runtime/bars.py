@@ -15,7 +15,7 @@ from numba import njit
 
 from runtime.core.kernel_abi import SIGNATURES, gather
 from runtime.machine_facade import Machine
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import describe
 
 OPTIONS = {"error_model": "numpy"}

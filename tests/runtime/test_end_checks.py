@@ -14,7 +14,7 @@ from sympy import Mod
 from codegen import Model, t
 from codegen.errors import AssemblyError
 from runtime import load
-from runtime.core.modes_and_event_kinds import Direction
+from runtime.core.kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics import simulation
 from runtime.dynamics.checks import end_checks, energy_balance

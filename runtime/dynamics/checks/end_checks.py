@@ -9,7 +9,7 @@ stiff contact. A looser run then has events that a tighter one has not.
 import numpy as np
 import numpy.typing as npt
 
-from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.kinds import SLIDING
 from runtime.core.outcomes import Outcome, Site
 from runtime.dynamics.checks.screening import (
     APART,

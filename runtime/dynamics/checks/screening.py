@@ -22,7 +22,7 @@ from runtime.core.array_types import (
 )
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import jacobian_of, switching_of
-from runtime.core.modes_and_event_kinds import KNOTS, SLIDING, Direction
+from runtime.core.kinds import KNOTS, SLIDING, Direction
 from runtime.integrate.problem import Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations, FloatArray

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from codegen.errors import InputError
 from codegen.readers import arguments as readers
 from runtime.assembly.start_values import start_values
-from runtime.core.analysis_names import ANALYSES, analysis_name, analysis_title
+from runtime.core.kinds import ANALYSES, analysis_name, analysis_title
 from runtime.machine_facade import Machine
 from runtime.studies import harness
 from runtime.studies.effect_ranking.ranking import Matters, Proposal, Row, Verdict

@@ -40,7 +40,7 @@ class Plan:
     """The run that every scene of a ranking makes, and the quantity that is taken from it."""
 
     quantity: Quantity
-    analysis: str  # one of `runtime.core.analysis_names.ANALYSES`
+    analysis: str  # one of `runtime.core.kinds.ANALYSES`
     t_start: float
     t_end: float
     points: int  # output instants of the first run, and of those that are timed

@@ -6,7 +6,7 @@ import numpy as np
 
 from runtime.core import workspace_rows as ws
 from runtime.core.kernel_abi import SIGNATURES
-from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.kinds import SLIDING
 from runtime.integrate.problem import Options, Problem
 from runtime.integrate.run import integrate
 from runtime.integrate.wiring import wire

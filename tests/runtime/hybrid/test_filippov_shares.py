@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.core.kernel_abi import SIGNATURES
-from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.kinds import SLIDING
 from runtime.core.outcomes import Outcome
 from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options, Problem

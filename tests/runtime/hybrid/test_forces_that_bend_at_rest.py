@@ -10,7 +10,7 @@ from sympy import Abs, Expr, Max, Piecewise, pi, sign
 
 from codegen import Model
 from runtime import load
-from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.kinds import SLIDING
 from runtime.core.outcomes import Outcome
 
 LAWS: dict[str, Callable[[Expr], Expr]] = {

@@ -2,7 +2,7 @@
 
 import pytest
 
-from runtime.core.modes_and_event_kinds import Mode
+from runtime.core.kinds import Mode
 from runtime.hybrid.mode_consistency import decided_entry, preferred_mode
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from runtime.core import workspace_rows as ws
-from runtime.core.modes_and_event_kinds import SLIDING
+from runtime.core.kinds import SLIDING
 from runtime.hybrid.mode_consistency import CONSISTENT, decided_entry
 from runtime.hybrid.mode_selection import surface_band
 from tests.runtime.hybrid import drivers

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.core.modes_and_event_kinds import SLIDING, Direction
+from runtime.core.kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome
 from runtime.integrate.method import EXPLICIT
 from runtime.integrate.problem import Options, Problem

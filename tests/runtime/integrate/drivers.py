@@ -2,14 +2,7 @@
 
 from runtime.core.array_types import f8, i8, integers, none
 from runtime.core.jit import compiled
-from runtime.integrate import (
-    loop,
-    sampling,
-    step,
-    step_acceptance_and_zeno_check,
-    step_control,
-    step_to_event,
-)
+from runtime.integrate import loop, sampling, step, step_acceptance, step_control, step_to_event
 from runtime.integrate.problem import Options
 from runtime.integrate.run import Run
 from tests.runtime.integrate.systems import pendulum_problem
@@ -57,12 +50,12 @@ def copy_end(context, source, target):
 
 @compiled(i8(integers))
 def accept_step(context):
-    return step_acceptance_and_zeno_check.accept_step(context)
+    return step_acceptance.accept_step(context)
 
 
 @compiled(i8(integers))
 def judge_events(context):
-    return step_acceptance_and_zeno_check.judge_events(context)
+    return step_acceptance.judge_events(context)
 
 
 @compiled(i8(integers, f8, f8, f8, i8))

@@ -5,13 +5,7 @@ import numpy as np
 from runtime.core.array_types import f8, i8, integers, matrix, none, vector
 from runtime.core.jit import allocating, compiled
 from runtime.core.kernel_abi import SIGNATURES
-from runtime.linalg import (
-    cholesky,
-    leading_block_and_null_vectors,
-    lu,
-    row_elimination,
-    symbolic_elimination_and_replay,
-)
+from runtime.linalg import cholesky, leading_block, lu, row_elimination, symbolic_elimination
 
 
 @allocating(i8(vector, i8, vector))
@@ -48,18 +42,18 @@ def orthonormalise(factor, vectors):
 
 @compiled(i8(matrix, i8, vector, f8))
 def eliminate_leading(a, r, right, least):
-    return int(leading_block_and_null_vectors.eliminate_leading(a, r, right, least))
+    return int(leading_block.eliminate_leading(a, r, right, least))
 
 
 @compiled(none(matrix, i8, vector, vector))
 def complete_solution(a, r, right, x):
-    leading_block_and_null_vectors.complete_solution(a, r, right, x)
+    leading_block.complete_solution(a, r, right, x)
 
 
 @compiled(none(matrix, i8, integers, integers, matrix, matrix))
 def both_vectors(a, r, row_order, column_order, left, null):
-    leading_block_and_null_vectors.left_vectors(a, r, row_order, left)
-    leading_block_and_null_vectors.null_vectors(a, r, column_order, null)
+    leading_block.left_vectors(a, r, row_order, left)
+    leading_block.null_vectors(a, r, column_order, null)
 
 
 @compiled(SIGNATURES["jacobian"])
@@ -86,7 +80,7 @@ def eliminate_rows(dense, order, pivots, search):
 @compiled(none(integers, integers, integers, vector, vector, matrix, integers, vector))
 def write_plan(order, rows, columns, values, scale, dense, plan, lengths):
     sparse = row_elimination.Sparse(rows, columns, values)
-    symbolic_elimination_and_replay.write_plan(order, sparse, scale, dense, plan, lengths)
+    symbolic_elimination.write_plan(order, sparse, scale, dense, plan, lengths)
 
 
 @compiled(i8(f8, vector, vector, integers, integers, vector, vector, integers, vector, vector))
@@ -94,9 +88,7 @@ def replay_plan(t, p, scale, rows, columns, values, flat, plan, lengths, pivots)
     """Of the Jacobian that `entries_linear_in_time` gives."""
     entries_linear_in_time(t, scale, p, values)
     sparse = row_elimination.Sparse(rows, columns, values)
-    return int(
-        symbolic_elimination_and_replay.replay_plan(sparse, scale, flat, plan, lengths, pivots)
-    )
+    return int(symbolic_elimination.replay_plan(sparse, scale, flat, plan, lengths, pivots))
 
 
 @compiled(i8(matrix, integers, f8))

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
-from codegen.figures_and_html import terminal_width
+from codegen.presentation import terminal_width
 from codegen.reading.scene_variants import declared, variants
 from linkwright.cli.application import app
 from runtime import Result, load, matters

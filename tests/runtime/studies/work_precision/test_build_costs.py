@@ -10,7 +10,7 @@ import pytest
 from codegen import Model
 from codegen.errors import LinkwrightError
 from runtime import accuracy, load
-from runtime.mechanism import mechanism_tables_and_kernels
+from runtime.mechanism import mechanism
 from runtime.results.result import Result
 from runtime.studies.harness import Runner
 from runtime.studies.work_precision import Setting, study
@@ -36,13 +36,13 @@ def test_nothing_is_built_that_no_setting_takes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     loaded: list[str] = []
-    real = mechanism_tables_and_kernels.load_companion
+    real = mechanism.load_companion
 
     def load_companion(origin: Any, kind: Any, *rest: Any) -> Any:
         loaded.append(kind)
         return real(origin, kind, *rest)
 
-    monkeypatch.setattr(mechanism_tables_and_kernels, "load_companion", load_companion)
+    monkeypatch.setattr(mechanism, "load_companion", load_companion)
     timed: list[Collection[str]] = []
     monkeypatch.setattr(study, "build_costs", lambda *given: timed.append(given[2]) or {})
     found = accuracy(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.singularity.complement_derivative_and_nearest_branch import find_branch
+from runtime.singularity.nearest_branch import find_branch
 from runtime.singularity.search_function_table import set_units
 from tests.runtime.singularity.crossing import branch_slopes, mechanism
 from tests.runtime.singularity.drivers import factor_normal_equations

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.linalg.symbolic_elimination_and_replay import plan_capacity
+from runtime.linalg.symbolic_elimination import plan_capacity
 from tests.runtime.linalg.drivers import (
     eliminate_rows,
     fill_unit_rows,

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError, InputError
-from runtime.mechanism.mechanism_tables_and_kernels import Mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.results.samples import Samples
 
 FloatArray = npt.NDArray[np.float64]

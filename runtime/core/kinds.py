@@ -1,6 +1,19 @@
-"""Modes of switching functions, and directions of events."""
+"""Names and numbers of kinds: analyses, modes of switching functions, events, peaked functions."""
 
 from enum import IntEnum, unique
+
+ANALYSES = ("simulate", "kinematics", "inverse_dynamics", "equilibrium")
+
+
+def analysis_name(text: str) -> str:
+    """The name in its usual spelling: ``inverse-dynamics`` and ``inverse`` are one analysis."""
+    name = text.strip().replace("-", "_").replace(" ", "_")
+    return "inverse_dynamics" if name == "inverse" else name
+
+
+def analysis_title(name: str) -> str:
+    """The name in a sentence: inverse dynamics."""
+    return name.replace("_", " ")
 
 
 @unique
@@ -61,3 +74,16 @@ OPEN, CLOSED = int(Boundary.OPEN), int(Boundary.CLOSED)
 BALANCED, MIXED = int(Boundary.BALANCED), int(Boundary.MIXED)
 ONE_WAY = int(Hold.ONE_WAY)
 KNOTS, RANGE = int(TablePart.KNOTS), int(TablePart.RANGE)
+
+
+@unique
+class PeakKind(IntEnum):
+    """A function by its argument; the names are those of a module's PEAKS."""
+
+    EXPONENTIAL = 0  # e^u
+    STEP = 1  # tanh u and the like, with all its change about u = 0
+    POWER = 2  # |u|^exponent
+
+
+# Compiled code reads integers of a module.
+EXPONENTIAL, STEP, POWER = map(int, PeakKind)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+
 NARROW, WIDE, UNKNOWN = 80, 140, 120
 """Least and largest width of a table in columns; width where the terminal does not report one."""
 PICTURES = (".png", ".svg", ".pdf")

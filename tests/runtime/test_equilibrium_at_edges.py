@@ -15,8 +15,8 @@ from runtime.machine_facade import Machine
 from runtime.mechanism.dense_equations import Equations
 from runtime.progress_bar import silent
 from runtime.statics.energy_minimisation import evaluate_position, minimise
-from runtime.statics.reduced_forces_and_stiffness import StaticEquations
 from runtime.statics.stability import Stability
+from runtime.statics.stiffness import StaticEquations
 
 METHODS = pytest.mark.parametrize("method", ["energy", "settling"])
 G = 9.81

@@ -6,8 +6,8 @@ from runtime.core import function_table_slots as ft
 from runtime.core.array_types import Context
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import kinetic_energy_of
+from runtime.core.kinds import KNOTS, RANGE
 from runtime.core.loop_record import Plan, run_record
-from runtime.core.modes_and_event_kinds import KNOTS, RANGE
 from runtime.core.outcomes import Outcome, Site
 from runtime.hybrid.mode_consistency import CONSISTENT
 from runtime.integrate.step import Signal, TrialStep, reject
