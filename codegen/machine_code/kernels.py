@@ -19,6 +19,7 @@ import numba
 import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
 from numba import types
+from numba.extending import typeof_impl
 
 from codegen.garbage_collection import collection_paused
 from codegen.machine_code import llvm_module
@@ -140,6 +141,12 @@ class Kernel(_types.WrapperAddressProtocol):  # type: ignore[misc]
         return llvm_module.Kernel(
             symbol, ", ".join(head), tuple(parameters), _results(self.declared)
         )
+
+
+@typeof_impl.register(Kernel)
+def type_of_kernel(kernel: Kernel, context: object) -> Any:
+    """The type of a kernel that is handed to a compiled function as a value."""
+    return _types.FunctionType(kernel.signature())
 
 
 class NumbaOfTexts:

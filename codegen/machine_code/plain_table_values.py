@@ -5,7 +5,7 @@ from typing import Any
 
 import numba
 from numba import extending, types
-from numba.extending import intrinsic, overload
+from numba.extending import intrinsic
 
 _extending: Any = extending  # numba leaves its names untyped
 _types: Any = types
@@ -84,22 +84,3 @@ def row_at(slot: int, count: int, factor: int, part: int | None, **attributes: i
     for name, number in attributes.items():
         _declare_attribute(name, fetch, number)
     return fetch
-
-
-def _viewed(base, start, shape):  # type: ignore[no-untyped-def]
-    """As `table_values.view`."""
-    raise NotImplementedError("compiled code alone")
-
-
-@overload(_viewed)
-def _overloaded_view(base, start, shape):  # type: ignore[no-untyped-def]
-    pointer = _POINTERS[base.dtype]
-    if isinstance(shape, _types.BaseTuple):
-        return lambda base, start, shape: _carray(pointer(base.ctypes.data + 8 * start), shape)
-    return lambda base, start, shape: _carray(pointer(base.ctypes.data + 8 * start), (shape,))
-
-
-@_njit
-def view(base, start, shape):  # type: ignore[no-untyped-def]
-    """As `table_values.view`."""
-    return _viewed(base, start, shape)  # type: ignore[no-untyped-call]

@@ -142,8 +142,6 @@ def _view(typing_context: Any, base: Any, start: Any, shape: Any) -> Any:
 
 
 view: Any = intrinsic(_view)
-if PLAIN:
-    pass
 
 
 if not PLAIN:

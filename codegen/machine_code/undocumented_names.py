@@ -1,9 +1,9 @@
 """What is used of numba beyond its documentation: every name, what for, and what it gains.
 
 Only this package imports `numba.core`, `numba.np` or `llvmlite`, and only this module what the
-documentation of either lacks. `LINKWRIGHT_NUMBA=plain` uses none of it but the last two rows, with
-the same numbers: a way to go on with a numba that no longer has the others, until this table is
-brought up to date.
+documentation of either lacks. `LINKWRIGHT_NUMBA=plain` uses none of it but the last three rows,
+with the same numbers: a way to go on with a numba that no longer has the others, until this table
+is brought up to date.
 """
 
 import os
@@ -133,6 +133,13 @@ TABLE = (
         "the address of a compiled function",
         "none",
         "`numba.cfunc`, which compiles each function once more",
+    ),
+    Name(
+        "of a target context: make_array, populate_array, get_data_type, get_abi_sizeof; also in "
+        "plain",
+        "views of parts of an array, which count no references",
+        "as the row of options",
+        "slices of arrays, which count them",
     ),
     Name(
         "types.FunctionType: jit_addr, c_addr; of a target context: make_helper, make_array; also "
