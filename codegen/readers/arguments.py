@@ -64,7 +64,8 @@ def reads(
             call.arguments.update(read_arguments(function.__name__, readers, given))
             return function(*call.args, **call.kwargs)
 
-        return checked_call(checked, f"{function.__name__}()")
+        method = "self" in signature.parameters  # its class names it
+        return checked_call(checked, None if method else f"{function.__name__}()")
 
     return decorate
 

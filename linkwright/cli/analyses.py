@@ -89,7 +89,7 @@ def simulate(
     stream: Annotated[
         bool,
         output("Write --out, a .zarr that is not there, in chunks while the run goes on.",
-               "--stream"),
+               "--stream/--no-stream"),
     ] = False,
     **run: Any,
 ) -> None:  # fmt: skip

@@ -47,8 +47,8 @@ def can_start() -> bool:
 
 
 def compile_beside(functions: Sequence[Any]) -> None:
-    """Have another process compile functions, from the last to the first, if there is a core."""
-    if not can_start():
+    """Have one other process compile functions, from the last to the first, if there is a core."""
+    if not can_start() or any(process.poll() is None for process in _running):
         return
     names = [(function.__module__, function.__name__) for function in reversed(functions)]
     entries: list[Any] = sys.path  # other entries than texts mean nothing to Python

@@ -230,6 +230,7 @@ def write_part(store: Store, block: int, rows: Mapping[int, Row]) -> None:
         If it cannot be written, by a disk that is full, or another store lies there by now.
     """
     reopen(store.path, store.about["identity"])
+    rows = read_part(store, block) | dict(rows)  # another process may make the same block
     numbers = np.array([(*r.quantities, r.t_last, *r.series.ravel()) for r in rows.values()])
     texts = json.dumps([(row.outcome, row.message) for row in rows.values()])
     path = part_file(store.path, block)

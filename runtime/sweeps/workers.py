@@ -208,8 +208,9 @@ def serve() -> None:
 
 
 def _answer(stream: BinaryIO, word: str, content: Any) -> None:
-    pickle.dump((word, content), stream)
-    stream.flush()
+    with suppress(OSError):  # nobody is there any more who would read it
+        pickle.dump((word, content), stream)
+        stream.flush()
 
 
 def _listen(stream: BinaryIO, orders: "queue.SimpleQueue[Any]") -> None:

@@ -41,6 +41,7 @@ def test_all_names_offer_the_same_application(tmp_path: Path) -> None:
         assert done.returncode == 0, done.stderr
         pages.add(" ".join(done.stdout.partition("[MODEL]")[2].split()))
     assert len(pages) == 1
+    assert "" not in pages
 
 
 def test_version(tmp_path: Path) -> None:

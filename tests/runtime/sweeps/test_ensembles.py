@@ -50,7 +50,7 @@ def assert_equal_to_single_runs(machine, found, times, parameters, starts=None):
         ("hard/guide_friction", None),
     ],
 )
-def test_rows_equal_ensemble_bit_for_bit(model, scene, threads):
+def test_rows_equal_single_runs_bit_for_bit(model, scene, threads):
     machine = load(model, scene=scene) if scene else load(model)
     row = machine.mechanism.description.parameters[0]
     given = {row.name: row.default * np.linspace(1.0, 1.02, 9)}
