@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import sympy
 
 from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate, rate
-from codegen.declare.units import in_unit
+from codegen.declare.units import in_unit, metres
 from codegen.errors import ModelError
 from codegen.readers.calls import declaring_class, named_attributes
 from codegen.readers.expressions import plain_expression
@@ -166,11 +166,11 @@ class Body(Pose):
 
     def at(self, x: Any, y: Any) -> "Point":
         """The point (x', y') of this body's frame, m."""
-        return Point(self, x, y)
+        return Point(self, metres(x), metres(y))
 
     def curve(self, x: Any, y: Any) -> "Curve":
         """The curve x'(α), y'(α) of this body's frame, m, written in the symbol `alpha`."""
-        return Curve(self, x, y)
+        return Curve(self, metres(x), metres(y))
 
     def circle(self, radius: Any, center: tuple[Any, Any] = (0, 0)) -> "Curve":
         """A circle in this body, m, run through counter-clockwise."""

@@ -99,6 +99,14 @@ def in_unit(value: Any, unit: str) -> Any:
     return magnitude if isinstance(magnitude, sympy.Basic) else plain_float(magnitude)
 
 
+def metres(length: Any) -> Any:
+    """A quantity of a length in m; what is none is returned as it is, and told where it is used."""
+    try:
+        return in_unit(length, "m") if is_quantity(length) else length
+    except KindError:
+        return length
+
+
 def same_dimension(one: str, other: str) -> bool:
     """Whether two units convert into each other; the empty text is that of a pure number."""
     quantities = (

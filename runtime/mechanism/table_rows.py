@@ -71,7 +71,7 @@ class Table(tuple[RowT, ...]):
         rows: tuple[Any, ...] = self.names if isinstance(item, str) else tuple(self)
         try:
             return rows.index(item, *bounds)
-        except ValueError:
+        except (ValueError, AttributeError):  # a number of SymPy's compares itself with no row
             raise UnknownNameError(unknown("name", item, self.names)) from None
 
 

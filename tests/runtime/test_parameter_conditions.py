@@ -82,8 +82,8 @@ def test_build_refuses_the_same_of_a_scene(
 ) -> None:
     """The same list judges the values that a scene gives."""
     file = tmp_path / "given.py"
-    line = f"\nmodel.scenes.declare('{scene}', replace(model.scenes['{scene}'], "
-    line += f"parameters=tuple({parameters}.items())))\n"
+    line = f"\nmodel.scenes['{scene}'] = replace(model.scenes['{scene}'], "
+    line += f"parameters=tuple({parameters}.items()))\n"
     file.write_text("from dataclasses import replace\n" + MODEL.read_text("utf-8") + line, "utf-8")
     with pytest.raises(ModelError) as caught:
         build(file, scene, tmp_path, compile=False)
