@@ -6,7 +6,6 @@ import platform
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -162,14 +161,16 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[s
 @cache
 def program_facts() -> dict[str, str]:
     """Versions by name, the hash of Linkwright's own sources, and the kind of processor."""
-    binding = import_module("llvmlite.binding")  # which has no types
+    from codegen.machine_code.code_folders import processor  # which loads numba
+
+    name, _ = processor()
     libraries = ("llvmlite", "numba", "numpy", "scipy")
     return {
         "linkwright": __version__,
         SOURCES: sources_hash(),
         "python": platform.python_version(),
         **{library: version(library) for library in libraries},
-        PROCESSOR: f"{platform.machine()} {binding.get_host_cpu_name()}",
+        PROCESSOR: f"{platform.machine()} {name}",
     }
 
 

@@ -17,6 +17,8 @@ def imports(path: Path) -> set[str]:
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
             found |= {f"{node.module}.{alias.name}" for alias in node.names}
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module"):
+            found |= {x.value for x in node.args if isinstance(x, ast.Constant)}
     return {name for name in found if name.startswith(("numba.core", "numba.np", "llvmlite"))}
 
 
