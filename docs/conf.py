@@ -9,6 +9,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from jupyter_cache import get_cache
+
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
@@ -152,6 +154,11 @@ def forget_what_another_source_gave(app: "Sphinx") -> None:
     stamp.write_text(source_digest, encoding="utf-8")
 
 
+def make_the_store_of_cells(app: "Sphinx") -> None:
+    """Make the database of run cells before the readers fork: two that make it at once collide."""
+    get_cache(nb_execution_cache_path).list_cache_records()
+
+
 def copy_mathjax(app: "Sphinx", error: Exception | None) -> None:
     """Put MathJax and its fonts beside the other static files."""
     if error is None and app.builder.format == "html":
@@ -168,4 +175,5 @@ def setup(app: "Sphinx") -> None:
     """Tie the pages to the source."""
     app.add_config_value("source_digest", "", "env", types=[str])
     app.connect("builder-inited", forget_what_another_source_gave, priority=1)
+    app.connect("builder-inited", make_the_store_of_cells, priority=2)
     app.connect("build-finished", copy_mathjax)
