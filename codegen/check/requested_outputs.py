@@ -5,8 +5,7 @@ from collections.abc import Iterator
 from codegen.declare.element import EXERTED, QUANTITIES, label
 from codegen.declare.scene import Scene
 from codegen.derive.constraint_terms import constraint_terms
-from codegen.derive.effect_measures import available_quantities, effect_measures
-from codegen.derive.effect_terms import effect_terms
+from codegen.derive.effect_terms import available_quantities, effect_measures, effect_terms
 from codegen.derive.equations import active_joints
 from codegen.model import Model
 from codegen.model.requested_outputs import ONE

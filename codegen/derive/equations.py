@@ -16,9 +16,7 @@ from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration,
 from codegen.declare.watched_conditions import WATCHED, WatchedCondition
 from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
-from codegen.derive.effect_measures import terms_in_scene
-from codegen.derive.effect_terms import EffectTerms, effect_terms
-from codegen.derive.element_expressions import TableRange, table_ranges
+from codegen.derive.effect_terms import EffectTerms, effect_terms, terms_in_scene
 from codegen.derive.inertia import inertia
 from codegen.derive.parameter_conditions import (
     ElementCondition,
@@ -28,9 +26,15 @@ from codegen.derive.parameter_conditions import (
     expressions_in,
     profiles_of,
 )
-from codegen.derive.peaked_functions import PeakedFunction, peaked_functions
 from codegen.derive.scene_picture import ScenePicture, scene_picture
-from codegen.derive.time_functions import TimeFunction, time_functions
+from codegen.derive.watched_functions import (
+    PeakedFunction,
+    TableRange,
+    TimeFunction,
+    peaked_functions,
+    table_ranges,
+    time_functions,
+)
 from codegen.garbage_collection import collection_paused
 from codegen.model import Model
 from codegen.model.base import TRACKED

@@ -8,9 +8,8 @@ from dataclasses import replace
 from typing import Any
 
 from codegen.drawing.layout import VERSION
-from codegen.emit.argument_docstrings import Arguments
+from codegen.emit.kernel_docstrings import Arguments, formula
 from codegen.emit.module import Origin, assemble_module, operation_table
-from codegen.emit.readable_formula import formula
 from codegen.lower.kernels.picture_kernels import LoweredPicture
 from codegen.lower.lowered_scene import Lowered
 from codegen.lower.program import Program

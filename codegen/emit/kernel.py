@@ -2,10 +2,9 @@
 
 from collections.abc import Iterator
 
-from codegen.emit.argument_docstrings import Arguments
+from codegen.emit.kernel_docstrings import Arguments, formula
 from codegen.emit.line_wrapping import literal, prose, quantity, wrap_statement
 from codegen.emit.module_functions import lookups
-from codegen.emit.readable_formula import formula
 from codegen.emit.statements import NOTHING, SIGN, SUM, Scope, Statements
 from codegen.lower.operation_count import operations
 from codegen.lower.program import Input, Kernel, Op, Program

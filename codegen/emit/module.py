@@ -4,10 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from codegen.emit.argument_docstrings import Arguments
+from codegen.emit.kernel_docstrings import Arguments, folded_numbers, formula
 from codegen.emit.line_wrapping import assignment, checked, literal, prose, quantity
 from codegen.emit.module_functions import SIN_COS_FUNCTION, lookups, spline_lines
-from codegen.emit.readable_formula import folded_numbers, formula
 from codegen.emit.unrolling import Unroll, kernel_texts
 from codegen.files.generated_modules import MARK, UNSIGNED, signed
 from codegen.lower.lowered_scene import Lowered

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.kernel import heading
+from codegen.emit.kernel_docstrings import Arguments
 from codegen.emit.line_wrapping import filled, literal, prose, wrap_statement
 from codegen.emit.module_functions import lookups
 from codegen.emit.solution_steps import PREFIXES

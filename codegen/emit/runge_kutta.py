@@ -28,7 +28,7 @@ import numpy as np
 
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers
+from runtime.core.arrays import Integers
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed
 from runtime.core.state_derivative import evaluate_rhs

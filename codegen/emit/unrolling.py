@@ -2,8 +2,8 @@
 
 from typing import Literal
 
-from codegen.emit.argument_docstrings import Arguments
 from codegen.emit.kernel import KernelText
+from codegen.emit.kernel_docstrings import Arguments
 from codegen.emit.rolled_kernel import RolledKernelText
 from codegen.lower.program import LEAVES, Kernel, Program
 from codegen.reroll.batching import batch

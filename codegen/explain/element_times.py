@@ -25,7 +25,7 @@ import numpy.typing as npt
 from numba import njit, types
 
 from codegen.derive.equations import Equations
-from codegen.emit.argument_docstrings import Arguments
+from codegen.emit.kernel_docstrings import Arguments
 from codegen.emit.module import Origin, assemble_module
 from codegen.errors import InputError
 from codegen.explain.ledger import Ledger, Part, RunCosts

@@ -10,7 +10,7 @@ from codegen.declare.returned_terms import friction_law
 from codegen.declare.returned_values import replaced_body
 from codegen.declare.scene import Scene
 from codegen.derive.equations import active_joints, derive
-from codegen.emit.argument_docstrings import Arguments
+from codegen.emit.kernel_docstrings import Arguments
 from codegen.emit.rolled_kernel import RolledKernelText
 from codegen.emit.unrolling import LONGEST, kernel_texts, statements
 from codegen.errors import InputError

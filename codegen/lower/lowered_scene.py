@@ -3,16 +3,20 @@
 from dataclasses import dataclass
 
 from codegen.derive.equations import Equations, tracked_points
-from codegen.derive.peaked_functions import PeakedFunction
+from codegen.derive.watched_functions import PeakedFunction
 from codegen.garbage_collection import collection_paused
 from codegen.lower.constant_hoisting import with_constants
 from codegen.lower.differentiation.derivative_along_motion import Direction
 from codegen.lower.kernels.accelerations import accelerations
 from codegen.lower.kernels.corrections import correction
 from codegen.lower.kernels.inverse_mass_ratio import inverse_mass_ratio, weak_pivot
-from codegen.lower.kernels.parameter_conditions import condition_kernels
-from codegen.lower.kernels.samples import sampling_kernels, watching_kernels
-from codegen.lower.kernels.set_valued_forces import hold_kernels, reaction_outputs
+from codegen.lower.kernels.scalar_kernels import (
+    condition_kernels,
+    hold_kernels,
+    reaction_outputs,
+    sampling_kernels,
+    watching_kernels,
+)
 from codegen.lower.linear.factorization import Strategy
 from codegen.lower.module_tables import Description, describe
 from codegen.lower.program import (
@@ -93,7 +97,7 @@ class Selection:
 
 
 def peak_arguments(scene: SceneGraph, peaks: tuple[PeakedFunction, ...]) -> Kernel:
-    """The kernel that a run calls in each step; see `codegen.derive.peaked_functions`."""
+    """The kernel that a run calls in each step; see `codegen.derive.watched_functions`."""
     graph = scene.graph
     velocities = dict(zip(scene.q, scene.v, strict=True))
     motion = Direction(graph, {**velocities, scene.time: graph.one}, order=1)

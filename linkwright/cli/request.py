@@ -26,7 +26,7 @@ from linkwright.cli.options import (
     model,
     pair,
 )
-from runtime.integrate.simulation_options import OPTIONS, SimulationOption
+from runtime.integrate.problem import OPTIONS, SimulationOption
 
 if TYPE_CHECKING:
     import codegen

@@ -13,8 +13,8 @@ from runtime.accuracy_target.run_comparison import (
     Run,
     tenfold_time,
 )
+from runtime.core.arrays import EPS
 from runtime.core.outcomes import Outcome
-from runtime.core.unit_roundoff import EPS
 from runtime.results.motion_at_instants import end_after
 from runtime.results.result import Result
 from runtime.results.run_records import Estimate, ReachedAccuracy

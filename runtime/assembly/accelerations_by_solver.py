@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from runtime.core.array_types import Kernel
+from runtime.core.arrays import Kernel
 from runtime.core.kernel_abi import SIGNATURES, Kernels
-from runtime.linalg.row_elimination import Sparse
+from runtime.linalg.dense_elimination import Sparse
 from runtime.mechanism.module_tables import Description
 
 UNCACHED: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}

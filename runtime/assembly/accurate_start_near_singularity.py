@@ -11,7 +11,7 @@ import numpy as np
 
 from runtime.assembly.joint_closing import CLOSED, Task
 from runtime.assembly.redundancy import is_clearly_independent
-from runtime.core.unit_roundoff import EPS
+from runtime.core.arrays import EPS
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.singularity.motion_polynomial import taylor
 from runtime.singularity.singular_position_near_motion import SingularPositions

@@ -17,7 +17,7 @@ from runtime.assembly.joint_closing import CLOSED, Closing, Task, close
 from runtime.assembly.redundancy import Dependency, Findings
 from runtime.assembly.regular_start import LARGEST, VELOCITY_CLOSED, find_regular_start, weights
 from runtime.assembly.start_values import MOVED, Start, start_of_state, start_values
-from runtime.linalg.least_norm_newton import least_norm_solver
+from runtime.linalg.least_norm import least_norm_solver
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.mechanism.module_tables import Description

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.core.unit_roundoff import EPS
-from runtime.linalg.least_norm_newton import solve_by_newton
+from runtime.core.arrays import EPS
+from runtime.linalg.least_norm import solve_by_newton
 from runtime.mechanism.dense_equations import Equations, FloatArray
 
 CLOSED = 1e-10  # accuracy: largest scaled gap of joints that are closed

@@ -12,8 +12,8 @@ from runtime.assembly.accelerations_by_solver import UNCACHED, accelerations_by
 from runtime.core.kernel_abi import SIGNATURES, Kernels
 from runtime.integrate.method import EXPLICIT, IMPLICIT, alternatives
 from runtime.integrate.problem import Correction
+from runtime.linalg.dense_elimination import Sparse
 from runtime.linalg.redundant_constraints_solve import solve_least_norm, solve_motion
-from runtime.linalg.row_elimination import Sparse
 from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import Assembly

@@ -112,7 +112,7 @@ def is_clearly_independent(task: Task, q: FloatArray) -> bool:
     matrix = unit_rows(task, q)
     if not np.isfinite(matrix.data).all():
         return False
-    from runtime.linalg.sparse_least_norm import LeastNorm
+    from runtime.linalg.least_norm import LeastNorm
 
     return LeastNorm(matrix).least_singular_value() > _CLEARLY * LOST
 

@@ -6,13 +6,16 @@ It is the method of `joint_closing`, for all constraints of a small machine.
 import numpy as np
 
 from runtime.assembly.joint_closing import CLOSED, DIGITS, PENALTIES, ROUGH
-from runtime.core.array_types import Context, Integers, Vector
+from runtime.core.arrays import EPS, Context, Integers, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import constraints_of, jacobian_of
-from runtime.core.unit_roundoff import EPS
-from runtime.linalg.cholesky import factor_cholesky, solve_cholesky
-from runtime.linalg.least_norm_newton import ITERATIONS, ROUNDING
-from runtime.linalg.orthonormal_rows import factor_rows, solve_least_norm
+from runtime.linalg.least_norm import ITERATIONS, ROUNDING
+from runtime.linalg.orthogonal_factors import (
+    factor_cholesky,
+    factor_rows,
+    solve_cholesky,
+    solve_least_norm,
+)
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.linalg.vectors import copy_vector, largest_magnitude
 from runtime.mechanism.start_table import LEAD, LEADING, lead_of

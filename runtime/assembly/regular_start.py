@@ -20,10 +20,10 @@ from runtime.assembly.regular_closing import (
     move,
 )
 from runtime.assembly.start_values import Start
-from runtime.core.array_types import Context, Integers, Vector, f8, i8, vector
+from runtime.core.arrays import Context, Integers, Vector, f8, i8, vector
 from runtime.core.jit import ADDRESSES, addresses, compiled, inner
 from runtime.core.kernel_abi import acceleration_rhs_of, constraints_of, velocity_rhs_of
-from runtime.linalg.orthonormal_rows import bound_singular_value, factor_rows, solve_least_norm
+from runtime.linalg.orthogonal_factors import bound_singular_value, factor_rows, solve_least_norm
 from runtime.linalg.rank_policy import LOST, NO_PIVOT
 from runtime.linalg.vectors import copy_vector, dot, is_finite, largest_magnitude
 from runtime.mechanism.dense_equations import Equations

@@ -9,11 +9,10 @@ import numpy as np
 
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context
+from runtime.core.arrays import EPS, Context
 from runtime.core.jit import addressed
 from runtime.core.kernel_abi import correction_of
 from runtime.core.loop_record import run_record
-from runtime.core.unit_roundoff import EPS
 
 ITERATIONS = 10  # safety: Newton iterations before the return counts as failed
 FAILED = -1_000_000  # negative also when iterations of other stages are added to it

@@ -5,6 +5,8 @@ depend on units: the columns that receive a pivot are the dependent coordinates,
 independent ones; rows without a pivot are redundant. (E. J. Haug, Computer-Aided
 Kinematics and Dynamics of Mechanical Systems, 1989; R. A. Wehage and E. J. Haug, Journal of
 Mechanical Design 104, 1982.)
+
+Choice of independent coordinates of large machines, by sparse elimination.
 """
 
 import numpy as np
@@ -12,11 +14,11 @@ import numpy as np
 from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context, Integers, Matrix, Vector, i8, integers, matrix, vector
-from runtime.core.jit import compiled, fetched, inner
-from runtime.linalg.full_pivoting import factor_fully
+from runtime.core.arrays import Context, Integers, Matrix, Vector, i8, integers, matrix, vector
+from runtime.core.jit import allocating, compiled, fetched, inner
+from runtime.linalg.dense_elimination import Sparse, factor_fully, fill_dense
 from runtime.linalg.rank_policy import NO_PIVOT
-from runtime.linalg.row_elimination import Sparse, fill_dense
+from runtime.linalg.sparse_elimination import by_rows, order_sparsely
 from runtime.linalg.vectors import largest_magnitude
 
 
@@ -104,3 +106,24 @@ def column_norm(context: Context, t: float, independent: int) -> float:
             if not change <= largest:
                 largest = change
     return largest if np.isfinite(largest) else np.inf
+
+
+@allocating(ft.PART)
+def order_by_sparse_pivots(context: Context) -> int:
+    """Order rows and columns of the Jacobian that was evaluated last by pivots; its rank.
+
+    As `partitioning.order_by_pivots`, but that pivots are the largest ones to a factor.
+    """
+    rows, columns = context.jacobian_rows, context.jacobian_columns
+    scale = ws.second_half(context, ws.PARTITION)
+    values, largest = np.empty(rows.size), np.zeros(context.row_order.size)
+    for e in range(rows.size):
+        values[e] = context.jacobian_values[e] * scale[columns[e]]
+        largest[rows[e]] = max(largest[rows[e]], abs(values[e]))
+    for e in range(rows.size):
+        if largest[rows[e]] > 0.0:
+            values[e] /= largest[rows[e]]
+    matrix = by_rows(rows, columns, values, largest.size)
+    return int(
+        order_sparsely(matrix, scale.size, NO_PIVOT, context.row_order, context.column_order)
+    )

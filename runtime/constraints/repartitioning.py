@@ -5,7 +5,7 @@ import numpy as np
 from runtime.constraints.partitioning import choose_independent, column_norm
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context
+from runtime.core.arrays import Context
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
 from runtime.linalg.vectors import copy_vector

@@ -20,8 +20,8 @@ from runtime.continuation.arclength import Curve, Point
 from runtime.continuation.bifurcation_branches import RankDeficiency, is_ambiguous
 from runtime.continuation.driven_motion_state import ContinuationState, DrivenMotion
 from runtime.continuation.predictor_corrector import ARRIVED, DONE, SUSPECT
+from runtime.core.arrays import EPS
 from runtime.core.outcomes import Outcome
-from runtime.core.unit_roundoff import EPS
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly

@@ -17,12 +17,12 @@ from typing import Any, cast
 import numpy as np
 from numba import from_dtype
 
-from runtime.core import array_types as arrays
-from runtime.core.array_types import f8, i8, vector
+from runtime.core import arrays
+from runtime.core.arrays import f8, i8, vector
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import TYPES, accelerations_of, correction_of, jacobian_of
+from runtime.linalg.dense_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
 from runtime.linalg.rank_policy import REDUNDANT
-from runtime.linalg.row_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
 from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
 
 DONE, STUCK, SUSPECT, ARRIVED = 0, 1, 2, 3

@@ -5,7 +5,7 @@ Differential Equations I, section II.6): with x the fraction of the step, the po
 F0 + x (F1 + (1 - x) (F2 + x (F3 + ...))).
 """
 
-from runtime.core.array_types import Integers
+from runtime.core.arrays import Integers
 from runtime.core.function_table_slots import COORDINATES
 from runtime.core.jit import inner
 from runtime.core.workspace_rows import Y0, Y1, F, K, row_of

@@ -14,7 +14,7 @@ import numpy as np
 from numba import types
 
 from codegen.machine_code.table_values import array_at
-from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
+from runtime.core.arrays import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.jit import at
 from runtime.core.kernel_abi import KERNELS
 

@@ -4,7 +4,7 @@
 number. A part that needs something rare thus costs the others nothing.
 """
 
-from runtime.core.array_types import f8, i8, integers, none, vector
+from runtime.core.arrays import f8, i8, integers, none, vector
 from runtime.core.function_table_layout import TableLayout
 
 TABLE = TableLayout(attributes=True)  # the declaration that all below derives from

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numba import types
 
-from runtime.core.array_types import Integers, Kernel, f8, i8, integers, none, vector
+from runtime.core.arrays import Integers, Kernel, f8, i8, integers, none, vector
 from runtime.core.jit import addresses, at, compiled
 
 SIGNATURES: dict[str, Any] = {}  # Kernel → the signature that it is compiled for

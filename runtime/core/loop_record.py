@@ -8,7 +8,7 @@ import numpy as np
 from numba import from_dtype
 
 from codegen.machine_code.table_values import record_at
-from runtime.core.array_types import Integers
+from runtime.core.arrays import Integers
 from runtime.core.function_table_slots import RECORD
 from runtime.core.jit import inlined
 

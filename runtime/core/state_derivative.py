@@ -2,7 +2,7 @@
 
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context, Integers, Vector
+from runtime.core.arrays import Context, Integers, Vector
 from runtime.core.jit import inlined
 from runtime.core.kernel_abi import accelerations_of
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from runtime.core.array_types import Integers
+from runtime.core.arrays import Integers
 from runtime.core.kernel_abi import Kernels
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import cast
 
 from codegen.machine_code.table_values import row_at
-from runtime.core.array_types import Integers, Vector
+from runtime.core.arrays import Integers, Vector
 from runtime.core.function_table_slots import COORDINATES, SWITCHES, TABLE
 
 Y0 = 0  # state at the start of the step

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from runtime.core.array_types import Integers, Vector
+from runtime.core.arrays import Integers, Vector
 from runtime.core.loop_record import Plan
 from runtime.core.outcomes import Outcome
 from runtime.core.workspace_rows import PARTITION

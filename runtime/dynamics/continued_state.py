@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from runtime.core.array_types import Vector
+from runtime.core.arrays import Vector
 from runtime.integrate.clocks import queue_length, read_clocks, set_clocks
 from runtime.integrate.problem import Discrete
 from runtime.mechanism.mechanism import Mechanism, Values

@@ -7,7 +7,7 @@ from typing import Any
 from codegen.errors import AnalysisError, InputError
 from codegen.readers.failures import note_user_error
 from codegen.readers.values import finite_float, shown
-from runtime.core.array_types import Vector
+from runtime.core.arrays import Vector
 from runtime.integrate.problem import Controller
 from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description

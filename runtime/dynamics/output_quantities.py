@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from runtime.core import array_types as arrays
+from runtime.core import arrays
 from runtime.core import kernel_abi as abi
-from runtime.core.array_types import IntegerMatrix, Matrix, Vector, integers, matrix, none, vector
+from runtime.core.arrays import IntegerMatrix, Matrix, Vector, integers, matrix, none, vector
 from runtime.core.jit import ADDRESSES, compiled, unlocked
 from runtime.core.kinds import MIXED, OPEN, SLIDING
 from runtime.integrate.sampling import INTERVAL, WEIGHTS

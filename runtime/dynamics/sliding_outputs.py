@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import integers, matrix, none, vector
+from runtime.core.arrays import integers, matrix, none, vector
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import mass_of, powers_of, switching_rates_of
 from runtime.core.kinds import SLIDING

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.core.array_types import IntegerMatrix, Matrix, Vector
+from runtime.core.arrays import IntegerMatrix, Matrix, Vector
 from runtime.dynamics.formulations import Coordinates
 from runtime.dynamics.output_quantities import evaluate
 from runtime.dynamics.prepared_simulation import PreparedSimulation

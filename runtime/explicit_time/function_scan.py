@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from runtime.core.array_types import Integers, Matrix, Vector
-from runtime.explicit_time.interval_arithmetic import BREAK, CHOICE, OPERATIONS
-from runtime.explicit_time.interval_evaluation import enclose
+from runtime.core.arrays import Integers, Matrix, Vector
+from runtime.explicit_time.interval_arithmetic import BREAK, CHOICE, OPERATIONS, enclose
 from runtime.explicit_time.scan import ROWS, SMOOTH, scan
 from runtime.mechanism.table_rows import TimeFunction
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.core.array_types import Vector
+from runtime.core.arrays import Vector
 from runtime.explicit_time.function_scan import FunctionScan
 from runtime.mechanism.module_tables import Description
 

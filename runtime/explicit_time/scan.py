@@ -8,7 +8,7 @@ resolution is an instant at which pieces meet, a jump or a pole.
 import math
 from typing import Any
 
-from runtime.core.array_types import (
+from runtime.core.arrays import (
     Integers,
     Matrix,
     Vector,
@@ -21,8 +21,7 @@ from runtime.core.array_types import (
     vector,
 )
 from runtime.core.jit import compiled, inner
-from runtime.explicit_time.interval_arithmetic import BREAK
-from runtime.explicit_time.interval_evaluation import enclose
+from runtime.explicit_time.interval_arithmetic import BREAK, enclose
 from runtime.linalg.vectors import copy_vector
 
 Function = Any  # the first five arguments of `enclose`, and the rows that may bend sharply

@@ -16,12 +16,11 @@ import numpy as np
 
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context
+from runtime.core.arrays import EPS, Context
 from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.kinds import BALANCED, RANGE, SLIDING
 from runtime.core.loop_record import run_record
-from runtime.core.unit_roundoff import EPS
 from runtime.hybrid.sliding_motion import evaluate_switching, evaluate_switching_and_rates
 from runtime.linalg.vectors import copy_vector
 

@@ -25,10 +25,9 @@ import numpy as np
 
 from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
-from runtime.core.array_types import Context, Integers, Vector
+from runtime.core.arrays import EPS, Context, Integers, Vector
 from runtime.core.jit import addressed, inner
 from runtime.core.kinds import FREE, SLIDING
-from runtime.core.unit_roundoff import EPS
 from runtime.hybrid.redundant_sliding import (
     is_unilateral,
     keep_resting,
@@ -43,7 +42,7 @@ from runtime.hybrid.stiction_force import (
     set_unit,
     write_forces,
 )
-from runtime.linalg.lu import solve_equilibrated
+from runtime.linalg.dense_elimination import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
 from runtime.linalg.vectors import axpy, copy_vector
 

@@ -8,15 +8,14 @@ import numpy as np
 from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context, Vector
+from runtime.core.arrays import Context, Vector, view
 from runtime.core.jit import addressed, inner
 from runtime.core.kinds import FREE, ONE_WAY, SLIDING
-from runtime.core.unowned_array_views import view
 from runtime.hybrid import filippov_shares as shares
 from runtime.hybrid.filippov_shares import put_friction_on_law
 from runtime.hybrid.redundant_sliding import is_resting, solve_least
 from runtime.hybrid.stiction_force import is_prescribed
-from runtime.linalg.lu import solve_equilibrated
+from runtime.linalg.dense_elimination import solve_equilibrated
 from runtime.linalg.rank_policy import SAME_HOLD
 from runtime.linalg.vectors import axpy, copy_vector, largest_magnitude
 

@@ -6,7 +6,7 @@ from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context, Integers, Vector
+from runtime.core.arrays import Context, Integers, Vector
 from runtime.core.jit import inlined, inner
 from runtime.core.kinds import BALANCED, CLOSED, SLIDING, Mode
 from runtime.core.state_derivative import evaluate_accelerations

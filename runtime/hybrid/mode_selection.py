@@ -18,7 +18,7 @@ import numpy as np
 from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context
+from runtime.core.arrays import Context
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.kinds import BALANCED, KNOTS, MIXED, ONE_WAY, SLIDING
 from runtime.core.state_derivative import evaluate_accelerations

@@ -8,12 +8,11 @@ import numpy as np
 from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context
+from runtime.core.arrays import EPS, Context
 from runtime.core.jit import addressed, inner
 from runtime.core.kinds import BALANCED, CLOSED, KNOTS, ONE_WAY, SLIDING, Direction
 from runtime.core.loop_record import run_record
 from runtime.core.state_derivative import evaluate_accelerations, write_derivative
-from runtime.core.unit_roundoff import EPS
 from runtime.hybrid import mode_consistency as consistency
 from runtime.hybrid import sliding_motion as switching
 from runtime.hybrid.impact import ON_SURFACE, SLOW

@@ -5,11 +5,10 @@ import numpy as np
 from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context, Vector
+from runtime.core.arrays import Context, Vector, view
 from runtime.core.jit import inlined, inner
 from runtime.core.kinds import BALANCED, MIXED, ONE_WAY, SLIDING
-from runtime.core.unowned_array_views import view
-from runtime.linalg.lu import equilibrate
+from runtime.linalg.dense_elimination import equilibrate
 from runtime.linalg.rank_policy import SAME_HOLD
 from runtime.linalg.vectors import axpy, copy_vector, dot, largest_ratio
 

@@ -13,11 +13,10 @@ import numpy as np
 from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context, Integers, Vector
+from runtime.core.arrays import Context, Integers, Vector, view
 from runtime.core.jit import addressed, inlined, inner
 from runtime.core.kinds import SLIDING
 from runtime.core.state_derivative import write_derivative
-from runtime.core.unowned_array_views import view
 from runtime.hybrid import filippov_shares as shares
 from runtime.hybrid.filippov_shares import put_friction_on_law
 from runtime.hybrid.redundant_sliding import is_resting

@@ -24,12 +24,11 @@ import math
 from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context, Vector
+from runtime.core.arrays import Context, Vector, view
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import peak_arguments_of
 from runtime.core.kinds import EXPONENTIAL, POWER, STEP
 from runtime.core.loop_record import run_record
-from runtime.core.unowned_array_views import view
 from runtime.hybrid.events import X1, X2, X3, cubic, write_motion_between
 
 _RISE = 4.0  # measured: logarithm of a peak over both ends which the error of a step shows

@@ -11,7 +11,7 @@ import numpy as np
 
 from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
-from runtime.core.array_types import Context, Vector
+from runtime.core.arrays import Context, Vector
 from runtime.core.jit import inner
 from runtime.core.kinds import MIXED, SLIDING
 from runtime.linalg.vectors import copy_vector, is_finite

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Integers, Vector
+from runtime.core.arrays import Integers, Vector
 from runtime.core.loop_record import Plan
 from runtime.core.outcomes import Outcome
 from runtime.integrate.clocks import CLOCK

@@ -3,9 +3,8 @@
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.core.array_types import Integers, Matrix, Vector
+from runtime.core.arrays import EPS, Integers, Matrix, Vector
 from runtime.core.system import System
-from runtime.core.unit_roundoff import EPS
 
 CLOCK = 8.0 * EPS  # accuracy: of the time; instants nearer to each other are one
 _MOST_WAITING = 1_000_000  # safety: samples that may wait for their delay at the same time

@@ -5,7 +5,7 @@ import numpy as np
 from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context, Vector, i8, none, vector
+from runtime.core.arrays import Context, Vector, i8, none, vector
 from runtime.core.jit import ADDRESSES, compiled, inner, unlocked
 from runtime.core.kernel_abi import switching_rates_of
 from runtime.core.kinds import OPEN, SLIDING, Direction

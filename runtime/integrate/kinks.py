@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Integers, Vector
+from runtime.core.arrays import Integers, Vector
 from runtime.core.outcomes import Outcome, Site
 from runtime.integrate.initialization import start_anew
 from runtime.integrate.problem import Passage

@@ -9,7 +9,7 @@ record.
 import numpy as np
 
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Context, Integers, i8
+from runtime.core.arrays import Context, Integers, i8
 from runtime.core.jit import ADDRESSES, addressed, inner, unlocked
 from runtime.core.loop_record import Plan, run_record
 from runtime.core.outcomes import Outcome, Site

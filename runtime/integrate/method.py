@@ -14,7 +14,7 @@ from codegen.files.generated_modules import import_generated
 from codegen.files.library_folders import methods_folder
 
 if TYPE_CHECKING:
-    from runtime.core.array_types import Integers
+    from runtime.core.arrays import Integers
 
     Step = Callable[[Integers, float, float], int]  # context t h
     Error = Callable[[Integers, float, float], float]

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from runtime.core.array_types import Vector
+from runtime.core.arrays import Vector
 from runtime.hybrid.mode_selection import MOST_COMBINED
 from runtime.integrate.problem import MOST_STEPS
 from runtime.integrate.recording_buffers import Recording

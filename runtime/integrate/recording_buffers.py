@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
+from runtime.core.arrays import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.function_table_slots import EVENT_ROWS, OUT_ROWS, SAMPLE_TIMES
 from runtime.core.kinds import Direction
 from runtime.integrate.problem import Rows

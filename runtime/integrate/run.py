@@ -8,7 +8,7 @@ import numpy as np
 
 from codegen.errors import AnalysisError
 from codegen.termination_signals import SignalDeferral
-from runtime.core.array_types import Integers, Vector
+from runtime.core.arrays import Integers, Vector
 from runtime.core.kinds import SLIDING, Direction
 from runtime.core.outcomes import Outcome, Site
 from runtime.core.system import System

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from runtime.constraints.repartitioning import GROWTH_LIMIT
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers, Matrix, Vector
+from runtime.core.arrays import Integers, Matrix, Vector
 from runtime.core.kinds import SLIDING
 from runtime.core.loop_record import ConstraintReturn
 from runtime.core.system import System

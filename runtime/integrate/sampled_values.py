@@ -7,7 +7,7 @@ due; where a run brings functions of its own, Python does.
 import numpy as np
 
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Context, i8
+from runtime.core.arrays import Context, i8
 from runtime.core.jit import ADDRESSES, addressed, compiled, inner
 from runtime.core.kernel_abi import samples_of, watched_of
 from runtime.core.kinds import SLIDING

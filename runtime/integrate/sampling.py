@@ -4,7 +4,7 @@ import numpy as np
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Context, Integers
+from runtime.core.arrays import Context, Integers
 from runtime.core.dense_output import interpolate
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import Plan, run_record

@@ -15,7 +15,7 @@ Ordinary Differential Equations II, section IV.2), who detect stiffness by them.
 
 import numpy as np
 
-from runtime.core.array_types import Context, Integers, Vector
+from runtime.core.arrays import Context, Integers, Vector
 from runtime.core.function_table_slots import COORDINATES, HOOK
 from runtime.core.jit import compiled, inner
 from runtime.core.loop_record import run_record

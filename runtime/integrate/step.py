@@ -8,12 +8,11 @@ from runtime.constraints.newton_return import FAILED
 from runtime.constraints.repartitioning import is_poorly_chosen
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context, Integers
+from runtime.core.arrays import Context, Integers, view
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import constraints_of
 from runtime.core.loop_record import ConstraintReturn, is_near_singularity, run_record
 from runtime.core.state_derivative import write_derivative
-from runtime.core.unowned_array_views import view
 from runtime.hybrid.sliding_motion import STEP
 from runtime.integrate.step_control import limit_by_states
 from runtime.linalg.vectors import copy_vector, is_finite, largest_magnitude

@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Context
+from runtime.core.arrays import Context
 from runtime.core.jit import addressed, inner
 from runtime.core.kernel_abi import kinetic_energy_of
 from runtime.core.kinds import KNOTS, RANGE

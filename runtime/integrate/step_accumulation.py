@@ -12,7 +12,7 @@ same until then: with a `max_steps` of the user's own a run goes on to that numb
 import numpy as np
 
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Context
+from runtime.core.arrays import Context
 from runtime.core.jit import inner
 from runtime.core.loop_record import run_record
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context, Integers
+from runtime.core.arrays import Context, Integers
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.loop_record import Plan, run_record
 from runtime.core.state_derivative import write_derivative

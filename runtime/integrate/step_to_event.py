@@ -5,7 +5,7 @@ Where a switching function crosses zero inside a trial step, the step is taken a
 
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context, Integers
+from runtime.core.arrays import Context, Integers
 from runtime.core.jit import addressed, inner
 from runtime.core.kinds import RANGE
 from runtime.core.loop_record import run_record

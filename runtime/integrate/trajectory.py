@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from runtime.core.array_types import IntegerMatrix, Integers, Matrix, Vector
+from runtime.core.arrays import IntegerMatrix, Integers, Matrix, Vector
 from runtime.core.outcomes import Outcome, Site
 from runtime.integrate.problem import Discrete
 

@@ -9,7 +9,7 @@ import numpy as np
 from runtime.constraints import newton_return, repartitioning
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Integers, Vector, i8
+from runtime.core.arrays import Integers, Vector, i8
 from runtime.core.jit import addressed, addresses, is_kept
 from runtime.core.kernel_abi import KERNELS
 from runtime.core.kinds import Hold
@@ -28,7 +28,7 @@ from runtime.integrate import energy_balance, initialization, loop, sampling, st
 from runtime.integrate.clocks import queue_length, read_clocks
 from runtime.integrate.method import find_method
 from runtime.integrate.second_compiler import compile_beside
-from runtime.linalg.sparse_least_norm import SPARSE_FROM
+from runtime.linalg.least_norm import SPARSE_FROM
 from runtime.linalg.symbolic_elimination import plan_capacity
 from runtime.singularity.prediction import predict_vanishing_pivot
 
@@ -142,8 +142,8 @@ def _resolved_part() -> int:
 @cache
 def _sparse_parts() -> tuple[int, int]:
     """The addresses of the eliminations of large machines, which others do without."""
-    from runtime.constraints.sparse_partitioning import order_by_sparse_pivots
-    from runtime.singularity.sparse_prediction import find_sparse_pivots
+    from runtime.constraints.partitioning import order_by_sparse_pivots
+    from runtime.singularity.prediction import find_sparse_pivots
 
     order, pivots = addresses([order_by_sparse_pivots, find_sparse_pivots]).tolist()
     return order, pivots

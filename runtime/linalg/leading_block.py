@@ -7,7 +7,7 @@ of the rows behind; null vectors z, which the first rows take to zero, have 1 in
 behind. (G. H. Golub and C. F. Van Loan, Matrix Computations, section 3.2.)
 """
 
-from runtime.core.array_types import Integers, Matrix, Vector
+from runtime.core.arrays import Integers, Matrix, Vector
 from runtime.core.jit import inner
 
 _ROUNDING = 1e-14  # safety: of vectors with a component 1, below which it is 0, to keep them sparse

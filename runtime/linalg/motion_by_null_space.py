@@ -8,14 +8,13 @@ and J. Liesen, Acta Numerica 14, 2005, section 6.)
 
 import numpy as np
 
-from runtime.core.array_types import Integers, Matrix, Vector, i8, vector
+from runtime.core.arrays import Integers, Matrix, Vector, i8, vector
 from runtime.core.jit import allocating, inner
-from runtime.linalg import cholesky
-from runtime.linalg.full_pivoting import eliminate_below
+from runtime.linalg import orthogonal_factors
+from runtime.linalg.dense_elimination import Sparse, eliminate_below
 from runtime.linalg.leading_block import null_vectors
 from runtime.linalg.rank_policy import NO_PIVOT
 from runtime.linalg.redundant_constraints_solve import SPARSE, solve_factored
-from runtime.linalg.row_elimination import Sparse
 from runtime.linalg.vectors import dot, multiply
 
 _LEAST = 1e-7  # accuracy: of the largest scale of a column, where pivots are told from noise
@@ -107,7 +106,7 @@ def reduced_mass(mass: Sparse, null: Matrix, unit: Vector, out: Matrix) -> bool:
     for s in range(count):
         for r in range(s + 1):
             out[s, r] *= unit[s] * unit[r]
-    return cholesky.factor_cholesky(out)
+    return orthogonal_factors.factor_cholesky(out)
 
 
 @inner
@@ -211,7 +210,7 @@ def solve_motion_by_null_space(
         multiply(null.T, rest, z)
         for s in range(count):
             z[s] *= even[s]
-        cholesky.solve_cholesky(factor, z)
+        orthogonal_factors.solve_cholesky(factor, z)
         for s in range(count):
             z[s] *= even[s]
         for j in range(n):

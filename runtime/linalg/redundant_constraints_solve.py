@@ -9,18 +9,17 @@ of least norm are given.
 import numba
 import numpy as np
 
-from runtime.core import array_types
-from runtime.core.array_types import Integers, Matrix, Vector, i8, integers, matrix, none, vector
+from runtime.core import arrays
+from runtime.core.arrays import Integers, Matrix, Vector, i8, integers, matrix, none, vector
 from runtime.core.jit import allocating, inner
-from runtime.linalg import cholesky
-from runtime.linalg.full_pivoting import factor_fully
+from runtime.linalg import orthogonal_factors
+from runtime.linalg.dense_elimination import Sparse, factor_fully
 from runtime.linalg.leading_block import complete_solution, null_vectors
 from runtime.linalg.rank_policy import NO_PIVOT
-from runtime.linalg.row_elimination import Sparse
 from runtime.linalg.vectors import dot, multiply
 
 _constant = numba.types.Array(i8, 1, "C", readonly=True)  # integers that a closure holds
-SPARSE = array_types.named_tuple_type((_constant, _constant, vector), Sparse)
+SPARSE = arrays.named_tuple_type((_constant, _constant, vector), Sparse)
 
 _NULL = 1e-9  # accuracy: component of a null vector with a component 1, below which it is none
 
@@ -64,14 +63,14 @@ def solve_least_norm(jacobian: Sparse, w: Vector, right: Matrix, d: Matrix) -> i
             for c in range(count):
                 right[c, i] *= unit
     normal, order = np.zeros((m, m)), np.zeros(m, np.int64)
-    cholesky.multiply_gram(across, normal)
-    rank = cholesky.factor_semidefinite(normal, order, NO_PIVOT)
+    orthogonal_factors.multiply_gram(across, normal)
+    rank = orthogonal_factors.factor_semidefinite(normal, order, NO_PIVOT)
     mu = np.zeros(rank)
     d[:, :] = 0.0
     for c in range(count):
         for s in range(rank):
             mu[s] = right[c, order[s]]
-        cholesky.solve_cholesky(normal, mu)
+        orthogonal_factors.solve_cholesky(normal, mu)
         for k in range(n):
             for s in range(rank):
                 d[c, k] += across[k, order[s]] * mu[s]
@@ -103,11 +102,11 @@ def minimise_norm(free: Matrix, lam: Vector) -> None:
     """Subtract from λ its part along the columns of `free`, (m, k), which is not determined."""
     m, count = free.shape
     gram, share = np.zeros((count, count)), np.zeros(count)
-    cholesky.multiply_gram(free, gram)
-    if not cholesky.factor_cholesky(gram):
+    orthogonal_factors.multiply_gram(free, gram)
+    if not orthogonal_factors.factor_cholesky(gram):
         return
     multiply(free.T, lam, share)
-    cholesky.solve_cholesky(gram, share)
+    orthogonal_factors.solve_cholesky(gram, share)
     for i in range(m):
         for k in range(count):
             lam[i] -= free[i, k] * share[k]

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.core.array_types import Integers, Vector
+from runtime.core.arrays import Integers, Vector
 from runtime.core.jit import inner, inner_allocating
 
 _SHARE = 0.5  # measured: of a row's largest entry, above which an entry may be the pivot

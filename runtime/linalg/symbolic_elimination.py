@@ -12,10 +12,10 @@ from the end. (T. A. Davis, Direct Methods for Sparse Linear Systems, chapters 3
 
 import numpy as np
 
-from runtime.core.array_types import Integers, Matrix, Vector
+from runtime.core.arrays import Integers, Matrix, Vector
 from runtime.core.jit import inner
+from runtime.linalg.dense_elimination import Sparse
 from runtime.linalg.rank_policy import REDUNDANT
-from runtime.linalg.row_elimination import Sparse
 
 
 def plan_capacity(m: int, nonzeros: int) -> int:

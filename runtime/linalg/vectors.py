@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from runtime.core.array_types import Matrix, Vector
+from runtime.core.arrays import Matrix, Vector
 from runtime.core.jit import inner
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import types
 
-from runtime.core.array_types import Integers, Matrix, Vector, f8, integers, matrix, none, vector
+from runtime.core.arrays import Integers, Matrix, Vector, f8, integers, matrix, none, vector
 from runtime.core.jit import ADDRESSES, allocating, at
 
 _expand = at(types.FunctionType(none(f8, *[vector] * 6)), 0)

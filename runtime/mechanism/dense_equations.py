@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from runtime.core.array_types import Kernel
+from runtime.core.arrays import Kernel
 from runtime.core.kinds import MIXED, SLIDING
-from runtime.linalg.sparse_least_norm import SPARSE_FROM
+from runtime.linalg.least_norm import SPARSE_FROM
 from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.start_table import StartTable, start_table
 from runtime.mechanism.typical_sizes import measure, measure_rows

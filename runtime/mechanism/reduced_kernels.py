@@ -7,7 +7,7 @@ from types import ModuleType
 import numpy as np
 
 from runtime.core import kernel_abi as kernels
-from runtime.core.array_types import Integers, Kernel, Matrix, Vector
+from runtime.core.arrays import Integers, Kernel, Matrix, Vector
 from runtime.core.jit import addresses
 from runtime.core.system import System
 from runtime.mechanism.module_tables import Description

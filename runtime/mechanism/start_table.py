@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from runtime.core.array_types import Integers, f8, i8, integers, vector
+from runtime.core.arrays import Integers, f8, i8, integers, vector
 from runtime.core.function_table_layout import TableLayout
 from runtime.core.kernel_abi import KERNELS
-from runtime.linalg.sparse_least_norm import SPARSE_FROM
+from runtime.linalg.least_norm import SPARSE_FROM
 
 if TYPE_CHECKING:
     from runtime.mechanism.mechanism import Mechanism

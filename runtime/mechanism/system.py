@@ -3,7 +3,7 @@
 from types import ModuleType
 from typing import NamedTuple
 
-from runtime.core.array_types import Integers, Kernel
+from runtime.core.arrays import Integers, Kernel
 from runtime.core.kernel_abi import Kernels
 from runtime.core.kinds import PeakKind
 from runtime.core.system import System

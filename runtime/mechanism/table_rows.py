@@ -212,7 +212,7 @@ class ReactionRow(NamedTuple):
 
 
 class TimeFunction(NamedTuple):
-    """An explicit function of time, as operations; see `codegen.lower.time_programs`.
+    """An explicit function of time, as operations; see `codegen.lower.module_tables`.
 
     A row is (operation, rows that it takes ...); ("const", number), ("p", slot) or ("t",); or
     ("table", row, (knots, coefficients), derivative, periodic[, beyond]), undefined beyond its ends

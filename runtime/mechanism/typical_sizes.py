@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import runtime.mechanism.start_table  # noqa: F401 (a context has the names that it declares)
-from runtime.core.array_types import Context, Integers, Vector, f8, i8, none, vector
+from runtime.core.arrays import Context, Integers, Vector, f8, i8, none, vector
 from runtime.core.jit import ADDRESSES, compiled, inner
 from runtime.core.kernel_abi import constraints_of, jacobian_of
 

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from codegen.readers.values import shown
-from runtime.core.unit_roundoff import EPS
+from runtime.core.arrays import EPS
 from runtime.results.assembled_state import DiscreteState, State
 from runtime.results.samples import Samples
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.core.array_types import Matrix, Vector, f8, matrix, none, vector
+from runtime.core.arrays import Matrix, Vector, f8, matrix, none, vector
 from runtime.core.jit import compiled, inner
 
 _PASSES = 4  # safety: of Newton's method for the instant of the least distance

@@ -4,6 +4,8 @@ The Jacobian, columns scaled by the masses and rows of unit length, is eliminate
 pivot of a row, its largest remaining entry, is about the distance of the row from those before it.
 The elimination is repeated, in the same order of pivots, at the end of a step or a little later. A
 pivot that changes sign in between announces a singular position.
+
+Pivots of the Jacobian of a large machine, in an order of few fill-ins that is kept.
 """
 
 import numpy as np
@@ -11,14 +13,62 @@ import numpy as np
 from runtime.constraints.partitioning import evaluate_jacobian
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context, Vector
-from runtime.core.jit import addressed, inner
+from runtime.core.arrays import EPS, Context, Vector
+from runtime.core.jit import addressed, allocating, inner
 from runtime.core.loop_record import run_record
-from runtime.core.unit_roundoff import EPS
+from runtime.linalg.dense_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
 from runtime.linalg.rank_policy import REDUNDANT
-from runtime.linalg.row_elimination import Sparse, eliminate_rows, fill_unit_rows, smallest_pivot
+from runtime.linalg.sparse_elimination import by_rows, eliminate_in_order, order_sparsely
 from runtime.linalg.symbolic_elimination import replay_plan, write_plan
 from runtime.linalg.vectors import copy_vector, largest_ratio
+
+
+@allocating(ft.FIND_PIVOTS)
+def find_sparse_pivots(context: Context, row: int, search: int) -> int:
+    """Eliminate the Jacobian that was evaluated last, columns scaled, rows of unit length.
+
+    Its pivots are written into row `row` of the pivots, in an order of their own if `search`, else
+    in that of the last search; the order is `pivot_rows` and `pivot_columns`, of rows without a
+    pivot -1. Returns 1 where every row has a pivot, else 0.
+    """
+    rows, columns = context.jacobian_rows, context.jacobian_columns
+    scale = ws.second_half(context, ws.PARTITION)
+    order, pivot_columns, pivots = context.pivot_rows, context.pivot_columns, context.pivots[row]
+    m, n, rank = order.size, scale.size, 0
+    values, lengths = np.empty(rows.size), np.zeros(m)
+    for e in range(rows.size):
+        values[e] = context.jacobian_values[e] * scale[columns[e]]
+        lengths[rows[e]] += values[e] ** 2
+    for e in range(rows.size):
+        if lengths[rows[e]] > 0.0:
+            values[e] /= np.sqrt(lengths[rows[e]])
+    if search != 0:
+        column_order = np.empty(n, np.int64)
+        matrix = by_rows(rows, columns, values, m)
+        rank = order_sparsely(matrix, n, REDUNDANT, order, column_order)
+        for k in range(m):
+            pivot_columns[k] = column_order[k] if k < rank else -1
+    while rank < m and pivot_columns[rank] >= 0:
+        rank += 1
+    row_place, column_place = np.empty(m, np.int64), np.full(n, -1)
+    for k in range(m):
+        row_place[order[k]] = k
+        if k < rank:
+            column_place[pivot_columns[k]] = k
+    at = rank
+    for j in range(n):
+        if column_place[j] < 0:
+            column_place[j] = at
+            at += 1
+    ordered = by_rows(row_place[rows], column_place[columns], values, m)
+    upper = eliminate_in_order(ordered, n, rank, np.zeros(m), REDUNDANT)
+    regular = 1
+    for k in range(m):
+        pivots[order[k]] = upper.values[upper.starts[k]] if k < rank else 0.0
+        if not abs(pivots[order[k]]) > REDUNDANT:
+            regular = 0
+    return regular
+
 
 BEHIND = 0.1  # measured: of a step; how far back the motion is looked at
 AHEAD = 2.5  # measured: of a step; how far ahead it is

@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from runtime.core.array_types import Integers, Matrix, Vector
+from runtime.core.arrays import Integers, Matrix, Vector
 from runtime.core.jit import addresses
-from runtime.linalg.sparse_least_norm import SPARSE_FROM
+from runtime.linalg.least_norm import SPARSE_FROM
 from runtime.singularity import search_function_table as st
 
 Kernel = Callable[..., Any]

@@ -5,11 +5,10 @@ has no attributes: ``context.x`` would read a run's slot. In scaled coordinates 
 z = (q / scale, t speed), of shape (n + 1,).
 """
 
-from runtime.core.array_types import Integers, Vector, f8, integers, none, vector
+from runtime.core.arrays import Integers, Vector, f8, integers, none, vector, view
 from runtime.core.function_table_layout import TableLayout
 from runtime.core.jit import compiled, inner
 from runtime.core.kernel_abi import constraints_of, jacobian_of, velocity_rhs_of
-from runtime.core.unowned_array_views import view
 
 TABLE = TableLayout()
 

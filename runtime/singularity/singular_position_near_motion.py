@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.core.array_types import Vector
+from runtime.core.arrays import Vector
 from runtime.linalg.rank_policy import LOST
 from runtime.singularity.motion_polynomial import Motion, distance, nearest_time
-from runtime.singularity.pivot_order_reuse import PivotOrders
 from runtime.singularity.scaled_constraints import ScaledConstraints
+from runtime.singularity.schur_complement import PivotOrders
 from runtime.singularity.singular_root_search import Root, Search
 
 _SAME = 0.05  # measured: of the way there; a motion that comes as near to a known position passes
@@ -104,8 +104,8 @@ def _searches(constraints: ScaledConstraints) -> tuple[PivotOrders, type[Search]
     if not constraints.is_large:
         return PivotOrders(constraints), Search
     # Small machines load none of it.
+    from runtime.singularity.sparse_complement import SparsePivotOrders
     from runtime.singularity.sparse_root_search import SparseSearch
-    from runtime.singularity.sparse_weak_rows import SparsePivotOrders
 
     return SparsePivotOrders(constraints), SparseSearch
 

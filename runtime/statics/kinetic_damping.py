@@ -12,7 +12,7 @@ from typing import Any, cast
 import numpy as np
 from numba import from_dtype
 
-from runtime.core.array_types import i8, integers, matrix, named_tuple_type, vector
+from runtime.core.arrays import i8, integers, matrix, named_tuple_type, vector
 from runtime.core.jit import ADDRESSES, compiled, inlined, inner
 from runtime.core.kernel_abi import accelerations_of, correction_of, kinetic_energy_of, switching_of
 from runtime.core.kinds import CLOSED, MIXED, SLIDING

@@ -10,8 +10,8 @@ from numba import types
 from runtime.assembly.masses_far_apart import DOUBTFUL, MOST_SPREAD
 from runtime.assembly.regular_start import allow, let_lead
 from runtime.assembly.start_values import Start, start_note, start_values
-from runtime.core import array_types as arrays
-from runtime.core.array_types import (
+from runtime.core import arrays
+from runtime.core.arrays import (
     Integers,
     Matrix,
     Vector,
@@ -31,7 +31,7 @@ from runtime.dynamics.sliding_outputs import wire_mixing
 from runtime.integrate.problem import Options
 from runtime.integrate.run import Run
 from runtime.integrate.wiring import Wiring
-from runtime.linalg.sparse_least_norm import SPARSE_FROM
+from runtime.linalg.least_norm import SPARSE_FROM
 from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.start_table import StartTable, start_table
 from runtime.results.result import Result

@@ -13,7 +13,7 @@ from runtime.assembly.regular_closing import REGULAR
 from runtime.assembly.regular_start import assemble_regular
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Vector, i8
+from runtime.core.arrays import Vector, i8
 from runtime.core.jit import inner, unlocked
 from runtime.core.kernel_abi import conditions_of, constants_of, jacobian_of, mass_of
 from runtime.core.kinds import KNOTS, SLIDING

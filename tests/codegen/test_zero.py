@@ -3,7 +3,7 @@
 import pytest
 import sympy
 
-from codegen.derive.zero_test import is_zero
+from codegen.derive.constraint_terms import is_zero
 
 a, b, phi = sympy.symbols("a b phi")
 

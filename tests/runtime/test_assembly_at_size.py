@@ -7,8 +7,7 @@ from codegen.errors import AssemblyError
 from runtime.assembly.assemble import assemble
 from runtime.assembly.joint_closing import Task
 from runtime.assembly.redundancy import dependent_rows, is_clearly_independent, unit_rows
-from runtime.linalg.least_norm_newton import least_norm_solver
-from runtime.linalg.sparse_least_norm import SPARSE_FROM, LeastNorm
+from runtime.linalg.least_norm import SPARSE_FROM, LeastNorm, least_norm_solver
 from runtime.machine_facade import Machine
 from runtime.mechanism import dense_equations
 from runtime.mechanism.dense_equations import Equations

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.integrate import wiring
-from runtime.linalg.sparse_least_norm import SPARSE_FROM
+from runtime.linalg.least_norm import SPARSE_FROM
 from runtime.machine_facade import Machine
 from runtime.mechanism import dense_equations
 from runtime.singularity import scaled_constraints

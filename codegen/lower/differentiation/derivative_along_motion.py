@@ -10,8 +10,11 @@ Haug's formulas come out: ω² times the components of A s, that are there.
 from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
-from codegen.lower.differentiation.fractional_powers import FractionalPower, fractional_power
-from codegen.lower.differentiation.program_tangents import slopes_of
+from codegen.lower.differentiation.program_tangents import (
+    FractionalPower,
+    fractional_power,
+    slopes_of,
+)
 from codegen.lower.factored_sums import PLAIN, Parts
 from codegen.lower.graph import SUMS, Graph
 from codegen.lower.program import LOGICAL, Op, dependencies

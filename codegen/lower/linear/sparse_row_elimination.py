@@ -10,9 +10,8 @@ from heapq import heappop, heappush
 from itertools import combinations
 
 from codegen.lower.graph import Graph
-from codegen.lower.linear.elimination_order import CoordinateOrder, Row
+from codegen.lower.linear.elimination_order import LARGE, CoordinateOrder, Row, Structure
 from codegen.lower.linear.labels import Labels
-from codegen.lower.linear.structural_cost import LARGE, Structure
 from codegen.lower.program import Check
 
 ROUNDING = 1e-12  # accuracy: a number below this part of the numbers it is a difference of is zero

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from runtime.core import kernel_abi as abi
-from runtime.core.array_types import f8, i8, integers, matrix, vector
+from runtime.core.arrays import f8, i8, integers, matrix, vector
 from runtime.core.jit import ADDRESSES, compiled, inner
-from runtime.integrate.energy_tolerances import CERTAIN, ERRORS, PART, ROUNDING
+from runtime.integrate.energy_balance import CERTAIN, ERRORS, PART, ROUNDING
 from runtime.integrate.problem import Options
 from runtime.integrate.sampling import NODES, WEIGHTS
 from runtime.mechanism.dense_equations import Equations, FloatArray

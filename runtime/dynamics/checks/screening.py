@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
-from runtime.core.array_types import (
+from runtime.core.arrays import (
     Integers,
     Vector,
     f8,

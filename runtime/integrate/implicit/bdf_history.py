@@ -13,10 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Context
+from runtime.core.arrays import Context, view
 from runtime.core.jit import addressed, inner
 from runtime.core.loop_record import run_record
-from runtime.core.unowned_array_views import view
 from runtime.core.workspace_rows import Y0, Y1, F, K, row_of
 from runtime.integrate.implicit import method_memory as mem
 from runtime.linalg.vectors import axpy, copy_vector

@@ -26,10 +26,9 @@ LOWER, HIGHER, the numbers from CHANGE on, STEP_ORDER, NEXT_ORDER and REJECTED a
 another method may keep its own numbers there, as in rows 0 to 19.
 """
 
-from runtime.core.array_types import Context, Integers, Matrix, Vector
+from runtime.core.arrays import Context, Integers, Matrix, Vector, view
 from runtime.core.function_table_slots import COORDINATES
 from runtime.core.jit import fetched
-from runtime.core.unowned_array_views import view
 
 # Rows of the workspace, in every implicit method.
 LAST = 1  # after K: the derivative at the end of the step

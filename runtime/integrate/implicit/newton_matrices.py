@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from runtime.core.array_types import Context, Vector
+from runtime.core.arrays import Context, Vector
 from runtime.core.function_table_slots import COORDINATES
 from runtime.core.jit import inner
 from runtime.core.workspace_rows import PARTITION, row_of
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.state_space_form import complete_direction
-from runtime.linalg.lu import factor, solve
+from runtime.linalg.dense_elimination import factor, solve
 
 
 @inner

@@ -13,12 +13,10 @@ therefore mapped: what the estimate is held to is `share` times what was asked.
 
 from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Context, Integers, Vector
+from runtime.core.arrays import EPS, Context, Integers, Vector, view
 from runtime.core.dense_output import hermite_rows
 from runtime.core.jit import addressed, compiled, inner
 from runtime.core.loop_record import run_record
-from runtime.core.unit_roundoff import EPS
-from runtime.core.unowned_array_views import view
 from runtime.core.workspace_rows import STAGE, Y0, Y1, F, K, row_of
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit import radau5_stages as rs

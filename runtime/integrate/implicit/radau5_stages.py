@@ -7,7 +7,7 @@ sections IV.5 and IV.8, and, for the transformation, from Hairer's program RADAU
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED
-from runtime.core.array_types import Context, Integers, Matrix, Vector
+from runtime.core.arrays import Context, Integers, Matrix, Vector
 from runtime.core.function_table_slots import COORDINATES
 from runtime.core.jit import inlined, inner
 from runtime.core.loop_record import run_record

@@ -10,11 +10,10 @@ from functools import partial
 import numpy as np
 
 from runtime.constraints.newton_return import FAILED
-from runtime.core.array_types import Context, Integers, Vector
+from runtime.core.arrays import EPS, Context, Integers, Vector
 from runtime.core.function_table_slots import COORDINATES, ERROR
 from runtime.core.jit import addressed, closure, inner
 from runtime.core.loop_record import run_record
-from runtime.core.unit_roundoff import EPS
 from runtime.core.workspace_rows import ATOL, SIZE, Y0, row_of
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.method import Method

@@ -12,12 +12,11 @@ from constraints, all coordinates are unknowns.
 from runtime.constraints.newton_return import FAILED
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import Context
+from runtime.core.arrays import Context, view
 from runtime.core.jit import compiled, inner
 from runtime.core.kernel_abi import accelerations_tangent_of, correction_tangent_of
 from runtime.core.loop_record import ConstraintReturn, is_near_singularity, run_record
 from runtime.core.state_derivative import evaluate_accelerations
-from runtime.core.unowned_array_views import view
 from runtime.integrate.implicit import method_memory as mem
 from runtime.integrate.implicit.stiffness_estimate import estimate_spectrum
 from runtime.linalg.vectors import axpy, copy_vector, largest_ratio

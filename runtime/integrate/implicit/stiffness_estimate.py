@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.core.array_types import Context
+from runtime.core.arrays import Context
 from runtime.core.function_table_slots import COORDINATES
 from runtime.core.jit import inner
 from runtime.core.loop_record import run_record

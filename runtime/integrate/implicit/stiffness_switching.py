@@ -12,7 +12,7 @@ method is due, and the run changes over; see `successor`.
 from dataclasses import replace
 
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Context, Vector
+from runtime.core.arrays import Context, Vector
 from runtime.core.jit import addressed, compiled
 from runtime.core.loop_record import run_record
 from runtime.core.workspace_rows import SIZE, Y0, K, row_of

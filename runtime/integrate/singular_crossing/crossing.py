@@ -15,7 +15,7 @@ from math import sqrt
 
 import numpy as np
 
-from runtime.core.array_types import Vector
+from runtime.core.arrays import Vector
 from runtime.core.kernel_abi import find_stand_in
 from runtime.core.loop_record import Plan
 from runtime.core.outcomes import Outcome, Site

@@ -11,9 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.core.array_types import Matrix, Vector, f8, matrix, none, vector
+from runtime.core.arrays import EPS, Matrix, Vector, f8, matrix, none, vector
 from runtime.core.jit import compiled, inner
-from runtime.core.unit_roundoff import EPS
 from runtime.integrate.method import EXPLICIT, LEADING, Method
 from runtime.integrate.run_state import RunState
 from runtime.integrate.step_control import first_step

@@ -14,8 +14,7 @@ from codegen.lower.poses_near_start import Poses
 from codegen.lower.program import Kernel, Op, Program, store
 from codegen.lower.substitution import expand_sine, substitute
 from codegen.reduce.closed_form_loops import find_loops
-from codegen.reduce.coordinate_map import CoordinateMap
-from codegen.reduce.explicit_coordinates import ExplicitCoordinates
+from codegen.reduce.coordinate_map import CoordinateMap, ExplicitCoordinates
 from tests.random_mechanisms import Scales, random_mechanism
 
 

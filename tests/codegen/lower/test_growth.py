@@ -14,8 +14,12 @@ from codegen.lower.kernels.accelerations import (
     dynamics_kernel,
     is_large,
 )
-from codegen.lower.linear.elimination_order import CoordinateOrder, PivotOrder
-from codegen.lower.linear.structural_cost import CostExceededError, Structure
+from codegen.lower.linear.elimination_order import (
+    CoordinateOrder,
+    CostExceededError,
+    PivotOrder,
+    Structure,
+)
 from codegen.lower.lowered_scene import lower
 from codegen.lower.operation_count import operations
 from codegen.lower.scene_graph import SceneGraph

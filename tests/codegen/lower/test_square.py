@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 from codegen import Model, build
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
+from codegen.lower.kernels.corrections import Square
 from codegen.lower.linear.sparse_row_elimination import Task
-from codegen.lower.linear.square_systems import Square
 from codegen.lower.program import Kernel, Program, store
 
 

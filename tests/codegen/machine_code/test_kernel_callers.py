@@ -12,7 +12,7 @@ import pytest
 from numba import types
 
 from codegen.files.generated_modules import import_generated
-from runtime.core.array_types import f8, vector
+from runtime.core.arrays import f8, vector
 
 TEXT = """import numba
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from codegen.emit.argument_docstrings import Arguments
+from codegen.emit.kernel_docstrings import Arguments
 from codegen.emit.rolled_kernel import RolledKernelText
 from codegen.emit.unrolling import kernel_texts
 from codegen.lower.interpreter import evaluate

@@ -3,7 +3,7 @@
 import numpy as np
 
 from runtime.constraints import newton_return, partitioning, repartitioning
-from runtime.core.array_types import Vector, f8, i8, integers, vector
+from runtime.core.arrays import Vector, f8, i8, integers, vector
 from runtime.core.jit import compiled
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.system import System

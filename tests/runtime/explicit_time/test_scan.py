@@ -15,10 +15,10 @@ from numpy.testing import assert_allclose
 
 from codegen import Model, t
 from codegen.derive.equations import derive
-from codegen.lower.time_programs import time_programs
+from codegen.lower.module_tables import time_programs
 from runtime.explicit_time.function_scan import FunctionArrays
 from runtime.explicit_time.instants import TimeInstants, time_instants
-from runtime.explicit_time.interval_evaluation import enclose
+from runtime.explicit_time.interval_arithmetic import enclose
 from runtime.mechanism.table_rows import TimeFunction
 
 a = sp.Symbol("a")

@@ -6,7 +6,7 @@ The state lies in row Y0, its modes in the table; accelerations are written into
 from runtime.core import function_table_slots as ft
 from runtime.core import state_derivative
 from runtime.core import workspace_rows as ws
-from runtime.core.array_types import f8, i8, integers, none, vector
+from runtime.core.arrays import f8, i8, integers, none, vector
 from runtime.core.jit import compiled
 from runtime.hybrid import filippov_shares, mode_consistency, redundant_sliding, sliding_motion
 

@@ -1,6 +1,6 @@
 """Ways in from Python to the parts of a step, which only compiled code calls."""
 
-from runtime.core.array_types import f8, i8, integers, none
+from runtime.core.arrays import f8, i8, integers, none
 from runtime.core.jit import compiled
 from runtime.integrate import loop, sampling, step, step_acceptance, step_control, step_to_event
 from runtime.integrate.problem import Options

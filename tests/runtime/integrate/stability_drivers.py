@@ -1,6 +1,6 @@
 """Ways in from Python to the stability limit, which compiled code alone calls."""
 
-from runtime.core.array_types import f8, vector
+from runtime.core.arrays import f8, vector
 from runtime.core.jit import compiled
 from runtime.integrate import stability_limit
 

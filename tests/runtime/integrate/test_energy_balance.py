@@ -14,7 +14,7 @@ from sympy import cos, sin, tanh
 from codegen import Model, t
 from runtime import load
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import Context
+from runtime.core.arrays import Context
 from runtime.core.jit import addressed, addresses
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.core.outcomes import Outcome

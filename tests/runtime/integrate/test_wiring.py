@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from runtime.core import function_table_slots as ft
-from runtime.core.array_types import f8
+from runtime.core.arrays import f8
 from runtime.core.jit import ADDRESSES, addresses, compiled
 from runtime.integrate.method import EXPLICIT
 from runtime.integrate.wiring import METHOD_SLOTS, _refuse, function_table, place, wire

@@ -2,42 +2,47 @@
 
 import numpy as np
 
-from runtime.core.array_types import f8, i8, integers, matrix, none, vector
+from runtime.core.arrays import f8, i8, integers, matrix, none, vector
 from runtime.core.jit import allocating, compiled
 from runtime.core.kernel_abi import SIGNATURES
-from runtime.linalg import cholesky, leading_block, lu, row_elimination, symbolic_elimination
+from runtime.linalg import (
+    dense_elimination,
+    leading_block,
+    orthogonal_factors,
+    symbolic_elimination,
+)
 
 
 @allocating(i8(vector, i8, vector))
 def solve_by_factors(a, f, b):
     """`lu.factor`, then `lu.solve`."""
     pivots = np.zeros(f, np.int64)
-    if lu.factor(a, f, pivots, 0.0) != 0:
+    if dense_elimination.factor(a, f, pivots, 0.0) != 0:
         return 1
-    lu.solve(a, f, pivots, b)
+    dense_elimination.solve(a, f, pivots, b)
     return 0
 
 
 @allocating(i8(vector, vector, i8, f8))
 def solve_equilibrated(a, b, f, least):
-    return lu.solve_equilibrated(a, b, f, np.zeros(f, np.int64), least)
+    return dense_elimination.solve_equilibrated(a, b, f, np.zeros(f, np.int64), least)
 
 
 @compiled(i8(matrix, matrix))
 def factor_gram(vectors, out):
     """Cholesky factor of the columns' products; 0 where they have none."""
-    cholesky.multiply_gram(vectors, out)
-    return int(cholesky.factor_cholesky(out))
+    orthogonal_factors.multiply_gram(vectors, out)
+    return int(orthogonal_factors.factor_cholesky(out))
 
 
 @compiled(none(matrix, vector))
 def solve_cholesky(factor, x):
-    cholesky.solve_cholesky(factor, x)
+    orthogonal_factors.solve_cholesky(factor, x)
 
 
 @compiled(none(matrix, matrix))
 def orthonormalise(factor, vectors):
-    cholesky.orthonormalise(factor, vectors)
+    orthogonal_factors.orthonormalise(factor, vectors)
 
 
 @compiled(i8(matrix, i8, vector, f8))
@@ -67,19 +72,19 @@ def entries_linear_in_time(t, q, p, values):
 def fill_unit_rows(t, p, scale, rows, columns, values, dense):
     """Of the Jacobian that `entries_linear_in_time` gives."""
     entries_linear_in_time(t, scale, p, values)
-    row_elimination.fill_unit_rows(row_elimination.Sparse(rows, columns, values), scale, dense)
+    dense_elimination.fill_unit_rows(dense_elimination.Sparse(rows, columns, values), scale, dense)
 
 
 @compiled(f8(matrix, integers, vector, i8))
 def eliminate_rows(dense, order, pivots, search):
     """`eliminate_rows`, and the smallest pivot."""
-    row_elimination.eliminate_rows(dense, order, pivots, search)
-    return row_elimination.smallest_pivot(pivots)
+    dense_elimination.eliminate_rows(dense, order, pivots, search)
+    return dense_elimination.smallest_pivot(pivots)
 
 
 @compiled(none(integers, integers, integers, vector, vector, matrix, integers, vector))
 def write_plan(order, rows, columns, values, scale, dense, plan, lengths):
-    sparse = row_elimination.Sparse(rows, columns, values)
+    sparse = dense_elimination.Sparse(rows, columns, values)
     symbolic_elimination.write_plan(order, sparse, scale, dense, plan, lengths)
 
 
@@ -87,10 +92,10 @@ def write_plan(order, rows, columns, values, scale, dense, plan, lengths):
 def replay_plan(t, p, scale, rows, columns, values, flat, plan, lengths, pivots):
     """Of the Jacobian that `entries_linear_in_time` gives."""
     entries_linear_in_time(t, scale, p, values)
-    sparse = row_elimination.Sparse(rows, columns, values)
+    sparse = dense_elimination.Sparse(rows, columns, values)
     return int(symbolic_elimination.replay_plan(sparse, scale, flat, plan, lengths, pivots))
 
 
 @compiled(i8(matrix, integers, f8))
 def factor_semidefinite(a, order, least):
-    return cholesky.factor_semidefinite(a, order, least)
+    return orthogonal_factors.factor_semidefinite(a, order, least)

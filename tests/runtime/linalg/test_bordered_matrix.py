@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import block_array, csr_matrix, identity, random_array
 
-from runtime.linalg.bordered_matrix import bordered_matrix
+from runtime.linalg.least_norm import bordered_matrix
 
 
 @pytest.mark.parametrize(("m", "n"), [(3, 7), (1, 1), (0, 4), (5, 2)])

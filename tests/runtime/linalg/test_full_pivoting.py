@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.linalg.full_pivoting import factor_fully
+from runtime.linalg.dense_elimination import factor_fully
 
 
 def factored(dense, least):

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from runtime.linalg.least_norm_newton import solve_by_newton
+from runtime.linalg.least_norm import solve_by_newton
 
 
 def test_convergence_is_quadratic():

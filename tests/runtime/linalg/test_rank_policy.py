@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime.core.unit_roundoff import EPS
+from runtime.core.arrays import EPS
 from runtime.linalg.rank_policy import LOST, NO_DIVISOR, NO_PIVOT, REDUNDANT, SAME_HOLD
 from tests.runtime.linalg.drivers import eliminate_rows
 from tests.runtime.linalg.test_full_pivoting import factored

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from runtime.linalg.dense_elimination import Sparse
 from runtime.linalg.redundant_constraints_solve import (
     minimise_norm,
     solve_factored,
     solve_least_norm,
     solve_motion,
 )
-from runtime.linalg.row_elimination import Sparse
 from tests.runtime.linalg.test_full_pivoting import factored
 
 

@@ -10,7 +10,7 @@ kernel of the constraints notes each place where it is called.
 
 import numpy as np
 
-from runtime.core.array_types import Matrix, Vector, integers, none, vector
+from runtime.core.arrays import Matrix, Vector, integers, none, vector
 from runtime.core.jit import compiled
 from runtime.core.kernel_abi import SIGNATURES
 from runtime.singularity.scaled_constraints import ScaledConstraints

@@ -1,8 +1,8 @@
 """Ways in from Python to searches that only compiled code calls; numba keeps them on disk."""
 
-from runtime.core.array_types import f8, i8, integers, matrix, vector
+from runtime.core.arrays import f8, i8, integers, matrix, vector
 from runtime.core.jit import compiled
-from runtime.singularity import nearest_branch, schur_complement
+from runtime.singularity import schur_complement, singular_root_search
 
 
 @compiled(f8(integers, vector, i8, matrix, vector, matrix, matrix, matrix, matrix))
@@ -18,4 +18,4 @@ def lost_gap(table, z, strong, a, gaps, left, null, square, normal):
 
 @compiled(i8(integers, vector, matrix, matrix, matrix, matrix))
 def factor_normal_equations(table, z, left, null, form, normal):
-    return int(nearest_branch.factor_normal_equations(table, z, left, null, form, normal))
+    return int(singular_root_search.factor_normal_equations(table, z, left, null, form, normal))

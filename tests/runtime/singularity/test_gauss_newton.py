@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from runtime.singularity.gauss_newton import find_root
 from runtime.singularity.search_function_table import set_units
+from runtime.singularity.singular_root_search import find_root
 from tests.runtime.singularity.crossing import closed, mechanism, noted
 from tests.runtime.singularity.test_schur_complement import u_first
 

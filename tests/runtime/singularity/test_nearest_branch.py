@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from runtime.singularity.nearest_branch import find_branch
 from runtime.singularity.search_function_table import set_units
+from runtime.singularity.singular_root_search import find_branch
 from tests.runtime.singularity.crossing import branch_slopes, mechanism
 from tests.runtime.singularity.drivers import factor_normal_equations
 

@@ -7,8 +7,8 @@ from models.hard.cases import find
 from runtime import Machine
 from runtime.mechanism.dense_equations import Equations
 from runtime.singularity.motion_polynomial import Motion, hermite, nearest_time, taylor
-from runtime.singularity.pivot_order_reuse import PivotOrders, count_weak
 from runtime.singularity.scaled_constraints import ScaledConstraints
+from runtime.singularity.schur_complement import PivotOrders, count_weak
 from runtime.singularity.search_function_table import unit_jacobian_entries
 from runtime.singularity.singular_position_near_motion import SingularPositions
 from runtime.singularity.singular_root_search import Search

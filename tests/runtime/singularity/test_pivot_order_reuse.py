@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.singularity.pivot_order_reuse import PivotOrders, count_weak
+from runtime.singularity.schur_complement import PivotOrders, count_weak
 from runtime.singularity.search_function_table import set_units, unit_jacobian_entries
 from tests.runtime.singularity.crossing import closed, mechanism
 

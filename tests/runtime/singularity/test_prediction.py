@@ -5,7 +5,7 @@ import pytest
 
 from codegen import Model
 from runtime import load
-from runtime.core.array_types import f8, i8, integers
+from runtime.core.arrays import f8, i8, integers
 from runtime.core.jit import compiled
 from runtime.core.system import System
 from runtime.core.workspace_rows import Y0, Y1, K

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from runtime.linalg.full_pivoting import factor_fully
+from runtime.linalg.dense_elimination import factor_fully
 from runtime.singularity.schur_complement import reduce_to_weak_part
 from runtime.singularity.search_function_table import (
     set_units,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.singularity.motion_polynomial import taylor
-from runtime.singularity.pivot_order_reuse import PivotOrders
+from runtime.singularity.schur_complement import PivotOrders
 from runtime.singularity.singular_root_search import Search
 from tests.runtime.singularity.crossing import branch_slopes, mechanism
 

@@ -8,14 +8,22 @@ from runtime.machine_facade import Machine
 from runtime.mechanism.dense_equations import Equations
 from runtime.singularity import scaled_constraints
 from runtime.singularity.motion_polynomial import Motion, taylor
-from runtime.singularity.pivot_order_reuse import count_weak
 from runtime.singularity.scaled_constraints import ScaledConstraints
+from runtime.singularity.schur_complement import count_weak
 from runtime.singularity.search_function_table import set_units
 from runtime.singularity.singular_position_near_motion import Singularity, SingularPositions
-from runtime.singularity.sparse_complement import Complement, SparseJacobian
-from runtime.singularity.sparse_forms import differentiate, entries_at, group
-from runtime.singularity.sparse_root_search import largest_lost_gap
-from runtime.singularity.sparse_weak_rows import count_above, singular_values
+from runtime.singularity.sparse_complement import (
+    Complement,
+    SparseJacobian,
+    count_above,
+    singular_values,
+)
+from runtime.singularity.sparse_root_search import (
+    differentiate,
+    entries_at,
+    group,
+    largest_lost_gap,
+)
 from tests.runtime import bars
 
 TURNING = -5.0  # rad/s

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from runtime.core.array_types import f8, i8, integers, none, vector
+from runtime.core.arrays import f8, i8, integers, none, vector
 from runtime.core.function_table_slots import COORDINATES
 from runtime.core.jit import compiled
 from runtime.core.workspace_rows import ATOL, PARTITION, SIZE
@@ -10,7 +10,6 @@ from runtime.core.workspace_rows import ROWS as WORKSPACE_ROWS
 from runtime.integrate.implicit import (
     bdf,
     bdf_history,
-    bdf_newton,
     newton_matrices,
     radau5,
     radau5_stages,
@@ -162,7 +161,7 @@ def bdf_step(context, t, h):
 
 @compiled(i8(integers, f8, f8))
 def bdf_evaluate(context, t, c):
-    return bdf_newton.evaluate_end(context, t, c)
+    return bdf.evaluate_end(context, t, c)
 
 
 @compiled(f8(integers, f8))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from runtime.constraints.newton_return import FAILED
-from runtime.core.array_types import f8, i8, integers
+from runtime.core.arrays import f8, i8, integers
 from runtime.core.jit import compiled, inner
 from runtime.core.workspace_rows import Y0
 from runtime.integrate.implicit import method_memory as mem

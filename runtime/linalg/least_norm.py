@@ -1,18 +1,50 @@
-"""Solutions of least norm of large sparse systems, and their smallest singular value.
+"""Changes of least norm that satisfy equations, dense and sparse, and Newton's method with them.
+
+Symmetric sparse matrices in two by two blocks, [[A, Bᵀ], [B, C]].
+
+Solutions of least norm of large sparse systems, and their smallest singular value.
 
 A x = b, (m, n), is solved by the quasidefinite matrix [[I, Aᵀ], [A, -ε I]]: x = Aᵀ (A Aᵀ + ε I)⁻¹ b
 is Tikhonov's solution, and the residuals of a few more such steps take the effect of ε away where
 A has no singular value below √ε. Its factors have few non-zeros where A has, also where a body has
 many joints and A Aᵀ is dense. (R. J. Vanderbei, Symmetric quasidefinite matrices, SIAM Journal on
 Optimization 5, 1995; P. C. Hansen, Rank-Deficient and Discrete Ill-Posed Problems, 1998, 5.1.)
+
+Newton's method for equations and unknowns of any number, by steps of least norm.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from runtime.core.array_types import Vector
-from runtime.linalg.bordered_matrix import bordered_matrix
+from runtime.core.arrays import EPS, Matrix, Vector
+from runtime.linalg.rank_policy import NO_PIVOT
+
+
+def bordered_matrix(a: Any, b: Any, c: Any) -> Any:
+    """The matrix by columns, of A, (n, n), B, (m, n), and C, (m, m).
+
+    In half of the time of `scipy.sparse.block_array`, of which a passage takes hundreds.
+    """
+    from scipy.sparse import csc_matrix  # small machines load none of it
+
+    (a_rows, a_columns, a_data), (b_rows, b_columns, b_data), (c_rows, c_columns, c_data) = map(
+        _entries, (a, b, c)
+    )
+    m, n = b.shape
+    data = np.concatenate([a_data, b_data, b_data, c_data])
+    rows = np.concatenate([a_rows, b_rows + n, b_columns, c_rows + n])
+    columns = np.concatenate([a_columns, b_columns, b_rows + n, c_columns + n])
+    return csc_matrix((data, (rows, columns)), shape=(n + m, n + m))
+
+
+def _entries(matrix: Any) -> tuple[Any, Any, Any]:
+    """Rows, columns and values of the entries."""
+    by_columns = matrix.tocsc()
+    counts = np.diff(by_columns.indptr)
+    return by_columns.indices, np.repeat(np.arange(len(counts)), counts), by_columns.data
+
 
 SPARSE_FROM = 300
 """measured: coordinates from which on sparse factors are used in place of dense ones, which take
@@ -76,3 +108,45 @@ class LeastNorm:
             if settled:
                 break
         return least
+
+
+ROUNDING = 2.0 * EPS  # accuracy: a residual that no step makes smaller, of equations of size 1
+ITERATIONS = 60  # safety: Newton iterations
+
+
+def least_norm_solver(matrix: Matrix | Any) -> Callable[[Vector], Any]:
+    """The function that solves A x = b, (m,), with x, (n,), of least norm, for several b.
+
+    `matrix`, (m, n), is dense, or SciPy's sparse one.
+    """
+    if isinstance(matrix, np.ndarray):
+        return lambda right: np.linalg.lstsq(matrix, right, rcond=NO_PIVOT)[0]
+    from runtime.linalg.least_norm import LeastNorm
+
+    return LeastNorm(matrix).solve
+
+
+def solve_by_newton(
+    residual: Callable[[Vector], Vector],
+    jacobian: Callable[[Vector], Matrix | Any],
+    x: Vector,
+) -> tuple[Vector, float]:
+    """Bring the residual to rounding by steps of least norm, or go on for as long as they help.
+
+    `residual`, (m,), are the scaled equations, `jacobian` their derivatives by x, (m, n), dense or
+    sparse. Returns the best point from `x`, (n,), on and the largest residual there; the caller
+    decides what counts as solved.
+    """
+    best = float(np.abs(residual(x)).max(initial=0.0))
+    for _ in range(ITERATIONS):
+        if best <= ROUNDING:
+            break
+        trial = x + least_norm_solver(jacobian(x))(-residual(x))
+        largest = float(np.abs(residual(trial)).max(initial=0.0))
+        if not largest < best:
+            break
+        slow = largest > 0.9 * best
+        x, best = trial, largest
+        if slow:
+            break
+    return x, best

@@ -1,4 +1,18 @@
-"""Peaked functions of the position in a scene: a barrier, a magnet, a detent, a bump of a cam.
+"""Functions in the equations of a scene that a run watches: tables, laws in time, narrow peaks.
+
+The expressions of constraints and effects, in which functions of some kind are looked for.
+
+Messages of runs name the tables of a scene that end, and what they are taken at.
+
+A switch ends a simulation where an effect's table does (`codegen.derive.piecewise_conditions`); all
+other analyses, and tables of motion laws and constraints, have no number beyond.
+
+Explicit functions of time in a scene: the largest parts of its equations without coordinates.
+
+A run looks at them before its first step (`runtime.mechanism.explicit_time`): where they bend
+sharply its steps are short, and where their pieces meet steps end.
+
+Peaked functions of the position in a scene: a barrier, a magnet, a detent, a bump of a cam.
 
 The length of a step follows the error of the motion, which feels nothing of a peak between the
 places at which a method looks. A run therefore watches the arguments of these functions in each
@@ -6,13 +20,14 @@ step (`runtime.hybrid.step_limits`): they change slowly where the functions do n
 """
 
 from collections.abc import Iterable, Iterator
-from itertools import combinations
+from itertools import chain, combinations
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import sympy
+from sympy.core.relational import Relational
 
-from codegen.declare.symbols import Coordinate, Parameter, Time
-from codegen.derive.element_expressions import element_expressions
+from codegen.declare.symbols import SPEED, Coordinate, Parameter, Time, Velocity, kinds
+from codegen.derive.effect_terms import EffectTerms
 from codegen.derive.piecewise_conditions import (
     STEPS,
     as_pieces,
@@ -21,12 +36,147 @@ from codegen.derive.piecewise_conditions import (
     is_known_beforehand,
     switching_function,
 )
-from codegen.derive.switching_functions import Switch, find_switch
+from codegen.derive.switching_functions import Switch, find_switch, rate
 from codegen.readers.expressions import powers_with_number_outside
 from codegen.tables.table_function import Interpolant
 
 if TYPE_CHECKING:
     from codegen.derive.equations import ConstraintEquations, EffectEquations
+
+
+class ElementExpression(NamedTuple):
+    """An expression by coordinates and velocities, the time and parameters."""
+
+    element: str
+    expression: sympy.Expr
+    along: sympy.Expr | None = None  # the scalar along which it is a force, with SPEED its rate
+
+
+def element_expressions(
+    constraints: Iterable["ConstraintEquations"],
+    effects: Iterable["EffectEquations"],
+    functions: tuple[type[sympy.Basic], ...],
+) -> Iterator[ElementExpression]:
+    """Those that have any of `functions`: of constraints, with their bindings, and of effects."""
+    for constraint in constraints:
+        bindings = constraint.statement.bindings
+        for expression in (*constraint.terms.phi, *bindings.values()):
+            if expression.has(*functions):
+                yield ElementExpression(constraint.name, expression.xreplace(bindings))
+    for one in chain.from_iterable(map(_expressions_of, effects)):
+        if one.expression.has(*functions) or (one.along is not None and one.along.has(*functions)):
+            yield one
+
+
+def _expressions_of(effect: "EffectEquations") -> Iterator[ElementExpression]:
+    terms = effect.terms
+    for scalar, force in terms.pulls:
+        yield ElementExpression(effect.name, scalar)
+        yield ElementExpression(effect.name, force, scalar)
+    yield from (ElementExpression(effect.name, force) for _, force in terms.loads)
+    if terms.potential is not None:
+        yield ElementExpression(effect.name, terms.potential)
+
+
+class TableRange(NamedTuple):
+    """A table that is undefined beyond its ends, and the expression that it is taken at."""
+
+    element: str
+    table: str
+    at: sympy.Expr
+    low: float
+    high: float
+
+
+def table_ranges(
+    constraints: Iterable["ConstraintEquations"], effects: Iterable["EffectEquations"]
+) -> tuple[TableRange, ...]:
+    """The tables of constraints and effects that a motion may leave, each use once."""
+    found: dict[TableRange, None] = {}
+    for element, expression, along in element_expressions(constraints, effects, (Interpolant,)):
+        moved = along is not None and expression.has(SPEED)
+        taken = expression.xreplace({SPEED: rate(along)}) if moved else expression
+        for node in sorted(taken.atoms(Interpolant), key=str):
+            table = node.table
+            moves = kinds(node.at, Coordinate, Velocity, Time)
+            if table.stops and table.role in ("values", "end") and moves:
+                found[TableRange(element, table.name, node.at, table.first, table.last)] = None
+    return tuple(found)
+
+
+Role = Literal["law", "effect", "place"]
+
+
+class TimeFunction(NamedTuple):
+    """A function of time and parameters alone, and the element that it belongs to."""
+
+    element: str
+    # a "law" chooses its pieces by the time itself, an "effect" by its modes; so does a "place",
+    # which may not jump where its rate acts
+    role: Role
+    expression: sympy.Expr
+    along: tuple[tuple[sympy.Expr, sympy.Expr], ...] = ()  # (s, f) of the forces, of a "place"
+
+
+def time_functions(
+    constraints: Iterable["ConstraintEquations"], effects: Iterable["EffectEquations"]
+) -> tuple[TimeFunction, ...]:
+    """The explicit functions of time of constraints and effects, each once."""
+    found: dict[TimeFunction, None] = {}
+    for constraint in constraints:
+        for expression in (*constraint.terms.phi, *constraint.statement.bindings.values()):
+            for part in _parts(expression):
+                found[TimeFunction(constraint.name, "law", part)] = None
+    for effect in effects:
+        moving = [(s, f, {*_parts(s)}) for s, f in effect.terms.pulls if _takes_rate(f, s)]
+        for expression in _expressions(effect.terms):
+            for part in _parts(expression):
+                along = tuple((s, f) for s, f, places in moving if part in places)
+                role: Role = "place" if along else "effect"
+                found[TimeFunction(effect.name, role, part, along)] = None
+    return tuple(found)
+
+
+def _takes_rate(force: sympy.Expr, scalar: sympy.Expr) -> bool:
+    """Whether a force takes the rate of the scalar along which it acts, by name or written out."""
+    rates = {q.rate for q in kinds(scalar, Coordinate)}
+    return force.has(SPEED) or (bool(rates) and rates <= {*kinds(force, Velocity)})
+
+
+def is_of_time(node: sympy.Basic) -> bool:
+    """Whether nothing but the time and parameters is in an expression, the time among it."""
+    return is_known_beforehand(node) and any(isinstance(s, Time) for s in node.free_symbols)
+
+
+def _parts(expression: sympy.Basic) -> Iterator[sympy.Expr]:
+    """The largest parts of an expression that are functions of time, in the order of the text."""
+    stack: list[sympy.Basic] = [expression] if expression.has(Time) else []
+    while stack:
+        node = stack.pop()
+        if isinstance(node, Relational) and is_of_time(node):
+            g = switching_function(node)
+            yield sympy.Piecewise((sympy.S.One, g > 0), (sympy.S.Zero, True))
+        elif isinstance(node, sympy.Add | sympy.Mul):
+            timely = [a for a in node.args if is_of_time(a)]
+            if timely and powers_with_number_outside(node):
+                timely.insert(0, node.args[0])
+            if timely:
+                yield node.func(*timely)
+            stack += [a for a in node.args[::-1] if a not in timely]
+        elif isinstance(node, sympy.Expr) and is_of_time(node):
+            yield node
+        else:
+            stack += node.args[::-1]
+
+
+def _expressions(terms: EffectTerms) -> Iterator[sympy.Basic]:
+    yield from (part for pair in terms.pulls for part in pair)
+    yield from (load for _, load in terms.loads)
+    if terms.potential is not None:
+        yield terms.potential
+    if terms.hold is not None:
+        yield from (part for part in vars(terms.hold).values() if isinstance(part, sympy.Basic))
+
 
 Kind = Literal["exponential", "step", "power"]
 
