@@ -148,36 +148,35 @@ def disturbed(campaign: Campaign, mode: str) -> int:
         assert begun < 5 * campaign.kills + 5, (campaign.folder / "sweep.log").read_text()
 
 
-def marks(store: Path) -> int:
-    """Number of the blocks of a store that have been written."""
-    folder = store / "block_mark" / "c"
-    return sum(1 for _ in folder.iterdir()) if folder.is_dir() else 0
+def runs_made(store: Path) -> int:
+    """Number of the runs of a store that have been written."""
+    if not store.exists():
+        return 0
+    return int((open_store(store).columns["outcome"][:] != "").sum())
 
 
 def wait(campaign: Campaign, store: str, process: "subprocess.Popen[bytes]", kills: int) -> bool:
-    """Wait until some blocks more are done, drawn at random so that every kill finds one to do.
+    """Wait until some runs more are made, drawn at random so that every kill finds one to make.
 
     False if the sweep ends before.
     """
-    path = campaign.folder / store
-    share, delay, wanted = campaign.draw.random(), campaign.draw.uniform(0.0, 0.05), 0
-    before = marks(path)
+    path, runs = campaign.folder / store, campaign.side**2
+    share, delay = campaign.draw.random(), campaign.draw.uniform(0.0, 0.05)
+    before = runs_made(path)
+    wanted = before + 1 + int(share * (runs - before - 1) / (campaign.kills - kills + 1))
     while process.poll() is None:
-        if not wanted and path.exists():
-            blocks = open_store(path).blocks
-            wanted = before + 1 + int(share * (blocks - before - 1) / (campaign.kills - kills + 1))
-        if wanted and marks(path) >= wanted:
+        if runs_made(path) >= wanted:
             time.sleep(delay)
             return process.poll() is None
-        time.sleep(0.005)
+        time.sleep(0.01)
     return False
 
 
 def judge(campaign: Campaign, store: str) -> str:
     """What is wrong with the rows of a store; nothing if they are those of the reference."""
     path = campaign.folder / store
-    if open_store(path).unfinished():
-        return "blocks are not done"
+    if len(open_store(path).unmade()):
+        return "runs are not made"
     study, reference = load_study(path), load_study(campaign.folder / "reference.zarr")
     if len(study) != campaign.side**2 or not study.complete:
         return f"{len(study)} rows, {study.outcomes}"

@@ -7,7 +7,6 @@ Processes find their modules compiled to byte code, as those of a user do, from 
 """
 
 import os
-import re
 import subprocess
 import tempfile
 import time
@@ -27,7 +26,6 @@ class Taken(NamedTuple):
 
     wall: float  # s, from the command to its end
     busiest: float  # s of the processor, of the process that took most of those that run members
-    simulation: float  # share of runs in the processor time of tasks
 
 
 def processor_seconds(pid: int) -> float:
@@ -50,9 +48,7 @@ def measured(campaign: Campaign, store: str, *words: str, workers: tuple[int, ..
     if not used:
         ended = os.times()
         used = [ended.children_user + ended.children_system]
-    found = re.search(r"([\d.]+)% of the", told)
-    assert found is not None, told
-    return Taken(wall, max(used), float(found[1]) / 100.0)
+    return Taken(wall, max(used))
 
 
 def main(
@@ -86,10 +82,9 @@ def main(
         runs = side**2
         for title, taken in (("one process", alone), (f"cluster of {workers}", together)):
             wall, busiest = min(one.wall for one in taken), min(one.busiest for one in taken)
-            share = max(one.simulation for one in taken)
             print(
                 f"{title}: {runs} runs in {wall:.1f} s; {busiest:.1f} s of the processor in the "
-                f"busiest process; {share:.1%} of the tasks is simulation"
+                "busiest process"
             )
         wall = min(one.wall for one in alone) / min(one.wall for one in together)
         busy = min(one.busiest for one in alone) / min(one.busiest for one in together)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from runtime.results.assembled_state import Assembly, State
     from runtime.results.result import Result
     from runtime.statics.equilibrium import Equilibrium
-    from runtime.sweeps.ensemble_rows import Columns
+    from runtime.sweeps.ensemble_arrays import Columns
 
 # arguments of `simulate` that choose between given tolerances and a search for an accuracy
 _SETTINGS = ("accuracy", "rtol", "atol", "quantities", "method", "formulation")

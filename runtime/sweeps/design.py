@@ -1,103 +1,151 @@
-"""Designs: the points of a sweep, from factors by a grid or a sample, or from a given dataset."""
+"""Designs: the points of a sweep, by a grid or a sample of factors, or from a given dataset.
 
-import hashlib
+A factor is a name with values, an interval or a distribution, read from text as well:
+
+J1=200:1000:81            81 values at equal distances, ends included
+J1=225,450,900            these values
+J1=200:1000               an interval, from which a sample draws uniformly
+J1=uniform:200:1000       the same
+J1=normal:450:20          mean and standard deviation
+J1=log:1:1000:4           4 values at equal ratios, ends included
+l=100 mm:20 cm:4          in units of their own, which all numbers have
+"""
+
 import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from importlib import import_module
+from inspect import signature
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
+from pydantic import BaseModel, PositiveInt
 
 from codegen.errors import InputError
 from codegen.object_display import counted
-from codegen.readers.quantities import QuantityError, converted
-from runtime.sweeps.factors import Factor, FloatArray
+from codegen.readers.quantities import QUANTITY, QuantityError, converted, number_in
+from codegen.readers.values import finite_float, one_line, shown
 
 if TYPE_CHECKING:
     import xarray as xr
 
-GRID, GIVEN = "grid", "given"
-SAMPLES = ("lhs", "sobol", "halton", "random", "saltelli")
+FloatArray = npt.NDArray[np.float64]
+GRID, GIVEN, SALTELLI = "grid", "given", "saltelli"
+SAMPLES = ("lhs", "sobol", "halton", "random", SALTELLI)
+DISTRIBUTIONS = {"uniform": "LOW and HIGH", "normal": "a MEAN and a standard deviation SD"}
 MOST_RUNS = 50_000_000  # safety: runs of a sweep
+_MOST_VALUES = 10_000_000  # safety: values of one factor
+_FORM = (
+    "write NAME=FIRST:LAST:COUNT, NAME=A,B,C, NAME=log:FIRST:LAST:COUNT, NAME=uniform:LOW:HIGH or "
+    "NAME=normal:MEAN:SD"
+)
+
+
+class Design(BaseModel, frozen=True):
+    """What a store says of its points."""
+
+    kind: str  # GRID, GIVEN or one of SAMPLES
+    factors: dict[str, str]  # in words, by name
+    axes: dict[str, PositiveInt] = {}  # of a grid: its values, counted by name
+    seed: int | None = None  # of a sample
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
-    """The points of a sweep, one row a run."""
+class Factor:
+    """A quantity that varies over a sweep: a parameter or a start value."""
 
-    kind: str  # GRID, GIVEN or one of SAMPLES
-    names: tuple[str, ...]
-    points: FloatArray  # (runs, factors), in the declared units
-    factors: tuple[Factor, ...] = ()  # none of points that were given
-    axes: Mapping[str, int] = field(default_factory=dict)  # of a grid: its values, counted by name
-    seed: int | None = None  # of a sample
-    units: tuple[tuple[str, str], ...] = ()  # by name, where they are not the declared ones
-
-    @property
-    def digest(self) -> str:
-        """SHA-256 of names and points."""
-        content = repr(self.names).encode() + np.ascontiguousarray(self.points).tobytes()
-        return hashlib.sha256(content).hexdigest()
+    name: str
+    values: FloatArray = field(default_factory=lambda: np.zeros(0))  # none of a sample
+    distribution: str = ""  # of a sample: one of DISTRIBUTIONS
+    bounds: tuple[float, float] = (math.nan, math.nan)  # low and high, or mean and deviation
+    unit: str = ""  # that of the text, where it is not the declared one
+    is_column: bool = False  # whether the values are those of all runs, one after the other
 
     @property
-    def facts(self) -> dict[str, Any]:
-        """The design as JSON, without its points."""
-        return {
-            "kind": self.kind,
-            "names": [*self.names],
-            "factors": {factor.name: factor.text for factor in self.factors},
-            "axes": dict(self.axes),
-            "seed": self.seed,
-        }
+    def text(self) -> str:
+        """The factor in words, as files and messages have it."""
+        if self.distribution:
+            return f"{self.distribution} {self.bounds[0]:g} {self.bounds[1]:g} {self.unit}".rstrip()
+        first, last = self.values[0], self.values[-1]
+        return f"{len(self.values)} values from {first:g} to {last:g} {self.unit}".rstrip()
+
+    def quantile(self, share: FloatArray) -> FloatArray:
+        """Values below which a share, (k,) from 0 to 1, of the distribution lies."""
+        first, second = self.bounds
+        if self.distribution == "uniform":
+            return first + share * (second - first)
+        from scipy.special import ndtri
+
+        within = np.clip(share, np.finfo(float).tiny, 1.0 - 2.0**-53)  # 0 and 1 lie at infinity
+        return np.asarray(first + second * ndtri(within))
 
 
-NOTHING = Design(GIVEN, (), np.zeros((0, 0)))
+def read_design(
+    over: "Mapping[str, Any] | Sequence[str] | xr.Dataset", sample: str | None, count: int | None,
+    seed: int, unit_of: Callable[[str], str],
+) -> tuple[Design, FloatArray]:  # fmt: skip
+    """A design and its points, (runs, factors), in the units that the machine declares.
 
-
-def design_of(
-    factors: Sequence[Factor], sample: str | None, count: int | None, seed: int
-) -> Design:
-    """The grid of all combinations, or a sample of so many points.
+    `unit_of` returns the unit of a factor by its name, and raises InputError where there is none.
 
     Raises
     ------
     InputError
-        If factors and sample do not fit, all misfits at once.
+        If factors, sample and units do not fit, all misfits at once.
     """
-    drawn = [factor for factor in factors if factor.distribution]
-    kind = sample or (GRID if not drawn else "")
-    problems = _misfits(factors, drawn, kind, count)
+    if not hasattr(over, "data_vars"):
+        factors = read_factors(over)
+    elif sample is None and count is None:
+        factors = _factors_of(over)
+    else:
+        raise InputError("A dataset of points is the design: leave out sample and count.")
+    is_list = any(factor.is_column for factor in factors)
+    kind = GIVEN if is_list else sample or GRID
+    problems = [] if is_list else _misfits(factors, sample, count)
+    for factor in factors:
+        try:
+            declared = unit_of(factor.name)
+            if factor.unit:
+                converted(np.ones(1), factor.unit, declared)
+        except InputError as error:
+            problems += error.problems
+        except QuantityError as error:
+            problems.append(f"{factor.name}: {error}")
     if problems:
         raise InputError(problems)
-    names = tuple(factor.name for factor in factors)
-    units = tuple((factor.name, factor.unit) for factor in factors if factor.unit)
-    if kind == GRID:
-        mesh = np.meshgrid(*(np.array(factor.values) for factor in factors), indexing="ij")
-        points = np.stack([axis.ravel() for axis in mesh], axis=1)
+    axes = dict[str, int]()
+    if is_list:
+        columns = [factor.values for factor in factors]
+    elif kind == GRID:
         axes = {factor.name: len(factor.values) for factor in factors}
-        return Design(kind, names, points, tuple(factors), axes, units=units)
-    assert count is not None
-    shares = unit_sample(kind, len(factors), count, seed)
-    points = np.stack([f.quantile(shares[:, k]) for k, f in enumerate(factors)], axis=1)
-    return Design(kind, names, points, tuple(factors), seed=seed, units=units)
+        mesh = np.meshgrid(*(factor.values for factor in factors), indexing="ij")
+        columns = [np.ravel(axis) for axis in mesh]
+    else:
+        shares = unit_sample(kind, len(factors), count or 0, seed)
+        columns = [factor.quantile(shares[:, k]) for k, factor in enumerate(factors)]
+    columns = [
+        converted(column, factor.unit, unit_of(factor.name)) if factor.unit else column
+        for factor, column in zip(factors, columns, strict=True)
+    ]
+    words = {factor.name: factor.text for factor in factors}
+    drawn = seed if kind in SAMPLES else None
+    return Design(kind=kind, factors=words, axes=axes, seed=drawn), np.stack(columns, axis=1)
 
 
-def _misfits(
-    factors: Sequence[Factor], drawn: Sequence[Factor], kind: str, count: int | None
-) -> list[str]:
+def _misfits(factors: Sequence[Factor], sample: str | None, count: int | None) -> list[str]:
     """Sentences about factors, sample and count that do not fit together."""
-    if kind not in {"", GRID, *SAMPLES}:
-        return [f"There is no sample {kind!r}; there are {GRID}, {', '.join(SAMPLES)}."]
-    if not kind:
+    drawn = [factor for factor in factors if factor.distribution]
+    if sample is None and drawn:
         names = ", ".join(factor.name for factor in drawn)
         text = (
-            f"{names}: an interval or a distribution is "
-            "sampled. Say how, by sample and count (lhs, 1000), or give values, "
-            "NAME=FIRST:LAST:COUNT."
+            f"{names}: an interval or a distribution is sampled. Say how, by sample and count "
+            "(lhs, 1000), or give values, NAME=FIRST:LAST:COUNT."
         )
         return [text]
-    if kind == GRID:
+    if sample in {None, GRID}:
         problems = [
             f"{factor.name} is {factor.text}, which a grid cannot take; give values, "
             "NAME=FIRST:LAST:COUNT, or the sample lhs."
@@ -105,36 +153,40 @@ def _misfits(
         ]
         if count is not None:
             problems.append(f"count is {count}, but a grid has all combinations of its values.")
-        total = math.prod(max(len(factor.values), 1) for factor in factors)
+        total = math.prod(len(factor.values) for factor in factors)
         if total > MOST_RUNS:
             problems.append(f"The grid has {total:g} runs; {MOST_RUNS:g} are permitted.")
         return problems
+    if sample not in SAMPLES:
+        return [f"There is no sample {sample!r}; there are {GRID}, {', '.join(SAMPLES)}."]
     problems = [
-        f"{factor.name} has {factor.text}, but {kind} draws from intervals; give NAME=LOW:HIGH, "
+        f"{factor.name} has {factor.text}, but {sample} draws from intervals; give NAME=LOW:HIGH, "
         "NAME=normal:MEAN:SD, or leave out the sample."
         for factor in factors
         if not factor.distribution
     ]
+    most = MOST_RUNS // (len(factors) + 2 if sample == SALTELLI else 1)
     if count is None:
-        problems.append(f"The sample {kind} needs the number of its points, count.")
-    else:
-        most = MOST_RUNS // (len(factors) + 2 if kind == "saltelli" else 1)
-        if not 1 <= count <= most:
-            problems.append(f"count is {count}; it must lie from 1 to {most:g}.")
+        problems.append(f"The sample {sample} needs the number of its points, count.")
+    elif not 1 <= count <= most:
+        problems.append(f"count is {count}; it must lie from 1 to {most:g}.")
+    elif sample == SALTELLI and count & (count - 1):  # of which Sobol's sequence is balanced
+        near = 2 ** max(round(np.log2(count)), 1)
+        problems.append(
+            f"count is {count}; of the sample saltelli it must be a power of 2, such as {near}."
+        )
     return problems
 
 
 def unit_sample(kind: str, dimensions: int, count: int, seed: int) -> FloatArray:
     """Points in the unit cube, (count, dimensions); of "saltelli" (count (dimensions + 2), …)."""
-    if kind == "saltelli":
-        from runtime.sweeps.sensitivity import saltelli_points
-
-        return saltelli_points(dimensions, count, seed)
+    if kind == SALTELLI:
+        problem = salib_problem([f"x{k}" for k in range(dimensions)])
+        sampled = salib("sample.sobol").sample(problem, count, calc_second_order=False, seed=seed)
+        return np.asarray(sampled)
     draw = np.random.default_rng(seed)
     if kind == "random":
         return draw.random((count, dimensions))
-    from inspect import signature
-
     from scipy.stats import qmc
 
     engine = {"lhs": qmc.LatinHypercube, "sobol": qmc.Sobol, "halton": qmc.Halton}[kind]
@@ -145,8 +197,25 @@ def unit_sample(kind: str, dimensions: int, count: int, seed: int) -> FloatArray
         return np.asarray(engine(dimensions, **{word: draw}).random(count))
 
 
-def given_design(points: "xr.Dataset") -> Design:
-    """The points of a dataset: a variable or coordinate a factor, in the unit that it names.
+def salib(module: str) -> ModuleType:
+    """A module of SALib; InputError with the command that installs it."""
+    try:
+        return import_module(f"SALib.{module}")
+    except ImportError as error:
+        raise InputError(
+            "Sensitivity indices need SALib, which is not installed. Run pip install "
+            "'linkwright[sensitivity]', in the checkout pip install '.[sensitivity]'."
+        ) from error
+
+
+def salib_problem(names: Sequence[str]) -> dict[str, Any]:
+    """Factors from 0 to 1, as SALib has them."""
+    bounds = [[0.0, 1.0]] * len(names)
+    return {"num_vars": len(names), "names": np.array([*names]), "bounds": bounds}
+
+
+def _factors_of(points: Any) -> tuple[Factor, ...]:
+    """The factors of a dataset: a variable or coordinate each, in the unit that it names.
 
     Variables along one dimension are a list of points. A dataset without data variables, of
     coordinates along their own dimensions, is the grid of them. The numbers 0, 1, 2, … along a
@@ -169,24 +238,33 @@ def given_design(points: "xr.Dataset") -> Design:
         problems.append("The dataset of points has no variables and no coordinates.")
     if problems:
         raise InputError(problems)
-    columns = xr.broadcast(*(points[name] for name in names))
-    if columns[0].size > MOST_RUNS:
-        raise InputError(
-            f"The dataset has {columns[0].size:g} points; {MOST_RUNS:g} are permitted."
+    units = [str(points[name].attrs.get("units", "")) for name in names]
+    if not points.data_vars and all(points[name].dims == (name,) for name in names):
+        return tuple(
+            _grid(name, points[name].values.astype(float), name, unit)
+            for name, unit in zip(names, units, strict=True)
         )
-    is_grid = not points.data_vars and all(points[name].dims == (name,) for name in names)
-    if is_grid:
-        for name in names:
-            _require_points([name], [points[name]])
-    table = _require_points(names, columns)
-    units = tuple(
-        (name, str(points[name].attrs["units"])) for name in names if "units" in points[name].attrs
-    )
-    if not is_grid:
-        return Design(GIVEN, tuple(names), table, units=units)
-    factors = tuple(Factor(name, values=tuple(points[name].values.tolist())) for name in names)
-    axes = {name: points[name].size for name in names}
-    return Design(GRID, tuple(names), table, factors, axes, units=units)
+    columns = xr.broadcast(*(points[name] for name in names))
+    if not 0 < columns[0].size <= MOST_RUNS:
+        raise InputError(
+            f"The dataset has {columns[0].size:g} points; it must have 1 to {MOST_RUNS:g}."
+        )
+    table = np.stack([column.values.astype(float).ravel() for column in columns], axis=1)
+    for name, column in zip(names, table.T, strict=True):
+        wrong = np.flatnonzero(~np.isfinite(column))
+        problems += [f"{name}: point {wrong[0]} is not a finite number."] if len(wrong) else []
+    _, first, number = np.unique(table, axis=0, return_inverse=True, return_index=True)[:3]
+    earlier = first[np.ravel(number)]
+    again = np.flatnonzero(earlier != np.arange(len(table)))
+    if len(again) and not problems:
+        problems.append(
+            f"Point {again[0]} of {', '.join(names)} is that of {earlier[again[0]]}; the same "
+            f"run would be made twice. Leave {counted(len(again), 'point')} out."
+        )
+    if problems:
+        raise InputError(problems)
+    triples = zip(names, table.T, units, strict=True)
+    return tuple(Factor(name, column, unit=unit, is_column=True) for name, column, unit in triples)
 
 
 def _counts_points(points: "xr.Dataset", name: str) -> bool:
@@ -201,48 +279,120 @@ def _counts_points(points: "xr.Dataset", name: str) -> bool:
     )
 
 
-def _require_points(names: Sequence[str], columns: Sequence[Any]) -> FloatArray:
-    """The points as rows; InputError if there are none, or one is not finite or is repeated."""
-    table = np.stack([np.asarray(column, dtype=float).ravel() for column in columns], axis=1)
-    if not len(table):
-        raise InputError("The dataset of points is empty.")
-    problems = [
-        f"{name}: point {int(np.flatnonzero(~np.isfinite(column))[0])} is not a finite number."
-        for name, column in zip(names, table.T, strict=True)
-        if not np.isfinite(column).all()
-    ]
-    if problems:
-        raise InputError(problems)
-    _, first, number = np.unique(table, axis=0, return_inverse=True, return_index=True)[:3]
-    earlier = first[np.ravel(number)]
-    (again,) = np.nonzero(earlier != np.arange(len(table)))
-    if len(again):
-        raise InputError(
-            f"Point {again[0]} of {', '.join(names)} is that of {earlier[again[0]]}; the same "
-            f"run would be made twice. Leave {counted(len(again), 'point')} out."
-        )
-    return table
-
-
-def in_declared_units(design: Design, unit_of: Callable[[str], str | None]) -> Design:
-    """The design with its points in the units of the machine, by the name of the factor.
-
-    A factor that the machine does not have, of unit None, stays as it is.
+def read_factors(over: Mapping[str, Any] | Sequence[str]) -> tuple[Factor, ...]:
+    """The factors of a mapping from names, or of texts ``NAME=...``.
 
     Raises
     ------
     InputError
-        If a unit does not fit, all misfits at once.
+        One sentence for each factor that cannot be read.
     """
-    points, problems = design.points.copy(), list[str]()
-    for name, given in design.units:
-        k, declared = design.names.index(name), unit_of(name)
-        if declared is None:
-            continue
+    found, problems, pairs = dict[str, Factor](), list[str](), list[tuple[str, Any]]()
+    if isinstance(over, Mapping):
+        pairs += over.items()
+    else:
+        for text in over:
+            name, sign, given = (part.strip() for part in text.partition("="))
+            if sign and name:
+                pairs.append((name, given))
+            else:
+                problems.append(f"over, {one_line(text)}: {_FORM}.")
+    for name, given in pairs:
+        if name in found:
+            problems.append(f"{name} is varied twice; give it once.")
         try:
-            points[:, k] = converted(points[:, k], given, declared)
-        except QuantityError as error:
-            problems.append(f"{name}: {error}")
+            found[name] = read_factor(name, given)
+        except InputError as error:
+            problems += error.problems
+    if not found and not problems:
+        problems.append(f"Nothing varies; {_FORM}.")
     if problems:
         raise InputError(problems)
-    return replace(design, points=points, units=())
+    return tuple(found.values())
+
+
+def read_factor(name: str, given: Any) -> Factor:
+    """One factor: a text, numbers, or a distribution such as ("normal", 1.0, 0.01)."""
+    where = f"{one_line(name)}={given}" if isinstance(given, str) else f"{one_line(name)}"
+    if isinstance(given, str):
+        return _read_text(name, given, where)
+    if isinstance(given, tuple | list) and given and isinstance(given[0], str):
+        return _distribution(name, given[0], [finite_float(x) for x in given[1:]], where)
+    try:
+        array = np.atleast_1d(np.asarray(given))
+    except (TypeError, ValueError):
+        array = np.zeros(0, dtype=object)
+    if array.ndim != 1 or array.dtype.kind not in "iuf" or not len(array):
+        raise InputError(
+            f"{where} is {shown(given)}; it must be numbers, a text such as '200:1000:81', or a "
+            'distribution such as ("normal", 1.0, 0.01).'
+        )
+    return _grid(name, array.astype(np.float64), where)
+
+
+def _read_text(name: str, text: str, where: str) -> Factor:
+    word, *rest = parts = [part.strip() for part in text.split(":")]
+    if rest and word[:1].isalpha() and word != "log":
+        values, unit = _numbers(rest, where) if word in DISTRIBUTIONS else ([], "")
+        return _distribution(name, word, values, where, unit)
+    if not rest:
+        values, unit = _numbers(text.split(","), where)
+        return _grid(name, np.array(values), where, unit)
+    if len(parts) == 2 and word != "log":
+        values, unit = _numbers(parts, where)
+        return _distribution(name, "uniform", values, where, unit)
+    if len(parts) != (4 if word == "log" else 3):
+        raise InputError(f"{where}: {_FORM}.")
+    (first, last), unit = _numbers(parts[-3:-1], where)
+    (count,), strange = _numbers(parts[-1:], where)
+    if strange or not (count.is_integer() and 1 <= count <= _MOST_VALUES):
+        raise InputError(
+            f"{where}: the count is {count:g}; it must be a whole number from 1 to "
+            f"{_MOST_VALUES:g}."
+        )
+    if count == 1 and first != last:
+        raise InputError(f"{where}: one value cannot be both {first:g} and {last:g}; give one.")
+    if word != "log":
+        return _grid(name, np.linspace(first, last, int(count)), where, unit)
+    if first * last <= 0.0:
+        raise InputError(f"{where}: equal ratios lead from {first:g} to {last:g} by no way.")
+    return _grid(name, np.geomspace(first, last, int(count)), where, unit)
+
+
+def _numbers(texts: Sequence[str], where: str) -> tuple[list[float], str]:
+    """Numbers in the unit of the first one, and that unit; empty where they have none."""
+    parts = [QUANTITY.fullmatch(text) for text in texts]
+    units = [(part[2] or "").strip() for part in parts if part]
+    if len(units) < len(parts):
+        raise InputError(f"{where}: {_FORM}.")
+    if "" in units and any(units):
+        raise InputError(f"{where}: give all numbers a unit, or none.")
+    try:
+        return [number_in(text, units[0]) for text in texts], units[0]
+    except QuantityError as error:
+        raise InputError(f"{where}: {error}") from None
+
+
+def _grid(name: str, values: FloatArray, where: str, unit: str = "") -> Factor:
+    if not np.isfinite(values).all():
+        raise InputError(f"{where}: all values must be finite numbers.")
+    if len(np.unique(values)) < len(values):
+        raise InputError(f"{where}: a value is repeated; the same run would be made twice.")
+    return Factor(name, values, unit=unit)
+
+
+def _distribution(
+    name: str, word: str, numbers: Sequence[float | None], where: str, unit: str = ""
+) -> Factor:
+    if word not in DISTRIBUTIONS:
+        raise InputError(
+            f"{where}: there is no distribution {word!r}; there are {' and '.join(DISTRIBUTIONS)}."
+        )
+    if len(numbers) != 2 or None in numbers:
+        raise InputError(f"{where}: {word} needs {DISTRIBUTIONS[word]}, two finite numbers.")
+    first, second = (float(number) for number in numbers if number is not None)
+    if word == "uniform" and not first < second:
+        raise InputError(f"{where}: LOW {first:g} must be less than HIGH {second:g}.")
+    if word == "normal" and not second > 0.0:
+        raise InputError(f"{where}: the standard deviation {second:g} must be greater than zero.")
+    return Factor(name, distribution=word, bounds=(first, second), unit=unit)

@@ -1,12 +1,15 @@
-"""Arrays of an ensemble's compiled loop: of all members, of a thread, of a block of members."""
+"""Members of an ensemble, checked all at once, and the arrays of the compiled loop over them."""
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, cast
 
 import numpy as np
+import numpy.typing as npt
 from numba import types
 
+from codegen.errors import InputError
+from codegen.readers.values import KindError, shown
 from runtime.assembly.masses_far_apart import DOUBTFUL, MOST_SPREAD
 from runtime.assembly.regular_start import allow, let_lead
 from runtime.assembly.start_values import Start, start_note, start_values
@@ -34,16 +37,112 @@ from runtime.integrate.wiring import Wiring
 from runtime.linalg.least_norm import SPARSE_FROM
 from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.start_table import StartTable, start_table
+from runtime.mechanism.table_rows import unknown
 from runtime.results.result import Result
 from runtime.results.samples import Samples
-from runtime.sweeps.ensemble_rows import FloatArray, Members
 from runtime.validation.scene_support import driven_note
 
+FloatArray = npt.NDArray[np.float64]
+Columns = Mapping[str, npt.ArrayLike]
+"""Values by name: a number for all members, or an array with one for each, (r,)."""
 _EVENTS = 64  # safety: room for events beyond twice those of the run that was made beforehand
 WAITING, DONE, LEFT = 0, 1, 2
 """What became of a member: not made yet, made, left to `simulate`."""
 
 _cube: Any = types.Array(f8, 3, "C")
+
+
+@dataclass(frozen=True)
+class Members:
+    """Values of r members by name, (r,) each: parameters in their units, starts in SI units."""
+
+    count: int
+    parameters: dict[str, FloatArray]
+    starts: dict[str, FloatArray]
+
+    def of(self, run: int) -> tuple[dict[str, float], dict[str, float]]:
+        """The parameters and the start values of one member, by name."""
+        parameters, starts = (
+            {name: float(column[run]) for name, column in columns.items()}
+            for columns in (self.parameters, self.starts)
+        )
+        return parameters, starts
+
+
+def read_members(
+    mechanism: Mechanism, parameters: Columns | None, starts: Columns | None
+) -> Members:
+    """The members; raises InputError with every name, shape, length and value that misfits."""
+    description = mechanism.description
+    velocities = [row.velocity for row in description.coordinates]
+    tables: tuple[tuple[str, str, Any, Sequence[str]], ...] = (
+        ("parameters", "parameter", parameters, description.parameters.names),
+        ("starts", "coordinate or velocity", starts,
+         [*description.coordinates.names, *velocities]),
+    )  # fmt: skip
+    problems, lengths = list[str](), dict[str, int]()
+    found = dict[str, FloatArray](), dict[str, FloatArray]()
+    for columns, (argument, kind, given, names) in zip(found, tables, strict=True):
+        if given is not None and not isinstance(given, Mapping):
+            problems.append(f"{argument} is {shown(given)}; it must be arrays by name.")
+            continue
+        for name, values in (given or {}).items():
+            label = f"{argument}[{name!r}]"
+            try:
+                if name not in names:
+                    raise KindError(unknown(kind, name, names))
+                columns[name] = column = _column(values)
+            except KindError as misfit:
+                problems.append(f"{label}: {misfit}")
+            else:
+                lengths |= {label: len(column)} if column.ndim else {}
+    if len({*lengths.values()}) > 1:
+        named = ", ".join(f"{label} has {length}" for label, length in lengths.items())
+        problems.append(
+            f"the arrays disagree on the number of members: {named}. Give them one length."
+        )
+    if not lengths and not problems:
+        problems.append(
+            "no array says how many members there are: give at least one parameter or start value "
+            "as an array, one value a member."
+        )
+    if problems:
+        raise InputError([f"{mechanism.title}: ensemble: {problem}" for problem in problems])
+    count = next(iter(lengths.values()))
+    whole = ({k: np.broadcast_to(x, (count,)) for k, x in columns.items()} for columns in found)
+    return Members(count, *whole)
+
+
+def _column(values: npt.ArrayLike) -> FloatArray:
+    """A number or one dimension of finite ones; KindError says what is wrong with it."""
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError):
+        array = np.asarray(None)
+    if array.dtype.kind not in "iuf":
+        raise KindError(f"{shown(values)}; it must be numbers.")
+    if array.ndim > 1 or array.size == 0:
+        raise KindError(
+            f"the shape is {array.shape}; it must be a number, or one number a member, (runs,)."
+        )
+    column = array.astype(np.float64)
+    wrong = np.flatnonzero(~np.isfinite(column))
+    if len(wrong):
+        raise KindError(
+            f"{column.flat[wrong[0]]:g} in member {wrong[0]}, and not finite in {len(wrong)} of "
+            f"{column.size}; give finite numbers."
+        )
+    return column
+
+
+def forbidden_members(mechanism: Mechanism, members: Members) -> npt.NDArray[np.bool_]:
+    """Whether a parameter of a member has a sign that it must not have, (r,)."""
+    forbidden = np.zeros(members.count, np.bool_)
+    for name, column in members.parameters.items():
+        sign = mechanism.description.parameters[name].sign
+        if sign:
+            forbidden |= column <= 0.0 if sign == "positive" else column < 0.0
+    return forbidden
 
 
 class Common(NamedTuple):
@@ -204,23 +303,21 @@ def prepare(
     )  # fmt: skip
     if any(len(rows) for rows in beyond) or len(description.coordinates) >= SPARSE_FROM:
         return None
-    words = dict(given)
-    start, t_start = members.start_of(run) or None, words.pop("t_start", 0.0)
-    parameters = members.parameters_of(run) or None
+    parameters, start = (values or None for values in members.of(run))
     ready = PreparedSimulation(
-        mechanism, t_end, t_start=t_start, parameters=parameters, guess=None, start=start
-    )
-    method = words.get("method", "dop853")
+        mechanism, t_end, t_start=given.get("t_start", 0.0), parameters=parameters, guess=None,
+        start=start,
+    )  # fmt: skip
+    method, atol = given.get("method", "dop853"), given.get("atol")
     coordinates = CartesianCoordinates(ready, method, "step")
     begin = ready.begin
     if begin.redundant or begin.is_determined or coordinates.mechanism is not mechanism:
         return None
     if len(description.constraints) > len(description.coordinates):
         return None
-    atol = words.get("atol")
     options = Options(
-        method=method, rtol=words.get("rtol", 1e-8), atol_q=atol, atol_v=atol, t_eval=times,
-        h_max=words.get("max_step"), max_steps=words.get("max_steps"),
+        method=method, rtol=given.get("rtol", 1e-8), atol_q=atol, atol_v=atol, t_eval=times,
+        h_max=given.get("max_step"), max_steps=given.get("max_steps"),
     )  # fmt: skip
     begins = start_values(mechanism, None, start)
     common = _common(mechanism, members, begins, coordinates, options)
@@ -234,18 +331,16 @@ def _common(
     coordinates: CartesianCoordinates, options: Options,
 ) -> Common:  # fmt: skip
     description, ready = mechanism.description, coordinates.ready
-    t = ready.begin.t
-    names = description.coordinates.names
-    velocities = [row.velocity for row in description.coordinates]
-    columns, kinds, places = list[FloatArray](), list[int](), list[int]()
-    for name, column in members.parameters.items():
-        columns.append(column)
-        kinds.append(0)
-        places.append(description.parameters.names.index(name))
-    for name, column in members.starts.items():
-        columns.append(column)
-        kinds.append(1 if name in names else 2)
-        places.append((names if name in names else velocities).index(name))
+    t, names = ready.begin.t, description.coordinates.names
+    tables: tuple[tuple[dict[str, FloatArray], Sequence[str]], ...] = (
+        (members.parameters, description.parameters.names), (members.starts, names),
+        (members.starts, [row.velocity for row in description.coordinates]),
+    )  # fmt: skip
+    columns, kinds, places = zip(*(
+        (column, kind, known.index(name))
+        for kind, (given, known) in enumerate(tables)
+        for name, column in given.items() if name in known
+    ), strict=True)  # fmt: skip
     p = np.zeros(len(coordinates.p))
     p[: len(description.parameters)] = [row.default for row in description.parameters]
     bodies = [row.name.rpartition(".")[0] in description.bodies for row in description.coordinates]
@@ -258,14 +353,10 @@ def _common(
     return Common(
         np.column_stack(columns), np.array(kinds, np.int64), np.array(places, np.int64),
         p, start.q, start.v, absolute, description.mass_diagonal, np.array(bodies, np.int64),
-        _bounds(row.low for row in description.conditions),
-        _bounds(row.high for row in description.conditions),
+        np.array([row.low for row in description.conditions], np.float64),
+        np.array([row.high for row in description.conditions], np.float64),
         np.array([row.open for row in description.conditions], np.int64),
         shown[:-1].astype(np.int64), float(t),
         DOUBTFUL * MOST_SPREAD / weak if weak else np.inf,
         RESIDUAL * max(options.rtol, CLOSED), APART * max(abs(t), abs(ready.t_end)),
     )  # fmt: skip
-
-
-def _bounds(values: Any) -> FloatArray:
-    return np.array([np.nan if value is None else value for value in values], np.float64)

@@ -1,118 +1,124 @@
-"""The blocks of a sweep are handed to a pool until all are done, or the user stops it."""
+"""The runs of a sweep are handed to a pool in tasks until all are made, or the user stops it."""
 
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
-from contextlib import contextmanager, suppress
+from itertools import chain
 from typing import NamedTuple
 
-from codegen.errors import InputError, LinkwrightError
+import numpy as np
+
+from codegen.errors import LinkwrightError
 from codegen.object_display import counted
 from codegen.termination_signals import SignalDeferral
 from runtime.progress_bar import bar
-from runtime.sweeps.block import BlockReport, remove_parts
-from runtime.sweeps.store import Store, open_store
-from runtime.sweeps.workers import Pool
+from runtime.sweeps.design import FloatArray
+from runtime.sweeps.request import KILLED, Request, Rows, rows_without_runs
+from runtime.sweeps.store import Integers, Store
+from runtime.sweeps.workers import TRIES, Pool
 
-_MOST_ATTEMPTS = 100  # safety: times that a block is given to workers anew, after lost ones
+_MOST_LOSSES = 100  # safety: workers that may end one after the other without a row between them
 _SIGNALS = 0.2  # layout: s between looks for a signal to stop
 
 
 class Execution(NamedTuple):
-    """How the making of the blocks went."""
+    """How the making of the runs went."""
 
     runs: int  # made in this session
     seconds: float  # of the wall clock
-    simulation: float  # s of the processors in runs
-    overhead: float  # s of the processors of workers in all else
-    replaced: int  # workers that were lost
+    lost: int  # workers that were replaced
 
 
-def execute(pool: Pool, store: Store, blocks: list[int], title: str, progress: bool) -> Execution:
-    """Have a pool make these blocks of a store, and close it.
+def tasks_of(runs: Integers, chunk: int, size: int) -> list[range]:
+    """Runs as ranges of at most `size`, each of one file of `chunk` runs."""
+    places = runs // chunk * chunk + runs % chunk // size
+    cuts = np.flatnonzero((np.diff(runs) > 1) | (np.diff(places) != 0)) + 1
+    parts = np.split(runs, cuts) if len(runs) else []
+    return [range(int(part[0]), int(part[-1]) + 1) for part in parts]
+
+
+def execute(
+    pool: Pool, store: Store, points: FloatArray, tried: Sequence[tuple[Integers, Rows]],
+    tasks: Sequence[range], title: str, progress: bool,
+) -> Execution:  # fmt: skip
+    """Have a pool make the runs of tasks, and write rows as they come, those beforehand first.
 
     Raises
     ------
     LinkwrightError
-        If the workers cannot go on, or rows do not arrive in the store; what is done stays.
+        If the workers cannot go on, or the store cannot be written; what is done stays.
     """
-    began, before = time.perf_counter(), store.blocks - len(blocks)
-    with SignalDeferral(computing=True) as signals, _advice(store):
-        try:
-            with bar(title, progress) as report:
-                reports, replaced = make_blocks(
-                    pool, blocks, signals, lambda done: report((before + done) / store.blocks)
-                )
-        finally:
-            with suppress(OSError):
-                pool.close()
-        missing = store.unfinished([one.block for one in reports])
-        if missing:
-            raise LinkwrightError(
-                f"{counted(len(missing), 'block')} of {store.path} are not whole though they were "
-                f"made, the first is {missing[0]}: another program has changed the store, or the "
-                "disk fails."
-            )
-        signals.answered = len(reports) < len(blocks)
-        if not signals.answered:
-            remove_parts(store.path)
-    return Execution(
-        sum(one.runs for one in reports), time.perf_counter() - began,
-        sum(one.simulation for one in reports), sum(one.overhead for one in reports), replaced,
-    )  # fmt: skip
+    began, made, runs, lost = time.perf_counter(), 0, store.about.runs, Counter[range]()
+    total = sum(map(len, tasks)) + sum(len(runs) for runs, _ in tried)
+    try:
+        with SignalDeferral(computing=True) as signals, bar(title, progress) as report:
+            others = _made_rows(pool, store.request, points, tasks, signals, lost)
+            found: Iterator[tuple[range | Integers, Rows]] = chain(tried, others)
+            for task, rows in found:
+                store.write(task, rows)
+                made += len(task)
+                report(1.0 - (total - made) / runs)
+            signals.answered = made < total
+    except Exception as error:
+        what = f"{type(error).__name__}: {error}"
+        if isinstance(error, OSError):
+            what = f"{store.path} cannot be written: {error}."
+        problems = error.problems if isinstance(error, LinkwrightError) else (what,)
+        kept = (
+            f"{runs - total + made} of {counted(runs, 'run')} are done and kept in {store.path}. "
+            "Go on with the same command and --resume (resume=True)."
+        )
+        raise LinkwrightError((*problems, kept)) from error
+    return Execution(made, time.perf_counter() - began, lost.total())
 
 
-def make_blocks(
-    pool: Pool, blocks: Sequence[int], signals: SignalDeferral, report: Callable[[int], None]
-) -> tuple[list[BlockReport], int]:
-    """The reports of the blocks until all are there or a signal arrives; the workers lost."""
-    reports, waiting, losses = list[BlockReport](), deque(blocks), Counter[int]()
-    running = dict[Future[BlockReport], int]()
-    while len(reports) < len(blocks) and not signals.arrived:
+def _made_rows(
+    pool: Pool, request: Request, points: FloatArray, tasks: Sequence[range],
+    signals: SignalDeferral, lost: Counter[range],
+) -> Iterator[tuple[range, Rows]]:  # fmt: skip
+    """Runs and their rows, as they are made, until all are there or a signal arrives.
+
+    A task whose worker has ended is made again in halves, so that a run at which processes end is
+    soon alone; where it has ended several, it is not made again.
+    """
+    waiting, running, in_a_row = deque(tasks), dict[Future[Rows], range](), 0
+    while (waiting or running) and not signals.arrived:
         while waiting and len(running) < pool.room and not signals.arrived:
-            try:
-                block = waiting.popleft()
-                running[pool.submit(block)] = block
-            except KeyboardInterrupt:  # of a run in this process: the signal itself is noted
-                return reports, losses.total()
+            runs = waiting.popleft()
+            running[pool.submit(points[runs.start : runs.stop])] = runs
         done, _ = wait(running, _SIGNALS, FIRST_COMPLETED)
         for future in done:
-            block = running.pop(future)
+            runs = running.pop(future)
             try:
-                reports.append(future.result())
-            except pool.lost as error:  # the journal finds the run that ended it
-                losses[block] += 1
-                if losses[block] > _MOST_ATTEMPTS:
-                    raise LinkwrightError(f"Block {block} cannot be made: {error}") from error
-                waiting.appendleft(block)
+                rows = future.result()
+                in_a_row = 0
+            except pool.lost as error:
+                lost[runs] += 1
+                in_a_row += 1
+                if in_a_row > _MOST_LOSSES:
+                    raise LinkwrightError(
+                        f"{in_a_row} workers have ended one after the other ({error}): they were "
+                        "killed, or lack memory or rights."
+                    ) from error
+                if len(runs) > 1:
+                    half = len(runs) // 2
+                    waiting.extendleft((runs[half:], runs[:half]))
+                    continue
+                if lost[runs] < TRIES:
+                    waiting.appendleft(runs)
+                    continue
+                rows = rows_without_runs(
+                    request, 1, KILLED,
+                    f"{TRIES} processes ended at this run: killed, out of memory, or by a fault of "
+                    "compiled code. The sweep goes on without it; --resume (resume=True) tries it "
+                    "again.",
+                )  # fmt: skip
             except CancelledError:
                 pool.check()
                 raise
-            report(len(reports))
+            except KeyboardInterrupt:  # of a run in this process: the signal itself is noted
+                return
+            yield runs, rows
         if not done:
             pool.check()
-    return reports, losses.total()
-
-
-@contextmanager
-def _advice(store: Store) -> Iterator[None]:
-    """Add to an error what is done, and how to go on."""
-    try:
-        yield
-    except Exception as error:
-        text = (
-            f"{store.path} cannot be written: {error}."
-            if isinstance(error, OSError)
-            else (f"The blocks cannot be made: {type(error).__name__}: {error}")
-        )
-        problems = error.problems if isinstance(error, LinkwrightError) else (text,)
-        try:
-            done = store.blocks - len(open_store(store.path).unfinished())
-        except InputError as damage:  # the store is no more
-            raise LinkwrightError((*problems, *damage.problems)) from error
-        kept = (
-            f"{done} of {counted(store.blocks, 'block')} are done and kept in {store.path}. Go on "
-            "with the same command and --resume (resume=True)."
-        )
-        raise LinkwrightError((*problems, kept)) from error

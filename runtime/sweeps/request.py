@@ -1,122 +1,81 @@
-"""The request of a sweep: everything that determines its numbers, and how two requests differ."""
+"""The request of a sweep: everything that determines its numbers; a member's run and its row."""
 
 import hashlib
-import json
 import platform
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from pydantic import BaseModel, FiniteFloat, PositiveInt
 
 from codegen import __version__
-from codegen.errors import InputError, LinkwrightError
+from codegen.errors import FAILURES, InputError, LinkwrightError
 from codegen.readers.values import one_line
+from runtime.core.outcomes import Outcome
+from runtime.machine_facade import Machine
+from runtime.results.result import Result
 from runtime.results.samples import plain
-from runtime.studies.quantity import Function, Quantity, parse_quantity
+from runtime.studies.quantity import parse_quantity
 from runtime.sweeps.value_digest import ContentError, value_digest
 
-_WIDEST = 120  # layout: characters of a value in a message
+FloatArray = npt.NDArray[np.float64]
+OK = "OK"  # outcome of a run to its end; other runs have the name of an `Outcome`, or one of these
+REFUSED = "REFUSED"
+ERROR = "ERROR"
+KILLED = "KILLED"
+MEMORY = "MEMORY"
+FAILED_TO_RUN = {
+    REFUSED: "the run was refused: its values make no machine, or no start",
+    ERROR: "an exception ended the run",
+    KILLED: "the run ended its process, several times",
+    MEMORY: "the memory did not suffice",
+}
+"""Outcome → its meaning; all others are those of `runtime.core.outcomes.Outcome`."""
 SOURCES, PROCESSOR = "sources of Linkwright", "processor"
+_LONGEST = 2000  # layout: characters of a message that are kept
+_WIDEST = 120  # layout: characters of a value in a message
+_SAME = 1e-9  # accuracy: share of the run within which an instant is the one that was asked for
 
 
-@dataclass(frozen=True)
-class Request:
+class Request(BaseModel, frozen=True):
     """One run of a sweep, but for the values of its factors."""
 
-    model: str
-    scene: str
-    module: str  # SHA-256 of the generated module's text
+    model: str  # MODEL/SCENE
+    generated_module: str  # SHA-256 of its text, as of the companions, by kind
+    companions: dict[str, str]
     analysis: str  # one of `runtime.core.kinds.ANALYSES`
-    names: tuple[str, ...]  # of the factors
-    starts: tuple[str, ...]  # those of them that are start values; the others are parameters
-    quantities: Mapping[str, str | Function]  # by the name of their column
-    keep: tuple[str, ...]  # series that are kept of each run
-    t_start: float  # s
-    t_end: float  # s
-    points: int  # output instants
-    parameters: Mapping[str, float] = field(default_factory=dict)
-    guess: Mapping[str, float] = field(default_factory=dict)
-    start: Mapping[str, float] = field(default_factory=dict)
-    options: Mapping[str, Any] = field(default_factory=dict)  # of `simulate`, those that are given
-    companions: Mapping[str, str] = field(default_factory=dict)  # SHA-256 of their texts, by kind
+    factors: tuple[str, ...]
+    start_values: tuple[str, ...]  # those of the factors that are none of the parameters
+    quantities: dict[str, Any]  # texts, or functions of a result, by the name of their column
+    series: tuple[str, ...]  # that are kept of each run
+    t_start: FiniteFloat  # s
+    t_end: FiniteFloat  # s
+    instants: PositiveInt
+    parameters: dict[str, FiniteFloat]
+    guess: dict[str, FiniteFloat]
+    start: dict[str, FiniteFloat]
+    options: dict[str, Any]  # of `simulate`, those that are given
 
-    @property
-    def readers(self) -> dict[str, Quantity]:
-        """The quantities, ready to be read from a result."""
-        return {name: parse_quantity(given) for name, given in self.quantities.items()}
-
-    def values(self, point: npt.NDArray[np.float64]) -> dict[str, dict[str, float]]:
-        """Parameters, guesses and start values of one run, by name."""
-        parameters, start = dict(self.parameters), dict(self.start)
-        for name, value in zip(self.names, point.tolist(), strict=True):
-            (start if name in self.starts else parameters)[name] = value
-        values = {"parameters": parameters, "guess": dict(self.guess)}
-        return values | ({"start": start} if start else {})
-
-    def facts(self, points: str) -> dict[str, Any]:
-        """All that determines the numbers, as JSON; `points` is the digest of the design.
+    def facts(self, points: FloatArray) -> dict[str, Any]:
+        """All that determines the numbers, as JSON; `points` are (runs, factors).
 
         Raises
         ------
         InputError
             If a function refers to what has no content that could be compared.
         """
-        return {
-            **program_facts(),
-            "model": f"{self.model}/{self.scene}",
-            "generated module": self.module,
-            "companions": dict(self.companions),
-            "analysis": self.analysis,
-            "points": points,
-            "start values": [*self.starts],
-            "quantities": {
-                name: description(given, name) for name, given in self.quantities.items()
-            },
-            "series": [*self.keep],
-            "t_start": self.t_start,
-            "t_end": self.t_end,
-            "instants": self.points,
-            **{name: dict(getattr(self, name)) for name in ("parameters", "guess", "start")},
-            "options": {n: description(value, n) for n, value in sorted(self.options.items())},
-        }
+        digest = hashlib.sha256(np.ascontiguousarray(points).tobytes()).hexdigest()
+        own = {name: described(getattr(self, name), name) for name in Request.model_fields}
+        return {**program_facts(), "points": digest, **own}
 
 
-def request_of(facts: Mapping[str, Any], names: tuple[str, ...]) -> Request:
-    """The request of facts that were stored, for factors of these names.
-
-    Raises
-    ------
-    InputError
-        If its runs took functions of the user's own, which no file keeps.
-    """
-    controllers = facts["options"].get("controllers")
-    if controllers:
-        raise InputError(
-            f"The runs of this study took functions ({', '.join(controllers)}), which no file "
-            "keeps. Repeat the call of sweep with resume=True: it returns the study with them."
-        )
-    model, _, scene = facts["model"].rpartition("/")
-    values = (facts[x] for x in ("parameters", "guess", "start", "options", "companions"))
-    return Request(
-        model, scene, facts["generated module"], facts["analysis"], names,
-        tuple(facts["start values"]), facts["quantities"], tuple(facts["series"]),
-        facts["t_start"], facts["t_end"], facts["instants"], *values,
-    )  # fmt: skip
-
-
-def description(value: Any, name: str) -> Any:
-    """A value of a request as JSON; a function by its name and the digest of its content.
-
-    Raises
-    ------
-    InputError
-        If a function refers to what has no content that could be compared; it tells the `name`.
-    """
+def described(value: Any, name: str) -> Any:
+    """A value of a request as JSON; a function by its name and the digest of its content."""
     if callable(value):
         function = getattr(value, "__qualname__", type(value).__name__)
         try:
@@ -128,34 +87,30 @@ def description(value: Any, name: str) -> Any:
                 "arrays alone."
             ) from error
     if isinstance(value, Mapping):
-        return {str(key): description(entry, f"{name}, {key}") for key, entry in value.items()}
+        return {str(key): described(entry, str(key)) for key, entry in value.items()}
     if isinstance(value, tuple | list | np.ndarray):
-        return [description(entry, name) for entry in value]
+        return [described(entry, name) for entry in value]
     return plain(value)
-
-
-def digest_of(facts: Mapping[str, Any]) -> str:
-    """SHA-256 of a request's facts."""
-    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
 
 
 def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
     """A clause for each fact in which two requests differ."""
     for name in dict.fromkeys([*before, *now]):
         old, new = before.get(name), now.get(name)
+        title = name.replace("_", " ") if name in Request.model_fields else name
         if old == new:
             continue
         if isinstance(old, dict) and isinstance(new, dict):
-            yield from (f"{name}, {clause}" for clause in differences(old, new))
-        elif name == "generated module":
+            yield from (f"{title}, {clause}" for clause in differences(old, new))
+        elif name == "generated_module":
             yield "the model: its generated module has another text"
         elif name == SOURCES:
             yield f"the {SOURCES} have another text"
         elif name == "points":
-            yield "the points: other factors, values, sample, count or seed"
+            yield "the points: other values, sample, count or seed"
         else:
             texts = ("not given" if x is None else one_line(x, _WIDEST) for x in (old, new))
-            yield "{} was {} and is {}".format(name, *texts)
+            yield "{} was {} and is {}".format(title, *texts)
 
 
 @cache
@@ -163,26 +118,19 @@ def program_facts() -> dict[str, str]:
     """Versions by name, the hash of Linkwright's own sources, and the kind of processor."""
     from codegen.machine_code.code_folders import processor  # which loads numba
 
-    name, _ = processor()
-    libraries = ("llvmlite", "numba", "numpy", "scipy")
+    root, found = Path(__file__).resolve().parents[2], hashlib.sha256()
+    for file in sorted(
+        file for room in ("codegen", "runtime") for file in root.glob(f"{room}/**/*.py")
+    ):
+        content = file.read_bytes()
+        found.update(f"{file.relative_to(root).as_posix()} {len(content)}\n".encode() + content)
     return {
         "linkwright": __version__,
-        SOURCES: sources_hash(),
+        SOURCES: found.hexdigest(),
         "python": platform.python_version(),
-        **{library: version(library) for library in libraries},
-        PROCESSOR: f"{platform.machine()} {name}",
+        **{library: version(library) for library in ("llvmlite", "numba", "numpy", "scipy")},
+        PROCESSOR: f"{platform.machine()} {processor()[0]}",
     }
-
-
-def sources_hash() -> str:
-    """SHA-256 of the files of Python that this installation has of Linkwright."""
-    root = Path(__file__).resolve().parents[2]
-    found = hashlib.sha256()
-    for package in ("codegen", "runtime"):
-        for file in sorted((root / package).rglob("*.py")):
-            content = file.read_bytes()
-            found.update(f"{file.relative_to(root).as_posix()} {len(content)}\n".encode() + content)
-    return found.hexdigest()
 
 
 def changed_programs(before: Mapping[str, Any]) -> list[str]:
@@ -191,19 +139,97 @@ def changed_programs(before: Mapping[str, Any]) -> list[str]:
     return [*differences({name: before.get(name, "not noted") for name in now}, now)]
 
 
-def require_programs(wanted: Mapping[str, Any]) -> None:
-    """Refuse to make runs by other programs than the sweep began with.
-
-    The processor may differ, as that of a cluster's computers may.
+def run_member(machine: Machine, request: Request, point: FloatArray) -> Result:
+    """The run of a member, by the same words in every process.
 
     Raises
     ------
     LinkwrightError
-        With all that differs.
+        If its values make no machine.
     """
-    changes = [x for x in changed_programs(wanted) if not x.startswith(PROCESSOR)]
-    if changes:
-        raise LinkwrightError(
-            f"A worker on {platform.node() or 'another computer'} has other programs than the "
-            f"sweep: {'; '.join(changes)}. Install the same ones there, and start it again."
-        )
+    parameters, start = dict(request.parameters), dict(request.start)
+    for name, value in zip(request.factors, point.tolist(), strict=True):
+        (start if name in request.start_values else parameters)[name] = value
+    values: dict[str, Any] = {"parameters": parameters, "guess": request.guess, "progress": False}
+    values |= {"start": start} if start else {}
+    first, last, count = request.t_start, request.t_end, request.instants
+    if request.analysis == "simulate":
+        return machine.simulate(last, count, t_start=first, **values, **request.options)
+    if request.analysis == "equilibrium":
+        return machine.equilibrium(**values, t=first)
+    driven = machine.kinematics if request.analysis == "kinematics" else machine.inverse_dynamics
+    return driven(np.linspace(first, last, count), **values)
+
+
+class Rows(NamedTuple):
+    """All that is kept of some runs; not a number where there is none."""
+
+    numbers: FloatArray  # (runs, quantities + 1): the quantities, the instant reached in s
+    series: FloatArray  # (runs, series, instants)
+    outcomes: list[str]
+    messages: list[str]
+
+
+def rows_without_runs(request: Request, count: int, outcome: str = "", message: str = "") -> Rows:
+    """Rows of members that have no result."""
+    numbers = np.full((count, len(request.quantities) + 1), np.nan)
+    series = np.full((count, len(request.series), request.instants), np.nan)
+    return Rows(numbers, series, [outcome] * count, [message] * count)
+
+
+def evaluate_members(machine: Machine, request: Request, points: FloatArray) -> Rows:
+    """Run the members of these points, (runs, factors); every failure is a row."""
+    rows = rows_without_runs(request, len(points))
+    for k, point in enumerate(points):
+        try:
+            result = run_member(machine, request, point)
+        except LinkwrightError as error:
+            outcome, message = REFUSED, str(error)
+        except FAILURES as error:
+            outcome = MEMORY if isinstance(error, MemoryError) else ERROR
+            message = f"{type(error).__name__}: {error}"
+        else:
+            outcome, message = _read_result(result, request, rows.numbers[k], rows.series[k])
+        rows.outcomes[k], rows.messages[k] = outcome, one_line(message, _LONGEST)
+    return rows
+
+
+def _read_result(
+    result: Result, request: Request, numbers: FloatArray, series: FloatArray
+) -> tuple[str, str]:
+    """Write what a row keeps of a result; its outcome and message."""
+    if result.outcome is Outcome.INTERRUPTED:
+        raise KeyboardInterrupt  # the wish to stop is no outcome of a member
+    outcome, notes = result.outcome.name, [result.message]
+    for place, given in enumerate(request.quantities.values() if not result.failed else ()):
+        quantity = parse_quantity(given)
+        try:
+            numbers[place] = quantity.read(result).value
+        except InputError as error:
+            notes.append(str(error))
+        except FAILURES as error:
+            outcome = MEMORY if isinstance(error, MemoryError) else outcome
+            notes.append(f"{quantity.text}: {type(error).__name__}: {error}")
+    if len(result.t):
+        numbers[-1] = result.t[-1]
+        instants = np.linspace(request.t_start, request.t_end, request.instants)
+        span = max(request.t_end - request.t_start, 1e-300)
+        nearest = np.rint((result.t - request.t_start) / span * (request.instants - 1)).astype(int)
+        near = np.clip(nearest, 0, request.instants - 1)
+        there = np.abs(instants[near] - result.t) <= _SAME * span
+        for row, name in zip(series, request.series, strict=True):
+            with suppress(InputError):  # behind a change of joints a scene may lack the series
+                row[near[there]] = result.series(name)[0][there]
+    return outcome, "\n".join(notes)
+
+
+def companion_texts(machine: Machine, kinds: Sequence[str]) -> dict[str, str]:
+    """SHA-256 of the companion modules of a machine, by kind; built where they are missing."""
+    from codegen.files.generated_modules import companion_path, read_generated, text_hash
+
+    origin, found = machine.mechanism.origin, dict[str, str]()
+    assert origin is not None
+    for kind in kinds:
+        getattr(machine.mechanism, kind)
+        found[kind] = text_hash(read_generated(companion_path(origin.path, kind)))
+    return found

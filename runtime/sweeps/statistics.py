@@ -1,7 +1,8 @@
-"""Numbers and sentences about the runs of a study."""
+"""Numbers and sentences about the runs of a study; indices of sensitivity, by SALib."""
 
+import warnings
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,7 +10,8 @@ from codegen.errors import InputError
 from codegen.object_display import counted
 from codegen.readers.values import one_line
 from runtime.core.outcomes import Outcome
-from runtime.sweeps.member_run import FAILED_TO_RUN
+from runtime.sweeps.design import SALTELLI, salib, salib_problem
+from runtime.sweeps.request import FAILED_TO_RUN, OK
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -17,9 +19,10 @@ if TYPE_CHECKING:
     from runtime.sweeps.execution import Execution
     from runtime.sweeps.study import Study
 
-SHARES = (0.00135, 0.5, 0.99865)  # layout: three standard deviations of a normal distribution
+_SHARES = (0.00135, 0.5, 0.99865)  # layout: three standard deviations of a normal distribution
 _SHOWN = 3  # layout: failed runs of one outcome that sentences name
 _LONGEST = 160  # layout: characters of a message in a sentence
+_LEAST = 100  # accuracy: runs from which delta is worth its name
 
 
 def statistics_of(study: "Study", shares: Sequence[float]) -> "pd.DataFrame":
@@ -37,28 +40,69 @@ def statistics_of(study: "Study", shares: Sequence[float]) -> "pd.DataFrame":
         if len(known):
             row |= {"mean": known.mean(), "sd": known.std(ddof=1) if len(known) > 1 else np.nan}
             row |= {"min": known.min(), "max": known.max()}
-            row |= {f"{share:g}": np.quantile(known, share) for share in shares or SHARES}
+            row |= {f"{share:g}": np.quantile(known, share) for share in shares or _SHARES}
         rows.append(row)
     return pd.DataFrame(rows, index=pd.Index(study.quantities, name="quantity"))
 
 
+def indices_of(study: "Study", quantity: str, seed: int) -> "pd.DataFrame":
+    """Indices of a quantity, one row a factor; see `Study.sensitivity`."""
+    import pandas as pd
+
+    design, problem = study.facts()["design"], salib_problem(study.factors)
+    values = study.data[quantity].values
+    known = np.isfinite(values)
+    if design["axes"]:
+        raise InputError(
+            "Indices are means over a distribution, and the design is a grid. Sweep with "
+            "--sample saltelli (Sobol's indices), or lhs (delta)."
+        )
+    if design["kind"] == SALTELLI:
+        if not known.all():
+            raise InputError(
+                f"{counted(int((~known).sum()), 'run')} of {len(values)} have no {quantity}, and "
+                "Sobol's indices need them all: leave out of the intervals what makes no machine, "
+                "or take a sample lhs, of which runs may be missing."
+            )
+        found = _analyzed("sobol", problem, values, seed=seed, calc_second_order=False)
+        names = ("S1", "S1_conf", "ST", "ST_conf")
+    else:
+        if known.sum() < _LEAST:
+            raise InputError(
+                f"{counted(int(known.sum()), 'run')} have {quantity}; indices take at least "
+                f"{_LEAST}."
+            )
+        points = np.stack([study.data[name].values[known] for name in study.factors], axis=1)
+        found = _analyzed("delta", problem, points, values[known], seed=seed)
+        if "delta" not in found:  # from SALib 1.6 on, by the way of its estimate
+            found |= {"delta": found["delta_raw"], "delta_conf": found["delta_raw_conf"]}
+        names = ("delta", "delta_conf", "S1", "S1_conf")
+    table = {name: np.asarray(found[name], dtype=float) for name in names}
+    return pd.DataFrame(table, index=pd.Index(study.factors, name="factor"))
+
+
+def _analyzed(method: str, *data: Any, seed: int, **words: Any) -> dict[str, Any]:
+    """The answer of an analysis of SALib, without its notices."""
+    analyze, usual = salib(f"analyze.{method}").analyze, warnings.formatwarning
+    try:
+        with warnings.catch_warnings(record=True):  # SALib has a filter of its own
+            found = analyze(*data, **words, seed=seed + 1, print_to_console=False)  # 0 is no seed
+    finally:
+        warnings.formatwarning = usual  # which SALib changes
+    return dict(found)
+
+
 def sentences_of(study: "Study", execution: "Execution | None") -> Iterator[str]:
     """Outcomes, extremes of the quantities, the first failures, and the time."""
-    from runtime.sweeps.study import NOT_RUN
-
     known = FAILED_TO_RUN | {one.name: one.meaning for one in Outcome}
     for outcome, count in study.outcomes.items():
         meaning = known.get(outcome, "not run yet").rstrip(".")
         yield f"{outcome}: {counted(count, 'run')} ({meaning[:1].lower() + meaning[1:]})"
-        if outcome in {"OK", NOT_RUN}:
+        if outcome == OK or outcome not in known:
             continue
-        where = np.flatnonzero(study.data["outcome"].values == outcome)
-        for run in where[:_SHOWN]:
-            point = ", ".join(
-                f"{name} = {value:g}" for name, value in study.point(int(run)).items()
-            )
-            message = one_line(study.data["message"].values[run], _LONGEST)
-            yield f"  run {run}, {point}: {message}"
+        for run in np.flatnonzero(study.data["outcome"].values == outcome)[:_SHOWN].tolist():
+            point = ", ".join(f"{name} = {value:g}" for name, value in study.point(run).items())
+            yield f"  run {run}, {point}: {one_line(study.data['message'].values[run], _LONGEST)}"
     for name in study.quantities:
         values = study.data[name].values
         if not np.isfinite(values).any():
@@ -70,15 +114,7 @@ def sentences_of(study: "Study", execution: "Execution | None") -> Iterator[str]
             + f" (run {high})"
         )
     if execution is not None:
-        yield _time(execution)
+        lost = f"; {counted(execution.lost, 'lost worker')} replaced" if execution.lost else ""
+        yield f"{counted(execution.runs, 'run')} in {execution.seconds:.1f} s{lost}"
     if not study.complete:
         yield "Stopped before the end. Go on with the same request and --resume (resume=True)."
-
-
-def _time(execution: "Execution") -> str:
-    lost = f"; {counted(execution.replaced, 'lost worker')} replaced" if execution.replaced else ""
-    made = f"{counted(execution.runs, 'run')} in {execution.seconds:.1f} s"
-    if not execution.simulation:  # of blocks whose runs were all made before
-        return f"{made}{lost}"
-    share = execution.simulation / (execution.simulation + execution.overhead)
-    return f"{made}; {share:.1%} of the processor time is simulation{lost}"

@@ -16,11 +16,8 @@ from codegen.readers.calls import checked_class, named_attributes
 from codegen.readers.values import KindError, shown
 from runtime.machine_facade import Machine
 from runtime.mechanism.table_rows import unknown
-from runtime.sweeps import store as columns
-from runtime.sweeps.block import companions_of
-from runtime.sweeps.member_run import OK, run_member
-from runtime.sweeps.request import Request, changed_programs, request_of
-from runtime.sweeps.store import open_store
+from runtime.sweeps.request import OK, Request, changed_programs, companion_texts, run_member
+from runtime.sweeps.store import LAST, MESSAGE, OUTCOME, RUN, open_store, stored_name
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,44 +48,39 @@ class Study:
         self, path: Path, machine: Machine | None = None, request: Request | None = None,
         execution: "Execution | None" = None,
     ) -> None:  # fmt: skip
-        self.path, self._machine, self._request = path, machine, request
-        self._execution = execution
         self._store = open_store(path)
-        self._about = self._store.about
-        self.factors: tuple[str, ...] = tuple(self._about["design"]["names"])
-        self.quantities: tuple[str, ...] = tuple(self._about["quantities"])
-        self.series: tuple[str, ...] = self._store.series
+        self.path, self._machine, self._execution = path, machine, execution
+        self._request = request or self._store.request
+        self.factors: tuple[str, ...] = self._request.factors
+        self.quantities: tuple[str, ...] = tuple(self._request.quantities)
+        self.series: tuple[str, ...] = self._request.series
 
     @cached_property
     def data(self) -> "xr.Dataset":
         """All runs as a dataset in memory, but for the kept series, which are read when used."""
         import xarray as xr
 
-        written = self._store.runs_written()  # rows without a mark may be halves
-        nothing = {columns.OUTCOME: "", columns.MESSAGE: ""}
         try:
             found: xr.Dataset = xr.open_zarr(
                 self.path, consolidated=False, chunks=None, zarr_format=3
-            ).drop_vars(columns.DONE)  # fmt: skip
-            found = found.rename(
-                {columns.stored_name(name): name for name in (*self.quantities, *self.series)}
             )
-            for name in [str(name) for name in found.data_vars if name not in self.series]:
-                column = found[name].load()
-                if name not in self.factors:
-                    column.values[~written] = nothing.get(name, np.nan)
-                found = found.assign({name: column})
+            found = found.rename(
+                {stored_name(name): name for name in (*self.quantities, *self.series)}
+            )
+            read = found.drop_vars(self.series).load()
         except (OSError, ValueError, RuntimeError) as error:  # a file that is cut short
             raise InputError(
                 f"{self.path} has rows that cannot be read ({type(error).__name__}: {error}). "
                 "Repeat the sweep with --resume (resume=True), which makes them again."
             ) from error
-        outcomes, messages = (
-            found[name].values.astype(object) for name in (columns.OUTCOME, columns.MESSAGE)
-        )
-        outcomes[outcomes == ""] = NOT_RUN
-        found = found.assign(outcome=(columns.RUN, outcomes), message=(columns.RUN, messages))
-        found.attrs = {"model": self._about["facts"]["model"]}
+        outcomes = read[OUTCOME].values.astype(object)
+        made = outcomes != ""  # a row without an outcome may be a half
+        for name in (*self.quantities, LAST):
+            read[name].values[~made] = np.nan
+        messages = np.where(made, read[MESSAGE].values.astype(object), "")
+        texts = {OUTCOME: np.where(made, outcomes, NOT_RUN), MESSAGE: messages}
+        found = found.assign({**read.data_vars, **{k: (RUN, text) for k, text in texts.items()}})
+        found.attrs = {"model": self._request.model}
         return found
 
     @property
@@ -100,28 +92,23 @@ class Study:
         InputError
             If the design is no grid.
         """
-        axes = self._about["design"]["axes"]
-        if not axes:
+        if not self._store.about.design.axes:
             raise InputError(f"{self.path} is a sample of points and no grid; take data.")
+        import pandas as pd
         import xarray as xr
 
-        shape, arrays = tuple(axes[name] for name in self.factors), {}
-        rows = (columns.OUTCOME, columns.MESSAGE, columns.LAST)
-        for name in (*self.quantities, *rows, *self.series):
-            column = self.data[name]
-            values = column.values.reshape(shape + column.shape[1:])
-            arrays[name] = xr.Variable((*self.factors, *column.dims[1:]), values, column.attrs)
-        coordinates = {columns.TIME: self.data[columns.TIME].variable} if self.series else {}
-        for k, name in enumerate(self.factors):
-            values = np.moveaxis(self.data[name].values.reshape(shape), k, 0)
-            values = values.reshape(axes[name], -1)[:, 0]
-            coordinates[name] = xr.Variable((name,), values, self.data[name].attrs)
-        return xr.Dataset(arrays, coordinates, self.data.attrs)
+        values = [dict.fromkeys(self.data[name].values.tolist()) for name in self.factors]
+        index = pd.MultiIndex.from_product(values, names=self.factors)
+        runs = xr.Coordinates.from_pandas_multiindex(index, RUN)
+        found = self.data.drop_vars(self.factors).assign_coords(runs).unstack(RUN)
+        for name in self.factors:
+            found[name].attrs = self.data[name].attrs
+        return found.transpose(*self.factors, ...)
 
     @property
     def outcomes(self) -> dict[str, int]:
         """Outcome → number of runs."""
-        return dict(Counter(self.data[columns.OUTCOME].values.tolist()).most_common())
+        return dict(Counter(self.data[OUTCOME].values.tolist()).most_common())
 
     @property
     def complete(self) -> bool:
@@ -131,11 +118,11 @@ class Study:
     @property
     def failures(self) -> "xr.Dataset":
         """The runs that did not reach their end."""
-        outcome = self.data[columns.OUTCOME].values
-        return self.data.isel({columns.RUN: (outcome != OK) & (outcome != NOT_RUN)})
+        outcome = self.data[OUTCOME].values
+        return self.data.isel({RUN: (outcome != OK) & (outcome != NOT_RUN)})
 
     def __len__(self) -> int:
-        return int(self._about["runs"])
+        return self._store.about.runs
 
     def __getitem__(self, name: str) -> "xr.DataArray":
         """A column by its name: over the factors of a grid, else over the runs."""
@@ -144,7 +131,7 @@ class Study:
             name = f"end:{name}"
         if name not in names:
             raise UnknownNameError(f"{self.path}: {unknown('column', name, names)}")
-        return self.grid[name] if self._about["design"]["axes"] else self.data[name]
+        return self.grid[name] if self._store.about.design.axes else self.data[name]
 
     def point(self, run: int) -> dict[str, float]:
         """The values of the factors of a run, by name, in their units."""
@@ -167,14 +154,13 @@ class Study:
             If the values of the run make no machine: what the study has as its message.
         """
         k = self._index(run)
-        machine, request = self._machine, self._request
-        if machine is None or request is None:
+        if self._machine is None:
             raise InputError(
                 f"{self.path} was loaded without its machine, and a file is data alone. Give it: "
                 'load_study("study.zarr", machine=linkwright.load("model.py", "scene")).'
             )
-        point = np.array([self.data[name].values[k] for name in request.names])
-        return run_member(machine, request, point)
+        point = np.array([*self.point(k).values()])
+        return run_member(self._machine, self._request, point)
 
     def _index(self, run: Any) -> int:
         number = None if isinstance(run, bool) or not hasattr(run, "__index__") else int(run)
@@ -216,7 +202,7 @@ class Study:
         InputError
             If the design is a grid, runs have failed whose numbers are needed, or SALib is missing.
         """
-        from runtime.sweeps.sensitivity import indices_of
+        from runtime.sweeps.statistics import indices_of
 
         return indices_of(self, self._quantity(quantity), seed)
 
@@ -243,10 +229,9 @@ class Study:
 
     def facts(self) -> dict[str, Any]:
         """The study as JSON: request, design, outcomes."""
-        names = ("facts", "digest", "design", "runs", "block")
+        about = self._store.about.model_dump(mode="json", include={"facts", "design", "runs"})
         return {
-            "store": str(self.path), "complete": self.complete, "outcomes": self.outcomes,
-            **{name: self._about[name] for name in names},
+            "store": str(self.path), "complete": self.complete, "outcomes": self.outcomes, **about
         }  # fmt: skip
 
     def sentences(self) -> tuple[str, ...]:
@@ -271,10 +256,9 @@ class Study:
 
     @property
     def _headline(self) -> str:
-        kind = self._about["design"]["kind"]
         return (
-            f"{self._about['facts']['model']}: {counted(len(self), 'run')} ({kind}) over "
-            f"{listed(self.factors)}, in {self.path}"
+            f"{self._request.model}: {counted(len(self), 'run')} ({self._store.about.design.kind}) "
+            f"over {listed(self.factors)}, in {self.path}"
         )
 
 
@@ -312,16 +296,20 @@ def load_study(path: str | os.PathLike[str], machine: Machine | None = None) -> 
     study = Study(place)
     if machine is None:
         return study
-    facts = study.facts()["facts"]
-    origin = machine.mechanism.origin
-    if origin is None or origin.digest != facts["generated module"]:
+    request, origin = study._request, machine.mechanism.origin
+    if origin is None or origin.digest != request.generated_module:
         raise InputError(
-            f"{place} is a study of {facts['model']} whose generated module had another text than "
+            f"{place} is a study of {request.model} whose generated module had another text than "
             f"that of {machine.mechanism.title}: the model has changed since, or is another one."
         )
-    request = request_of(facts, study.factors)
-    changes = [*changed_programs(facts)]
-    if companions_of(machine, request.companions) != request.companions:
+    controllers = request.options.get("controllers")
+    if controllers:
+        raise InputError(
+            f"The runs of this study took functions ({', '.join(controllers)}), which no file "
+            "keeps. Repeat the call of sweep with resume=True: it returns the study with them."
+        )
+    changes = changed_programs(study.facts()["facts"])
+    if companion_texts(machine, [*request.companions]) != request.companions:
         changes.append("the derivatives or reduced equations have another text")
     if changes:
         warnings.warn(
@@ -329,4 +317,4 @@ def load_study(path: str | os.PathLike[str], machine: Machine | None = None) -> 
             f"{'; '.join(changes)}.",
             stacklevel=2,
         )
-    return Study(place, machine, request)
+    return Study(place, machine)

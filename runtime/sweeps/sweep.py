@@ -1,17 +1,14 @@
-"""A sweep: its design is checked, its machine built, a few runs measured, its blocks are made."""
+"""A sweep: its request is checked, its machine built, a few runs measured, the others made."""
 
 import math
 import os
-import threading
-import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager, nullcontext, suppress
+from collections.abc import Mapping, Sequence
+from contextlib import closing
 from functools import partial
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from filelock import FileLock, Timeout
+import numpy as np
 
 from codegen.errors import InputError
 from codegen.readers import arguments as readers
@@ -21,16 +18,13 @@ from runtime.machine_loading import load
 from runtime.processors import available_cores
 from runtime.studies.harness import READERS, takes_simulation_arguments
 from runtime.studies.quantity import Function
-from runtime.sweeps.block import Job, clear_journals
-from runtime.sweeps.design import NOTHING, Design, design_of, given_design, in_declared_units
-from runtime.sweeps.execution import execute
-from runtime.sweeps.factors import read_factors
-from runtime.sweeps.member_run import REPEATED, Row
-from runtime.sweeps.planning import attempt, estimate_of, factor_unit, plan_of, units_of
-from runtime.sweeps.request import Request, differences, program_facts
-from runtime.sweeps.store import Store, create_store, open_store, require_zarr
+from runtime.sweeps.design import Design, FloatArray, read_design
+from runtime.sweeps.execution import execute, tasks_of
+from runtime.sweeps.planning import attempt, factor_unit, plan_request, try_members, units_of
+from runtime.sweeps.request import Request, differences
+from runtime.sweeps.store import create_store, open_store, require_zarr, store_lock
 from runtime.sweeps.study import Study
-from runtime.sweeps.workers import ClusterWorkers, LocalWorkers, Pool, ThisProcess
+from runtime.sweeps.workers import ClusterWorkers, LocalWorkers, Pool, pickled_job
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,10 +67,10 @@ def _quantities(value: Any) -> dict[str, str | Function]:
     raise KindError('it must be quantities, such as ["max:B.fx"] or {"peak": function}.')
 
 
-BLOCK_SECONDS = 3.0  # measured: of runs in a block, beside which starting and writing is little
-BLOCK_BYTES = 64 << 20  # safety: of rows in a block, which a worker has in memory twice
-MOST_BLOCKS = 10_000  # safety: blocks of a sweep, of which each has a file in each array
-BLOCKS_A_WORKER = 8  # measured: at least, so that the last ones end together
+TASK_SECONDS = 3.0  # measured: of runs in a task, beside which handing out and writing is little
+CHUNK_BYTES = 64 << 20  # safety: of rows in a file, which a process has in memory twice
+MOST_CHUNKS = 10_000  # safety: files of a column
+TASKS_A_WORKER = 8  # measured: at least, so that the last ones end together
 LEAST_SECONDS = 1.5  # measured: of runs, below which processes would take longer to start
 
 
@@ -171,146 +165,27 @@ def sweep(
     >>> study.member(3).plot("crank.omega")
     """
     require_zarr()
-    path = Path(folder or ".", out).resolve()
-    problems = list[str]()
-    design = attempt(problems, lambda: _design(over, sample, count, seed))
+    path, problems = Path(folder or ".", out).resolve(), list[str]()
     attempt(problems, lambda: _require_place(path, resume=resume))
-    if path.exists() and not resume:  # nothing is loaded or compiled for a store that stays
+    if problems and path.exists():  # nothing is loaded or compiled for a store that stays
         raise InputError(problems)
-    machine = attempt(problems, lambda: load(model, scene, folder=folder, generated=generated))
-    if machine is None:
-        raise InputError(problems)
+    machine = load(model, scene, folder=folder, generated=generated)
     settings = {
         "accuracy": accuracy, "method": method, "formulation": formulation, "rtol": rtol, **run
     }  # fmt: skip
-    checked = design or NOTHING  # whatever is wrong with the points, the rest is checked as well
-    given = attempt(problems, partial(in_declared_units, checked, partial(factor_unit, machine)))
-    request = attempt(problems, lambda: plan_of(
-        machine, given or checked, quantities=dict(quantities), keep=tuple(keep), analysis=analysis,  # type: ignore[arg-type]
-        span=(t_start, t_end), points=points, values=(parameters, guess, start), settings=settings,
+    design = attempt(problems, lambda: read_design(
+        over, sample, count, seed, partial(factor_unit, machine)
     ))  # fmt: skip
-    if problems or given is None or request is None:
+    request = attempt(problems, lambda: plan_request(
+        machine, tuple(design[0].factors) if design else (), quantities=dict(quantities),  # type: ignore[arg-type]
+        series=tuple(keep), analysis=analysis, span=(t_start, t_end), instants=points,
+        values=(parameters, guess, start), settings=settings,
+    ))  # fmt: skip
+    if problems or design is None or request is None:
         raise InputError(problems)
     with store_lock(path):
         _require_place(path, resume=resume)  # another sweep may have begun meanwhile
-        return _study(path, machine, request, given, workers, scheduler, progress=progress)
-
-
-def _study(
-    path: Path, machine: Machine, request: Request, design: Design, workers: int | None,
-    scheduler: str | None, *, progress: bool,
-) -> Study:  # fmt: skip
-    """The study of a request: its store, which is created or goes on, and the runs it lacks."""
-    began, is_new = time.perf_counter(), not path.exists()
-    if not is_new:
-        store = _same_store(path, request, design)
-        blocks = store.unfinished(repeated=REPEATED)
-        if not blocks:
-            return Study(path, machine, request)
-    with nullcontext() if scheduler is None else closing(ClusterWorkers(scheduler)) as cluster:
-        estimate = None
-        if is_new or any(row.reconnects for row in machine.mechanism.description.watched):
-            estimate = estimate_of(machine, request, design)  # builds the scenes that are reached
-        if is_new:
-            assert estimate is not None
-            numbers = len(request.quantities) + len(request.keep) * request.points + 2
-            count = available_cores() if workers is None else workers
-            size = block_size(len(design.points), estimate.seconds, count, 8 * numbers)
-            units = units_of(machine, request)
-            create_store(path, request, design, units, size, estimate.seconds)
-            store = open_store(path)
-            blocks = [*range(store.blocks)]
-        job = _job_of(store, machine, request, estimate.rows if estimate else {})
-        pool = cluster or _pool_of(job, store, len(blocks), workers)
-        if cluster is not None:
-            cluster.take(job)
-        execution = execute(pool, store, blocks, f"sweep of {machine.mechanism.title}", progress)
-    if estimate is not None:  # the members that were run beforehand are runs of the sweep
-        execution = execution._replace(
-            seconds=time.perf_counter() - began,
-            simulation=execution.simulation + estimate.simulation,
-            overhead=execution.overhead + estimate.overhead,
-        )
-    return Study(path, machine, request, execution)
-
-
-def _same_store(path: Path, request: Request, design: Design) -> Store:
-    """The store at a path; one of another request is refused, with what differs."""
-    store = open_store(path)
-    changes = [*differences(store.about["facts"], request.facts(design.digest))]
-    if changes:
-        raise InputError(
-            f"{path} has runs of another sweep, so it cannot go on: {'; '.join(changes)}. "
-            "Repeat the request as it was, or begin a store of another name."
-        )
-    return store
-
-
-def _job_of(store: Store, machine: Machine, request: Request, trials: Mapping[int, Row]) -> Job:
-    origin = machine.mechanism.origin
-    assert origin is not None
-    model = str(origin.model) if isinstance(origin.model, Path) else ""
-    place, identity = str(store.path), store.about["identity"]
-    return Job(place, identity, program_facts(), request, str(origin.path), model, trials)
-
-
-def _pool_of(job: Job, store: Store, blocks: int, workers: int | None) -> Pool:
-    """Who makes so many blocks: processes, unless their start would take longer than the runs."""
-    expected = store.about["seconds"] * min(blocks * store.block, store.runs)
-    if workers == 0 or (workers is None and expected < LEAST_SECONDS):
-        return ThisProcess(job)
-    # While others work: a study needs it at the end.
-    threading.Thread(target=_import_ahead, args=("xarray",), daemon=True).start()
-    return LocalWorkers(job, min(workers or available_cores(), blocks))
-
-
-def _import_ahead(name: str) -> None:
-    """Import a library in a thread; who needs it later says why that fails."""
-    with suppress(Exception):
-        import_module(name)
-
-
-def block_size(runs: int, seconds: float, workers: int, row: int) -> int:
-    """Runs in a block: a task takes seconds, each worker gets several, and its rows fit in memory.
-
-    `seconds` is the time of a run, `row` the bytes of its row. Of many slow runs a block has more,
-    and takes longer: so many files would burden a file system.
-    """
-    by_time = BLOCK_SECONDS / max(seconds, 1e-6)
-    by_share = runs / (BLOCKS_A_WORKER * max(workers, 1))
-    by_bytes = BLOCK_BYTES // max(row, 1)
-    wanted = max(min(by_time, by_share), runs / MOST_BLOCKS)
-    return max(1, min(runs, by_bytes, math.ceil(wanted)))
-
-
-@contextmanager
-def store_lock(path: Path) -> Iterator[None]:
-    """Keep other sweeps off a store; the folder of the journals goes when all is done.
-
-    The file of the lock stays: were it removed, two sweeps could lock two files of its name.
-    """
-    place = path.with_name(f".{path.name}.lock")
-    lock = FileLock(place, timeout=0)
-    try:
-        lock.acquire()
-    except Timeout:
-        raise InputError(f"Another sweep is writing {path}. Wait until it has ended.") from None
-    except OSError as error:
-        raise InputError(f"{place} cannot be written: {error.strerror or error}.") from error
-    try:
-        clear_journals(path)
-        yield
-    finally:
-        clear_journals(path)
-        lock.release()
-
-
-def _design(over: Any, sample: str | None, count: int | None, seed: int) -> Design:
-    if hasattr(over, "data_vars"):
-        if sample is not None or count is not None:
-            raise InputError("A dataset of points is the design: leave out sample and count.")
-        return given_design(over)
-    return design_of(read_factors(over), sample, count, seed)
+        return _study(path, machine, request, *design, workers, scheduler, progress=progress)
 
 
 def _require_place(path: Path, *, resume: bool) -> None:
@@ -322,3 +197,55 @@ def _require_place(path: Path, *, resume: bool) -> None:
             f"{path} exists, and a sweep overwrites nothing. Go on with it by --resume "
             "(resume=True), or choose another name."
         )
+
+
+def _study(
+    path: Path, machine: Machine, request: Request, design: Design, points: FloatArray,
+    workers: int | None, scheduler: str | None, *, progress: bool,
+) -> Study:  # fmt: skip
+    """The study of a request: its store, which is created or goes on, and the runs it lacks."""
+    todo, seconds, tried = np.arange(len(points)), None, []
+    store = open_store(path, "r+") if path.exists() else None
+    if store is not None:
+        changes = [*differences(store.about.facts, request.facts(points))]
+        if changes:
+            raise InputError(
+                f"{path} has runs of another sweep, so it cannot go on: {'; '.join(changes)}. "
+                "Repeat the request as it was, or begin a store of another name."
+            )
+        todo, seconds = store.unmade(), store.about.seconds
+        if not len(todo):
+            return Study(path, machine, request)
+    if seconds is None or any(row.reconnects for row in machine.mechanism.description.watched):
+        seconds, runs, rows = try_members(machine, request, points, todo)
+        todo, tried = np.setdiff1d(todo, runs), [(runs, rows)]
+    cores = available_cores() if workers is None else workers
+    numbers = len(request.quantities) + len(request.series) * request.instants + 1
+    size, chunk = file_sizes(len(points), seconds, cores, 8 * numbers)
+    tasks = tasks_of(todo, chunk if store is None else store.about.chunk, size)
+    pool = Pool(machine, request)
+    if scheduler is not None:
+        pool = ClusterWorkers(pickled_job(machine, request), scheduler)
+    elif tasks and cores and (workers or seconds * len(todo) > LEAST_SECONDS):
+        pool = LocalWorkers(pickled_job(machine, request), min(cores, len(tasks)))
+    with closing(pool):
+        if store is None:
+            units = units_of(machine, request)
+            create_store(path, request, design, points, units, chunk, seconds)
+            store = open_store(path, "r+")
+        title = f"sweep of {machine.mechanism.title}"
+        execution = execute(pool, store, points, tried, tasks, title, progress)
+    return Study(path, machine, request, execution)
+
+
+def file_sizes(runs: int, seconds: float, workers: int, row: int) -> tuple[int, int]:
+    """Runs of a task, and of a file, which has one task or more.
+
+    A task takes seconds, each worker gets several, and its rows fit in memory; `seconds` is the
+    time of a run, `row` the bytes of its row. Of many slow runs a file has several tasks.
+    """
+    by_time = TASK_SECONDS / max(seconds, 1e-6)
+    by_share = runs / (TASKS_A_WORKER * max(workers, 1))
+    most = max(1, min(runs, CHUNK_BYTES // max(row, 1)))
+    size = max(1, min(most, math.ceil(min(by_time, by_share))))
+    return size, min(most, max(size, math.ceil(runs / MOST_CHUNKS)))

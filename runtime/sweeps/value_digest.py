@@ -1,35 +1,26 @@
 """Digest of a value by its content: of functions with all that they refer to.
 
 A function of the user's own is known by its code, defaults, captured values, and the globals that
-it reads, each by its content, however deep. Of an installed library the file of the module stands
-for all that is in it. Nothing depends on addresses, on the order of a set, or on the process.
+it reads, each by its content, however deep; a class by its text and its functions. What is
+installed is known by its name. Nothing depends on addresses, on the order of a set, or on the
+process.
 """
 
-import builtins
 import dis
 import hashlib
+import inspect
 import sys
 from collections.abc import Iterable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from types import CellType, CodeType, FunctionType, MappingProxyType, ModuleType
+from types import CodeType, FunctionType, MappingProxyType, ModuleType
 from typing import Any
-
-import numpy as np
 
 from codegen.files.library_folders import installed_folders
 
-_OWN = ("runtime", "codegen")  # packages whose sources a sweep compares as a whole
-_PLAIN = (type(None), bool, int, complex, str, bytes, range, slice, type(Ellipsis))
-_CODE = (
-    "co_argcount", "co_posonlyargcount", "co_kwonlyargcount", "co_flags", "co_code", "co_names",
-    "co_varnames", "co_freevars", "co_cellvars", "co_exceptiontable",
-)  # fmt: skip
-_CLASS_FIELDS = {
-    *("__dict__", "__weakref__", "__doc__", "__module__", "__qualname__"),
-    *("__firstlineno__", "__static_attributes__", "_abc_impl"),
-}
-_EMPTY = "a variable that is not set yet"
+_PLAIN = (type(None), bool, int, float, complex, str, bytes, range, slice, type(Ellipsis))
+_CODE = ("co_argcount", "co_kwonlyargcount", "co_code", "co_names", "co_varnames", "co_freevars")
 
 
 class ContentError(TypeError):
@@ -44,46 +35,35 @@ def value_digest(value: Any) -> str:
     ContentError
         If it refers to what has no content, such as an open file.
     """
-    try:
-        return _Digests().of(value)
-    except RecursionError:
-        raise ContentError("values that lie too deep in one another") from None
+    known: dict[int, tuple[Any, str]] = {}  # address → object, kept alive, and its digest
+    above: list[int] = []  # addresses of the objects that are being described
 
-
-class _Digests:
-    """Digests of the values of one call, each made once."""
-
-    def __init__(self) -> None:
-        self.known: dict[int, tuple[Any, str]] = {}  # address → object, kept alive, and its digest
-        self.above: dict[int, int] = {}  # address → depth, of the objects that are being described
-
-    def of(self, value: Any) -> str:
-        """The digest of one value: a hash of its words, and of the digests of its parts."""
-        depth, key = len(self.above), id(value)
-        if key in self.above:
-            return f"{depth - self.above[key]} above"
-        if key not in self.known:
-            self.above[key] = depth
+    def digest(value: Any) -> str:
+        key = id(value)
+        if key in above:
+            return f"{len(above) - above.index(key)} above"
+        if key not in known:
+            above.append(key)
             words, parts = _content(value)
-            digests = [self.of(part) for part in parts]
+            digests = [digest(part) for part in parts]
             if isinstance(value, set | frozenset):
                 digests.sort()
-            del self.above[key]
+            above.pop()
             content = repr((words, digests)).encode("utf-8", "surrogatepass")
-            self.known[key] = value, hashlib.sha256(content).hexdigest()
-        return self.known[key][1]
+            known[key] = value, hashlib.sha256(content).hexdigest()
+        return known[key][1]
+
+    try:
+        return digest(value)
+    except RecursionError:
+        raise ContentError("values that lie too deep in one another") from None
 
 
 def _content(value: Any) -> tuple[tuple[Any, ...], Iterable[Any]]:
     """Words that say what a value is itself, and the values that it consists of."""
     kind = type(value).__qualname__
-    if isinstance(value, float):
-        return (kind, float(value).hex()), ()
     if type(value) in _PLAIN:
         return (kind, repr(value)), ()
-    if isinstance(value, np.generic | np.ndarray) and value.dtype.kind in "biufcSU":
-        numbers = hashlib.sha256(value.tobytes()).hexdigest()
-        return ("array", value.dtype.str, value.shape, numbers), ()
     if type(value) in (tuple, list, set, frozenset):
         return (kind,), value
     if type(value) in (dict, MappingProxyType):
@@ -91,62 +71,45 @@ def _content(value: Any) -> tuple[tuple[Any, ...], Iterable[Any]]:
     if isinstance(value, CodeType):
         return ("code", *(getattr(value, name) for name in _CODE)), value.co_consts
     if isinstance(value, ModuleType):
-        return ("module", value.__name__, _file_hash(value.__name__)), ()
-    if isinstance(value, FunctionType | type):
-        return _function_or_class(value)
+        text = Path(value.__file__ or "").read_bytes() if _is_own(value.__name__) else b""
+        return ("module", value.__name__, hashlib.sha256(text).hexdigest()), ()
     if callable(getattr(value, "py_func", None)):  # compiled by numba
         return ("compiled",), (value.py_func,)
-    return _object(value)
-
-
-def _function_or_class(value: Any) -> tuple[tuple[Any, ...], Iterable[Any]]:
-    """By its file where it is installed, else by all that it has."""
-    cells = [_cell(cell) for cell in getattr(value, "__closure__", None) or ()]
-    module = value.__module__ or "builtins"
-    if _is_installed(module):
-        return ("library", value.__qualname__, _file_hash(module)), cells
-    if isinstance(value, type):
-        fields = [(k, _plain_field(x)) for k, x in vars(value).items() if k not in _CLASS_FIELDS]
-        return ("class", value.__name__), (value.__bases__, fields)
-    names, known = sorted(_globals_of(value.__code__)), value.__globals__
-    unknown = [name for name in names if name not in known and not hasattr(builtins, name)]
-    read = [(name, known[name]) for name in names if name in known]
-    parts = value.__code__, value.__defaults__, value.__kwdefaults__, cells, read
-    return ("function", value.__name__, *unknown), parts
-
-
-def _object(value: Any) -> tuple[tuple[Any, ...], Iterable[Any]]:
-    """An object of any class: what copies it would be made from."""
+    if isinstance(value, FunctionType | type):
+        return _function(value) if isinstance(value, FunctionType) else _class(value)
     try:
-        made = value.__reduce_ex__(4)
+        made = value.__reduce_ex__(4)  # what copies it would be made from
     except Exception as error:
         raise ContentError(
-            f"a {type(value).__qualname__} of {type(value).__module__}, whose content cannot "
-            f"be told ({error})"
+            f"a {kind} of {type(value).__module__}, whose content cannot be told ({error})"
         ) from error
     if isinstance(made, str):  # the name of a global, such as a function of NumPy
-        module = getattr(value, "__module__", None) or "builtins"
-        return ("global", made, _file_hash(module)), (type(value),)
+        return ("global", made, getattr(value, "__module__", None)), (type(value),)
     maker, arguments, state, entries, pairs = (*made, None, None, None)[:5]
     return ("object",), (type(value), maker, arguments, state, [*(entries or ())], [*(pairs or ())])
 
 
-def _cell(cell: CellType) -> Any:
-    try:
-        return cell.cell_contents
-    except ValueError:
-        return _EMPTY
+def _function(value: FunctionType) -> tuple[tuple[Any, ...], Iterable[Any]]:
+    cells = []
+    for cell in value.__closure__ or ():
+        with suppress(ValueError):  # of a variable that is not set yet
+            cells.append(cell.cell_contents)
+    if not _is_own(value.__module__):
+        return ("library", value.__module__, value.__qualname__), cells
+    known = value.__globals__
+    read = [(name, known[name]) for name in sorted(_globals_of(value.__code__)) if name in known]
+    parts = value.__code__, value.__defaults__, value.__kwdefaults__, cells, read
+    return ("function", value.__name__), parts
 
 
-def _plain_field(value: Any) -> Any:
-    """The value of a class's field without the object that makes it one."""
-    if isinstance(value, staticmethod | classmethod):
-        return value.__func__
-    if isinstance(value, property):
-        return value.fget, value.fset, value.fdel
-    if type(value).__name__ in {"member_descriptor", "getset_descriptor"}:
-        return type(value).__name__
-    return value
+def _class(value: type) -> tuple[tuple[Any, ...], Iterable[Any]]:
+    if not _is_own(value.__module__):
+        return ("library", value.__module__, value.__qualname__), ()
+    text = ""
+    with suppress(OSError, TypeError):  # of one that stands in no file
+        text = inspect.getsource(value)
+    functions = [one for one in vars(value).values() if isinstance(one, FunctionType)]
+    return ("class", value.__name__, text), (value.__bases__, functions)
 
 
 def _globals_of(code: CodeType) -> set[str]:
@@ -159,25 +122,12 @@ def _globals_of(code: CodeType) -> set[str]:
     return names.union(*(_globals_of(x) for x in code.co_consts if isinstance(x, CodeType)))
 
 
-def _file_of(module: str) -> Path | None:
-    file = getattr(sys.modules.get(module), "__file__", None)
-    return None if file is None else Path(file).resolve()
-
-
 @cache
-def _is_installed(module: str) -> bool:
-    """Whether a module comes with Python, is installed, or is one of Linkwright."""
-    if module.partition(".")[0] in _OWN:
+def _is_own(module: str | None) -> bool:
+    """Whether a module is the user's: neither installed, nor of Python, nor of Linkwright."""
+    if module == "__main__" or (module and module not in sys.modules):
         return True
-    if module == "__main__" or module not in sys.modules:
+    file = getattr(sys.modules.get(module or "builtins"), "__file__", None)
+    if file is None or (module or "").partition(".")[0] in {"runtime", "codegen", "linkwright"}:
         return False
-    file = _file_of(module)
-    return file is None or any(file.is_relative_to(folder) for folder in installed_folders())
-
-
-def _file_hash(module: str) -> str:
-    """A module's name and SHA-256 of its file, where it has one and is none of Linkwright."""
-    file = _file_of(module)
-    if file is None or module.partition(".")[0] in _OWN or not file.is_file():
-        return module
-    return f"{module} {hashlib.sha256(file.read_bytes()).hexdigest()}"
+    return not any(Path(file).resolve().is_relative_to(folder) for folder in installed_folders())

@@ -1,19 +1,20 @@
-"""Who makes the blocks of a sweep: this process, worker processes, or a Dask cluster.
+"""Who makes the runs of a sweep: this process, worker processes, or a Dask cluster.
 
-Each is a pool, which takes blocks and returns futures of their reports.
+Each is a pool, which takes the points of a task and returns the future of their rows.
 
 Why not a pool of the standard library, or a local cluster of Dask: a process that is killed breaks
 a `ProcessPoolExecutor` with everything that waits in it; both start processes that import the
-user's script again, which therefore needs a guard; and neither says at which task a process ended.
+user's script again, which therefore needs a guard.
 
-The workers of a Dask cluster need Linkwright in their environment, and see the folders of the store
-and of the generated modules by the same paths.
+The workers of a Dask cluster need Linkwright in their environment, and see the folder of the
+generated modules by the same path.
 """
 
 import json
 import math
 import os
 import pickle
+import platform
 import queue
 import signal
 import subprocess
@@ -23,11 +24,29 @@ import time
 import warnings
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
+from functools import lru_cache
 from importlib import import_module, util
-from typing import Any, BinaryIO, Protocol
+from pathlib import Path
+from typing import Any, BinaryIO
 
-from codegen.errors import InputError, LinkwrightError
-from runtime.sweeps.block import TRIES, BlockReport, Job, run_block
+import numpy as np
+
+from codegen.errors import InputError, LinkwrightError, SupersededError
+from codegen.files.generated_modules import import_generated
+from runtime.core.kernel_abi import gather
+from runtime.machine_facade import Machine
+from runtime.mechanism.mechanism import Mechanism
+from runtime.mechanism.module_tables import describe
+from runtime.sweeps.design import FloatArray
+from runtime.sweeps.request import (
+    PROCESSOR,
+    Request,
+    Rows,
+    changed_programs,
+    companion_texts,
+    evaluate_members,
+    program_facts,
+)
 
 START = """
 import json, sys
@@ -36,60 +55,52 @@ from runtime.sweeps.workers import serve
 serve()
 """
 """Program of a worker process; its argument is the path of modules of its parent."""
-_MOST_TASKS = 2048  # safety: blocks that are handed out at a time, more than any cluster's cores
+TRIES = 3  # safety: processes that may end at one run, or before they begin
+_MOST_TASKS = 2048  # safety: tasks that are handed out at a time, more than any cluster's cores
 _PATIENCE = 10.0  # safety: s in which a scheduler must answer
 _WORKER_PATIENCE = 30.0  # measured: s without a report, after which workers are asked for
+_alone = threading.Lock()  # of this process, which a cluster may give several threads
 
 
 class LostWorkerError(LinkwrightError):
-    """The worker that made a block has ended."""
+    """The worker that made a task has ended."""
 
 
-class Pool(Protocol):
-    """A way to have blocks made."""
+class Pool:
+    """Tasks made one after the other in this process, as they are submitted."""
 
-    room: int  # blocks that it takes at a time
-    lost: Any  # the class of the error that the future of a block raises whose worker has ended
+    room = 1  # tasks that it takes at a time
+    lost: Any = LostWorkerError  # of which the future of a task raises one whose worker has ended
 
-    def submit(self, block: int) -> "Future[BlockReport]":
-        """Have a block made."""
+    def __init__(self, machine: Machine, request: Request) -> None:
+        self.machine, self.request = machine, request
+
+    def submit(self, points: FloatArray) -> "Future[Rows]":
+        """Have the runs of some points made, (runs, factors)."""
+        future = Future[Rows]()
+        try:
+            future.set_result(evaluate_members(self.machine, self.request, points))
+        except BaseException as error:
+            future.set_exception(error)
+        return future
 
     def check(self) -> None:
         """Raise LinkwrightError where nothing will come any more; called while nothing does."""
 
     def close(self) -> None:
-        """End what belongs to the sweep; blocks that are being made are not finished."""
+        """End what belongs to the sweep; tasks that are being made are not finished."""
 
 
-class ThisProcess:
-    """Blocks made one after the other in this process, as they are submitted."""
-
-    room, lost = 1, LostWorkerError
-
-    def __init__(self, job: Job) -> None:
-        self.job = job
-
-    def submit(self, block: int) -> "Future[BlockReport]":
-        """Make a block."""
-        future = Future[BlockReport]()
-        try:
-            future.set_result(run_block(self.job, block))
-        except Exception as error:
-            future.set_exception(error)
-        return future
-
-    def check(self) -> None:
-        """Nothing."""
-
-    def close(self) -> None:
-        """Nothing."""
-
-
-def pickled(job: Job) -> bytes:
-    """A job for another process; InputError where a function of the user's own cannot go there."""
-    library = "cloudpickle" if util.find_spec("cloudpickle") else "pickle"
+def pickled_job(machine: Machine, request: Request) -> bytes:
+    """What another process needs to make runs; InputError where a function cannot go there."""
+    origin, library = machine.mechanism.origin, "cloudpickle"
+    assert origin is not None
+    place = origin.model if isinstance(origin.model, Path) else origin.path
+    origin = origin._replace(model=place, scene=machine.description.scene)
     try:
-        return bytes(import_module(library).dumps(job))
+        if not util.find_spec(library):
+            library = "pickle"
+        return bytes(import_module(library).dumps((request, origin, program_facts())))
     except Exception as error:
         raise InputError(
             f"The functions of this sweep cannot be sent to another process ({error}). Define them "
@@ -97,56 +108,83 @@ def pickled(job: Job) -> bytes:
         ) from error
 
 
-class LocalWorkers:
+@lru_cache(maxsize=1)
+def _load_job(job: bytes) -> tuple[Machine, Request]:
+    """The machine and the request of a job, by the programs and modules of its sweep alone.
+
+    The processor may differ, as that of a cluster's computers may.
+    """
+    request, origin, programs = pickle.loads(job)
+    changes = [x for x in changed_programs(programs) if not x.startswith(PROCESSOR)]
+    if changes:
+        raise LinkwrightError(
+            f"A worker on {platform.node() or 'another computer'} has other programs than the "
+            f"sweep: {'; '.join(changes)}. Install the same ones there, and start it again."
+        )
+    module = import_generated(origin.path, request.generated_module)
+    machine = Machine(Mechanism(describe(module), gather(module), origin.path, origin))
+    if companion_texts(machine, [*request.companions]) != request.companions:
+        raise SupersededError(
+            f"The companions of {origin.path} ({', '.join(request.companions)}) have another text "
+            "than when the sweep began. Repeat the call of the sweep."
+        )
+    return machine, request
+
+
+def run_job(job: bytes, points: FloatArray) -> Rows:
+    """The rows of some points, in any process; of none, the machine is loaded."""
+    with _alone:
+        machine, request = _load_job(job)
+        return evaluate_members(machine, request, points)
+
+
+class LocalWorkers(Pool):
     """So many processes on this computer; a thread waits for each, and replaces it if it ends."""
 
-    room, lost = _MOST_TASKS, LostWorkerError
+    room = _MOST_TASKS
 
-    def __init__(self, job: Job, count: int) -> None:
-        self.job, self.closed = pickled(job), False
+    def __init__(self, job: bytes, count: int) -> None:
+        self.job, self.closed = job, False
         self.processes = set[subprocess.Popen[bytes]]()
         self.own = threading.local()  # the process of each thread
         self.threads = ThreadPoolExecutor(count, "sweep")
 
-    def submit(self, block: int) -> "Future[BlockReport]":
-        """Have a block made, once a process is free."""
-        return self.threads.submit(self._make, block)
+    def submit(self, points: FloatArray) -> "Future[Rows]":
+        """Have runs made, once a process is free."""
+        return self.threads.submit(self._make, points)
 
-    def _make(self, block: int) -> BlockReport:
-        process = getattr(self.own, "process", None) or self._start()
-        self.own.process = process
-        word, content = _ask(process, pickle.dumps(block))
-        if word == "ended":
-            self.own.process = None
-            raise LostWorkerError(f"The worker of block {block} has ended: {content}")
-        if word == "error":
-            raise LinkwrightError(content)
-        assert isinstance(content, BlockReport)
-        return content
+    def _make(self, points: FloatArray) -> Rows:
+        self.own.process = getattr(self.own, "process", None) or self._start()
+        rows = _ask(self.own.process, points)
+        if rows is None:
+            ended, self.own.process = self.own.process, None
+            raise LostWorkerError(f"A worker has ended with status {self._end(ended)}.")
+        return rows
 
     def _start(self) -> "subprocess.Popen[bytes]":
-        """A process that has taken the job."""
-        command = [sys.executable, "-P", "-c", START, json.dumps(sys.path)]
-        kinds: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
-        content: Any = None
+        """A process that has loaded the machine, and that no key of a terminal ends."""
+        command, status = [sys.executable, "-P", "-c", START, json.dumps(sys.path)], 0
         for _ in range(TRIES):
             process = subprocess.Popen(
-                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, **kinds
+                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True
             )
             self.processes.add(process)
             if self.closed:
                 process.kill()
-            word, content = _ask(process, self.job)
-            if word == "ready":
+            if _ask(process, self.job) is not None:
                 return process
-            self.processes.discard(process)
+            status = self._end(process)
         raise LinkwrightError(
-            f"{TRIES} worker processes ended before they could begin, the last with {content}. "
-            "Run with --workers 0, in this process, to see why."
+            f"{TRIES} worker processes ended before they could begin, the last with status "
+            f"{status}. Run with --workers 0, in this process, to see why."
         )
 
-    def check(self) -> None:
-        """Nothing: a thread hears when its process ends."""
+    def _end(self, process: "subprocess.Popen[bytes]") -> int:
+        """End a process, whose exit status is returned."""
+        self.processes.discard(process)
+        with suppress(OSError), process:  # which closes its pipes, on which it ends by itself
+            pass
+        return process.returncode
 
     def close(self) -> None:
         """End all processes."""
@@ -154,63 +192,49 @@ class LocalWorkers:
         for process in [*self.processes]:
             process.kill()
         self.threads.shutdown(cancel_futures=True)
-        for process in self.processes:
-            _end(process)
+        for process in [*self.processes]:
+            self._end(process)
 
 
-def _ask(process: "subprocess.Popen[bytes]", content: bytes) -> tuple[str, Any]:
-    """The answer of a worker process to what is pickled; "ended" and its status where it ends."""
+def _ask(process: "subprocess.Popen[bytes]", order: Any) -> Rows | None:
+    """The answer of a worker process to an order; None where it has ended."""
     assert process.stdin is not None
     assert process.stdout is not None
     try:
-        process.stdin.write(content)
+        pickle.dump(order, process.stdin)
         process.stdin.flush()
-        word, answer = pickle.load(process.stdout)
-        return word, answer
+        answer = pickle.load(process.stdout)
     except (OSError, EOFError, ValueError, pickle.UnpicklingError):  # perhaps within an answer
-        return "ended", f"status {_end(process)}"
-
-
-def _end(process: "subprocess.Popen[bytes]") -> int:
-    """End a process, and close its pipes; its exit status."""
-    for stream in (process.stdin, process.stdout):
-        assert stream is not None
-        with suppress(OSError):
-            stream.close()  # on which it ends by itself
-    try:
-        return process.wait(1.0)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        return process.wait()
+        return None
+    if isinstance(answer, str):
+        raise LinkwrightError(answer)
+    return answer  # type: ignore[no-any-return]
 
 
 def serve() -> None:
-    """Be a worker process: make blocks until the pipe to the starting process is closed.
+    """Be a worker process: make runs until the pipe to the starting process is closed.
 
-    It ends as soon as that process has ended, however that was.
+    The first order is a job, the others are points. It ends as soon as the starting process has
+    ended, however that was.
     """
-    for name in ("SIGINT", "SIGHUP"):  # those of the terminal are for the starting process
-        if hasattr(signal, name):
-            signal.signal(getattr(signal, name), signal.SIG_IGN)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     incoming, outgoing = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a function of the user's own prints is none of our answers
     orders: queue.SimpleQueue[Any] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(incoming, orders), daemon=True).start()
-    job = orders.get()
-    _answer(outgoing, "ready", None)
+    job, points = orders.get(), np.zeros((0, 0))
     while True:
+        answer: Rows | str
         try:
-            _answer(outgoing, "done", run_block(job, orders.get()))
+            answer = run_job(job, points)
         except LinkwrightError as error:
-            _answer(outgoing, "error", str(error))
+            answer = str(error)
         except Exception as error:
-            _answer(outgoing, "error", f"{type(error).__name__}: {error}")
-
-
-def _answer(stream: BinaryIO, word: str, content: Any) -> None:
-    with suppress(OSError):  # nobody is there any more who would read it
-        pickle.dump((word, content), stream)
-        stream.flush()
+            answer = f"{type(error).__name__}: {error}"
+        with suppress(OSError):  # nobody is there any more who would read it
+            pickle.dump(answer, outgoing)
+            outgoing.flush()
+        points = orders.get()
 
 
 def _listen(stream: BinaryIO, orders: "queue.SimpleQueue[Any]") -> None:
@@ -218,15 +242,15 @@ def _listen(stream: BinaryIO, orders: "queue.SimpleQueue[Any]") -> None:
         while True:
             orders.put(pickle.load(stream))
     except BaseException:
-        os._exit(1)  # nobody is there for whom to finish a block
+        os._exit(1)  # nobody is there for whom to finish a task
 
 
-class ClusterWorkers:
+class ClusterWorkers(Pool):
     """The workers of a Dask scheduler at an address."""
 
     room = _MOST_TASKS
 
-    def __init__(self, address: str) -> None:
+    def __init__(self, job: bytes, address: str) -> None:
         try:
             import distributed
         except ImportError as error:
@@ -234,33 +258,21 @@ class ClusterWorkers:
                 "A cluster needs Dask, which is not installed. Run pip install "
                 "'linkwright[sweep]', in the checkout pip install '.[sweep]'."
             ) from error
-        self.address, self.lost = address, distributed.KilledWorker
+        self.job, self.address, self.lost = job, address, distributed.KilledWorker
         make: Any = distributed.Client  # which has no types
-        self.client: Any = None
         try:
             self.client = make(address, timeout=_PATIENCE, set_as_default=False)
-            self.first = [  # workers import their programs while the sweep is planned
-                self.client.submit(import_programs, workers=[worker], pure=False)
-                for worker in self.client.nthreads()
-            ]
         except Exception as error:
-            if self.client is not None:
-                with suppress(Exception):
-                    self.client.close(timeout=_PATIENCE)
             raise InputError(
                 f"No Dask scheduler answers at {address} ({error}). Start one, dask scheduler, and "
                 "give the address that it prints (--scheduler tcp://HOST:8786)."
             ) from error
-        self.blocks = self.client.get_executor(pure=False, retries=0)
+        self.tasks = self.client.get_executor(pure=False, retries=0)
         self.last_worker = time.monotonic()  # when the cluster had a worker last; inf: said already
 
-    def take(self, job: Job) -> None:
-        """Make blocks of this job from now on."""
-        self.job = pickled(job)
-
-    def submit(self, block: int) -> "Future[BlockReport]":
-        """Have a block made by a worker of the cluster."""
-        future: Future[BlockReport] = self.blocks.submit(run_pickled, self.job, block)
+    def submit(self, points: FloatArray) -> "Future[Rows]":
+        """Have runs made by a worker of the cluster."""
+        future: Future[Rows] = self.tasks.submit(run_job, self.job, points)
         return future
 
     def check(self) -> None:
@@ -282,17 +294,6 @@ class ClusterWorkers:
     def close(self) -> None:
         """Cancel what is not done, and leave the cluster as it is."""
         if self.client.status == "running":
-            self.blocks.shutdown(wait=False)
+            self.tasks.shutdown(wait=False)
         if self.client.status != "closed":
             self.client.close(timeout=_PATIENCE)
-
-
-def import_programs() -> None:
-    """Import in a worker what its first block needs."""
-    for name in ("runtime.dynamics.connected_simulation", "zarr"):
-        import_module(name)
-
-
-def run_pickled(job: bytes, block: int) -> BlockReport:
-    """A block of a job that travels as it does to local processes."""
-    return run_block(pickle.loads(job), block)

@@ -19,7 +19,6 @@ PERMITTED = {
     "codegen/machine_code/kernels.py": {"eval"},  # a kernel's signature, of a generated module
     "codegen/reference/examples.py": {"exec"},  # the examples of elements, from their classes
     "runtime/results/saved_result.py": {"np.load"},  # with allow_pickle=False
-    "runtime/sweeps/block.py": {"np.load"},  # with allow_pickle=False
     # of processes that the sweep has started, of the sweep itself, and of the scheduler
     "runtime/sweeps/workers.py": {"pickle.load", "pickle.loads"},
 }

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from runtime import sweep
@@ -11,11 +12,33 @@ from runtime.sweeps.study import Study
 QUANTITIES = ("max:B.fx", "crank.omega")
 
 
+def same(ours: Study, theirs: Study) -> bool:
+    """Whether two studies have the same rows, bit for bit."""
+    for name in (*ours.factors, *ours.quantities, *ours.series, "outcome", "message", "t_last"):
+        first, second = (study.data[name].values for study in (ours, theirs))
+        bits = (first.tobytes(), second.tobytes()) if first.dtype.kind == "f" else (first, second)
+        if not np.all(bits[0] == bits[1]):
+            return False
+    return True
+
+
 @pytest.fixture(scope="session")
 def about() -> dict[str, Any]:
     """A scene and a run of a few steps."""
     return {"model": "slider_crank", "scene": "compressor", "t_end": 0.05, "points": 21,
             "quantities": QUANTITIES, "progress": False}  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def request_of(about: dict[str, Any]) -> dict[str, Any]:
+    """A sweep of 24 runs in this process."""
+    return {**about, "over": {"J1": "200:1000:24"}, "workers": 0}
+
+
+@pytest.fixture(scope="session")
+def whole(request_of: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> Study:
+    """That sweep, undisturbed."""
+    return sweep(out=tmp_path_factory.mktemp("whole") / "s.zarr", **request_of)
 
 
 @pytest.fixture(scope="session")

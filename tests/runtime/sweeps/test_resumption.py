@@ -1,103 +1,176 @@
 """A sweep goes on where it stopped, with the same bits; it refuses to be another one."""
 
-import json
+import functools
 import shutil
 import signal
+import subprocess
+import sys
+from collections import Counter
 from concurrent.futures import Future
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
 from codegen.termination_signals import SignalDeferral
-from runtime import load_study, sweep
-from runtime.sweeps import block, member_run, workers
-from runtime.sweeps.block import BlockReport
-from runtime.sweeps.execution import make_blocks
-from runtime.sweeps.store import open_store, reopen
+from runtime import load, load_study, sweep
+from runtime.core.outcomes import Outcome
+from runtime.sweeps import request
+from runtime.sweeps import sweep as in_sweep
+from runtime.sweeps.execution import _made_rows
+from runtime.sweeps.request import KILLED, Rows, rows_without_runs
+from runtime.sweeps.store import Store, open_store, store_lock
 from runtime.sweeps.study import Study
-from runtime.sweeps.sweep import store_lock
-from runtime.sweeps.workers import LostWorkerError
+from runtime.sweeps.workers import LostWorkerError, Pool, _load_job, pickled_job, run_job
+from tests.runtime.sweeps.conftest import same
 
 
-def same(ours: Study, theirs: Study) -> bool:
-    """Whether two studies have the same rows, bit for bit."""
-    for name in (*ours.factors, *ours.quantities, *ours.series, "outcome", "message", "t_last"):
-        first, second = (study.data[name].values for study in (ours, theirs))
-        bits = (first.tobytes(), second.tobytes()) if first.dtype.kind == "f" else (first, second)
-        if not np.all(bits[0] == bits[1]):
-            return False
-    return True
+def counted_runs(monkeypatch: pytest.MonkeyPatch, last: int = -1) -> list[float]:
+    """The values of J1 of the runs that are made; Ctrl-C comes in the run after so many."""
+    real, made = request.run_member, list[float]()
+
+    def run(machine: Any, asked: Any, point: Any) -> Any:
+        if len(made) == last:
+            signal.raise_signal(signal.SIGINT)
+        made.append(float(point[0]))
+        return real(machine, asked, point)
+
+    monkeypatch.setattr(request, "run_member", run)
+    return made
 
 
-@pytest.fixture
-def request_of(about: dict[str, Any]) -> dict[str, Any]:
-    return {**about, "over": {"J1": "200:1000:24"}, "workers": 0}
+@pytest.mark.parametrize("chunks", [10_000, 2])  # of a task each, or of several
+def test_an_interrupt_keeps_what_is_done(
+    request_of: dict[str, Any], whole: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    chunks: int,
+) -> None:  # fmt: skip
+    monkeypatch.setattr(in_sweep, "MOST_CHUNKS", chunks)
+    with monkeypatch.context() as patch:
+        before = counted_runs(patch, last=12)
+        half = sweep(out=tmp_path / "s.zarr", **request_of)
+    assert not half.complete
+    assert 9 <= half.outcomes["OK"] <= len(before) <= 15
+    assert "Go on with the same request and --resume" in repr(half)
+    assert load_study(half.path).outcomes == half.outcomes
+    with monkeypatch.context() as patch:
+        after = counted_runs(patch)
+        found = sweep(out=half.path, resume=True, **request_of)
+        assert sweep(out=half.path, resume=True, **request_of).complete
+    assert len(after) == half.outcomes["NOT RUN"]
+    assert same(found, whole)
 
 
-@pytest.fixture
-def half(
-    request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> tuple[Path, Study]:
-    """A store in which some blocks are done, and the study of an undisturbed sweep."""
-    whole = sweep(out=tmp_path / "whole.zarr", **request_of)
-    real, count = workers.run_block, iter(range(100))
+def test_no_run_is_made_twice(
+    request_of: dict[str, Any], whole: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = counted_runs(monkeypatch)
+    found = sweep(out=tmp_path / "s.zarr", **request_of)
+    assert sorted(made) == whole.data["J1"].values.tolist()
+    assert "24 runs in" in repr(found)
 
-    def failing(job: Any, number: int) -> Any:
-        if next(count) == 5:
-            raise LinkwrightError("The cluster is lost.")
-        return real(job, number)
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (OSError(28, "No space left on device"), "No space left on device"),
+        (LinkwrightError("The cluster is lost."), "The cluster is lost."),
+    ],
+)
+def test_what_ends_a_sweep_says_how_to_go_on(
+    request_of: dict[str, Any], whole: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    error: Exception, text: str,
+) -> None:  # fmt: skip
+    real, calls = Store.write, list[int]()
+
+    def full(*arguments: Any) -> None:
+        calls.append(1)
+        if len(calls) == 4:
+            raise error
+        real(*arguments)
 
     with monkeypatch.context() as patch:
-        patch.setattr(workers, "run_block", failing)
-        with pytest.raises(LinkwrightError) as caught:
-            sweep(out=tmp_path / "half.zarr", **request_of)
-    assert caught.value.problems[0] == "The cluster is lost."
-    assert "5 of 8 blocks are done" in caught.value.problems[1]
-    return tmp_path / "half.zarr", whole
+        patch.setattr(Store, "write", full)
+        with pytest.raises(LinkwrightError, match=text) as raised:
+            sweep(out=tmp_path / "s.zarr", **request_of)
+    made = load_study(tmp_path / "s.zarr").outcomes["OK"]
+    assert f"{made} of 24 runs are done and kept" in str(raised.value)
+    assert 0 < made < 24
+    assert same(sweep(out=tmp_path / "s.zarr", resume=True, **request_of), whole)
 
 
-def test_only_what_is_missing_is_made(
-    half: tuple[Path, Study], request_of: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+KILL = """
+import os
+from types import SimpleNamespace
+from runtime import sweep
+from runtime.sweeps.store import Store
+
+class Killer:
+    def __setitem__(self, place, values):
+        os.kill(os.getpid(), 9)
+
+def write(store, runs, rows):
+    if isinstance(runs, range) and runs.start > 10:
+        store.columns["COLUMN"] = SimpleNamespace(oindex=Killer())
+    real(store, runs, rows)
+
+real, Store.write = Store.write, write
+sweep(out=OUT, **REQUEST)
+"""
+
+
+@pytest.mark.parametrize("column", ["crank.omega", "outcome"])
+def test_rows_without_an_outcome_are_none(
+    request_of: dict[str, Any], whole: Study, tmp_path: Path, column: str
 ) -> None:
-    path, whole = half
-    before = load_study(path)
-    assert not before.complete
-    assert before.outcomes == {"OK": 15, "NOT RUN": 9}
-    assert "Stopped before the end" in repr(before)
-    real, made = workers.run_block, []
-    monkeypatch.setattr(workers, "run_block", lambda job, k: made.append(k) or real(job, k))
-    # no member is run for trial again
-    monkeypatch.setattr("runtime.sweeps.sweep.estimate_of", None)
-    after = sweep(out=path, resume=True, **request_of)
-    assert made == [5, 6, 7]
-    assert same(after, whole)
-    assert sweep(out=path, resume=True, **request_of).complete
-    assert len(made) == 3
-    assert not path.with_name(f"{path.name}.working").exists()
+    """The process is killed when the numbers of a row are on the disk, and its outcome is not."""
+    out = tmp_path / "s.zarr"
+    column = f"end:{column}" if column == "crank.omega" else column
+    program = KILL.replace("COLUMN", column).replace("OUT", repr(str(out)))
+    done = subprocess.run(
+        [sys.executable, "-c", program.replace("REQUEST", repr(request_of))], check=False
+    )
+    assert done.returncode == -signal.SIGKILL
+    numbers = open_store(out).columns["max:B.fx"][:]
+    study = load_study(out)
+    unmade = study.data["outcome"].values == "NOT RUN"
+    assert np.isfinite(numbers[unmade]).any()
+    assert np.isnan(study.data["max:B.fx"].values[unmade]).all()
+    assert same(sweep(out=out, resume=True, **request_of), whole)
 
 
-def test_rows_that_a_crash_has_damaged_are_made_again(
-    half: tuple[Path, Study], request_of: dict[str, Any]
+@pytest.mark.parametrize("name", ["max(B.fx)", "outcome", "message", "t_last", "crank.phi"])
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_files_that_a_power_cut_has_cut_short_are_made_again(
+    study: Study, about: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    name: str, share: float,
+) -> None:  # fmt: skip
+    path = tmp_path / "s.zarr"
+    shutil.copytree(study.path, path)
+    place = path / name / "c"
+    # of the second file; all of its runs are refused, so that it has no numbers, in the first
+    (file,) = [x for x in (place / "1", place / "1" / "0") if x.is_file()]
+    content = file.read_bytes()
+    file.write_bytes(content[: int(share * len(content))])
+    if name != "crank.phi":
+        with pytest.raises(InputError, match="cannot be read"):
+            _ = load_study(path).data
+    made = counted_runs(monkeypatch)
+    over = {"J1": "200:1000:3", "rod_length": [-1.0, 3.0, 3.5, 4.0]}
+    found = sweep(over=over, keep=["crank.phi"], out=path, workers=0, resume=True, **about)
+    assert len(made) == open_store(path).about.chunk
+    assert same(found, study)
+
+
+def test_nothing_is_overwritten(
+    request_of: dict[str, Any], whole: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path, whole = half
-    store = reopen(path, open_store(path).about["identity"])
-    assert store.unfinished() == [5, 6, 7]
-    store.group["max(B.fx)"][4] = 1.0
-    assert store.unfinished() == [1, 5, 6, 7]
-    shutil.rmtree(path / "message" / "c")
-    assert store.unfinished() == [*range(8)]
-    assert same(sweep(out=path, resume=True, **request_of), whole)
-
-
-def test_nothing_is_overwritten(half: tuple[Path, Study], request_of: dict[str, Any]) -> None:
-    path, _ = half
+    path = whole.path
     before = {file: file.read_bytes() for file in path.rglob("*") if file.is_file()}
-    with pytest.raises(InputError, match="exists, and a sweep overwrites nothing"):
-        sweep(out=path, **request_of)
     changes: dict[str, Any] = {
         "over": {"J1": "200:1000:25"}, "t_end": 0.06, "rtol": 1e-9, "keep": ["B.fx"],
         "scene": "compressor_massless_rod", "start": {"crank.omega": 20.0}, "points": 22,
@@ -111,6 +184,9 @@ def test_nothing_is_overwritten(half: tuple[Path, Study], request_of: dict[str, 
         with pytest.raises(InputError, match="it cannot go on") as caught:
             sweep(out=path, resume=True, **request_of | there | {word: value})
         assert name in str(caught.value)
+    monkeypatch.setattr(in_sweep, "load", lambda *x, **y: pytest.fail("a model is loaded"))
+    with pytest.raises(InputError, match="exists, and a sweep overwrites nothing"):
+        sweep(out=path, **request_of)
     assert before == {file: file.read_bytes() for file in path.rglob("*") if file.is_file()}
 
 
@@ -124,145 +200,187 @@ def test_a_changed_model_or_function_is_another_sweep(
         model.scene("swing", start={bob.phi: 0.0, bob.omega: 0.0})
         return model
 
-    common = {"over": {"l": [1.0, 2.0]}, "t_end": 0.1, "workers": 0, "folder": tmp_path}
-    common |= {"out": "s.zarr", "resume": True, "progress": False}
-    first = sweep(declared(1.0), quantities={"x": lambda r: r.t[-1]}, **common)
-    assert sweep(declared(1.0), quantities={"x": lambda r: r.t[-1]}, **common).complete
-    assert first.member(1).q("bob.x")[0] == pytest.approx(2.0)
+    def at_level(result: Any, level: float) -> float:
+        return level
+
+    def swept(mass: float, level: float) -> Study:
+        quantities = {"x": functools.partial(at_level, level=level)}
+        return sweep(
+            declared(mass), over={"l": [1.0, 2.0]}, t_end=0.1, workers=0, folder=tmp_path,
+            out="s.zarr", resume=True, progress=False, quantities=quantities,
+        )  # fmt: skip
+
+    assert swept(1.0, 5.0).member(1).q("bob.x")[0] == pytest.approx(2.0)
+    assert swept(1.0, 5.0).data["x"].values.tolist() == [5.0, 5.0]
     with pytest.raises(InputError, match="quantities, x was function"):
-        sweep(declared(1.0), quantities={"x": lambda r: r.t[0]}, **common)
+        swept(1.0, 6.0)
     with pytest.raises(InputError, match="the model: its generated module has another text"):
-        sweep(declared(2.0), quantities={"x": lambda r: r.t[-1]}, **common)
+        swept(2.0, 5.0)
+    with (tmp_path / "log").open("w") as file, pytest.raises(InputError) as raised:
+        sweep(over={"J1": [1.0]}, out=tmp_path / "t.zarr",
+              **about | {"quantities": {"q": lambda result: file.tell()}})  # fmt: skip
+    assert "q: the function" in str(raised.value)
+    assert "TextIOWrapper" in str(raised.value)
 
 
-def test_an_interrupt_keeps_what_is_done(
-    request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_other_programs_are_another_sweep(
+    request_of: dict[str, Any], whole: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    real, count = workers.run_block, iter(range(100))
-
-    def interrupted(job: Any, number: int) -> Any:
-        if next(count) == 3:
-            signal.raise_signal(signal.SIGINT)
-        return real(job, number)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(workers, "run_block", interrupted)
-        study = sweep(out=tmp_path / "s.zarr", **request_of)
-    assert not study.complete
-    assert study.outcomes["OK"] in {9, 12}
-    assert "Go on with the same request and --resume" in repr(study)
-    whole = sweep(out=tmp_path / "whole.zarr", **request_of)
-    assert same(sweep(out=tmp_path / "s.zarr", resume=True, **request_of), whole)
-
-
-def test_a_store_of_which_another_sweep_is_writing(
-    request_of: dict[str, Any], tmp_path: Path
-) -> None:
-    with (
-        store_lock(tmp_path / "s.zarr"),
-        pytest.raises(InputError, match="Another sweep is writing"),
+    machine = load("slider_crank", scene="compressor")
+    facts, asked = request.program_facts(), open_store(whole.path).request
+    point, job = np.array([[450.0]]), pickled_job(machine, asked)
+    for name, said in (
+        (request.SOURCES, "the sources of Linkwright have another text"),
+        ("llvmlite", f"llvmlite was {facts['llvmlite']} and is 0.1"),
+        ("python", "and is 0.1"),
+        (request.PROCESSOR, "processor was"),
     ):
+        other = {**facts, name: "0.1"}
+        monkeypatch.setattr(request, "program_facts", lambda other=other: other)
+        with pytest.raises(InputError, match="it cannot go on") as raised:
+            sweep(out=whole.path, resume=True, **request_of)
+        assert said in str(raised.value)
+        with pytest.warns(UserWarning, match="may differ in their last digits"):
+            again = load_study(whole.path, machine=machine)
+        assert len(again.member(0).t) == 21
+        _load_job.cache_clear()
+        if name == request.PROCESSOR:
+            assert run_job(job, point).outcomes == ["OK"]
+        else:
+            with pytest.raises(LinkwrightError, match="has other programs than the sweep"):
+                run_job(job, point)
+
+
+def test_companions_are_those_of_the_sweep(request_of: dict[str, Any], tmp_path: Path) -> None:
+    study = sweep(out=tmp_path / "s.zarr", formulation="reduced", **request_of)
+    (kind,) = study.facts()["facts"]["companions"]
+    assert kind == "reduced"
+    machine = load("slider_crank", scene="compressor")
+    assert load_study(study.path, machine=machine).member(1).outcome.name == "OK"
+    asked = open_store(study.path).request.model_copy(update={"companions": {"reduced": "0"}})
+    with pytest.raises(LinkwrightError, match="have another text than when the sweep began"):
+        run_job(pickled_job(machine, asked), np.array([[450.0]]))
+
+
+def test_runs_without_memory_are_made_again(request_of: dict[str, Any], tmp_path: Path) -> None:
+    place = tmp_path / "scarce"
+
+    def hungry(result: Any) -> float:
+        if place.exists() and result.parameters["J1"] == 200.0:
+            raise MemoryError("all is taken")
+        return 1.0
+
+    wanted = request_of | {"quantities": {"hungry": hungry}}
+    place.touch()
+    found = sweep(out=tmp_path / "s.zarr", **wanted)
+    assert found.outcomes == {"OK": 23, "MEMORY": 1}
+    assert np.isnan(found.data["hungry"][0])
+    place.unlink()
+    found = sweep(out=tmp_path / "s.zarr", resume=True, **wanted)
+    assert found.outcomes == {"OK": 24}
+    assert found.data["hungry"][0] == 1.0
+
+
+def test_an_interrupt_of_a_trial_member_ends_the_sweep(
+    request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended = SimpleNamespace(outcome=Outcome.INTERRUPTED, failed=True)
+    monkeypatch.setattr(request, "run_member", lambda *arguments: ended)
+    with pytest.raises(KeyboardInterrupt):
         sweep(out=tmp_path / "s.zarr", **request_of)
+    assert not (tmp_path / "s.zarr").exists()
 
 
-def test_a_store_from_elsewhere_runs_nothing(half: tuple[Path, Study]) -> None:
-    path, _ = half
-    file = path / "t_last" / "zarr.json"
-    about = json.loads(file.read_text())
-    about["codecs"].append({"name": "numcodecs.pickle", "configuration": {}})
-    file.write_text(json.dumps(about))
-    with pytest.raises(InputError, match="pickle"):
-        load_study(path)
-    file.unlink()
-    (path / "t_last" / ".zarray").write_text('{"zarr_format": 2}')
-    with pytest.raises(InputError, match="format 2"):
-        load_study(path)
-
-
-def counted_runs(monkeypatch: pytest.MonkeyPatch, last: int = 10**6) -> list[float]:
-    """The values of J1 of the runs that are made; an interrupt comes after so many."""
-    real, made = member_run.run_member, list[float]()
-
-    def run(machine: Any, request: Any, point: Any) -> Any:
-        if len(made) == last:
-            raise KeyboardInterrupt
-        made.append(float(point[0]))
-        return real(machine, request, point)
-
-    monkeypatch.setattr(member_run, "run_member", run)
-    return made
-
-
-def test_no_run_is_made_twice(
+def test_a_sweep_begins_only_where_no_other_has(
     request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with monkeypatch.context() as patch:
-        made = counted_runs(patch)
-        whole = sweep(out=tmp_path / "s.zarr", **request_of)
-    assert sorted(made) == whole.data["J1"].values.tolist()
-    assert "24 runs in" in repr(whole)
-    with monkeypatch.context() as patch:
-        patch.setattr("runtime.sweeps.planning._MOST_BYTES", -1)
-        made = counted_runs(patch)
-        assert same(sweep(out=tmp_path / "t.zarr", **request_of), whole)
-    assert len(made) == 24 + 5  # what was run beforehand is too much to go with the tasks
+    path = tmp_path / "s.zarr"
+    with store_lock(path), pytest.raises(InputError, match="Another sweep is writing"):
+        sweep(out=path, **request_of)
+    assert [file.name for file in tmp_path.iterdir()] == [".s.zarr.lock"]
+    real = in_sweep.create_store
+
+    def begun(path: Path, *arguments: Any) -> None:
+        """Another program writes the store while this one builds its machine."""
+        path.mkdir()
+        (path / "theirs").touch()
+        real(path, *arguments)
+
+    monkeypatch.setattr(in_sweep, "create_store", begun)
+    with pytest.raises(InputError, match="exists by now"):
+        sweep(out=path, **request_of)
+    assert [file.name for file in path.iterdir()] == ["theirs"]
 
 
-def test_a_block_of_slow_runs_goes_on_where_it_was(
-    request_of: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    whole = sweep(out=tmp_path / "whole.zarr", **request_of)
-    monkeypatch.setattr(block, "SAVE_SECONDS", 0.0)
-    monkeypatch.setattr("runtime.sweeps.sweep.BLOCKS_A_WORKER", 1)
-    with monkeypatch.context() as patch:
-        before = counted_runs(patch, last=12)
-        half = sweep(out=tmp_path / "s.zarr", **request_of)
-    assert half.outcomes == {"NOT RUN": 24}  # no block is whole
-    assert not half.complete
-    assert len(before) == 12
-    with monkeypatch.context() as patch:
-        after = counted_runs(patch)
-        found = sweep(out=tmp_path / "s.zarr", resume=True, **request_of)
-    assert same(found, whole)
-    assert sorted(after + before)[1:-1] == pytest.approx(np.linspace(200, 1000, 24)[1:-1])
-    assert not (found.path / "block_mark" / "parts").exists()
+def test_a_result_replaces_no_study(whole: Study, tmp_path: Path) -> None:
+    result = load("slider_crank", scene="compressor").simulate(0.05, 21, progress=False)
+    with pytest.raises(InputError, match="left alone"):
+        result.save(whole.path)
+    assert load_study(whole.path).complete
+    result.save(tmp_path / "run.zarr")
+    result.save(tmp_path / "run.zarr")
+    xr.Dataset({"a": ("k", [1.0])}).to_zarr(
+        tmp_path / "own.zarr", zarr_format=3, consolidated=False
+    )
+    with pytest.raises(InputError, match="left alone"):
+        result.save(tmp_path / "own.zarr")
 
 
-class Waiting:
-    """Takes four blocks at a time, of which one is lost once."""
+class Waiting(Pool):
+    """Takes four tasks at a time; the workers of one run end, and one of another run once."""
 
-    room, lost = 4, LostWorkerError
+    room = 4
 
-    def __init__(self, stop_at: int = -1) -> None:
-        self.taken, self.stop_at = list[int](), stop_at
+    def __init__(self, asked: Any, stop_at: float = -1.0) -> None:
+        self.request, self.taken, self.stop_at = asked, list[list[float]](), stop_at
 
-    def submit(self, number: int) -> "Future[BlockReport]":
-        future = Future[BlockReport]()
-        if number == 7 and number not in self.taken:
+    def submit(self, points: Any) -> "Future[Rows]":
+        future, runs = Future[Rows](), points[:, 0].tolist()
+        if 7.0 in runs or (13.0 in runs and runs not in self.taken and len(runs) > 1):
             future.set_exception(LostWorkerError("killed"))
         else:
-            future.set_result(BlockReport(number, 1, 1.0, 0.0))
-        self.taken.append(number)
-        if number == self.stop_at:
+            future.set_result(rows_without_runs(self.request, len(runs), "OK"))
+        self.taken.append(runs)
+        if self.stop_at in runs:
             signal.raise_signal(signal.SIGINT)
         return future
 
-    def check(self) -> None:
-        pass
 
-    def close(self) -> None:
-        pass
-
-
-def test_blocks_are_handed_out_as_they_are_taken() -> None:
-    counts, pool = list[int](), Waiting()
+def test_a_run_at_which_workers_end_is_found_and_all_others_are_made_once(whole: Study) -> None:
+    asked, points = open_store(whole.path).request, np.arange(20.0)[:, np.newaxis]
+    tasks = [range(first, first + 5) for first in range(0, 20, 5)]
     with SignalDeferral(computing=True) as signals:
-        made, lost = make_blocks(pool, [*range(5, 20)], signals, counts.append)
-    assert sorted(one.block for one in made) == [*range(5, 20)]
-    assert (len(pool.taken), lost, counts[-1]) == (16, 1, 15)
-    pool = Waiting(stop_at=6)
+        pool = Waiting(asked)
+        counts = Counter[range]()
+        found = list(_made_rows(pool, asked, points, tasks, signals, counts))
+    outcomes = {
+        run: text for runs, rows in found for run, text in zip(runs, rows.outcomes, strict=True)
+    }
+    assert outcomes == {run: KILLED if run == 7 else "OK" for run in range(20)}
+    assert sum(len(runs) for runs, _ in found) == 20
+    assert counts[range(7, 8)] == 3
+
+
+def test_a_signal_ends_the_handing_out(whole: Study) -> None:
+    asked, points = open_store(whole.path).request, np.arange(20.0)[:, np.newaxis]
+    tasks = [range(run, run + 1) for run in range(20)]
     with SignalDeferral(computing=True) as signals:
-        made, _ = make_blocks(pool, [*range(5, 20)], signals, counts.append)
+        pool = Waiting(asked, stop_at=2.0)
+        counts = Counter[range]()
+        assert len(list(_made_rows(pool, asked, points, tasks, signals, counts))) < 4
         signals.answered = True
-    assert pool.taken == [5, 6]
-    assert len(made) < 3
+    assert pool.taken == [[0.0], [1.0], [2.0]]
+
+
+def test_workers_that_end_without_a_row_end_the_sweep(whole: Study) -> None:
+    class Deadly(Waiting):
+        def submit(self, points: Any) -> "Future[Rows]":
+            future = Future[Rows]()
+            future.set_exception(LostWorkerError("killed"))
+            return future
+
+    asked, points = open_store(whole.path).request, np.arange(1000.0)[:, np.newaxis]
+    with SignalDeferral(computing=True) as signals:
+        found = _made_rows(Deadly(asked), asked, points, [range(1000)], signals, Counter())
+        with pytest.raises(LinkwrightError, match="101 workers have ended"):
+            list(found)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from codegen import Model
 from codegen.errors import InputError, ParameterError
 from runtime import load, load_study, sweep
 from runtime.studies.quantity import parse_quantity
@@ -179,3 +180,40 @@ def test_everything_that_is_wrong_is_said_at_once(about: dict[str, Any], tmp_pat
     with pytest.raises(InputError, match="over is 3; it must be factors by name"):
         sweep(over=3, out=out, **about)  # type: ignore[arg-type]
     assert not list(tmp_path.iterdir())
+
+
+def test_points_and_their_units(tmp_path: Path) -> None:
+    model = Model("metric", gravity=(0, -9.81))
+    bob = model.body("bob", mass=1.0, inertia=0.1)
+    length = model.parameter("l", 1.0, unit="m")
+    model.revolute("hinge", model.ground.at(0, 0), bob.at(-length, 0))
+    model.scene("swing", start={bob.phi: 0.0, bob.omega: 1.0})
+    common: dict[str, Any] = {
+        "t_end": 0.1, "points": 11, "folder": tmp_path, "workers": 0, "progress": False,
+        "quantities": ["bob.phi"],
+    }  # fmt: skip
+    points = xr.Dataset({"l": ("run", [1000.0, 2000.0], {"units": "mm"})})
+    found = sweep(model, over=points, out="a.zarr", **common)
+    assert found.data["l"].values.tolist() == [1.0, 2.0]
+    assert found.data["l"].attrs["units"] == "m"
+    with pytest.raises(InputError) as misfits:
+        sweep(
+            model, over=["l=1 kg,2 kg", "k=1 mm,2 mm"], out="a.zarr", resume=True,
+            **common | {"quantities": ["no.series"], "t_end": -1.0},
+        )  # fmt: skip
+    assert [text.split()[0] for text in misfits.value.problems[:1]] == ["l:"]
+    assert len(misfits.value.problems) == 4
+    failed = sweep(
+        model, over={"l": [1.0, 2.0]}, out="b.zarr", max_steps=1,
+        **common | {"quantities": ["max:bob.phi", "rate:bob.x"]},
+    )  # fmt: skip
+    assert set(failed.outcomes) == {"MAX_STEPS"}
+    assert failed.data["max:bob.phi"].attrs["units"] == "rad"
+    assert failed.data["rate:bob.x"].attrs["units"] == "m/s"
+    with pytest.raises(InputError) as raised:
+        sweep(
+            model, over={"l": [1.0, 2.0]}, out="c.zarr", max_steps=1,
+            **common | {"quantities": ["max:no.such", "event:nothing", "max:bob.phj"]},
+        )  # fmt: skip
+    assert len(raised.value.problems) == 3
+    assert sorted(path.name for path in tmp_path.glob("*.zarr")) == ["a.zarr", "b.zarr"]

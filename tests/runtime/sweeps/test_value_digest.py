@@ -78,7 +78,6 @@ LONG = np.zeros(5000)
         (above, np.max, np.min),
         (above, [1].count, [2].count),
         (above, CYCLE, [1.0, [1.0]]),
-        (above, np.array([1, "a"], dtype=object), np.array([1, "b"], dtype=object)),
     ],
 )  # fmt: skip
 def test_what_decides_a_value_is_in_the_digest(

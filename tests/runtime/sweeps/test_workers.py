@@ -11,11 +11,18 @@ from typing import Any
 
 import pytest
 
-from benchmarks.sweep_crashes import Campaign, descendants, disturbed, judge, marks, undisturbed
+from benchmarks.sweep_crashes import (
+    Campaign,
+    descendants,
+    disturbed,
+    judge,
+    runs_made,
+    undisturbed,
+)
 from codegen.errors import LinkwrightError
 from runtime import sweep
 from runtime.sweeps.study import Study
-from tests.runtime.sweeps.test_resumption import same
+from tests.runtime.sweeps.conftest import same
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="needs Linux's /proc")
 
@@ -58,7 +65,7 @@ def test_a_run_that_ends_its_process_becomes_a_row(
     others = found.data["outcome"].values == "OK"
     theirs = reference.data["max:B.fx"].values[others]
     assert (found.data["max:B.fx"].values[others] == theirs).all()
-    assert "3 lost workers replaced" in repr(found)
+    assert "6 lost workers replaced" in repr(found)
 
 
 def test_processes_that_do_not_start_end_the_sweep(
@@ -121,7 +128,7 @@ def test_the_keyboard_stops_a_command_which_says_how_to_go_on(
         made.command("s.zarr", "--workers", "1"), stderr=subprocess.PIPE, text=True,
         start_new_session=True,
     )  # fmt: skip
-    while not marks(tmp_path / "s.zarr") and process.poll() is None:
+    while not runs_made(tmp_path / "s.zarr") and process.poll() is None:
         time.sleep(0.05)
     process.send_signal(signal.SIGINT)
     _, told = process.communicate()
