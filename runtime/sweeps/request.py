@@ -1,12 +1,22 @@
-"""The request of a sweep: everything that determines its numbers; a member's run and its row."""
+"""The request of a sweep: everything that determines its numbers; a member's run and its row.
 
+A function of the user's own is known by its code, defaults, captured values, and the globals that
+it reads, each by its content, however deep; a class by its text and its functions. Of an installed
+library the file of the module stands for all that is in it. Nothing depends on addresses, on the
+order of a set, or on the process.
+"""
+
+import dis
 import hashlib
+import inspect
 import platform
-from collections.abc import Iterator, Mapping, Sequence
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+from types import CodeType, FunctionType, MappingProxyType, ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,13 +25,13 @@ from pydantic import BaseModel, FiniteFloat, PositiveInt
 
 from codegen import __version__
 from codegen.errors import FAILURES, InputError, LinkwrightError
+from codegen.files.library_folders import installed_folders
 from codegen.readers.values import one_line
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
 from runtime.results.samples import plain
 from runtime.studies.quantity import parse_quantity
-from runtime.sweeps.value_digest import ContentError, value_digest
 
 FloatArray = npt.NDArray[np.float64]
 OK = "OK"  # outcome of a run to its end; other runs have the name of an `Outcome`, or one of these
@@ -97,11 +107,10 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[s
     """A clause for each fact in which two requests differ."""
     for name in dict.fromkeys([*before, *now]):
         old, new = before.get(name), now.get(name)
-        title = name.replace("_", " ") if name in Request.model_fields else name
         if old == new:
             continue
         if isinstance(old, dict) and isinstance(new, dict):
-            yield from (f"{title}, {clause}" for clause in differences(old, new))
+            yield from (f"{name}, {clause}" for clause in differences(old, new))
         elif name == "generated_module":
             yield "the model: its generated module has another text"
         elif name == SOURCES:
@@ -110,7 +119,7 @@ def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[s
             yield "the points: other values, sample, count or seed"
         else:
             texts = ("not given" if x is None else one_line(x, _WIDEST) for x in (old, new))
-            yield "{} was {} and is {}".format(title, *texts)
+            yield "{} was {} and is {}".format(name, *texts)
 
 
 @cache
@@ -233,3 +242,128 @@ def companion_texts(machine: Machine, kinds: Sequence[str]) -> dict[str, str]:
         getattr(machine.mechanism, kind)
         found[kind] = text_hash(read_generated(companion_path(origin.path, kind)))
     return found
+
+
+_PLAIN = (type(None), bool, int, float, complex, str, bytes, range, slice, type(Ellipsis))
+_CODE = ("co_argcount", "co_kwonlyargcount", "co_code", "co_names", "co_varnames", "co_freevars")
+
+
+class ContentError(TypeError):
+    """A value whose content cannot be told; its text names what."""
+
+
+def value_digest(value: Any) -> str:
+    """SHA-256 of a value's content, in hexadecimal.
+
+    Raises
+    ------
+    ContentError
+        If it refers to what has no content, such as an open file.
+    """
+    known: dict[int, tuple[Any, str]] = {}  # address → object, kept alive, and its digest
+    above: list[int] = []  # addresses of the objects that are being described
+
+    def digest(value: Any) -> str:
+        key = id(value)
+        if key in above:
+            return f"{len(above) - above.index(key)} above"
+        if key not in known:
+            above.append(key)
+            words, parts = _content(value)
+            digests = [digest(part) for part in parts]
+            if isinstance(value, set | frozenset):
+                digests.sort()
+            above.pop()
+            content = repr((words, digests)).encode("utf-8", "surrogatepass")
+            known[key] = value, hashlib.sha256(content).hexdigest()
+        return known[key][1]
+
+    try:
+        return digest(value)
+    except RecursionError:
+        raise ContentError("values that lie too deep in one another") from None
+
+
+def _content(value: Any) -> tuple[tuple[Any, ...], Iterable[Any]]:
+    """Words that say what a value is itself, and the values that it consists of."""
+    kind = type(value).__qualname__
+    if type(value) in _PLAIN:
+        return (kind, repr(value)), ()
+    if type(value) in (tuple, list, set, frozenset):
+        return (kind,), value
+    if type(value) in (dict, MappingProxyType):
+        return ("dict",), [part for pair in value.items() for part in pair]
+    if isinstance(value, CodeType):
+        return ("code", *(getattr(value, name) for name in _CODE)), value.co_consts
+    if isinstance(value, ModuleType):
+        return ("module", *_module_words(value.__name__)), ()
+    if callable(getattr(value, "py_func", None)):  # compiled by numba
+        return ("compiled",), (value.py_func,)
+    if isinstance(value, FunctionType | type):
+        return _function(value) if isinstance(value, FunctionType) else _class(value)
+    try:
+        made = value.__reduce_ex__(4)  # what copies it would be made from
+    except Exception as error:
+        raise ContentError(
+            f"a {kind} of {type(value).__module__}, whose content cannot be told ({error})"
+        ) from error
+    if isinstance(made, str):  # the name of a global, such as a function of NumPy
+        return ("global", made, *_module_words(getattr(value, "__module__", None))), (type(value),)
+    contents = ([*one] for one in made[3:5] if one)
+    return ("object",), (type(value), *made[:3], *contents)
+
+
+def _function(value: FunctionType) -> tuple[tuple[Any, ...], Iterable[Any]]:
+    cells = []
+    for cell in value.__closure__ or ():
+        with suppress(ValueError):  # of a variable that is not set yet
+            cells.append(cell.cell_contents)
+    if not _is_own(value.__module__):
+        return ("library", value.__qualname__, *_module_words(value.__module__)), cells
+    known = value.__globals__
+    read = [(name, known[name]) for name in sorted(_globals_of(value.__code__)) if name in known]
+    parts = value.__code__, value.__defaults__, value.__kwdefaults__, cells, read
+    return ("function", value.__name__), parts
+
+
+def _class(value: type) -> tuple[tuple[Any, ...], Iterable[Any]]:
+    if not _is_own(value.__module__):
+        return ("library", value.__qualname__, *_module_words(value.__module__)), ()
+    text = ""
+    with suppress(OSError, TypeError):  # of one that stands in no file
+        text = inspect.getsource(value)
+    functions = [one for one in vars(value).values() if isinstance(one, FunctionType)]
+    return ("class", value.__name__, text), (value.__bases__, functions)
+
+
+def _globals_of(code: CodeType) -> set[str]:
+    """Names of the globals that a code and those within it read."""
+    names = {
+        str(step.argval)
+        for step in dis.get_instructions(code)
+        if step.opname in {"LOAD_GLOBAL", "LOAD_NAME"}
+    }
+    return names.union(*(_globals_of(x) for x in code.co_consts if isinstance(x, CodeType)))
+
+
+def _file_of(module: str | None) -> Path | None:
+    """The file of a module that is none of Linkwright, whose sources count as a whole."""
+    name = module or "builtins"
+    file = getattr(sys.modules.get(name), "__file__", None)
+    ours = name.partition(".")[0] in {"runtime", "codegen", "linkwright"}
+    return None if file is None or ours else Path(file).resolve()
+
+
+def _module_words(module: str | None) -> tuple[str, ...]:
+    """A module's name, and the hash of its file."""
+    file = _file_of(module)
+    text = file.read_bytes() if file is not None and file.is_file() else b""
+    return module or "builtins", hashlib.sha256(text).hexdigest()
+
+
+def _is_own(module: str | None) -> bool:
+    """Whether a module is the user's: neither installed, nor of Python, nor of Linkwright."""
+    if module == "__main__" or (module and module not in sys.modules):
+        return True
+    file = _file_of(module)
+    return file is not None and not any(map(file.is_relative_to, installed_folders()))

@@ -115,13 +115,14 @@ class Store:
             runs = slice(first, first + chunk)
             try:
                 *_, outcomes = (array[runs] for array in self.columns.values())
-                made[runs] = ~np.isin(outcomes.astype(str), ("", KILLED, MEMORY))
             except _UNREADABLE:
                 for name in reversed(self.columns):
                     place = self.path / stored_name(name) / "c" / str(first // chunk)
                     if place.is_dir():  # of a series
                         shutil.rmtree(place)
                     place.unlink(missing_ok=True)
+            else:
+                made[runs] = ~np.isin(outcomes.tolist(), ("", KILLED, MEMORY))
         return np.flatnonzero(~made)
 
 

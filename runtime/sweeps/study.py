@@ -3,6 +3,7 @@
 import os
 import warnings
 from collections import Counter
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -126,11 +127,7 @@ class Study:
 
     def __getitem__(self, name: str) -> "xr.DataArray":
         """A column by its name: over the factors of a grid, else over the runs."""
-        names = [str(one) for one in self.data.variables]
-        if name not in names and f"end:{name}" in names:
-            name = f"end:{name}"
-        if name not in names:
-            raise UnknownNameError(f"{self.path}: {unknown('column', name, names)}")
+        name = self._column(name, [str(one) for one in self.data.variables])
         return self.grid[name] if self._store.about.design.axes else self.data[name]
 
     def point(self, run: int) -> dict[str, float]:
@@ -214,18 +211,18 @@ class Study:
         quantity
             Name of the quantity; the first one unless given.
         """
-        from runtime.sweeps.pictures import figure
+        from runtime.sweeps.statistics import figure
 
         return figure(self, self._quantity(quantity))
 
+    def _column(self, name: str, names: Sequence[str], kind: str = "column") -> str:
+        for found in (name, f"end:{name}"):
+            if found in names:
+                return found
+        raise UnknownNameError(f"{self.path}: {unknown(kind, name, names)}")
+
     def _quantity(self, name: str | None) -> str:
-        if name is None:
-            return self.quantities[0]
-        if name not in self.quantities and f"end:{name}" in self.quantities:
-            return f"end:{name}"
-        if name not in self.quantities:
-            raise UnknownNameError(f"{self.path}: {unknown('quantity', name, self.quantities)}")
-        return name
+        return self._column(name or self.quantities[0], self.quantities, "quantity")
 
     def facts(self) -> dict[str, Any]:
         """The study as JSON: request, design, outcomes."""

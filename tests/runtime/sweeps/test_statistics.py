@@ -138,7 +138,7 @@ def test_a_cluster_without_workers_is_named(
 
     def swept() -> Study:
         return sweep(
-            over={"J1": [200.0, 300.0]}, out=tmp_path / "s.zarr",
+            over={"J1": "200:300:9"}, out=tmp_path / "s.zarr",
             scheduler=cluster.scheduler_address, **about,
         )  # fmt: skip
 
@@ -146,7 +146,7 @@ def test_a_cluster_without_workers_is_named(
         threading.Thread(target=add_a_worker, daemon=True).start()
         with pytest.warns(UserWarning, match="has no workers; the sweep waits for them"):
             found = swept()
-    assert found.outcomes == {"OK": 2}
+    assert found.outcomes == {"OK": 9}
 
 
 def test_a_cluster_that_is_not_there(about: dict[str, Any], tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from runtime.sweeps.value_digest import ContentError, value_digest
+from runtime.sweeps.request import ContentError, value_digest
 
 LEVEL = 1.0
 
@@ -108,7 +108,7 @@ def test_what_has_no_content_is_named(tmp_path: Path) -> None:
 
 def test_every_process_finds_the_same_digest() -> None:
     program = (
-        "from runtime.sweeps.value_digest import value_digest as d\n"
+        "from runtime.sweeps.request import value_digest as d\n"
         "def f(r, words={'x', 'y', 'z'}): return r in {'a', 'b', 'c', 'd'} or r in words\n"
         "print(d(f))"
     )
