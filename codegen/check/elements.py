@@ -25,6 +25,7 @@ from codegen.declare.returned_values import (
     moving_frame_problem,
     problems_of,
     reaction_components,
+    replaced_body,
     statement_of,
 )
 from codegen.declare.symbols import (
@@ -142,6 +143,11 @@ def _words_and_bodies(model: Model, element: el.Element) -> Iterator[str]:
             yield f"{where}: body '{body.name}' belongs to another model; {advice}"
         elif not body.fixed and model.bodies.get(body.name) is not body:
             yield f"{where}: body '{body.name}' is not declared in '{model.name}'."
+    replaced = replaced_body(element)
+    if replaced is not None and replaced.fixed:
+        yield f"{where}: instead_of is the ground, which always takes part; give a body."
+    elif replaced is not None and model.bodies.get(replaced.name) is not replaced:
+        yield f"{where}: instead_of is body '{replaced.name}', which is not of this model."
     if isinstance(element, el.Constraint) and len(bodies) == 2 and bodies[0] is bodies[1]:
         yield f"{where} connects body '{bodies[0].name}' with itself; give two different bodies."
 

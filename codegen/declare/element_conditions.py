@@ -6,11 +6,10 @@ depends on parameters goes on into the generated module, and is judged before ea
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import sympy
 
-from codegen.declare.element import Hold, OneWay, Rigid, Sticking, label
+from codegen.declare.element import Hold, OneWay, Rigid, Sticking
 from codegen.declare.symbols import Parameter, ParameterDeclaration, kinds
 from codegen.parameter_conditions import ConditionRow, violated_conditions
 from codegen.readers.expressions import constant_value
@@ -116,16 +115,6 @@ def hold_conditions(hold: Hold | None) -> tuple[Condition, ...]:
         advice=", or leave it out for the weight of the bodies",
     )  # fmt: skip
     return (Condition(text, (restitution,), high=1.0), *scale)
-
-
-def number_problems(element: Any) -> list[str]:
-    """Conditions of an element that has some which its numbers violate, whatever the parameters."""
-    return [
-        problem
-        for condition in element.conditions()
-        if condition.known and not condition.varies
-        for problem in condition.problems(label(element), {})
-    ]
 
 
 def _number(value: sympy.Expr) -> float:

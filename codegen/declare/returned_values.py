@@ -14,6 +14,7 @@ from codegen.declare import element as el
 from codegen.declare.body import Body, Curve
 from codegen.declare.element import label
 from codegen.declare.element_conditions import Condition
+from codegen.declare.element_fields import field_conditions
 from codegen.declare.expression_rules import expression_problem
 from codegen.declare.returned_kinds import (
     Kind,
@@ -60,17 +61,21 @@ def replaced_body(element: Any) -> Body | None:
 
 
 def problems_of(element: Any) -> list[str]:
-    """The problems that an element finds itself."""
+    """The problems that an element finds itself, and those of numbers that no parameter changes."""
     where, needed = label(element), "a list of sentences"
     sentences = returned(element, "problems", several(one_of(str, needed=needed), needed))
     lines = (one_line(p, 1000) for p in sentences)
-    return [line if where in line else f"{where}: {line}" for line in lines]
+    found = [line if where in line else f"{where}: {line}" for line in lines]
+    for condition in conditions_of(element):
+        if condition.known and not condition.varies:
+            found += condition.problems(where, {})
+    return found
 
 
 def conditions_of(element: Any) -> tuple[Condition, ...]:
-    """What an element asks of its numbers; a modeller's own need not ask anything."""
-    found: tuple[Condition, ...] = returned(element, "conditions", _CONDITIONS, otherwise=())
-    return found
+    """What an element, and its fields, ask of its numbers; a modeller's own need not ask any."""
+    own: tuple[Condition, ...] = returned(element, "conditions", _CONDITIONS, otherwise=())
+    return (*own, *field_conditions(element))
 
 
 def _condition(value: Any) -> Condition:

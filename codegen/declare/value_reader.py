@@ -60,6 +60,11 @@ def _why(misfit: KindError, value: object) -> str:
     return f"{why}; give one value." if isinstance(value, tuple | list) else f"{why}."
 
 
+def acting_while(value: sympy.Expr, condition: sympy.Basic) -> sympy.Expr:
+    """A value while the condition holds, else zero."""
+    return sympy.S.Zero if value == 0 else sympy.Piecewise((value, condition), (0, True))
+
+
 class Reader:
     """Reads values, and notes a sentence about each that cannot be read."""
 
@@ -121,13 +126,18 @@ class Reader:
         Events of the condition bear the `label`, if there is one.
         """
         force = self.value(value, unit, where)
+        condition = self.condition(when, where, label)
+        return force if condition is None else acting_while(force, condition)
+
+    def condition(self, when: Any, where: str, label: str = "") -> Any:
+        """A condition, whose events bear the label; None for one that always holds, or is none."""
         given: object = label
         if label and (when is None or not isinstance(given, str)):
             what = shown(given)
             self.note(f"{where}: label={what} names the events of when=; give both, in words.")
             label = ""
         if when is None:
-            return force
+            return None
         if not isinstance(when, CONDITIONS):
             constant = is_flag(when) or when is sympy.true or when is sympy.false
             reason = "never changes" if constant else "is no condition"
@@ -135,14 +145,14 @@ class Reader:
                 f"{where}: when={shown(when)} {reason}; compare coordinates, velocities, "
                 "parameters or t by <, <=, > or >=, joined by And, Or and Not, or leave it out."
             )
-            return force
+            return None
         if problem := self._condition_problem(when):
             self.note(f"{where}: when={shown(when)}: {problem}")
-            return force
+            return None
         self.symbols.append((where, frozenset(when.free_symbols)))
         if label:
             self.labels[when] = one_line(label)
-        return sympy.S.Zero if force == 0 else sympy.Piecewise((force, when), (0, True))
+        return when
 
     def _condition_problem(self, when: Any) -> str | None:
         """Why a condition can hold nowhere, or means nothing."""

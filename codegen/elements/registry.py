@@ -8,12 +8,13 @@ import importlib
 import pkgutil
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from inspect import cleandoc
 from typing import Any, Literal, TypeVar, dataclass_transform, overload
 
 from codegen.declare.element import Constraint, Effect
+from codegen.declare.element_fields import direction, ground_unless_given, quantity
 from codegen.errors import ModelError
 from codegen.readers.calls import declaring
 from codegen.readers.failures import failure
@@ -62,7 +63,10 @@ _KINDS: dict[str, Kind] = {}
 def element(cls: Class, /) -> Class: ...
 @overload
 def element(*, driver: bool = False) -> Callable[[Class], Class]: ...
-@dataclass_transform(eq_default=False, frozen_default=True)
+@dataclass_transform(
+    eq_default=False, frozen_default=True,
+    field_specifiers=(quantity, direction, ground_unless_given, field),
+)  # fmt: skip
 @declaring("element")
 def element(
     cls: type[Any] | None = None, /, *, driver: bool = False

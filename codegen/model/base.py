@@ -2,22 +2,24 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import copy
-from dataclasses import replace
+from dataclasses import MISSING, Field, fields, replace
 from functools import cached_property, wraps
-from inspect import isfunction
+from inspect import isfunction, signature
 from pathlib import Path
-from typing import Any, Self, TypeVar
+from types import MappingProxyType, NoneType, SimpleNamespace
+from typing import Any, Literal, Self, TypeVar, get_args, get_origin
 
 import sympy
 
 from codegen.declare import symbols as sy
 from codegen.declare.body import Body, Ground, Particle, Point
 from codegen.declare.element import Constraint, Effect
+from codegen.declare.element_fields import Quantity
 from codegen.declare.returned_values import own_coordinates
 from codegen.declare.scene import Scene
 from codegen.declare.state import State
 from codegen.declare.symbols import Coordinate, dotted
-from codegen.declare.value_reader import Reader
+from codegen.declare.value_reader import Reader, acting_while
 from codegen.declare.watched_conditions import Connection
 from codegen.elements.registry import role
 from codegen.readers.calls import declaring
@@ -55,6 +57,7 @@ class UnitsOnDemand(Mapping[str, str]):
 
 
 Declared = TypeVar("Declared", bound=Constraint | Effect | Body)
+Method = TypeVar("Method", bound=Callable[..., Any])
 Place = Point | Body  # a body means its centre of mass
 Pair = tuple[Any, Any]
 Ends = tuple[Point, Point]
@@ -79,6 +82,32 @@ def _marked(method: Callable[..., Any]) -> Callable[..., Any]:
         return element
 
     return call
+
+
+def declares(cls: type[Any], **renamed: str) -> Callable[[Method], Method]:
+    """A decorator of a method without a body, which declares an element of the class.
+
+    The fields of the class say how the arguments of their names are read; `renamed` has the fields
+    whose arguments have other names.
+    """
+
+    def decorate(method: Method) -> Method:
+        about = signature(method)
+
+        @wraps(method)
+        def declare(model: "Declarations", *arguments: Any, **words: Any) -> Any:
+            given = about.bind(model, *arguments, **words)
+            given.apply_defaults()
+            del given.arguments["self"]
+            return model._declare(model._element(cls, renamed, **given.arguments))
+
+        return declare  # type: ignore[return-value]
+
+    return decorate
+
+
+def _is_expression(value: object) -> bool:
+    return isinstance(value, sympy.Basic)
 
 
 TRACKED = "tracked point"  # kind of a point whose place is an output
@@ -154,15 +183,15 @@ class Declarations:
     def _value(self, value: Any, unit: str, where: str, sign: sy.SignRule = "") -> Any:
         """An expression in `unit`; a parameter that stands alone obeys the sign rule henceforth."""
         read = self._read.value(value, unit, where)
-        if sign and isinstance(read, sy.Parameter) and read.name in self.parameters:
-            declared = self.parameters[read.name]
-            if declared.sign != "positive":
-                self.parameters[declared.name] = replace(declared, sign=sign)
+        if sign:
+            self._bind(read, sign)
         return read
 
-    def _optional(self, value: Any, unit: str, where: str, sign: sy.SignRule = "") -> Any:
-        """The same of a value that may be left out, None."""
-        return None if value is None else self._value(value, unit, where, sign)
+    def _bind(self, value: sympy.Expr, sign: sy.SignRule) -> None:
+        """Let a parameter that stands alone obey the sign rule, too."""
+        declared = self.parameters.get(value.name) if isinstance(value, sy.Parameter) else None
+        if declared is not None and declared.sign != "positive":
+            self.parameters[declared.name] = replace(declared, sign=sign)
 
     def kind(self, name: str) -> str:
         """The role of a declared name: ``"body"``, ``"joint"``, ``"driver"`` and so on."""
@@ -197,6 +226,70 @@ class Declarations:
             table[element.name] = element
         return element
 
+    def _element(
+        self, cls: type[Any], renamed: Mapping[str, str] = MappingProxyType({}), /, **given: Any
+    ) -> Any:
+        """An element of the class, each field read from the argument of its name, or `renamed`.
+
+        Of what is not given, `joints` are those of the model, `on` the bodies in the expressions.
+        """
+        where, read = f"{cls.kind} '{given['name']}'", SimpleNamespace()
+        when = self._read.condition(given.get("when"), where, given.get("label", ""))
+        for one in fields(cls):
+            word = renamed.get(one.name, one.name)
+            if word in given:
+                value = self._field(one, word, given[word], where, read)
+                if when is not None and one.metadata.get("gated"):
+                    value = acting_while(value, when)
+            elif one.name == "joints":
+                value = MappingProxyType(self.joints)
+            elif one.name == "on":
+                value = self._bodies_in(*(v for v in vars(read).values() if _is_expression(v)))
+            else:
+                value = self.ground if one.default is MISSING else one.default
+            setattr(read, one.name, value)
+        return cls(**vars(read))
+
+    def _field(
+        self, one: Field[Any], word: str, value: Any, where: str, before: SimpleNamespace
+    ) -> Any:
+        """The value of a field, by its type; `before`: the fields before it."""
+        if quantity := one.metadata.get("quantity"):
+            return self._quantity(quantity, one, word, value, where, before)
+        if one.type is Point:
+            return self._point(before.name, value)
+        if one.type is bool:
+            return self._read.flag(value, f"{where}: {word}")
+        if get_origin(one.type) is Literal:
+            return self._read.choice(value, get_args(one.type), f"{where}, {word}")
+        if one.type in (Body, Body | None):
+            if value is None and one.metadata.get("ground"):
+                return self.ground
+            is_left_out = value is None and NoneType in get_args(one.type)
+            return None if is_left_out else self._body(f"{where}, {word}", value)
+        return value
+
+    def _quantity(
+        self, read: Quantity, one: Field[Any], word: str, value: Any, where: str, before: Any
+    ) -> Any:
+        """One value, or as many as it has units; None where the type of the field has it."""
+        unit, place = read.unit_of(before), f"{word} of {where}"
+        if value is None and NoneType in get_args(one.type):
+            return None
+        if isinstance(unit, tuple):
+            like = (1, *(0,) * (len(unit) - 1))
+            text = f"is not {len(unit)} values; write {word}={like}"
+            return self._read.vector(value, unit, place, text, like)
+        if read.function_of and callable(value) and not isinstance(value, sympy.Basic):
+            return self._read.result_of(value, read.function_of(before), unit, place)
+        if read.is_law:
+            self._note(
+                f"{where}: {word}={shown(value)} is no function; write {word}=lambda s, rate: ..., "
+                "or give an expression as actuator=."
+            )
+            return None
+        return self._value(value, unit, place, read.binds)
+
     def _point(self, name: str, place: Any) -> Point:
         point = place.at(0, 0) if isinstance(place, Body) else place
         if not isinstance(point, Point) or not isinstance(point.body, Body):
@@ -224,27 +317,13 @@ class Declarations:
                 "coordinates and parameters."
             )
 
-    def _body(self, where: str, body: Any, advice: str) -> Body:
+    def _body(self, where: str, body: Any) -> Body:
         """A body, where a point means nothing."""
         if isinstance(body, Body):
             return body
         label = f"Point of '{body.body.name}'" if isinstance(body, Point) else shown(body)
-        self._note(f"{where}: {label} is no body; {advice}")
+        self._note(f"{where}: {label} is no body; give a body as a whole.")
         return self.ground
-
-    def _own_body(self, where: str, word: str, body: Any) -> Body | None:
-        """A declared body of this model, or None, which stands in for anything else as well."""
-        if body is None:
-            return None
-        if not isinstance(body, Body):
-            self._note(f"{where}: {word}={shown(body)} is no body; give one, or leave it out.")
-        elif body.fixed:
-            self._note(f"{where}: {word} is the ground, which always takes part; give a body.")
-        elif self.bodies.get(body.name) is not body:
-            self._note(f"{where}: {word} is body '{body.name}', which is not of this model.")
-        else:
-            return body
-        return None
 
     def _pair(self, name: str, i: Any, j: Any) -> Ends:
         return self._point(name, i), self._point(name, j)

@@ -15,7 +15,7 @@ from codegen.declare.outline import Outline
 from codegen.declare.symbols import Parameter
 from codegen.declare.value_reader import Reader
 from codegen.model.base import Place
-from codegen.model.joints import Joints
+from codegen.model.constraints import Constraints
 from codegen.readers.values import KindError, members, shown
 
 Form = Literal["body", "link", "lumped"]
@@ -27,7 +27,7 @@ def _is_list(value: Any) -> bool:
     return isinstance(value, list | tuple | np.ndarray)
 
 
-class Bodies(Joints):
+class Bodies(Constraints):
     """The bodies, particles and couplers of a declaration."""
 
     def body(self, name: str, mass: Any = None, inertia: Any = None, *, draw: Any = None) -> Body:
@@ -152,5 +152,5 @@ class Bodies(Joints):
     def _positive(self, value: Any, unit: str, where: str) -> sympy.Expr | None:
         """A mass or inertia, if given; a parameter that is one must be positive from now on."""
         before = len(self.problems)
-        read = self._optional(value, unit, where, "positive")
+        read = None if value is None else self._value(value, unit, where, "positive")
         return read if len(self.problems) == before else None

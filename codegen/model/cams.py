@@ -10,9 +10,7 @@ import sympy
 from codegen.declare.body import Body, Curve
 from codegen.declare.cam_profile_checks import pace, profile_problems
 from codegen.declare.symbols import alpha
-from codegen.elements.joints.cam_flat_follower import CamFlatFollower
-from codegen.elements.joints.cam_follower import CamFollower
-from codegen.elements.joints.point_follower import PointFollower
+from codegen.elements.joints.cams import CamFlatFollower, CamFollower, PointFollower
 from codegen.model.base import Declarations, Pair, Place
 from codegen.object_display import counted
 from codegen.readers.values import KindError, members, shown
@@ -45,8 +43,8 @@ class Cams(Declarations):
         ``joint.alpha`` begins where the cam reaches farthest into the follower.
         """
         profile = self._curve(name, cam, closed=True, convex=True)
-        line = self._read.axis(axis, name)
-        return self._declare(CamFlatFollower(name, profile, self._point(name, face), line))
+        made = self._element(CamFlatFollower, name=name, cam=profile, face=face, axis=axis)
+        return self._declare(made)  # type: ignore[no-any-return]
 
     def cam_follower(self, name: str, cam: Curve, follower: Curve) -> CamFollower:
         """Two closed profiles touch; a roller is ``body.circle(radius)``.
@@ -78,7 +76,7 @@ class Cams(Declarations):
         """
         where = f"curve '{name}'"
         before = len(self.problems)
-        on = self._body(where, body, "a curve is fixed in a body.")
+        on = self._body(where, body)
         closed = self._read.flag(closed, f"{where}: closed", True)
         rows = []
         try:

@@ -1,23 +1,19 @@
 """The effects of a declaration: everything that pushes, pulls or turns."""
 
 from collections.abc import Callable, Mapping
-from inspect import isfunction
 from typing import Any, Literal
 
 import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Effect
-from codegen.declare.symbols import Coordinate, rate
-from codegen.elements.forces import scalar_measures as measures
-from codegen.elements.forces.applied import AppliedForce, AppliedTorque
-from codegen.elements.forces.bushing import AXES, Bushing, Triple
+from codegen.declare.symbols import Coordinate
+from codegen.elements.forces.applied import AppliedForce, AppliedTorque, LineForce
+from codegen.elements.forces.bushing import Bushing
 from codegen.elements.forces.gravity import Gravity
-from codegen.elements.forces.line_force import LineForce
-from codegen.elements.forces.spring import Spring
-from codegen.elements.forces.torsion_spring import TorsionSpring
+from codegen.elements.forces.springs import Spring, TorsionSpring
 from codegen.elements.forces.user_expression import GeneralizedForce, Potential
-from codegen.model.base import Declarations, Place
+from codegen.model.base import Declarations, Place, declares
 from codegen.readers.values import shown
 
 Characteristic = Callable[[sympy.Expr, sympy.Expr], Any]  # (ℓ, ℓ̇) or (θ, θ̇) → force or torque
@@ -26,11 +22,11 @@ Characteristic = Callable[[sympy.Expr, sympy.Expr], Any]  # (ℓ, ℓ̇) or (θ,
 class Forces(Declarations):
     """Forces, springs and potentials of a declaration."""
 
+    @declares(Gravity)
     def gravity(self, name: str, g: tuple[Any, Any]) -> Effect:
         """Uniform gravity (g_x, g_y), m/s², on every body of the scene."""
-        gx, gy = self._read.pair(g, "m/s^2", f"gravity '{name}'")
-        return self._declare(Gravity(name, gx, gy))
 
+    @declares(AppliedForce, point="on")
     def force(
         self, name: str, on: Place, fx: Any = 0, fy: Any = 0, when: Any = None,
         frame: Literal["ground", "body"] = "ground", from_: Body | None = None, label: str = "",
@@ -52,14 +48,8 @@ class Forces(Declarations):
         label
             What the events of `when` are called, such as ``"piston moves right"``.
         """
-        where = f"force '{name}'"
-        fx, fy = (self._read.gated(f, "N", where, when, label) for f in (fx, fy))
-        point = self._point(name, on)
-        frame = self._read.choice(frame, ("ground", "body"), f"{where}, frame")
-        advice = "from_ is the body that exerts the force, wherever it acts."
-        other = None if from_ is None else self._body(where, from_, advice)
-        return self._declare(AppliedForce(name, point, fx, fy, frame, other))
 
+    @declares(AppliedTorque, body="on")
     def torque(
         self, name: str, on: Body, value: Any, when: Any = None, from_: Body | None = None,
         label: str = "",
@@ -79,13 +69,8 @@ class Forces(Declarations):
         label
             What the events of `when` are called.
         """
-        where = f"torque '{name}'"
-        gated = self._read.gated(value, "N m", where, when, label)
-        advice = "a torque turns a body as a whole, wherever it acts."
-        body = self._body(where, on, advice)
-        other = None if from_ is None else self._body(where, from_, advice)
-        return self._declare(AppliedTorque(name, body, gated, other))
 
+    @declares(LineForce)
     def line_force(
         self, name: str, i: Place, j: Place, value: Any, when: Any = None, label: str = ""
     ) -> Effect:
@@ -103,18 +88,10 @@ class Forces(Declarations):
         label
             What the events of `when` are called.
         """
-        where = f"line force '{name}'"
-        ends = self._pair(name, i, j)
-        if isfunction(value):
-            length = measures.distance(*ends), measures.distance_rate(*ends)
-            value = self._read.result_of(value, length, "N", f"value of {where}")
-        gated = self._read.gated(value, "N", f"value of {where}", when, label)
-        return self._declare(LineForce(name, *ends, gated))
 
+    @declares(Potential)
     def potential(self, name: str, energy: Any) -> Effect:
         """A potential energy V(q) in J, as a plain expression."""
-        v = self._value(energy, "J", f"potential '{name}'")
-        return self._declare(Potential(name, v, self._bodies_in(v)))
 
     def generalized_force(
         self, name: str, components: Mapping[Any, Any], when: Any = None
@@ -134,6 +111,7 @@ class Forces(Declarations):
         bodies = self._bodies_in(*(coordinate for coordinate, _ in pairs))
         return self._declare(GeneralizedForce(name, tuple(pairs), bodies))
 
+    @declares(Spring, law="force")
     def spring(
         self, name: str, i: Place, j: Place, stiffness: Any = 0, free_length: Any = None,
         damping: Any = 0, actuator: Any = 0, force: Characteristic | None = None,
@@ -157,21 +135,8 @@ class Forces(Declarations):
             F0 in N, the force of the spring at the length ℓ0, positive in tension; a spring that is
             pressed between its ends has a negative one. It needs `free_length`, the length ℓ0.
         """
-        where = f"spring '{name}'"
-        stiff = self._value(stiffness, "N/m", f"stiffness of {where}")
-        loaded = self._value(preload, "N", f"preload of {where}")
-        if free_length is None and (stiff != 0 or loaded != 0):
-            has = "stiffness" if stiff != 0 else "preload"
-            self._note(f"{where} has a {has} but no free length; give free_length= in m.")
-        ends = self._pair(name, i, j)
-        pull = self._value(actuator, "N", f"actuator of {where}")
-        length = measures.distance(*ends), measures.distance_rate(*ends)
-        pull += self._characteristic(force, length, "force", "N", where)
-        rest = 0 if free_length is None else free_length
-        free = self._value(rest, "m", f"free length of {where}")
-        damp = self._value(damping, "N s/m", f"damping of {where}")
-        return self._declare(Spring(name, *ends, stiff, free, damp, pull, loaded))
 
+    @declares(TorsionSpring, law="torque")
     def torsion_spring(
         self, name: str, i: Body, j: Body, stiffness: Any = 0, free_angle: Any = 0,
         damping: Any = 0, actuator: Any = 0, torque: Characteristic | None = None,
@@ -193,19 +158,8 @@ class Forces(Declarations):
         preload
             N0 in N m, the torque of the spring on body `i` at the angle θ0.
         """
-        where = f"torsion spring '{name}'"
-        advice = "a torsion spring turns two bodies."
-        first, second = (self._body(where, body, advice) for body in (i, j))
-        turning = self._value(actuator, "N m", f"actuator of {where}")
-        theta = measures.relative_angle(first, second)
-        angle = theta, rate(theta)
-        turning += self._characteristic(torque, angle, "torque", "N m", where)
-        stiff = self._value(stiffness, "N m/rad", f"stiffness of {where}")
-        free = self._value(free_angle, "rad", f"free angle of {where}")
-        damp = self._value(damping, "N m s/rad", f"damping of {where}")
-        loaded = self._value(preload, "N m", f"preload of {where}")
-        return self._declare(TorsionSpring(name, first, second, stiff, free, damp, turning, loaded))
 
+    @declares(Bushing)
     def bushing(
         self, name: str, i: Place, j: Place, stiffness: tuple[Any, Any, Any] = (0, 0, 0),
         damping: tuple[Any, Any, Any] = (0, 0, 0), free_angle: Any = 0,
@@ -223,33 +177,3 @@ class Forces(Declarations):
         free_angle
             φ_j - φ_i at rest, rad.
         """
-        where = f"bushing '{name}'"
-        ends = self._pair(name, i, j)
-        stiff = self._along_axes(stiffness, tuple(row[1] for row in AXES), f"stiffness of {where}")
-        damp = self._along_axes(damping, tuple(row[2] for row in AXES), f"damping of {where}")
-        free = self._value(free_angle, "rad", f"free angle of {where}")
-        return self._declare(Bushing(name, *ends, stiff, damp, free))
-
-    def _along_axes(self, values: Any, units: tuple[str, ...], where: str) -> Triple:
-        """Three values, one an axis."""
-        advice = "must be three values, along x, along y and about φ"
-        x, y, phi = self._read.vector(values, units, where, advice)
-        return x, y, phi
-
-    def _characteristic(
-        self, law: Any, measure: tuple[sympy.Expr, sympy.Expr], word: str, unit: str, where: str
-    ) -> sympy.Expr:
-        """The value of a user's law at a length or angle and its rate; 0 without a law.
-
-        The rate stands written out, not as `SPEED`: where the law switches with its sign, it is
-        part of a switching function, and messages name it.
-        """
-        if law is None:
-            return sympy.S.Zero
-        if not callable(law):
-            self._note(
-                f"{where}: {word}={shown(law)} is no function; write {word}=lambda s, rate: ..., "
-                "or give an expression as actuator=."
-            )
-            return sympy.S.Zero
-        return self._read.result_of(law, measure, unit, f"{word} of {where}")

@@ -16,13 +16,11 @@ from codegen.elements.registry import ACTIONS
 from codegen.errors import ModelError, NoAttributeError
 from codegen.model.base import Declared
 from codegen.model.cams import Cams
-from codegen.model.drivers import Drivers
+from codegen.model.contacts import Contacts
 from codegen.model.forces import Forces
-from codegen.model.motion_limits import Limits
 from codegen.model.parameters import Values
 from codegen.model.scene_variations import Variations
 from codegen.model.states import States
-from codegen.model.surface_effects import Contacts
 from codegen.model.transmissions import Transmissions
 from codegen.object_display import html_of, html_table
 from codegen.readers.calls import declaring, named_attributes
@@ -33,7 +31,7 @@ if TYPE_CHECKING:
 
 
 @named_attributes
-class Model(Values, Variations, Cams, Drivers, Forces, Contacts, Limits, Transmissions, States):
+class Model(Values, Variations, Cams, Forces, Contacts, Transmissions, States):
     """A planar machine.
 
     Parameters

@@ -9,7 +9,7 @@ from codegen.declare.body import Body, Point
 from codegen.declare.element import EXERTED, QUANTITIES, Effect, Reported, label
 from codegen.declare.value_reader import Reader
 from codegen.drawing import shapes
-from codegen.model.base import TRACKED, Declarations, Place
+from codegen.model.base import TRACKED, Declarations, Place, declares
 from codegen.readers.names import nearest
 from codegen.readers.values import KindError, entries, shown
 
@@ -52,6 +52,7 @@ class TrackedPoint(Effect):
 class Outputs(Declarations):
     """Reads the outputs that a scene asks for."""
 
+    @declares(TrackedPoint)
     def track(self, name: str, point: Place) -> TrackedPoint:
         """A point whose place a scene may ask for, by ``outputs=["point(NAME)"]`` or ``"points"``.
 
@@ -60,7 +61,6 @@ class Outputs(Declarations):
         point
             A point of a body; a body means its centre of mass.
         """
-        return self._declare(TrackedPoint(name, self._point(name, point)))
 
     @property
     def points(self) -> frozenset[str]:

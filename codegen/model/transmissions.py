@@ -1,24 +1,23 @@
 """The machine elements that pass rotation on: motors, belts, screws, clutches."""
 
-from types import MappingProxyType
 from typing import Any
 
 from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.symbols import SignRule
 from codegen.elements.forces.elastic_belt import ElasticBelt
 from codegen.elements.forces.gear_with_backlash import GearWithBacklash
 from codegen.elements.forces.motor import Motor
 from codegen.elements.forces.one_way_clutch import OneWayClutch
 from codegen.elements.joints.belt import Belt
-from codegen.elements.joints.rolling_disc import RollingDisc
+from codegen.elements.joints.rack_and_pinion import RollingDisc
 from codegen.elements.joints.screw import Screw
-from codegen.model.base import Declarations, Pair, Place
+from codegen.model.base import Declarations, Pair, Place, declares
 
 
 class Transmissions(Declarations):
     """Motors and transmissions of a declaration."""
 
+    @declares(Motor, i="from_", j="on")
     def motor(
         self, name: str, on: Body, from_: Body | None = None, *, stall_torque: Any,
         no_load_speed: Any, voltage: Any = 1,
@@ -37,15 +36,8 @@ class Transmissions(Declarations):
             u, the voltage as a multiple of the rated one: any expression of t, q, q̇ and
             parameters.
         """
-        where = f"motor '{name}'"
-        advice = "a motor turns a rotor against a stator."
-        rotor = self._body(where, on, advice)
-        stator = self.ground if from_ is None else self._body(where, from_, advice)
-        stall = self._value(stall_torque, "N m", f"stall torque of {where}", "positive")
-        speed = self._value(no_load_speed, "rad/s", f"no-load speed of {where}", "positive")
-        share = self._value(voltage, "", f"voltage of {where}")
-        return self._declare(Motor(name, stator, rotor, stall, speed, share))
 
+    @declares(Belt)
     def belt(
         self, name: str, i: Body, j: Body, radius_i: Any, radius_j: Any, *,
         carrier: Body | None = None, crossed: bool = False, offset: Any = 0,
@@ -66,11 +58,8 @@ class Transmissions(Declarations):
             s0 in m: R_j (φ_j - φ_c) - R_i (φ_i - φ_c) as the belt was laid on. Crossed, R_i counts
             as negative.
         """
-        where = f"belt '{name}'"
-        wheels, (start, joints) = self._wheels(where, i, j, carrier, radius_i, radius_j, offset)
-        turned = self._read.flag(crossed, f"{where}: crossed")
-        return self._declare(Belt(name, *wheels, turned, start, joints))
 
+    @declares(ElasticBelt)
     def elastic_belt(
         self, name: str, i: Body, j: Body, radius_i: Any, radius_j: Any, *, stiffness: Any,
         damping: Any = 0, pretension: Any = 0, carrier: Body | None = None, crossed: bool = False,
@@ -95,14 +84,8 @@ class Transmissions(Declarations):
         offset
             R_j (φ_j - φ_c) - R_i (φ_i - φ_c) of the idle belt, m. Crossed, R_i counts as negative.
         """
-        where = f"elastic belt '{name}'"
-        wheels, laid = self._wheels(where, i, j, carrier, radius_i, radius_j, offset)
-        turned = self._read.flag(crossed, f"{where}: crossed")
-        k = self._value(stiffness, "N/m", f"stiffness of {where}", "positive")
-        c = self._value(damping, "N s/m", f"damping of {where}")
-        tension = self._value(pretension, "N", f"pretension of {where}")
-        return self._declare(ElasticBelt(name, *wheels, turned, k, c, tension, *laid))
 
+    @declares(GearWithBacklash)
     def gear_with_backlash(
         self, name: str, i: Body, j: Body, radius_i: Any, radius_j: Any, *, backlash: Any,
         stiffness: Any, damping: Any = 0, carrier: Body | None = None, offset: Any = 0,
@@ -124,13 +107,8 @@ class Transmissions(Declarations):
         offset
             R_i (φ_i - φ_c) + R_j (φ_j - φ_c) in the middle of the backlash, m.
         """
-        where = f"gear with backlash '{name}'"
-        wheels, laid = self._wheels(where, i, j, carrier, radius_i, radius_j, offset, sign="")
-        play = self._value(backlash, "m", f"backlash of {where}")
-        k = self._value(stiffness, "N/m", f"stiffness of {where}", "positive")
-        c = self._value(damping, "N s/m", f"damping of {where}")
-        return self._declare(GearWithBacklash(name, *wheels, play, k, c, *laid))
 
+    @declares(Screw)
     def screw(
         self, name: str, frame: Place, nut: Place, spindle: Body, lead: Any, axis: Pair = (1, 0),
         offset: Any = 0,
@@ -152,14 +130,8 @@ class Transmissions(Declarations):
         offset
             How far along `axis` the nut lies from `frame`, m, where both bodies have the same φ.
         """
-        where = f"screw '{name}'"
-        ends = self._pair(name, frame, nut)
-        turned = self._body(where, spindle, "a spindle turns as a whole.")
-        rise = self._value(lead, "m", f"lead of {where}")
-        line = self._read.axis(axis, name)
-        start = self._value(offset, "m", f"offset of {where}")
-        return self._declare(Screw(name, *ends, turned, rise, line, start))
 
+    @declares(RollingDisc)
     def rolling_disc(
         self, name: str, disc: Place, line: Place, radius: Any, axis: Pair = (1, 0),
         offset: Any = 0,
@@ -179,11 +151,8 @@ class Transmissions(Declarations):
         offset
             How far along `axis` the centre lies from `line`, m, where both bodies have the same φ.
         """
-        size = self._value(radius, "m", f"radius of '{name}'")
-        along = self._read.axis(axis, name)
-        start = self._value(offset, "m", f"offset of '{name}'")
-        return self._declare(RollingDisc(name, *self._pair(name, disc, line), size, along, start))
 
+    @declares(OneWayClutch, i="driver", j="driven")
     def one_way_clutch(self, name: str, driver: Body, driven: Body, capacity: Any = None) -> Effect:
         """A freewheel: `driver` turns `driven` counter-clockwise, which may overrun it.
 
@@ -197,24 +166,3 @@ class Transmissions(Declarations):
         capacity
             T_c in N m, the torque at which the clutch slips; None: it never does.
         """
-        where = f"one-way clutch '{name}'"
-        advice = "a clutch couples two bodies that turn."
-        first, second = (self._body(where, body, advice) for body in (driver, driven))
-        most = self._optional(capacity, "N m", f"capacity of {where}", "positive")
-        return self._declare(OneWayClutch(name, first, second, most))
-
-    def _wheels(
-        self, where: str, i: Any, j: Any, carrier: Any, radius_i: Any, radius_j: Any, offset: Any,
-        sign: SignRule = "positive",
-    ) -> tuple[tuple[Body, Body, Body, Any, Any], tuple[Any, Any]]:  # fmt: skip
-        """Two wheels, what carries them, the ground unless given, their radii; offset and joints.
-
-        `sign` is that of the radii.
-        """
-        advice = "it couples bodies that turn, wherever their bearings are."
-        first, second = (self._body(where, body, advice) for body in (i, j))
-        advice = "carrier is the body that carries the bearings."
-        arm = self.ground if carrier is None else self._body(where, carrier, advice)
-        one, other = (self._value(r, "m", f"radius of {where}", sign) for r in (radius_i, radius_j))
-        start = self._value(offset, "m", f"offset of {where}")
-        return (first, second, arm, one, other), (start, MappingProxyType(self.joints))

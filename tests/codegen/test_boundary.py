@@ -56,11 +56,11 @@ def refusal(declare: Declare) -> str:
 CASES: dict[str, tuple[Declare, str]] = {
     "a point for a body": (
         lambda m: m.model.torque("T", on=m.a.at(1, 0), value=1),
-        "torque 'T': Point of 'a' is no body",
+        "torque 'T', on: Point of 'a' is no body",
     ),
     "a number for a body": (
         lambda m: m.model.torque("T", on=7, value=1),
-        "torque 'T': 7 is no body",
+        "torque 'T', on: 7 is no body",
     ),
     "alpha in a constraint": (
         lambda m: m.model.constraint("c", m.a.x - alpha),
@@ -158,7 +158,7 @@ CASES: dict[str, tuple[Declare, str]] = {
     ),
     "a joint instead of a body": (
         lambda m: m.model.revolute_revolute("l", m.a, m.b, 1, instead_of=m.pin),
-        "'l': instead_of=",
+        "revolute-revolute 'l', instead_of: Revolute.* is no body",
     ),
     "a default that is text": (
         lambda m: m.model.parameter("k", "5"),
@@ -172,7 +172,10 @@ CASES: dict[str, tuple[Declare, str]] = {
         lambda m: m.model.curve_through("c", m.a, {(0, 0), (1, 0), (1, 1), (0, 1)}),
         "'c': points=",
     ),
-    "a pair as a set": (lambda m: m.model.gravity("g", {0, -9.81}), "gravity 'g': .* is no pair"),
+    "a pair as a set": (
+        lambda m: m.model.gravity("g", {0, -9.81}),
+        "gravity 'g': .* is not 2 values",
+    ),
     "entries that are masked": (
         lambda m: m.model.table("q", np.ma.masked_array([0, 1, 2, 3], [0, 1, 0, 0]), [0, 1, 2, 3]),
         "table 'q': x is .* masked",

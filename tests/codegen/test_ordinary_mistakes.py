@@ -1,6 +1,7 @@
 """What a colleague gets wrong is said in full: what, where, the numbers, and what to do."""
 
 import math
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -16,18 +17,22 @@ from codegen.driver import valid_scenes
 
 def read_table(name: str) -> dict[str, list[str]]:
     """Cases of a table, each with the sentences that are said of it, indented, in its order."""
+    text = Path(__file__).with_name(name).read_text(encoding="utf-8")
+    lines = [line for line in text.splitlines() if line and not line.startswith("#")]
     cases: dict[str, list[str]] = {}
-    case = ""
-    for line in Path(__file__).with_name(name).read_text(encoding="utf-8").splitlines():
-        if line.startswith("    "):
-            cases[case].append(line.strip())
-        elif line and not line.startswith("#"):
-            case = line
-            cases[case] = []
+    declaration: list[str] = []
+    for is_sentence, block in groupby(lines, lambda line: line.startswith("    ")):
+        if is_sentence:
+            cases["\n".join(declaration)] = [sentence.strip() for sentence in block]
+        else:
+            declaration = [*block]
     return cases
 
 
 CASES = read_table("ordinary_mistakes.txt")
+NAMES: dict[str, Any] = {name: getattr(codegen, name) for name in codegen.__all__}
+NAMES |= {name: getattr(sympy, name) for name in sympy.__all__}
+"""What models import."""
 
 
 def words() -> dict[str, Any]:

@@ -60,8 +60,9 @@ def test_every_declaring_method_is_on_a_page() -> None:
 
 
 def test_every_kind_with_problems_has_bad_input(root: Path) -> None:
-    """A row of a `test_bad...` file, or of its own file, names the kind as `label` does."""
-    files = (root / "tests" / "codegen").rglob("test_*.py")
+    """A row of the table of wrong declarations, or a test of its own, names it as `label` does."""
+    folder = root / "tests" / "codegen"
+    files = (folder / "wrong_declarations.txt", *folder.rglob("test_*.py"))
     rows = "\n".join(path.read_text(encoding="utf-8") for path in files)
     for name, kind in LIBRARY.items():
         if kind.element.problems not in (Constraint.problems, Effect.problems):
@@ -72,7 +73,7 @@ def test_page_about_new_elements_shows_the_source(root: Path) -> None:
     page = (root / "docs" / "development" / "new-element.md").read_text(encoding="utf-8")
     shown = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     sources = (
-        *("codegen/elements/joints/weld.py", "codegen/model/joints.py"),
+        *("codegen/elements/joints/weld.py", "codegen/model/constraints.py"),
         *("codegen/elements/forces/motor.py", "codegen/model/transmissions.py"),
         "tests/codegen/elements/test_exerted_by_bodies.py",
     )

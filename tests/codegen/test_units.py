@@ -81,7 +81,7 @@ def test_every_way_in_tells_them_apart() -> None:
     model.scene("run", start={"wheel.omega": 1 * u.hertz}, parameters={"rate": 1 * u.hertz})
     told = problems_of(model)
     for where in (
-        "parameter 'speed'", "parameter 'pulse'", "creep speed of friction 'rubbing'",
+        "parameter 'speed'", "parameter 'pulse'", "creep of friction 'rubbing'",
         "damping of torsion spring 'coil'", r"table 'law', x[0]", "scene 'run', wheel.omega",
         "scene 'run', parameter 'rate'",
     ):  # fmt: skip

@@ -1,14 +1,20 @@
-"""Applied force at a point, and applied torque: any expression of t, q, q̇ and parameters."""
+"""Applied forces and torques, and forces along the line of two points (Haug 6.1)."""
 
 from typing import Literal
 
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Measure, label
+from codegen.declare.element import Effect, Measure, Pulls, label
+from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import Coordinate
 from codegen.drawing import shapes
-from codegen.elements.forces.scalar_measures import same_body
+from codegen.elements.forces.scalar_measures import (
+    SpanMeasures,
+    distance_and_rate,
+    line_problems,
+    same_body,
+)
 from codegen.elements.registry import element
 
 
@@ -24,8 +30,8 @@ class AppliedForce(Effect):
     example = 'model.force("brake", on=P, fx=-5 * i.vx, fy=3.0, frame="body")'
     name: str
     point: Point
-    fx: sympy.Expr
-    fy: sympy.Expr
+    fx: sympy.Expr = quantity("N", gated=True)
+    fy: sympy.Expr = quantity("N", gated=True)
     frame: Literal["ground", "body"] = "ground"
     from_: Body | None = None
 
@@ -91,7 +97,7 @@ class AppliedTorque(Effect):
     example = 'model.torque("motor", on=j, value=10 - 2 * j.omega, when=j.omega > 0)'
     name: str
     body: Body
-    value: sympy.Expr
+    value: sympy.Expr = quantity("N m", gated=True)
     from_: Body | None = None
 
     def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
@@ -121,6 +127,40 @@ class AppliedTorque(Effect):
         if self.from_ is None or self.from_.fixed:
             return (torque,)
         return torque, shapes.Torque(self.from_, -self.value)
+
+
+@element
+class LineForce(SpanMeasures, Effect):
+    """A force f along the line of two points, N, positive where it pulls them together.
+
+    f may be any expression, of the length ℓ and its rate ℓ̇ too. It has no potential, and its power
+    is -f ℓ̇. At ℓ = 0 the line has no direction, and a run stops there as not finite.
+    """
+
+    kind = "line force"
+    example = """
+        p = model.table("p", [0, 1, 2, 3, 4], [9e3, 4e3, 2e3, 1e3, 5e2], units=("m", "N"))
+        model.line_force("cylinder", P, Q, lambda length, rate: -p(length) + 30 * rate)
+    """
+    name: str
+    i: Point
+    j: Point
+    value: sympy.Expr = quantity("N", gated=True, function_of=distance_and_rate)
+
+    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+        """f along ℓ."""
+        return ((self.length, self.value),)
+
+    def problems(self) -> list[str]:
+        """Two points that keep their distance, and a force that is none."""
+        problems = line_problems(self, self.i, self.j)
+        if self.value == 0:
+            problems.append(f"{label(self)} is 0 throughout; give a force in N.")
+        return problems
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """An actuator."""
+        return (shapes.Spring(self.i, self.j, elastic=False, actuator=True),)
 
 
 def exertion_problems(effect: Effect, on: Body, from_: Body | None) -> list[str]:

@@ -4,7 +4,8 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Measure, Pulls, label
-from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element_conditions import Condition, sign_conditions
+from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import SPEED
 from codegen.drawing import shapes
 from codegen.elements.forces import scalar_measures as measures
@@ -31,9 +32,9 @@ class Bushing(Effect):
     name: str
     i: Point
     j: Point
-    stiffness: Triple
-    damping: Triple
-    free_angle: sympy.Expr
+    stiffness: Triple = quantity(tuple(row[1] for row in AXES))
+    damping: Triple = quantity(tuple(row[2] for row in AXES))
+    free_angle: sympy.Expr = quantity("rad")
 
     @property
     def displacements(self) -> Triple:
@@ -72,12 +73,12 @@ class Bushing(Effect):
         return found
 
     def problems(self) -> list[str]:
-        """A body against itself, and numbers that no bushing has."""
+        """A body against itself, and one that does nothing."""
         problems = measures.angle_problems(self, *self.bodies)
         problems += measures.same_body(label(self), self.bodies)
         if not any((*self.stiffness, *self.damping)):
             problems.append(f"{label(self)}: stiffness and damping are all 0; give at least one.")
-        return problems + number_problems(self)
+        return problems
 
     def conditions(self) -> tuple[Condition, ...]:
         """Springs and dampers that resist."""

@@ -1,14 +1,23 @@
 """Revolute joint with clearance: a journal that is free in its bearing until it touches it."""
 
+from typing import Any
+
 import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Measure, Pulls, label
-from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element_conditions import Condition
+from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import SPEED, Coordinate, rate
 from codegen.drawing import shapes
 from codegen.elements.forces.scalar_measures import distance, same_body, span
 from codegen.elements.registry import element
+
+
+def _stiffness_unit(joint: Any) -> str:
+    """That of K, by the exponent where it is a number."""
+    n = joint.exponent
+    return f"N/m^{float(n):g}" if n.is_number and n.is_real else ""
 
 
 @element
@@ -38,13 +47,15 @@ class ClearanceJoint(Effect):
     name: str
     i: Point
     j: Point
-    clearance: sympy.Expr
-    stiffness: sympy.Expr
-    exponent: sympy.Expr
-    damping: sympy.Expr
-    coefficient: sympy.Expr
-    creep: sympy.Expr | None
-    radius: sympy.Expr
+    clearance: sympy.Expr = quantity("m", "positive", binds="positive")
+    exponent: sympy.Expr = quantity()
+    stiffness: sympy.Expr = quantity(_stiffness_unit, "positive", binds="positive")
+    creep: sympy.Expr | None = quantity("m/s", "positive", binds="positive", word="creep speed")
+    damping: sympy.Expr = quantity("s/m", "nonnegative", binds="nonnegative")
+    coefficient: sympy.Expr = quantity(
+        "", "nonnegative", binds="nonnegative", word="coefficient of friction"
+    )
+    radius: sympy.Expr = quantity("m", "nonnegative", binds="nonnegative")
 
     @property
     def eccentricity(self) -> sympy.Expr:
@@ -96,7 +107,7 @@ class ClearanceJoint(Effect):
         return (*found, Measure("force", "friction", "N", self._touching(self._drag())))
 
     def problems(self) -> list[str]:
-        """Two points of one body, and numbers of no bearing."""
+        """Two points of one body, and a friction without a creep speed or on a particle."""
         where = label(self)
         problems = same_body(where, self.bodies)
         rubs = self.coefficient != 0
@@ -108,21 +119,12 @@ class ClearanceJoint(Effect):
             for body in self.bodies
             if rubs and not body.turns
         ]
-        return problems + number_problems(self)
+        return problems
 
     def conditions(self) -> tuple[Condition, ...]:
-        """A clearance, a contact that resists, and a friction that does."""
-        positive = sign_conditions(
-            ("clearance", self.clearance, "m"), ("stiffness", self.stiffness, ""),
-            ("creep speed", self.creep, "m/s"), positive=True,
-        )  # fmt: skip
+        """An exponent of a contact."""
         text = "the exponent is {:g}; give one of at least 1, 1.5 for Hertz' law."
-        exponent = Condition(text, (self.exponent,), low=1.0)
-        more = sign_conditions(
-            ("damping", self.damping, "s/m"), ("coefficient of friction", self.coefficient, ""),
-            ("radius", self.radius, "m"),
-        )  # fmt: skip
-        return (*positive, exponent, *more)
+        return (Condition(text, (self.exponent,), low=1.0),)
 
     @property
     def _rubs(self) -> bool:

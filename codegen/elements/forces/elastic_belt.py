@@ -1,21 +1,16 @@
 """Elastic belt: two strands that stretch and never push couple two pulleys."""
 
-from collections.abc import Mapping
-
 import sympy
 
-from codegen.declare.body import Body
-from codegen.declare.element import Constraint
-from codegen.declare.element_conditions import Condition, sign_conditions
-from codegen.drawing import shapes
+from codegen.declare.element_fields import quantity
 from codegen.elements.forces.scalar_measures import rim_travel
 from codegen.elements.forces.spring_damper_contact import GapSprings
-from codegen.elements.joints.carrier import WheelPair, pulleys_and_belt, radius_conditions
+from codegen.elements.joints.belt import Pulleys
 from codegen.elements.registry import element
 
 
 @element
-class ElasticBelt(WheelPair, GapSprings):
+class ElasticBelt(Pulleys, GapSprings):
     """Tensions T0 ± (k u + c u̇), never below 0, with u = R_j (φ_j - φ_c) - R_i (φ_i - φ_c) - s0.
 
     u is the stretch of the one strand, and -u that of the other. The pulleys turn in bearings of
@@ -33,18 +28,11 @@ class ElasticBelt(WheelPair, GapSprings):
         k = model.parameter("k", 2e4, unit="N/m")
         model.elastic_belt("belt", i, j, 0.1, 0.3, stiffness=k, pretension=50.0)
     """
-    name: str
-    i: Body
-    j: Body
-    carrier: Body
-    radius_i: sympy.Expr
-    radius_j: sympy.Expr
-    crossed: bool
-    stiffness: sympy.Expr
-    damping: sympy.Expr
-    pretension: sympy.Expr
-    offset: sympy.Expr
-    joints: Mapping[str, Constraint]
+    stiffness: sympy.Expr = quantity(
+        "N/m", "positive", binds="positive", advice=", or model.belt for one that does not stretch"
+    )
+    damping: sympy.Expr = quantity("N s/m", "nonnegative")
+    pretension: sympy.Expr = quantity("N", "nonnegative")
     may_pull = False
 
     @property
@@ -59,18 +47,3 @@ class ElasticBelt(WheelPair, GapSprings):
         """How far each strand is from being taut, m."""
         idle = self.pretension / self.stiffness
         return -self.stretch - idle, self.stretch - idle
-
-    def conditions(self) -> tuple[Condition, ...]:
-        """Radii of two pulleys, a belt that stretches, and a tension that pulls."""
-        stiffness = sign_conditions(
-            ("stiffness", self.stiffness, "N/m"), positive=True,
-            advice=", or model.belt for one that does not stretch",
-        )  # fmt: skip
-        more = sign_conditions(
-            ("damping", self.damping, "N s/m"), ("pretension", self.pretension, "N")
-        )
-        return radius_conditions(self.radius_i, self.radius_j) + stiffness + more
-
-    def shapes(self) -> tuple[shapes.Shape, ...]:
-        """Two pulleys and the belt."""
-        return pulleys_and_belt(self, self.crossed)

@@ -1,17 +1,14 @@
 """Gear with backlash: teeth that bear on either flank, by a spring and a damper, with play."""
 
-from collections.abc import Mapping
-
 import sympy
 
-from codegen.declare.body import Body
-from codegen.declare.element import Constraint, label
-from codegen.declare.element_conditions import Condition, sign_conditions
+from codegen.declare.element import label
+from codegen.declare.element_conditions import Condition
+from codegen.declare.element_fields import quantity
 from codegen.drawing import shapes
 from codegen.elements.forces.scalar_measures import rim_travel
 from codegen.elements.forces.spring_damper_contact import GapSprings
-from codegen.elements.joints.carrier import WheelPair
-from codegen.elements.joints.gear import toothed_wheels
+from codegen.elements.joints.gear import WheelPair, toothed_wheels
 from codegen.elements.registry import element
 
 
@@ -36,17 +33,11 @@ class GearWithBacklash(WheelPair, GapSprings):
         c = model.parameter("c", 200.0, unit="N s/m")
         model.gear_with_backlash("mesh", i, j, 0.1, 0.3, backlash=1e-4, stiffness=k, damping=c)
     """
-    name: str
-    i: Body
-    j: Body
-    carrier: Body
-    radius_i: sympy.Expr
-    radius_j: sympy.Expr
-    backlash: sympy.Expr
-    stiffness: sympy.Expr
-    damping: sympy.Expr
-    offset: sympy.Expr
-    joints: Mapping[str, Constraint]
+    stiffness: sympy.Expr = quantity(
+        "N/m", "positive", binds="positive", advice=", or model.gear for teeth that are rigid"
+    )
+    backlash: sympy.Expr = quantity("m", "nonnegative")
+    damping: sympy.Expr = quantity("N s/m", "nonnegative")
     may_pull = False
 
     @property
@@ -57,23 +48,17 @@ class GearWithBacklash(WheelPair, GapSprings):
         return self.backlash / 2 - moved, self.backlash / 2 + moved
 
     def problems(self) -> list[str]:
-        """Gears and a carrier that are none, and numbers of no gears."""
+        """Gears and a carrier that are none."""
         problems = super().problems()
         if all(radius.is_number and radius < 0 for radius in (self.radius_i, self.radius_j)):
             problems.append(f"{label(self)}: both gears are internal; make one radius positive.")
         return problems
 
     def conditions(self) -> tuple[Condition, ...]:
-        """Radii of two pitch circles, play, and flanks that resist."""
+        """Radii of two pitch circles."""
         product = self.radius_i * self.radius_j
         text = "the radii ({1:g}, {2:g}) m contain a 0; give the radii of the pitch circles."
-        radii = Condition(text, (product**2, self.radius_i, self.radius_j), open=True)
-        stiffness = sign_conditions(
-            ("stiffness", self.stiffness, "N/m"), positive=True,
-            advice=", or model.gear for teeth that are rigid",
-        )  # fmt: skip
-        more = sign_conditions(("backlash", self.backlash, "m"), ("damping", self.damping, "N s/m"))
-        return (radii, *stiffness, *more)
+        return (Condition(text, (product**2, self.radius_i, self.radius_j), open=True),)
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
         """Two toothed wheels."""

@@ -4,12 +4,8 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Effect, Measure, Reported, Sticking, label
-from codegen.declare.element_conditions import (
-    Condition,
-    number_problems,
-    sign_conditions,
-    static_condition,
-)
+from codegen.declare.element_conditions import static_condition
+from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import Coordinate, Velocity, kinds, side
 from codegen.elements.forces.scalar_measures import is_constant, same_body
 from codegen.elements.registry import element
@@ -39,14 +35,6 @@ def coefficient_problems(
     return problems
 
 
-def coefficients(kinetic: sympy.Expr, creep: sympy.Expr | None) -> tuple[Condition, ...]:
-    """A coefficient that is not negative, and a positive creep speed."""
-    return (
-        *sign_conditions(("coefficient of friction", kinetic, "")),
-        *sign_conditions(("creep speed", creep, ""), positive=True),
-    )
-
-
 @element
 class DryFriction(Effect):
     """f = -μ N sign(ṡ) along the slip ṡ; at ṡ = 0 the force that keeps it, up to μ_s N (Coulomb).
@@ -68,11 +56,17 @@ class DryFriction(Effect):
     """
     name: str
     slip: sympy.Expr
-    normal: sympy.Expr
-    coefficient: sympy.Expr
+    normal: sympy.Expr = quantity(
+        "N", "nonnegative", binds="nonnegative", word="normal force", advice=", as it presses"
+    )
+    coefficient: sympy.Expr = quantity(
+        "", "nonnegative", binds="nonnegative", word="coefficient of friction"
+    )
     on: tuple[Body, ...]
-    static: sympy.Expr | None = None
-    creep: sympy.Expr | None = None
+    static: sympy.Expr | None = quantity("", binds="positive", default=None)
+    creep: sympy.Expr | None = quantity(
+        "m/s", "positive", binds="positive", default=None, word="creep speed"
+    )
 
     @property
     def force(self) -> sympy.Expr:
@@ -107,7 +101,7 @@ class DryFriction(Effect):
         )
 
     def problems(self) -> list[str]:
-        """A slip that is no velocity, and numbers that no friction has."""
+        """A slip that is no velocity, and two laws at once."""
         where = label(self)
         if problems := same_body(where, self.bodies):
             return problems
@@ -123,10 +117,4 @@ class DryFriction(Effect):
                 f"{where}: the slip {self.slip} is not linear in {curved[0].name}; write the "
                 "velocity itself, such as block.vx - speed."
             )
-        problems += number_problems(self)
         return problems + coefficient_problems(self, self.coefficient, self.static, self.creep)
-
-    def conditions(self) -> tuple[Condition, ...]:
-        """A normal force that presses, and coefficients that a friction has."""
-        normal = sign_conditions(("normal force", self.normal, "N"), advice=", as it presses")
-        return normal + coefficients(self.coefficient, self.creep)

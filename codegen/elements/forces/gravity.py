@@ -4,6 +4,7 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Effect
+from codegen.declare.element_fields import quantity
 from codegen.drawing import shapes
 from codegen.elements.registry import element
 
@@ -15,21 +16,18 @@ class Gravity(Effect):
     kind = "gravity"
     example = 'model.gravity("weight", (0, -9.81))'
     name: str
-    gx: sympy.Expr
-    gy: sympy.Expr
+    g: tuple[sympy.Expr, sympy.Expr] = quantity(("m/s^2", "m/s^2"))
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
         """Potential energy of the bodies, zero at the global origin."""
-        axes = [(k, g) for k, g in enumerate((self.gx, self.gy)) if g != 0]
+        axes = [(k, g) for k, g in enumerate(self.g) if g != 0]
         centres = ((b.mass, tuple(b.mass_centre)) for b in bodies if b.mass is not None)
         return sympy.Add(*(-m * sympy.Add(*(g * r[k] for k, g in axes)) for m, r in centres))
 
     def weights(self, bodies: tuple[Body, ...]) -> tuple[tuple[str, sympy.Expr, sympy.Expr], ...]:
         """(body, mass, acceleration) of the products m g in the potential."""
-        return tuple(
-            (b.name, b.mass, g) for b in bodies if b.mass is not None for g in (self.gx, self.gy)
-        )
+        return tuple((b.name, b.mass, g) for b in bodies if b.mass is not None for g in self.g)
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
         """Its direction."""
-        return (shapes.Gravity(self.gx, self.gy),)
+        return (shapes.Gravity(*self.g),)

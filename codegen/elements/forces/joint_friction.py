@@ -6,15 +6,28 @@ import sympy
 
 from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import rate
-from codegen.elements.forces.given_load_friction import coefficient_problems, coefficients
-from codegen.elements.forces.joint_coordinate import JOINTS, joint_coordinate
-from codegen.elements.forces.scalar_measures import angle_problems
+from codegen.elements.forces.given_load_friction import coefficient_problems
+from codegen.elements.forces.scalar_measures import angle_problems, relative_angle, span
 from codegen.elements.joints.revolute import Revolute
-from codegen.elements.joints.translational import Translational
+from codegen.elements.joints.sliding_joints import RevoluteTranslational, Translational
 from codegen.elements.registry import element
 from codegen.readers.values import shown
+
+JOINTS = (Revolute, Translational, RevoluteTranslational)
+
+
+def joint_coordinate(joint: el.Constraint) -> tuple[sympy.Expr, str]:
+    """φ_j - φ_i of a revolute joint, else u_iᵀ d along the line of body i, and its unit."""
+    assert isinstance(joint, JOINTS)
+    if isinstance(joint, Revolute):
+        return relative_angle(joint.i.body, joint.j.body), "rad"
+    ux, uy = joint.axis
+    c, s = joint.i.body.rotation
+    dx, dy = span(joint.i, joint.j)
+    size = sympy.sqrt(ux**2 + uy**2)
+    return ((ux * c - uy * s) * dx + (ux * s + uy * c) * dy) / size, "m"
 
 
 @element
@@ -53,11 +66,16 @@ class JointFriction(el.Effect):
     """
     name: str
     joint: Any
-    coefficient: sympy.Expr
-    creep: sympy.Expr | None = None
-    radius: sympy.Expr | None = None
-    length: sympy.Expr | None = None
-    static: sympy.Expr | None = None
+    coefficient: sympy.Expr = quantity(
+        "", "nonnegative", binds="nonnegative", word="coefficient of friction"
+    )
+    creep: sympy.Expr | None = quantity(
+        lambda of: "rad/s" if isinstance(of.joint, Revolute) else "m/s",
+        "positive", binds="positive", default=None, word="creep speed",
+    )  # fmt: skip
+    radius: sympy.Expr | None = quantity("m", "positive", binds="positive", default=None)
+    length: sympy.Expr | None = quantity("m", "positive", binds="positive", default=None)
+    static: sympy.Expr | None = quantity("", binds="positive", default=None)
 
     @property
     def bodies(self) -> tuple[Body, ...]:
@@ -87,7 +105,7 @@ class JointFriction(el.Effect):
         return el.Sticking(rate(self.friction().along), self.coefficient, self.static)
 
     def problems(self) -> list[str]:
-        """Joints that do not rub, and numbers that no friction has."""
+        """Joints that do not rub, and two laws at once."""
         where, joint = el.label(self), self.joint
         if not isinstance(joint, JOINTS):
             name = f"'{joint.name}'" if isinstance(joint, el.Constraint) else shown(joint)
@@ -106,11 +124,4 @@ class JointFriction(el.Effect):
             problems.append(
                 f"{where}: joint '{joint.name}' has no long bearing; leave out length=."
             )
-        problems += coefficient_problems(self, self.coefficient, self.static, self.creep)
-        return problems + number_problems(self)
-
-    def conditions(self) -> tuple[Condition, ...]:
-        """Coefficients and sizes that a friction has."""
-        sizes = (("radius", self.radius, "m"), ("length", self.length, "m"))
-        conditions = coefficients(self.coefficient, self.creep)
-        return conditions + sign_conditions(*sizes, positive=True)
+        return problems + coefficient_problems(self, self.coefficient, self.static, self.creep)

@@ -3,8 +3,8 @@
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Effect, Measure, Pulls, label
-from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element import Effect, Measure, Pulls
+from codegen.declare.element_fields import ground_unless_given, quantity
 from codegen.declare.symbols import SPEED
 from codegen.drawing import shapes
 from codegen.elements.forces import scalar_measures as measures
@@ -28,11 +28,13 @@ class Motor(measures.TurnMeasures, Effect):
         model.motor("motor", on=j, from_=i, stall_torque=T_s, no_load_speed=omega_0)
     """
     name: str
-    i: Body
+    i: Body = ground_unless_given()
     j: Body
-    stall_torque: sympy.Expr
-    no_load_speed: sympy.Expr
-    voltage: sympy.Expr
+    stall_torque: sympy.Expr = quantity("N m", "positive", binds="positive")
+    no_load_speed: sympy.Expr = quantity(
+        "rad/s", "positive", binds="positive", word="no-load speed"
+    )
+    voltage: sympy.Expr = quantity()
 
     def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
         """T tends to make θ = φ_j - φ_i larger."""
@@ -43,20 +45,6 @@ class Motor(measures.TurnMeasures, Effect):
         """θ, ω and T."""
         line = self.voltage - SPEED / self.no_load_speed
         return measures.along_scalar(self.angle, "rad", self.stall_torque * line)
-
-    def problems(self) -> list[str]:
-        """A body against itself, and numbers that no motor has."""
-        problems = measures.angle_problems(self, *self.bodies)
-        problems += measures.same_body(label(self), self.bodies)
-        return problems + number_problems(self)
-
-    def conditions(self) -> tuple[Condition, ...]:
-        """A torque at rest and a speed without load, both positive."""
-        return sign_conditions(
-            ("stall torque", self.stall_torque, "N m"),
-            ("no-load speed", self.no_load_speed, "rad/s"),
-            positive=True,
-        )
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
         """A round arrow between two bodies."""

@@ -3,8 +3,8 @@
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.element import Effect, Measure, OneWay, Pulls, Reported, label
-from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element import Effect, Measure, OneWay, Pulls, Reported
+from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import SPEED, rate, side
 from codegen.drawing import shapes
 from codegen.elements.forces import scalar_measures as measures
@@ -35,7 +35,7 @@ class OneWayClutch(measures.TurnMeasures, Effect):
     name: str
     i: Body
     j: Body
-    capacity: sympy.Expr | None = None
+    capacity: sympy.Expr | None = quantity("N m", "positive", binds="positive", default=None)
 
     def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
         """T tends to make θ = φ_j - φ_i larger, where it does not overrun."""
@@ -55,16 +55,6 @@ class OneWayClutch(measures.TurnMeasures, Effect):
         """θ, its rate, and with a capacity the torque on the driven body, from 0 to T_c."""
         found = measures.along_scalar(self.angle, "rad", self._torque())
         return found[:2] if self.capacity is None else found
-
-    def problems(self) -> list[str]:
-        """A body against itself, and a capacity that is none."""
-        problems = measures.angle_problems(self, *self.bodies)
-        problems += measures.same_body(label(self), self.bodies)
-        return problems + number_problems(self)
-
-    def conditions(self) -> tuple[Condition, ...]:
-        """A torque that drives."""
-        return sign_conditions(("capacity", self.capacity, "N m"), positive=True)
 
     def _torque(self) -> sympy.Expr:
         if self.capacity is None:

@@ -5,9 +5,10 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Effect, Measure, Pulls, Reported, Rigid
 from codegen.declare.element_conditions import hold_conditions
+from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import side
 from codegen.drawing import shapes
-from codegen.elements.forces.scalar_measures import WORDS, along_scalar
+from codegen.elements.forces.scalar_measures import WORDS, along_scalar, force_unit
 from codegen.elements.forces.spring_damper_contact import gap_problems
 from codegen.elements.registry import element
 
@@ -39,11 +40,11 @@ class RigidContact(Effect):
     """
     name: str
     gap: sympy.Expr
-    restitution: sympy.Expr
+    restitution: sympy.Expr = quantity(binds="nonnegative")
     on: tuple[Body, ...]
-    typical_force: sympy.Expr | None = None
     unit: str = "m"  # of the gap: "m", "rad", or none where it is not known
     limits: tuple[sympy.Expr, ...] = ()  # of a stop: what is left before each of its limits
+    typical_force: sympy.Expr | None = quantity(force_unit, binds="positive", default=None)
 
     def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
         """The reaction F0, where the gap is not open: it pushes."""

@@ -1,12 +1,11 @@
 """Scalars s(q, t) along which forces act, such as lengths, angles and gaps, and their checks."""
 
-from typing import ClassVar
+from typing import Any
 
 import sympy
 
 from codegen.declare.body import Body, Point
-from codegen.declare.element import Effect, Element, Measure, Pulls, label
-from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element import Element, Measure, label
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds, rate
 
 
@@ -25,6 +24,17 @@ def distance_rate(i: Point, j: Point) -> sympy.Expr:
     """dℓ/dt = dᵀ ḋ / ℓ, m/s: shorter than `rate` of ℓ, which is a sum of quotients."""
     dx, dy = span(i, j)
     return (dx * (j.vx - i.vx) + dy * (j.vy - i.vy)) / distance(i, j)
+
+
+def distance_and_rate(between: Any) -> tuple[sympy.Expr, sympy.Expr]:
+    """ℓ and ℓ̇ of the points of an element; the rate written out, as a law may switch with it."""
+    return distance(between.i, between.j), distance_rate(between.i, between.j)
+
+
+def angle_and_rate(between: Any) -> tuple[sympy.Expr, sympy.Expr]:
+    """θ and θ̇ of the bodies of an element."""
+    theta = relative_angle(between.i, between.j)
+    return theta, rate(theta)
 
 
 def relative_angle(i: Body, j: Body) -> sympy.Expr:
@@ -50,7 +60,7 @@ def same_body(where: str, bodies: tuple[Body, ...]) -> list[str]:
     return []
 
 
-def angle_problems(element: Element, *bodies: Body) -> list[str]:
+def angle_problems(element: object, *bodies: Body) -> list[str]:
     """Particles among the bodies, which nothing can turn, and bodies that count no angle."""
     return [
         f"{label(element)} needs the angle of '{body.name}', which has none: it is oriented by "
@@ -103,6 +113,11 @@ WORDS = {
 """Unit of a scalar → what it is called, and the force along it with its unit."""
 
 
+def force_unit(element: Any) -> str:
+    """Unit of the force along the scalar of an element that has the `unit`."""
+    return "N m" if element.unit == "rad" else "N"
+
+
 def along_scalar(
     s: sympy.Expr, unit: str, force: sympy.Expr, *, named: str | None = None
 ) -> tuple[Measure, ...]:
@@ -148,6 +163,11 @@ class TurnMeasures:
         """θ̇, rad/s."""
         return rate(self.angle)
 
+    def problems(self) -> list[str]:
+        """Bodies without an angle, and a body against itself."""
+        bodies = self.i, self.j
+        return angle_problems(self, *bodies) + same_body(label(self), bodies)
+
 
 def line_problems(element: Element, i: Point, j: Point) -> list[str]:
     """Two points of one body, which keep their distance."""
@@ -156,65 +176,3 @@ def line_problems(element: Element, i: Point, j: Point) -> list[str]:
     reason = "coincide" if distance(i, j) == 0 else "keep their distance"
     where = f"{label(element)}: both ends, ({i.sx}, {i.sy}) and ({j.sx}, {j.sy}), are on body"
     return [f"{where} '{i.body.name}' and {reason}; connect two bodies."]
-
-
-class SpringDamper(Effect):
-    """f = F0 + k (s - s0) + c ṡ + F along a scalar s; V exists where k, s0 and F0 are constant."""
-
-    unit: ClassVar[str] = "m"
-    """Of s."""
-    stiffness: sympy.Expr
-    damping: sympy.Expr
-    actuator: sympy.Expr
-    preload: sympy.Expr
-
-    @property
-    def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
-        """s and s0."""
-        raise NotImplementedError
-
-    @property
-    def present(self) -> tuple[bool, bool, bool]:
-        """Whether it has an elastic part, a damper and an actuator."""
-        elastic = self.stiffness != 0 or self.preload != 0
-        return elastic, self.damping != 0, self.actuator != 0
-
-    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
-        """V = k (s - s0)² / 2 + F0 (s - s0) of the elastic part."""
-        s, free = self.scalar
-        if not self._conservative or (self.stiffness == 0 and self.preload == 0):
-            return None
-        return self.stiffness * (s - free) ** 2 / 2 + self.preload * (s - free)
-
-    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
-        """The force of the damper and the actuator, and of a spring that varies."""
-        s, free = self.scalar
-        force = self.damping * SPEED + self.actuator
-        if not self._conservative:
-            force += self.stiffness * (s - free) + self.preload
-        return () if force == 0 else ((s, force),)
-
-    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
-        """s, its rate, s - s0, and f."""
-        s, free = self.scalar
-        force = self.stiffness * (s - free) + self.preload + self.damping * SPEED + self.actuator
-        found = along_scalar(s, self.unit, force)
-        return (*found, Measure("deflection", "", self.unit, s - free))
-
-    @property
-    def _conservative(self) -> bool:
-        return is_constant(self.stiffness, self.scalar[1], self.preload)
-
-    def characteristic_problems(self, keyword: str) -> list[str]:
-        """A law that exerts nothing, and numbers that no spring has."""
-        acting = (self.stiffness, self.damping, self.actuator, self.preload)
-        idle = all(value == 0 for value in acting)
-        advice = f"give it a stiffness, a damping, a preload, an actuator or a {keyword}."
-        problems = [f"{label(self)} does nothing; {advice}"] if idle else []
-        return problems + number_problems(self)
-
-
-def characteristic(keyword: str, *values: tuple[str, sympy.Expr, str]) -> tuple[Condition, ...]:
-    """Springs, dampers and lengths that are not negative."""
-    other = f", and write other characteristics with {keyword}="
-    return sign_conditions(*values, advice=other)

@@ -4,7 +4,7 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Measure, Pulls, label
-from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds
 from codegen.drawing import shapes
 from codegen.elements.forces.scalar_measures import (
@@ -138,8 +138,8 @@ class Contact(GapSprings):
     """
     name: str
     gap: sympy.Expr
-    stiffness: sympy.Expr
-    damping: sympy.Expr
+    stiffness: sympy.Expr = quantity("N/m", "nonnegative")
+    damping: sympy.Expr = quantity("N s/m", "nonnegative")
     on: tuple[Body, ...]
     may_pull: bool = True
 
@@ -149,19 +149,13 @@ class Contact(GapSprings):
         return (self.gap,)
 
     def problems(self) -> list[str]:
-        """A gap that never changes or that is no position, and numbers that no contact has."""
+        """A gap that never changes or that is no position, and a contact that exerts nothing."""
         problems = gap_problems(label(self), self.gap, self.bodies)
         if same_body(label(self), self.bodies):
             return problems
         if self.stiffness == 0 and self.damping == 0:
             problems.append(f"{label(self)}: stiffness and damping are both 0; give one of them.")
-        return problems + number_problems(self)
-
-    def conditions(self) -> tuple[Condition, ...]:
-        """A spring and a damper that resist."""
-        return sign_conditions(
-            ("stiffness", self.stiffness, "N/m"), ("damping", self.damping, "N s/m")
-        )
+        return problems
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
         """The bodies that touch, and the gap between them."""

@@ -4,9 +4,11 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import label
-from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element_conditions import Condition
+from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.drawing import shapes
+from codegen.elements.forces.scalar_measures import force_unit
 from codegen.elements.forces.spring_damper_contact import SIDES, GapSprings
 from codegen.elements.registry import element
 
@@ -28,12 +30,17 @@ class Stop(GapSprings):
     """
     name: str
     scalar: sympy.Expr
-    lower: sympy.Expr | None
-    upper: sympy.Expr | None
-    stiffness: sympy.Expr
-    damping: sympy.Expr
-    on: tuple[Body, ...]
     unit: str
+    lower: sympy.Expr | None = quantity(lambda of: of.unit)
+    upper: sympy.Expr | None = quantity(lambda of: of.unit)
+    stiffness: sympy.Expr = quantity(
+        lambda of: of.unit and f"{force_unit(of)}/{of.unit}", "positive", binds="positive",
+        advice=", or restitution= for a stop that does not yield",
+    )  # fmt: skip
+    damping: sympy.Expr = quantity(
+        lambda of: of.unit and f"{force_unit(of)} s/{of.unit}", "nonnegative"
+    )
+    on: tuple[Body, ...]
     may_pull = False
 
     @property
@@ -48,20 +55,12 @@ class Stop(GapSprings):
         return self.unit
 
     def problems(self) -> list[str]:
-        """What is no position, and numbers of no stop."""
-        problems = stop_problems(label(self), self.scalar, self.lower, self.upper)
-        return problems + number_problems(self)
+        """No limit at all, or one of what is no position."""
+        return stop_problems(label(self), self.scalar, self.lower, self.upper)
 
     def conditions(self) -> tuple[Condition, ...]:
-        """Stops that resist, the upper one above the lower one."""
-        force = "N m" if self.unit == "rad" else "N"
-        per = f"/{self.unit}" if self.unit else ""
-        stiffness = sign_conditions(
-            ("stiffness", self.stiffness, f"{force}{per}"), positive=True,
-            advice=", or restitution= for a stop that does not yield",
-        )  # fmt: skip
-        damping = sign_conditions(("damping", self.damping, f"{force} s{per}"))
-        return (*limit_conditions(self.lower, self.upper), *stiffness, *damping)
+        """The upper stop above the lower one."""
+        return limit_conditions(self.lower, self.upper)
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
         """The bodies that touch at each limit; an angle has no place where it stops."""

@@ -4,6 +4,7 @@ import sympy
 
 from codegen.declare.body import Body
 from codegen.declare.element import Effect, label
+from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.elements.registry import element
 
@@ -15,7 +16,7 @@ class Potential(Effect):
     kind = "potential"
     example = 'model.potential("pendulum", 20 * (1 - cos(i.phi)))'
     name: str
-    energy: sympy.Expr
+    energy: sympy.Expr = quantity("J")
     on: tuple[Body, ...]
 
     def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:

@@ -1,15 +1,12 @@
 """Belt drive: a belt or chain that neither stretches nor slips couples two pulleys."""
 
-from collections.abc import Mapping
-
 import sympy
 
-from codegen.declare.body import Body
 from codegen.declare.element import ConjugateReaction, Constraint, Frame, I, J, Statement
-from codegen.declare.element_conditions import Condition
+from codegen.declare.element_fields import quantity, shared_fields
 from codegen.declare.symbols import given
 from codegen.drawing import shapes
-from codegen.elements.joints.carrier import WheelPair, pulleys_and_belt, radius_conditions
+from codegen.elements.joints.gear import WheelPair
 from codegen.elements.registry import element
 
 RADIUS_I, RADIUS_J = given("radius_i"), given("radius_j")
@@ -17,8 +14,27 @@ CARRIER, OFFSET = Frame("carrier"), given("offset")
 PHI = (RADIUS_J * (J.phi - CARRIER.phi) - RADIUS_I * (I.phi - CARRIER.phi) - OFFSET,)
 
 
+@shared_fields
+class Pulleys(WheelPair):
+    """Two pulleys and a belt round them, which may be crossed."""
+
+    radius_i: sympy.Expr = quantity(
+        "m", "positive", binds="positive", word="radius of the first pulley"
+    )
+    radius_j: sympy.Expr = quantity(
+        "m", "positive", binds="positive", word="radius of the second pulley"
+    )
+    crossed: bool
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """Two pulleys and the belt."""
+        i, j, radius_i, radius_j = self.i, self.j, self.radius_i, self.radius_j
+        belt = shapes.Belt(i, j, radius_i, radius_j, self.crossed)
+        return shapes.Wheel(i, radius_i), shapes.Wheel(j, radius_j), belt
+
+
 @element
-class Belt(WheelPair, Constraint):
+class Belt(Pulleys, Constraint):
     """R_j (φ_j - φ_c) - R_i (φ_i - φ_c) = s0: equal lengths of belt run off i and onto j.
 
     The pulleys turn in bearings of the carrier c, the ground or an arm that turns. A crossed belt
@@ -36,15 +52,6 @@ class Belt(WheelPair, Constraint):
         r_i, r_j = (model.parameter(r, 0.2, unit="m") for r in ("r_i", "r_j"))
         model.belt("chain", i, j, r_i, r_j)
     """
-    name: str
-    i: Body
-    j: Body
-    carrier: Body
-    radius_i: sympy.Expr
-    radius_j: sympy.Expr
-    crossed: bool
-    offset: sympy.Expr
-    joints: Mapping[str, Constraint]
 
     def statement(self) -> Statement:
         """One equation, m: length of belt."""
@@ -53,11 +60,3 @@ class Belt(WheelPair, Constraint):
         bindings |= {RADIUS_J: self.radius_j, OFFSET: self.offset}
         bindings |= CARRIER.bind(self.carrier.at(0, 0))
         return Statement(PHI, ("belt",), ConjugateReaction((("force", "N"),)), bindings)
-
-    def conditions(self) -> tuple[Condition, ...]:
-        """Radii of two pulleys."""
-        return radius_conditions(self.radius_i, self.radius_j)
-
-    def shapes(self) -> tuple[shapes.Shape, ...]:
-        """Two pulleys and the belt."""
-        return pulleys_and_belt(self, self.crossed)

@@ -1,13 +1,14 @@
-"""Gear set: two gears roll on each other's pitch circles (Haug, section 3.4)."""
+"""Gear set (Haug, section 3.4), and the bearings and the carrier of two wheels."""
 
 from collections.abc import Mapping
 from typing import Any
 
 import sympy
 
-from codegen.declare.body import Body, Point
-from codegen.declare.element import Constraint, I, J, JointReaction, Statement
-from codegen.declare.element_conditions import Condition, number_problems
+from codegen.declare.body import Body, Ground, Point
+from codegen.declare.element import Constraint, I, J, JointReaction, Statement, label
+from codegen.declare.element_conditions import Condition
+from codegen.declare.element_fields import ground_unless_given, quantity, shared_fields
 from codegen.declare.symbols import given
 from codegen.drawing import shapes
 from codegen.elements.joints.revolute import Revolute
@@ -52,9 +53,9 @@ class Gear(Constraint):
     name: str
     i: Point
     j: Point
-    radius_i: sympy.Expr
-    radius_j: sympy.Expr
-    line: sympy.Expr | None
+    radius_i: sympy.Expr = quantity("m")
+    radius_j: sympy.Expr = quantity("m")
+    line: sympy.Expr | None = quantity("rad")
     joints: Mapping[str, Constraint]
 
     def statement(self) -> Statement:
@@ -63,10 +64,6 @@ class Gear(Constraint):
         bindings = I.bind(self.i) | J.bind(self.j) | {LINE: self._line()}
         bindings |= {SHARE_I: self.radius_i / total, SHARE_J: self.radius_j / total}
         return Statement(PHI, ("mesh",), JointReaction(TOWARDS_J), bindings)
-
-    def problems(self) -> list[str]:
-        """Radii that make no gear set, or none at the distance of the gears' bearings."""
-        return number_problems(self)[:1]  # what is wrong with the distance may follow from the rest
 
     def conditions(self) -> tuple[Condition, ...]:
         """Radii of two pitch circles, which touch at the distance of the gears' bearings."""
@@ -142,3 +139,69 @@ def _axle(point: Point, joints: Mapping[str, Constraint]) -> list[Point]:
                 if same and not any(other.body is there.body for other in points):
                     points.append(there)
     return points
+
+
+@shared_fields
+class WheelPair:
+    """Two wheels whose bearings are on a carrier."""
+
+    name: str
+    i: Body
+    j: Body
+    carrier: Body = ground_unless_given()
+    radius_i: sympy.Expr = quantity("m")
+    radius_j: sympy.Expr = quantity("m")
+    offset: sympy.Expr = quantity("m")
+    joints: Mapping[str, Constraint]
+
+    def problems(self) -> list[str]:
+        """Wheels without an angle, a wheel for its own carrier, other bearings."""
+        where, bodies = label(self), (self.i, self.j, self.carrier)
+        problems = [
+            f"{where} needs the angle of '{body.name}', which has none; use a body with an angle."
+            for body in bodies
+            if body.angle is None or not body.turns
+        ]
+        i, j, carrier = bodies
+        if i is j:
+            problems.append(f"{where} is between body '{i.name}' and itself; give two.")
+        elif isinstance(carrier, Ground) and (carrier is i or carrier is j):
+            problems.append(
+                f"{where}: the ground is one of its wheels and, as no carrier is given, carries "
+                "the bearings too; give two bodies that turn, or as carrier= an arm that turns."
+            )
+        elif carrier is i or carrier is j:
+            problems.append(
+                f"{where}: the carrier '{carrier.name}' is one of its wheels; give the body that "
+                "carries the bearings, or leave it out for the ground."
+            )
+        else:
+            known = _carriers(i, j, self.joints)
+            found = [body for body in known if body is not i and body is not j]
+            if found and not any(body is carrier for body in found):
+                problems.append(
+                    f"{where} turns against '{carrier.name}', but the bearings of '{i.name}' and "
+                    f"'{j.name}' are on '{found[0].name}'; give carrier= that body."
+                )
+        return problems
+
+
+def pulleys_and_belt(pair: WheelPair, crossed: bool) -> tuple[shapes.Shape, ...]:
+    """What a belt drive looks like."""
+    i, j, radius_i, radius_j = pair.i, pair.j, pair.radius_i, pair.radius_j
+    belt = shapes.Belt(i, j, radius_i, radius_j, crossed)
+    return shapes.Wheel(i, radius_i), shapes.Wheel(j, radius_j), belt
+
+
+def _carriers(i: Body, j: Body, joints: Mapping[str, Constraint]) -> list[Body]:
+    """The bodies that revolute joints show to carry both wheels, coaxial bodies included."""
+    pins = [pin for pin in joints.values() if isinstance(pin, Revolute)]
+    ends = [end for pin in pins for end in (pin.i, pin.j)]
+    found = (
+        find_carrier(one, other, joints)
+        for one in ends
+        if one.body is i
+        for other in ends
+        if other.body is j
+    )
+    return [carrier[0] for carrier in found if carrier is not None]

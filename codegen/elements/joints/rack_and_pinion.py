@@ -1,17 +1,18 @@
-"""Rack and pinion: a gear rolls along the pitch line of a toothed bar (Haug, section 3.4)."""
+"""A round body rolls along a line: a pinion on a rack (Haug, section 3.4), a disc on a floor."""
 
 import sympy
 
 from codegen.declare.body import Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
-from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element_fields import Axis, direction, quantity
 from codegen.declare.symbols import given
 from codegen.drawing import shapes
-from codegen.elements.joints import body_line as line
+from codegen.elements.joints import sliding_joints as line
 from codegen.elements.registry import element
 
 RADIUS, OFFSET = given("radius"), given("offset")
 PHI = (line.ACROSS - RADIUS, line.ALONG + RADIUS * (J.phi - I.phi) - OFFSET)
+TO_CONTACT = J.A * J.s - RADIUS * (I.A * line.NORMAL)
 
 
 @element
@@ -34,9 +35,12 @@ class RackAndPinion(Constraint):
     name: str
     pinion: Point
     rack: Point
-    radius: sympy.Expr
-    axis: line.Axis
-    offset: sympy.Expr
+    axis: Axis = direction()
+    radius: sympy.Expr = quantity(
+        "m", "positive",
+        advice="; for a pinion on the other side of the rack reverse the rack's axis",
+    )  # fmt: skip
+    offset: sympy.Expr = quantity("m")
 
     def statement(self) -> Statement:
         """Two equations, m. The rack carries the line, so that it is frame I here."""
@@ -44,18 +48,45 @@ class RackAndPinion(Constraint):
         bindings |= {RADIUS: self.radius, OFFSET: self.offset}
         return Statement(PHI, ("normal", "rolling"), JointReaction(line.DIRECTION, J, -1), bindings)
 
-    def problems(self) -> list[str]:
-        """A rack needs a direction, and a pinion a radius."""
-        return number_problems(self)
-
-    def conditions(self) -> tuple[Condition, ...]:
-        """An axis with a direction, and a pinion with a radius."""
-        advice = "; for a pinion on the other side of the rack reverse the rack's axis"
-        radius = sign_conditions(("radius", self.radius, "m"), positive=True, advice=advice)
-        return line.axis_conditions(self.axis) + radius
-
     def shapes(self) -> tuple[shapes.Shape, ...]:
         """The pinion and the rack."""
         ux, uy = self.axis
         pinion = shapes.Wheel(self.pinion, self.radius, toothed=True)
         return pinion, shapes.Rack(self.rack, ux, uy, toothed=True)
+
+
+@element
+class RollingDisc(Constraint):
+    """(u⊥)ᵀ d - R = 0 and uᵀ d + R (φ_disc - φ_line) - s0 = 0: the disc touches and does not slip.
+
+    With u the direction of the line and d the way from its point to the disc's centre, which stays
+    on the left of the line. In the plane rolling is a matter of positions: `offset` s0 is uᵀ d at
+    φ_disc = φ_line. The equations are those of a rack and pinion; a disc on a disc is a gear.
+
+    The reaction is the force of the line on the disc at the contact, in axes of the line: `fx` is
+    the traction, `fy` the normal force, `torque` is 0. The disc is held on the line and never
+    slips: it would lift off where `fy` is negative, and slide where |fx| exceeds μ fy.
+    """
+
+    kind = "rolling disc"
+    example = 'model.rolling_disc("roll", disc=Q, line=P, radius=0.2, axis=(1, 0))'
+    name: str
+    disc: Point
+    line: Point
+    axis: Axis = direction()
+    radius: sympy.Expr = quantity(
+        "m", "positive", advice="; for a disc on the other side of the line reverse its axis"
+    )
+    offset: sympy.Expr = quantity("m")
+
+    def statement(self) -> Statement:
+        """Two equations, m. The line is frame I here."""
+        bindings = I.bind(self.line) | J.bind(self.disc) | line.bind_axis(self.axis)
+        bindings |= {RADIUS: self.radius, OFFSET: self.offset}
+        reaction = JointReaction(line.DIRECTION, arm=TO_CONTACT)
+        return Statement(PHI, ("normal", "rolling"), reaction, bindings)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The disc and the line."""
+        disc, line = shapes.Wheel(self.disc, self.radius), shapes.Rack(self.line, *self.axis)
+        return disc, line

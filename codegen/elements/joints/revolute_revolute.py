@@ -1,10 +1,10 @@
-"""Composite revolute-revolute joint: a massless link between two points (Haug 3.3.6)."""
+"""Two points that keep their distance: by a massless link, or by a constraint (Haug 3.2, 3.3)."""
 
 import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
-from codegen.declare.element_conditions import Condition, number_problems, sign_conditions
+from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import given
 from codegen.drawing import shapes
 from codegen.elements.registry import element
@@ -27,7 +27,9 @@ class RevoluteRevolute(Constraint):
     name: str
     i: Point
     j: Point
-    length: sympy.Expr
+    length: sympy.Expr = quantity(
+        "m", "positive", binds="positive", advice=", or use a revolute joint"
+    )
     instead_of: Body | None = None
 
     @property
@@ -40,15 +42,18 @@ class RevoluteRevolute(Constraint):
         bindings = I.bind(self.i) | J.bind(self.j) | {LENGTH: self.length}
         return Statement(PHI, ("length",), JointReaction(SPAN / LENGTH), bindings)
 
-    def problems(self) -> list[str]:
-        """A link of length 0 is a revolute joint, and singular as a distance."""
-        return number_problems(self)
-
-    def conditions(self) -> tuple[Condition, ...]:
-        """A link with a length."""
-        value = ("length", self.length, "m")
-        return sign_conditions(value, positive=True, advice=", or use a revolute joint")
-
     def shapes(self) -> tuple[shapes.Shape, ...]:
         """A rod with a pin at either end."""
         return (shapes.Rod(self.i, self.j),)
+
+
+@element
+class Distance(RevoluteRevolute):
+    """(r_j^P - r_i^P)ᵀ (r_j^P - r_i^P) - c² = 0; absolute where one of the points is on the ground.
+
+    The equation is that of a massless link of length c, and so is the reaction: its x axis points
+    from point i to point j.
+    """
+
+    kind = "distance"
+    example = 'model.distance("wire", P, Q, 2.0)'

@@ -4,10 +4,11 @@ import sympy
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import ConjugateReaction, Constraint, Frame, I, J, Statement, label
-from codegen.declare.element_conditions import Condition, number_problems
+from codegen.declare.element_conditions import Condition
+from codegen.declare.element_fields import Axis, direction, quantity
 from codegen.declare.symbols import given
 from codegen.drawing import shapes
-from codegen.elements.joints import body_line as line
+from codegen.elements.joints import sliding_joints as line
 from codegen.elements.registry import element
 
 LEAD, SPINDLE, OFFSET = given("lead"), Frame("spindle"), given("offset")
@@ -35,9 +36,9 @@ class Screw(Constraint):
     frame: Point
     nut: Point
     spindle: Body
-    lead: sympy.Expr
-    axis: line.Axis
-    offset: sympy.Expr
+    lead: sympy.Expr = quantity("m")
+    axis: Axis = direction()
+    offset: sympy.Expr = quantity("m")
 
     def statement(self) -> Statement:
         """One equation, m: the nut's place along the axis."""
@@ -47,7 +48,7 @@ class Screw(Constraint):
         return Statement(PHI, ("travel",), ConjugateReaction((("force", "N"),)), bindings)
 
     def problems(self) -> list[str]:
-        """Bodies that are no screw, an axis that is none, and a lead of zero."""
+        """Bodies that are no screw."""
         frame, nut = self.frame.body, self.nut.body
         problems = [
             f"{label(self)} needs the angle of '{body.name}', which has none; use a body with an "
@@ -62,13 +63,12 @@ class Screw(Constraint):
                 f"{label(self)}: the spindle '{frame.name}' is the frame in which it turns; give "
                 "two bodies."
             )
-        return problems + number_problems(self)
+        return problems
 
     def conditions(self) -> tuple[Condition, ...]:
-        """An axis with a direction, and a thread that rises."""
+        """A thread that rises."""
         text = "the lead is {1:g} m, and the nut never moves; give the travel of one turn."
-        lead = Condition(text, (self.lead**2, self.lead), open=True)
-        return (*line.axis_conditions(self.axis), lead)
+        return (Condition(text, (self.lead**2, self.lead), open=True),)
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
         """The nut on its axis."""

@@ -4,6 +4,7 @@ import sympy
 
 from codegen.declare.body import Point
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
+from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import given
 from codegen.drawing import shapes
 from codegen.elements.joints.revolute import PHI as COINCIDENT
@@ -27,7 +28,7 @@ class Weld(Constraint):
     name: str
     i: Point
     j: Point
-    angle: sympy.Expr
+    angle: sympy.Expr = quantity("rad")
 
     def statement(self) -> Statement:
         """Three equations: the x and y distance of the two points, m, and the angle, rad."""

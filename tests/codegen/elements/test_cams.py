@@ -363,7 +363,7 @@ def test_quantity_that_is_no_length_is_named() -> None:
     assert "curve of 'roll' on body 'first'" in text
     assert "but m is needed" in text
     text = problems(lambda m, i, j: m.cam_flat_follower("lift", i.circle(1), j, axis=None))
-    assert "axis of 'lift': None is no pair" in text
+    assert "axis of cam and flat-faced follower 'lift': None is not 2 values" in text
 
 
 @pytest.mark.parametrize("size", [1e160, 1e300])

@@ -9,7 +9,7 @@ import sympy
 from codegen import Body, Model, Statement, build, element
 from codegen.declare.element import Constraint, Effect, FrictionLaw
 from codegen.elements import registry
-from codegen.elements.forces.spring import Spring
+from codegen.elements.forces.springs import Spring
 from codegen.elements.registry import kinds_of_elements
 from codegen.explain.ledger import Inventory
 from codegen.reading.scene_selection import valid_scenes

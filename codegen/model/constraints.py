@@ -1,32 +1,34 @@
-"""The joints of a declaration, one method a type."""
+"""The joints and drivers of a declaration, one method a type.
 
-from types import MappingProxyType
+A driver takes its name, the driven quantity, and its law: an expression of the time t and of
+parameters. Positions are in m and angles in rad; differences and distances go from `i` to `j`.
+"""
+
 from typing import Any
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Constraint
-from codegen.declare.symbols import KINDS, LETTERS, Letter
-from codegen.elements.joints.absolute import Absolute
-from codegen.elements.joints.distance import Distance
+from codegen.declare.symbols import Letter
+from codegen.elements import drivers
+from codegen.elements.joints.coordinate_differences import Absolute, Relative
 from codegen.elements.joints.gear import Gear
 from codegen.elements.joints.rack_and_pinion import RackAndPinion
-from codegen.elements.joints.relative import Relative
 from codegen.elements.joints.revolute import Revolute
-from codegen.elements.joints.revolute_revolute import RevoluteRevolute
-from codegen.elements.joints.revolute_translational import RevoluteTranslational
-from codegen.elements.joints.translational import Translational
+from codegen.elements.joints.revolute_revolute import Distance, RevoluteRevolute
+from codegen.elements.joints.sliding_joints import RevoluteTranslational, Translational
 from codegen.elements.joints.user_expression import ExpressionConstraint
 from codegen.elements.joints.weld import Weld
-from codegen.model.base import Declarations, Pair, Place
+from codegen.model.base import Declarations, Pair, Place, declares
 
 
-class Joints(Declarations):
-    """The joints of a declaration."""
+class Constraints(Declarations):
+    """The joints and drivers of a declaration."""
 
+    @declares(Revolute)
     def revolute(self, name: str, i: Point, j: Point) -> Constraint:
         """Points `i` and `j` of two bodies coincide."""
-        return self._declare(Revolute(name, *self._pair(name, i, j)))
 
+    @declares(Translational)
     def translational(
         self, name: str, i: Place, j: Place, axis: Pair = (1, 0), angle: Any = 0
     ) -> Constraint:
@@ -41,10 +43,8 @@ class Joints(Declarations):
         angle
             φ_j - φ_i, rad.
         """
-        line = self._read.axis(axis, name)
-        offset = self._value(angle, "rad", f"angle of '{name}'")
-        return self._declare(Translational(name, *self._pair(name, i, j), line, offset))
 
+    @declares(RevoluteRevolute)
     def revolute_revolute(
         self, name: str, i: Point, j: Point, length: Any, instead_of: Body | None = None
     ) -> Constraint:
@@ -52,10 +52,8 @@ class Joints(Declarations):
 
         With `instead_of`, the link acts in those scenes that leave this body out.
         """
-        span = self._value(length, "m", f"length of '{name}'", "positive")
-        stood_for = self._own_body(f"'{name}'", "instead_of", instead_of)
-        return self._declare(RevoluteRevolute(name, *self._pair(name, i, j), span, stood_for))
 
+    @declares(RevoluteTranslational)
     def revolute_translational(
         self, name: str, i: Place, j: Place, axis: Pair = (1, 0), distance: Any = 0,
         instead_of: Body | None = None,
@@ -76,17 +74,12 @@ class Joints(Declarations):
             The slide block that the joint stands for: the joint acts in those scenes that leave
             this body out.
         """
-        line = self._read.axis(axis, name)
-        offset = self._value(distance, "m", f"distance of '{name}'")
-        pair = self._pair(name, i, j)
-        stood_for = self._own_body(f"'{name}'", "instead_of", instead_of)
-        return self._declare(RevoluteTranslational(name, *pair, line, offset, stood_for))
 
+    @declares(Weld)
     def weld(self, name: str, i: Place, j: Place, angle: Any = 0) -> Constraint:
         """Points `i` and `j` coincide and φ_j - φ_i keeps `angle`, rad: two bodies move as one."""
-        offset = self._value(angle, "rad", f"angle of '{name}'")
-        return self._declare(Weld(name, *self._pair(name, i, j), offset))
 
+    @declares(Gear)
     def gear(
         self, name: str, i: Place, j: Place, radius_i: Any, radius_j: Any, line: Any = None
     ) -> Constraint:
@@ -104,11 +97,8 @@ class Joints(Declarations):
             φ_i = φ_j = 0. Left out, it is as the bearings hold the centres, the carrier at φ = 0;
             without bearings to be seen it is 0.
         """
-        ri, rj = (self._value(r, "m", f"radius of '{name}'") for r in (radius_i, radius_j))
-        angle = self._optional(line, "rad", f"line of centres of '{name}'")
-        joints = MappingProxyType(self.joints)
-        return self._declare(Gear(name, *self._pair(name, i, j), ri, rj, angle, joints))
 
+    @declares(RackAndPinion)
     def rack_and_pinion(
         self, name: str, pinion: Place, rack: Place, radius: Any, axis: Pair = (1, 0),
         offset: Any = 0,
@@ -128,31 +118,48 @@ class Joints(Declarations):
         offset
             How far along `axis` the centre lies from `rack`, m, where both bodies have the same φ.
         """
-        size = self._value(radius, "m", f"radius of '{name}'")
-        line = self._read.axis(axis, name)
-        start = self._value(offset, "m", f"offset of '{name}'")
-        pair = self._pair(name, pinion, rack)
-        return self._declare(RackAndPinion(name, *pair, size, line, start))
 
+    @declares(Absolute, point="on")
     def absolute(self, name: str, on: Place, letter: Letter, value: Any) -> Constraint:
         """A point's global x or y, or a body's φ, keeps `value`."""
-        letter = self._read.choice(letter, LETTERS, f"absolute '{name}'")
-        number = self._value(value, KINDS[letter].unit, f"value of '{name}'")
-        point = self._point(name, on)
-        return self._declare(Absolute(name, self.ground, point, letter, number))
 
+    @declares(Relative)
     def relative(self, name: str, i: Place, j: Place, letter: Letter, value: Any) -> Constraint:
         """Global x or y of point `j`, or φ of its body, minus that of `i` keeps `value`."""
-        letter = self._read.choice(letter, LETTERS, f"relative '{name}'")
-        number = self._value(value, KINDS[letter].unit, f"value of '{name}'")
-        return self._declare(Relative(name, *self._pair(name, i, j), letter, number))
 
+    @declares(Distance, length="value")
     def distance(self, name: str, i: Place, j: Place, value: Any) -> Constraint:
         """Points `i` and `j` keep the distance `value`, m; either may be on the ground."""
-        span = self._value(value, "m", f"distance of '{name}'", "positive")
-        return self._declare(Distance(name, *self._pair(name, i, j), span))
 
     def constraint(self, name: str, *phi: Any) -> Constraint:
         """Plain equations: each expression of coordinates, parameters and t is kept at zero."""
         equations = tuple(self._value(e, "", f"constraint '{name}'") for e in phi)
         return self._declare(ExpressionConstraint(name, equations, self._bodies_in(*equations)))
+
+    @declares(drivers.Motion)
+    def driver(self, name: str, driven: Any, law: Any) -> Constraint:
+        """A coordinate, or any expression of coordinates, follows `law`, an expression of t."""
+
+    @declares(drivers.PointDriver, point="on")
+    def point_driver(self, name: str, on: Place, letter: Letter, law: Any) -> Constraint:
+        """A point's global x or y, or its body's φ, follows `law`."""
+
+    @declares(drivers.RelativeDriver)
+    def relative_driver(
+        self, name: str, i: Place, j: Place, letter: Letter, law: Any
+    ) -> Constraint:
+        """Global x or y of point `j`, or φ of its body, minus that of `i` follows `law`."""
+
+    def rotation_driver(self, name: str, i: Place, j: Place, law: Any) -> Constraint:
+        """φ_j - φ_i follows `law`: the motor in a revolute joint between two bodies."""
+        return self.relative_driver(name, i, j, "phi", law)
+
+    @declares(drivers.TranslationDriver)
+    def translation_driver(
+        self, name: str, i: Place, j: Place, law: Any, axis: Pair = (1, 0)
+    ) -> Constraint:
+        """How far `j` is ahead of `i` along `axis` of body `i` follows `law`: a driven slider."""
+
+    @declares(drivers.DistanceDriver)
+    def distance_driver(self, name: str, i: Place, j: Place, law: Any) -> Constraint:
+        """The distance of two points follows `law`, which stays positive: a cylinder."""

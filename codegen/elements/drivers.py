@@ -1,0 +1,211 @@
+"""Drivers: constraints that prescribe a motion in time (Haug, section 3.5)."""
+
+import sympy
+
+from codegen.declare.body import Body, Point
+from codegen.declare.element import ConjugateReaction, Constraint, I, J, Statement, label
+from codegen.declare.element_conditions import Condition
+from codegen.declare.element_fields import Axis, direction, quantity
+from codegen.declare.symbols import Coordinate, Letter, kinds, t
+from codegen.drawing import shapes
+from codegen.elements.joints.coordinate_differences import DIFFERENCE, LEFT_SIDE, letter_unit
+from codegen.elements.joints.sliding_joints import ALONG, bind_axis
+from codegen.elements.registry import element
+
+# safety: (1e-90 m)² is lost in the rounding of any distance, and keeps d / |d| and its derivative
+# from 0 / 0 where a guess puts both points in one place: the Jacobian is 0 there, as that of dᵀ d
+# is.
+NOTHING = 1e-180
+SPAN = J.point - I.point
+DISTANCE = sympy.sqrt(SPAN.dot(SPAN) + NOTHING)
+
+
+class Driver(Constraint):
+    """A driver: driven - law(t) = 0."""
+
+    law: sympy.Expr
+
+    def problems(self) -> list[str]:
+        """A law that contains coordinates is no law of time."""
+        return [
+            f"{label(self)}: the law {self.law} contains the coordinate {s.name}; "
+            f"a motion law depends on {t} and parameters only."
+            for s in kinds(self.law, Coordinate)
+        ]
+
+
+def _drive(
+    i: Point | None, at: Point | Body, letter: str, axis: Axis | None = None
+) -> tuple[shapes.Shape, ...]:
+    """An arrow along an axis or a coordinate, straight or round."""
+    ux, uy = axis or (int(letter == "x"), int(letter == "y"))
+    return (shapes.Drive(i, at, letter == "phi", ux, uy),)
+
+
+@element(driver=True)
+class Motion(Driver):
+    """driven - law(t) = 0; its reaction is the force that the driver exerts along `driven`."""
+
+    kind = "driver"
+    example = """
+        omega = model.parameter("omega", 2.0, unit="rad/s")
+        model.driver("motor", i.phi, pi / 4 + omega * t)
+    """
+    name: str
+    driven: sympy.Expr = quantity()
+    law: sympy.Expr = quantity(lambda of: getattr(of.driven, "unit", ""))
+    on: tuple[Body, ...]
+
+    def statement(self) -> Statement:
+        """One equation; for a single coordinate the reaction is a force or torque on its body."""
+        row, reaction = "motion", ConjugateReaction((("force", ""),))
+        if isinstance(self.driven, Coordinate):
+            row = self.driven.letter
+            reaction = ConjugateReaction.along(row)
+        return Statement((self.driven - self.law,), (row,), reaction)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """An arrow on the body whose coordinate is driven, straight or round."""
+        body = next((b for b in self.on if self.driven in (b.x, b.y, b.phi)), None)
+        return () if body is None else _drive(None, body, self.driven.letter)
+
+    def problems(self) -> list[str]:
+        """The law must be one of time alone, twice differentiable, and something must be driven."""
+        missing = f"{label(self)}: {self.driven} names no coordinate of a body."
+        return [*([] if self.bodies else [missing]), *super().problems()]
+
+
+@element(driver=True)
+class PointDriver(Driver):
+    """x_j^P - C(t) = 0, y_j^P - C(t) = 0 or φ_j - C(t) = 0.
+
+    The reaction is the force at the point along the global axis, N, or the torque, N m, that the
+    driver exerts on the body.
+    """
+
+    kind = "point driver"
+    example = """
+        points = [0, 1, 2, 3, 4], [0, 0.3, 0.8, 1, 0.8]
+        lift = model.table("lift", *points, units=("s", "m"), kind="spline")
+        model.point_driver("hand", Q, "y", lift(t))
+    """
+    name: str
+    point: Point
+    letter: Letter
+    law: sympy.Expr = quantity(letter_unit)
+
+    def statement(self) -> Statement:
+        """One equation, m or rad."""
+        reaction = ConjugateReaction.along(self.letter)
+        phi = (LEFT_SIDE[self.letter] - self.law,)
+        return Statement(phi, (self.letter,), reaction, J.bind(self.point))
+
+    def problems(self) -> list[str]:
+        """The law is one of time, and the ground stays where it is."""
+        problems = super().problems()
+        if self.point.body.fixed:
+            problems.append(
+                f"{label(self)} moves a point of the ground; give one of a moving body."
+            )
+        return problems
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """An arrow at the point, straight or round."""
+        return _drive(None, self.point, self.letter)
+
+
+@element(driver=True)
+class RelativeDriver(Driver):
+    """x_j^P - x_i^P - C(t) = 0, y_j^P - y_i^P - C(t) = 0 or φ_j - φ_i - C(t) = 0, in global axes.
+
+    With φ it is the revolute-rotational driver: the motor in a revolute joint. The reaction is
+    the force along the global axis on body j at its point, N, or the torque on body j, N m; body i
+    gets the opposite.
+    """
+
+    kind = "relative driver"
+    example = 'model.rotation_driver("motor", P, Q, 2 * t**2)'
+    declared_by = ("relative_driver", "rotation_driver")
+    name: str
+    i: Point
+    j: Point
+    letter: Letter
+    law: sympy.Expr = quantity(letter_unit)
+
+    def statement(self) -> Statement:
+        """One equation, m or rad."""
+        reaction = ConjugateReaction.along(self.letter)
+        phi = (DIFFERENCE[self.letter] - self.law,)
+        return Statement(phi, (self.letter,), reaction, I.bind(self.i) | J.bind(self.j))
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """An arrow at the point of body j, straight or round."""
+        return _drive(None, self.j, self.letter)
+
+
+@element(driver=True)
+class TranslationDriver(Driver):
+    """u_iᵀ d_ij - C(t) = 0: how far point j is ahead of point i along an axis of body i.
+
+    The driver of a translational joint between the two points; it may pass through 0, and holds
+    beside any other joint as well. The reaction is the force on body j along the axis, N; body i
+    gets the opposite on the same line of action.
+    """
+
+    kind = "translation driver"
+    example = 'model.translation_driver("slide", P, Q, sin(3 * t), axis=(2, 1))'
+    name: str
+    i: Point
+    j: Point
+    axis: Axis = direction()
+    law: sympy.Expr = quantity("m")
+
+    def statement(self) -> Statement:
+        """One equation, m."""
+        reaction = ConjugateReaction((("force", "N"),))
+        bindings = I.bind(self.i) | J.bind(self.j) | bind_axis(self.axis)
+        return Statement((ALONG - self.law,), ("along",), reaction, bindings)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """An arrow along the axis."""
+        return _drive(self.i, self.j, "", self.axis)
+
+
+@element(driver=True)
+class DistanceDriver(Driver):
+    """sqrt(dᵀ d) - C(t) = 0 with d = r_j^P - r_i^P: a cylinder or a winch between two points.
+
+    Haug squares both sides. Here the distance itself is driven, so that the multiplier is a force,
+    and a law below 0 has no solution instead of that of its opposite. Where C reaches 0 the two
+    points meet, the direction between them is lost and the machine locks; a stroke that passes
+    through 0 is one of `TranslationDriver` or `RelativeDriver`.
+
+    The reaction is the force on body j away from point i, N; body i gets the opposite: positive
+    where the driver pushes the points apart.
+    """
+
+    kind = "distance driver"
+    example = 'model.distance_driver("cylinder", P, Q, 2 + sin(3 * t) / 2)'
+    name: str
+    i: Point
+    j: Point
+    law: sympy.Expr = quantity("m")
+
+    def statement(self) -> Statement:
+        """One equation, m."""
+        reaction = ConjugateReaction((("force", "N"),))
+        bindings = I.bind(self.i) | J.bind(self.j)
+        return Statement((DISTANCE - self.law,), ("distance",), reaction, bindings)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """A law that is positive at t = 0, as far as can be told."""
+        law = str(self.law).replace("{", "{{").replace("}", "}}")
+        text = (
+            f"the law {law} is {{:g}} m at t = 0; a distance stays positive: where two points pass "
+            "each other drive with model.translation_driver or model.relative_driver."
+        )
+        return (Condition(text, (self.law.subs(t, 0),), open=True),)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """An actuator."""
+        return (shapes.Spring(self.i, self.j, elastic=False, actuator=True),)

@@ -1,1 +1,0 @@
-"""Drivers: constraints that prescribe a motion in time."""

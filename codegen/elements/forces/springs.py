@@ -1,0 +1,173 @@
+"""Spring-damper-actuators between two points and between two bodies (Haug 6.1)."""
+
+from typing import ClassVar
+
+import sympy
+
+from codegen.declare.body import Body, Point
+from codegen.declare.element import Effect, Measure, Pulls, label
+from codegen.declare.element_fields import quantity
+from codegen.declare.symbols import SPEED
+from codegen.drawing import shapes
+from codegen.elements.forces import scalar_measures as measures
+from codegen.elements.registry import element
+
+OTHER = ", and write other characteristics with {}="
+
+
+class SpringDamper(Effect):
+    """f = F0 + k (s - s0) + c ṡ + F along a scalar s; V exists where k, s0 and F0 are constant."""
+
+    unit: ClassVar[str] = "m"
+    """Of s."""
+    stiffness: sympy.Expr
+    damping: sympy.Expr
+    actuator: sympy.Expr
+    law: sympy.Expr | None
+    preload: sympy.Expr
+
+    @property
+    def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """s and s0."""
+        raise NotImplementedError
+
+    @property
+    def present(self) -> tuple[bool, bool, bool]:
+        """Whether it has an elastic part, a damper and an actuator."""
+        elastic = self.stiffness != 0 or self.preload != 0
+        return elastic, self.damping != 0, self._active != 0
+
+    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+        """V = k (s - s0)² / 2 + F0 (s - s0) of the elastic part."""
+        s, free = self.scalar
+        if not self._conservative or not self.present[0]:
+            return None
+        return self.stiffness * (s - free) ** 2 / 2 + self.preload * (s - free)
+
+    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+        """The force of the damper and the actuator, and of a spring that varies."""
+        force = self.damping * SPEED + self._active
+        if not self._conservative:
+            force += self._elastic
+        return () if force == 0 else ((self.scalar[0], force),)
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """s, its rate, s - s0, and f."""
+        s, free = self.scalar
+        force = self._elastic + self.damping * SPEED + self._active
+        found = measures.along_scalar(s, self.unit, force)
+        return (*found, Measure("deflection", "", self.unit, s - free))
+
+    def problems(self) -> list[str]:
+        """A law that exerts nothing."""
+        if any(self.present):
+            return []
+        word = "force" if self.unit == "m" else "torque"
+        advice = f"give it a stiffness, a damping, a preload, an actuator or a {word}."
+        return [f"{label(self)} does nothing; {advice}"]
+
+    @property
+    def _active(self) -> sympy.Expr:
+        """F, of the actuator and of a law of the modeller's own."""
+        return self.actuator if self.law is None else self.actuator + self.law
+
+    @property
+    def _elastic(self) -> sympy.Expr:
+        s, free = self.scalar
+        return self.stiffness * (s - free) + self.preload
+
+    @property
+    def _conservative(self) -> bool:
+        return measures.is_constant(self.stiffness, self.scalar[1], self.preload)
+
+
+@element
+class Spring(measures.SpanMeasures, SpringDamper):
+    """f = k (ℓ - ℓ0) + F0 + c ℓ̇ + F along the line of two points, N, positive in tension.
+
+    F0 is the preload, the force at the length ℓ0: the spring is free of force at ℓ0 - F0/k.
+    The elastic part has the potential V = k (ℓ - ℓ0)² / 2 + F0 (ℓ - ℓ0), so that equilibrium and
+    the balance of energy see it; the damper and the actuator are forces, whose power is booked.
+    Where k, ℓ0 or F0 varies in a run, the elastic part has no potential and is booked with them.
+
+    At ℓ = 0 the line has no direction. A run that starts there stops as not finite, and one that
+    goes straight through it meets a force that turns about in an instant, which no event locates.
+    Only a spring with ℓ0 = 0, and neither damper nor actuator, passes smoothly; for a passage along
+    a known line, write a contact or a potential along it.
+    """
+
+    kind = "spring"
+    example = """
+        k = model.parameter("k", 200.0, unit="N/m")
+        l0 = model.parameter("l_0", 0.8, unit="m")
+        c = model.parameter("c", 3.0, unit="N s/m")
+        model.spring("strut", P, Q, stiffness=k, free_length=l0, damping=c)
+    """
+    name: str
+    i: Point
+    j: Point
+    stiffness: sympy.Expr = quantity("N/m", "nonnegative", advice=OTHER.format("force"))
+    free_length: sympy.Expr | None = quantity("m", "nonnegative", advice=OTHER.format("force"))
+    damping: sympy.Expr = quantity("N s/m", "nonnegative", advice=OTHER.format("force"))
+    actuator: sympy.Expr = quantity("N")
+    law: sympy.Expr | None = quantity("N", function_of=measures.distance_and_rate, is_law=True)
+    preload: sympy.Expr = quantity("N")
+
+    @property
+    def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """ℓ and ℓ0."""
+        return self.length, sympy.S.Zero if self.free_length is None else self.free_length
+
+    def problems(self) -> list[str]:
+        """Two points that keep their distance, a spring without a free length."""
+        problems = measures.line_problems(self, self.i, self.j)
+        if self.free_length is None and self.present[0]:
+            has = "stiffness" if self.stiffness != 0 else "preload"
+            problems.append(
+                f"{label(self)} has a {has} but no free length; give free_length= in m."
+            )
+        return problems + super().problems()
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A spring, damper and actuator, those that there are."""
+        return (shapes.Spring(self.i, self.j, *self.present),)
+
+
+@element
+class TorsionSpring(measures.TurnMeasures, SpringDamper):
+    """n = k (θ - θ0) + N0 + c θ̇ + N with θ = φ_j - φ_i; n acts on body i, -n on body j.
+
+    N0 is the preload, the torque at the angle θ0. The elastic part has the potential
+    V = k (θ - θ0)² / 2 + N0 (θ - θ0); the damper and the actuator are forces. Where k, θ0 or N0
+    varies in a run, the elastic part is booked with them.
+    """
+
+    kind = "torsion spring"
+    example = """
+        k = model.parameter("k", 30.0, unit="N m/rad")
+        c = model.parameter("c", 0.4, unit="N m s/rad")
+        model.torsion_spring("coil", i, j, stiffness=k, free_angle=pi / 6, damping=c)
+    """
+    unit = "rad"
+    name: str
+    i: Body
+    j: Body
+    stiffness: sympy.Expr = quantity("N m/rad", "nonnegative", advice=OTHER.format("torque"))
+    free_angle: sympy.Expr = quantity("rad")
+    damping: sympy.Expr = quantity("N m s/rad", "nonnegative", advice=OTHER.format("torque"))
+    actuator: sympy.Expr = quantity("N m")
+    law: sympy.Expr | None = quantity("N m", function_of=measures.angle_and_rate, is_law=True)
+    preload: sympy.Expr = quantity("N m")
+
+    @property
+    def scalar(self) -> tuple[sympy.Expr, sympy.Expr]:
+        """θ and θ0."""
+        return self.angle, self.free_angle
+
+    def problems(self) -> list[str]:
+        """A body against itself, and a law that exerts nothing."""
+        return super().problems() + SpringDamper.problems(self)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A torsion spring, damper and actuator, those that there are."""
+        return (shapes.SpiralSpring(self.i, self.j, *self.present),)

@@ -1,0 +1,377 @@
+"""What keeps bodies apart or rubs between them: contacts, friction, stops, clearances."""
+
+from dataclasses import replace
+from typing import Any, Literal
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.element import Constraint, Effect, label
+from codegen.declare.symbols import Coordinate, Time, Velocity, kinds, rate
+from codegen.elements.forces.clearance_joint import ClearanceJoint
+from codegen.elements.forces.given_load_friction import DryFriction
+from codegen.elements.forces.joint_friction import JOINTS, JointFriction, joint_coordinate
+from codegen.elements.forces.rigid_contact import RigidContact
+from codegen.elements.forces.scalar_measures import unit_of
+from codegen.elements.forces.spring_damper_contact import Contact, gap_between
+from codegen.elements.forces.stop import Stop, limit_conditions, stop_problems
+from codegen.model.base import Declarations, Ends, Pair, Place, declares
+from codegen.readers.values import shown
+
+FrictionLaw = Literal["sticking", "regularised"]
+
+
+class Contacts(Declarations):
+    """Contacts, friction, stops and clearances of a declaration."""
+
+    def contact(
+        self, name: str, i: Place | None = None, j: Place | None = None, *, stiffness: Any = None,
+        damping: Any = None, free_length: Any = 0, direction: Pair | None = None, gap: Any = None,
+        may_pull: bool = True, restitution: Any = None, typical_force: Any = None,
+        fidelity: Literal["penalty", "rigid"] | None = None,
+    ) -> Effect:  # fmt: skip
+        """A contact while a gap is closed: by a spring and damper (Haug 8.4.2), or rigid.
+
+        Parameters
+        ----------
+        i, j
+            Points of two bodies (a body means its centre of mass), between which the gap is: along
+            `direction`, g = (A_i u)ᵀ (r_j^P - r_i^P) - ℓ0; without one, g = ℓ - ℓ0.
+        stiffness, damping
+            k in N/m and c in N s/m of f = k g + c ġ, which acts while g < 0.
+        free_length
+            ℓ0 in m.
+        direction
+            u in the frame of body `i`, of any length.
+        gap
+            Instead of points: g itself, in m, an expression of coordinates, parameters and t.
+        may_pull
+            False cuts the damper off where it would hold the bodies together, which tyres, balls
+            and all other surfaces that do not stick need; True is the plain law k g + c ġ.
+        restitution
+            Instead of stiffness and damping: e of a rigid contact, from 0 to 1.
+        typical_force
+            Of a rigid contact: a force of the size of its reactions, N; None: the weight of the
+            bodies of the scene.
+        fidelity
+            ``"penalty"`` or ``"rigid"``, of a contact with the numbers of both: the fidelity in a
+            scene that does not say.
+        """
+        where = f"contact '{name}'"
+        gap, bodies = self._gap(name, i, j, free_length, direction, gap)
+        pulling = self._read.flag(may_pull, f"{where}: may_pull", True)
+        chosen = self._law_word(fidelity, ("penalty", "rigid"), f"{where}, fidelity")
+        soft = stiffness is not None or damping is not None
+        has_both = bool(chosen) and soft and restitution is not None
+        forms: dict[str, Effect | str] = {
+            "penalty": "needs stiffness= in its declaration.",
+            "rigid": "needs restitution= in its declaration.",
+        }
+        if not has_both:
+            stiffness = self._one_law(
+                where, stiffness, damping, restitution, typical_force,
+                ", or all with fidelity='rigid' or 'penalty' to let scenes choose",
+            )  # fmt: skip
+        if restitution is None or has_both:
+            forms["penalty"] = self._element(
+                Contact, name=name, gap=gap, stiffness=stiffness,
+                damping=0 if damping is None else damping, on=bodies, may_pull=pulling,
+            )  # fmt: skip
+        if restitution is not None:
+            if not pulling and not has_both:
+                self._note(f"{where}: a rigid contact never pulls; leave may_pull out.")
+            forms["rigid"] = self._element(
+                RigidContact, name=name, gap=gap, restitution=restitution, on=bodies,
+                typical_force=typical_force,
+            )  # fmt: skip
+        word = chosen or ("rigid" if restitution is not None else "penalty")
+        return self._chosen_form(where, word, forms)
+
+    def stop(
+        self, name: str, of: Constraint | Any, lower: Any = None, upper: Any = None, *,
+        stiffness: Any = None, damping: Any = None, restitution: Any = None,
+        typical_force: Any = None,
+    ) -> Effect:  # fmt: skip
+        """Stops limit the coordinate of a joint: by a spring and a damper each, or rigid.
+
+        Parameters
+        ----------
+        of
+            A revolute joint, whose coordinate s is φ_j - φ_i, rad; a translational or
+            revolute-translational joint, whose s is the travel of point j from point i along the
+            axis, m; or s itself, an expression of coordinates and parameters.
+        lower, upper
+            The limits of s, of which one may be left out.
+        stiffness, damping
+            k and c of f = k (s - s_limit) + c ṡ beyond a limit, N/m and N s/m along a travel,
+            N m/rad and N m s/rad about an angle; f never holds s back.
+        restitution
+            Instead of stiffness and damping: e of stops that do not yield, from 0 to 1. They are a
+            rigid contact, whose gap with both limits is (s - lower) (upper - s)/(upper - lower).
+        typical_force
+            Of rigid stops: a force of the size of their reactions, N or N m; None: the weight of
+            the bodies of the scene, in N.
+        """
+        where = f"stop '{name}'"
+        s, unit, bodies = self._limited(where, of)
+        words = {"name": name, "unit": unit, "on": bodies}
+        stiffness = self._one_law(where, stiffness, damping, restitution, typical_force)
+        yielding: Stop = self._element(
+            Stop, scalar=s, lower=lower, upper=upper,
+            stiffness=1 if stiffness is None else stiffness,
+            damping=0 if damping is None else damping, **words,
+        )  # fmt: skip
+        if restitution is None:
+            return self._declare(yielding)
+        low, high = yielding.lower, yielding.upper
+        limits = (c for c in limit_conditions(low, high) if c.known)
+        for problem in (
+            *stop_problems(where, s, low, high),
+            *(problem for c in limits for problem in c.problems(where, {})),
+        ):
+            self._note(problem)
+        rigid: RigidContact = self._element(
+            RigidContact, gap=_gap_of_both(s, low, high), restitution=restitution,
+            typical_force=typical_force, limits=yielding.gaps, **words,
+        )  # fmt: skip
+        return self._declare(rigid)
+
+    @declares(ClearanceJoint, i="bearing", j="journal")
+    def clearance_joint(
+        self, name: str, bearing: Place, journal: Place, clearance: Any, stiffness: Any, *,
+        exponent: Any = 1.5, damping: Any = 0, coefficient: Any = 0, creep: Any = None,
+        radius: Any = 0,
+    ) -> Effect:  # fmt: skip
+        """A revolute joint with clearance: a journal is free in its bearing until it touches it.
+
+        Parameters
+        ----------
+        bearing, journal
+            The centres of both, points of two bodies; a body means its centre of mass.
+        clearance
+            c, the radius of the bearing less that of the journal, m.
+        stiffness, exponent
+            K in N/mⁿ and n of the force K δⁿ at the depth δ; n = 1.5 is Hertz' law.
+        damping
+            χ in s/m of the factor 1 + χ δ̇; 3 (1 - ε²)/(4 v) for a restitution ε at an impact of
+            speed v (Lankarani and Nikravesh).
+        coefficient, creep
+            μ of the friction, and the speed in m/s below which it creeps.
+        radius
+            The journal's radius, m, the arm of the friction.
+        """
+
+    def friction(
+        self, name: str, joint: Constraint, coefficient: Any, creep: Any = None, radius: Any = None,
+        length: Any = None, static: Any = None, fidelity: FrictionLaw | None = None,
+    ) -> Effect:  # fmt: skip
+        """Coulomb friction in a joint, from the joint's reaction.
+
+        Parameters
+        ----------
+        joint
+            A revolute, translational or revolute-translational joint.
+        coefficient
+            μ.
+        creep
+            Of a law that is regularised at rest: the speed, in m/s or, in a revolute joint, rad/s,
+            below which the joint creeps. Without it the joint sticks.
+        radius
+            Of a revolute joint's pin, m.
+        length
+            Of a translational joint's bearing, m: its moment then presses at both ends.
+        static
+            μ_s of a joint that sticks, at least μ; None: μ.
+        fidelity
+            ``"sticking"`` or ``"regularised"``: the fidelity in a scene that does not say.
+            Without it a friction with a creep speed is regularised, and one without sticks; with it
+            a declaration may give the numbers of both.
+        """
+        law: JointFriction = self._element(
+            JointFriction, name=name, joint=joint, coefficient=coefficient, creep=creep,
+            radius=radius, length=length, static=static,
+        )  # fmt: skip
+        given: object = joint
+        if isinstance(given, Constraint) and self.joints.get(joint.name) is not joint:
+            self._note(
+                f"friction '{name}': joint {shown(joint.name)} is not declared in '{self.name}'; "
+                "give one that is."
+            )
+        return self._friction_law(law, fidelity)
+
+    def dry_friction(
+        self, name: str, i: Place | None = None, j: Place | None = None, *, coefficient: Any,
+        normal: Any, axis: Pair | None = None, slip: Any = None, static: Any = None,
+        creep: Any = None, fidelity: FrictionLaw | None = None,
+    ) -> Effect:  # fmt: skip
+        """Coulomb friction under a normal force that is known: a block on a belt, a brake.
+
+        Parameters
+        ----------
+        i, j
+            Points of two bodies (a body means its centre of mass): the point of `j` slides along
+            `axis` of body `i`, ṡ = d/dt (A_i u)ᵀ (r_j^P - r_i^P).
+        coefficient
+            μ.
+        normal
+            N in newton, an expression of coordinates, velocities, t and parameters.
+        axis
+            u in the frame of body `i`, of any length; None: (1, 0).
+        slip
+            Instead of points and axis: ṡ itself, in m/s, linear in velocities, as
+            ``block.vx - speed``.
+        static
+            μ_s of a friction that sticks, at least μ; None: μ.
+        creep
+            Of a law that is regularised at rest: the speed in m/s below which it creeps.
+        fidelity
+            ``"sticking"`` or ``"regularised"``: the fidelity in a scene that does not say.
+            Without it a friction with a creep speed is regularised, and one without sticks; with it
+            a declaration may give the numbers of both.
+        """
+        where = f"dry friction '{name}'"
+        if slip is not None:
+            if i is not None or j is not None:
+                self._note(f"{where} has both slip= and points; give one of them.")
+            if axis is not None:
+                self._note(f"{where} has both slip= and axis=; the axis is that of two points.")
+            slip = self._value(slip, "m/s", f"slip of {where}")
+            bodies = self._bodies_in(slip)
+        else:
+            missing = f"{where} has no slip; give two points, or slip= a velocity."
+            ends, bodies = self._surfaces(name, i, j, missing)
+            along = self._direction(where, "axis", (1, 0) if axis is None else axis)
+            along = along or (sympy.S.One, sympy.S.Zero)
+            if moving := kinds(sympy.Tuple(*along), Coordinate, Velocity, Time):
+                self._note(
+                    f"{where}: the axis {along} depends on {moving[0].name}, and one that turns by "
+                    "itself slides on nothing; give an axis fixed in body i, or slip= a velocity."
+                )
+            slip = rate(gap_between(*ends, along, sympy.S.Zero))
+        law: DryFriction = self._element(
+            DryFriction, name=name, slip=slip, normal=normal, coefficient=coefficient, on=bodies,
+            static=static, creep=creep,
+        )  # fmt: skip
+        return self._friction_law(law, fidelity)
+
+    def _one_law(
+        self, where: str, stiffness: Any, damping: Any, restitution: Any, typical_force: Any,
+        otherwise: str = "",
+    ) -> Any:  # fmt: skip
+        """The stiffness; notes numbers of no law, or of one that yields and one that is rigid."""
+        word = where.partition(" ")[0]
+        if restitution is not None:
+            if stiffness is not None or damping is not None:
+                self._note(
+                    f"{where} has both restitution= and stiffness= or damping=; give restitution= "
+                    f"for a rigid {word}, or the others for one that yields{otherwise}."
+                )
+            return stiffness
+        if typical_force is not None:
+            self._note(f"{where}: typical_force= is a rigid {word}'s; leave it out.")
+        if stiffness is None:
+            self._note(
+                f"{where} has neither stiffness= nor restitution=; give stiffness= for one "
+                "that yields, or restitution= for one that is rigid."
+            )
+        return 1 if stiffness is None else stiffness
+
+    def _law_word(self, word: Any, allowed: tuple[str, ...], where: str) -> str:
+        """One of the words; the empty text for None, and for what is none of them."""
+        if word is None:
+            return ""
+        chosen = self._read.choice(word, allowed, where)
+        return chosen if isinstance(word, str) and word in allowed else ""
+
+    def _chosen_form(self, where: str, word: str, forms: dict[str, Effect | str]) -> Effect:
+        """Declare an effect of several fidelities, of which `word` is the default."""
+        chosen = forms[word]
+        if isinstance(chosen, str):
+            self._note(f"{where}: the fidelity '{word}' {chosen}")
+            chosen = next(form for form in forms.values() if not isinstance(form, str))
+        if self._declare(chosen) is self.effects.get(chosen.name):
+            self.fidelities[chosen.name] = forms
+        return chosen
+
+    def _friction_law(self, law: DryFriction | JointFriction, fidelity: str | None) -> Effect:
+        """Declare a friction in each fidelity that it has the numbers for."""
+        where, creeps = label(law), law.creep is not None
+        if law.static is not None:
+            self._bind(law.coefficient, "positive")
+        chosen = self._law_word(fidelity, ("sticking", "regularised"), f"{where}, fidelity")
+        if not chosen and creeps and law.static is not None:
+            return self._declare(law)  # two laws at once, as its check says
+        forms: dict[str, Effect | str] = {
+            "sticking": replace(law, creep=None),
+            "regularised": "needs creep= in its declaration.",
+        }
+        if creeps:
+            forms["regularised"] = replace(law, static=None)
+        return self._chosen_form(where, chosen or ("regularised" if creeps else "sticking"), forms)
+
+    def _direction(
+        self, where: str, word: str, vector: Any
+    ) -> tuple[sympy.Expr, sympy.Expr] | None:
+        """Two components that are not both zero."""
+        ux, uy = self._read.pair(vector, "", f"{word} of {where}")
+        if ux == 0 and uy == 0:
+            self._note(f"{where}: the {word} (0, 0) points nowhere; give another.")
+            return None
+        return ux, uy
+
+    def _surfaces(self, name: str, i: Any, j: Any, missing: str) -> tuple[Ends, tuple[Body, ...]]:
+        """Two points and their bodies; one that is missing is noted, and the ground."""
+        if i is None or j is None:
+            self._note(missing)
+        ends = self._pair(name, *(self.ground if end is None else end for end in (i, j)))
+        return ends, tuple(end.body for end in ends)
+
+    def _gap(
+        self, name: str, i: Any, j: Any, free_length: Any, direction: Any, gap: Any
+    ) -> tuple[sympy.Expr, tuple[Body, ...]]:
+        """g of a contact, and the bodies that it is between."""
+        where = f"contact '{name}'"
+        if gap is not None:
+            if i is not None or j is not None or direction is not None:
+                self._note(f"{where} has both gap= and points; give one of them.")
+            g = self._value(gap, "m", f"gap of {where}")
+            return g - self._value(free_length, "m", f"free length of {where}"), self._bodies_in(g)
+        missing = f"{where} has no gap; give two points, or gap= an expression."
+        ends, bodies = self._surfaces(name, i, j, missing)
+        along = None if direction is None else self._direction(where, "direction", direction)
+        free = self._value(free_length, "m", f"free length of {where}")
+        return gap_between(*ends, along, free), bodies
+
+    def _limited(self, where: str, of: Any) -> tuple[sympy.Expr, str, tuple[Body, ...]]:
+        """The coordinate that a stop limits, its unit, and the bodies that it is of."""
+        given: object = of
+        if isinstance(given, JOINTS):
+            if self.joints.get(given.name) is not given:
+                self._note(f"{where}: joint '{given.name}' is not of this model; give one that is.")
+            angles = [body.angle for body in given.bodies]
+            if given.kind == "revolute" and any(angle is None for angle in angles):
+                self._note(
+                    f"{where}: a body of joint '{given.name}' counts no angle; limit an expression "
+                    "of its coordinates."
+                )
+                return sympy.S.One, "rad", given.bodies
+            s, unit = joint_coordinate(given)
+            return s, unit, given.bodies
+        if isinstance(given, Constraint | str):
+            name = shown(given.name if isinstance(given, Constraint) else given)
+            self._note(
+                f"{where}: {name} is no joint with a coordinate; give a revolute, a translational "
+                "or a revolute-translational joint itself, or an expression of coordinates."
+            )
+            return sympy.S.One, "", ()
+        s = self._value(of, "", f"coordinate of {where}")
+        return s, unit_of(s), self._bodies_in(s)
+
+
+def _gap_of_both(s: sympy.Expr, lower: sympy.Expr | None, upper: sympy.Expr | None) -> sympy.Expr:
+    """A gap that closes at each limit with the slope ±1, smooth in between."""
+    if lower is None:
+        return s if upper is None else upper - s
+    if upper is None:
+        return s - lower
+    return (s - lower) * (upper - s) / (upper - lower)
