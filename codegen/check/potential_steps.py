@@ -29,7 +29,7 @@ from codegen.derive.piecewise_conditions import (
     switching_function,
     without_marks,
 )
-from codegen.elements.forces.spring_damper_contact import GapSprings
+from codegen.elements.forces.contacts import GapSprings
 from codegen.model import Model
 from codegen.readers.values import shown
 from codegen.tables.table_function import Interpolant

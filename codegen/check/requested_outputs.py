@@ -8,7 +8,7 @@ from codegen.derive.constraint_terms import constraint_terms
 from codegen.derive.effect_terms import available_quantities, effect_measures, effect_terms
 from codegen.derive.equations import active_joints
 from codegen.model import Model
-from codegen.model.requested_outputs import ONE
+from codegen.model.scene_requests import ONE
 
 GEOMETRY = ("point", *(word for word in QUANTITIES if word not in EXERTED))
 

@@ -9,14 +9,14 @@ from codegen.declare.element_fields import Axis, direction, quantity
 from codegen.declare.symbols import Coordinate, Letter, kinds, t
 from codegen.drawing import shapes
 from codegen.elements.joints.coordinate_differences import DIFFERENCE, LEFT_SIDE, letter_unit
-from codegen.elements.joints.sliding_joints import ALONG, bind_axis
+from codegen.elements.joints.guides import ALONG, bind_axis
+from codegen.elements.joints.links import SPAN
 from codegen.elements.registry import element
 
 # safety: (1e-90 m)² is lost in the rounding of any distance, and keeps d / |d| and its derivative
 # from 0 / 0 where a guess puts both points in one place: the Jacobian is 0 there, as that of dᵀ d
 # is.
 NOTHING = 1e-180
-SPAN = J.point - I.point
 DISTANCE = sympy.sqrt(SPAN.dot(SPAN) + NOTHING)
 
 

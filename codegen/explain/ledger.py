@@ -20,7 +20,7 @@ from codegen.model import Model
 from codegen.model.base import TRACKED
 from codegen.model.bodies import FORMS
 from codegen.model.fidelities import NONE
-from codegen.model.requested_outputs import ALL, GROUPS, OF_ANALYSIS
+from codegen.model.scene_requests import ALL, GROUPS, OF_ANALYSIS
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes
 

@@ -11,13 +11,17 @@ from codegen.declare.element import Constraint
 from codegen.declare.symbols import Letter
 from codegen.elements import drivers
 from codegen.elements.joints.coordinate_differences import Absolute, Relative
-from codegen.elements.joints.gear import Gear
-from codegen.elements.joints.rack_and_pinion import RackAndPinion
-from codegen.elements.joints.revolute import Revolute
-from codegen.elements.joints.revolute_revolute import Distance, RevoluteRevolute
-from codegen.elements.joints.sliding_joints import RevoluteTranslational, Translational
+from codegen.elements.joints.guides import (
+    RackAndPinion,
+    RevoluteTranslational,
+    RollingDisc,
+    Screw,
+    Translational,
+)
+from codegen.elements.joints.links import Distance, Revolute, RevoluteRevolute
 from codegen.elements.joints.user_expression import ExpressionConstraint
 from codegen.elements.joints.weld import Weld
+from codegen.elements.joints.wheels import Belt, Gear
 from codegen.model.base import Declarations, Pair, Place, declares
 
 
@@ -117,6 +121,72 @@ class Constraints(Declarations):
             Direction of the pitch line in the rack's frame; the pinion lies to the left of it.
         offset
             How far along `axis` the centre lies from `rack`, m, where both bodies have the same φ.
+        """
+
+    @declares(Belt)
+    def belt(
+        self, name: str, i: Body, j: Body, radius_i: Any, radius_j: Any, *,
+        carrier: Body | None = None, crossed: bool = False, offset: Any = 0,
+    ) -> Constraint:  # fmt: skip
+        """A belt or chain that neither stretches nor slips couples two pulleys.
+
+        Parameters
+        ----------
+        i, j
+            The pulleys.
+        radius_i, radius_j
+            Their radii, m, both positive.
+        carrier
+            The body that carries the bearings of both; None: the ground.
+        crossed
+            Whether the belt is crossed, and turns the pulleys in opposite directions.
+        offset
+            s0 in m: R_j (φ_j - φ_c) - R_i (φ_i - φ_c) as the belt was laid on. Crossed, R_i counts
+            as negative.
+        """
+
+    @declares(Screw)
+    def screw(
+        self, name: str, frame: Place, nut: Place, spindle: Body, lead: Any, axis: Pair = (1, 0),
+        offset: Any = 0,
+    ) -> Constraint:  # fmt: skip
+        """A nut travels along an axis by `lead` for each turn of a spindle.
+
+        Parameters
+        ----------
+        frame
+            A point of the body in which the spindle turns, on the axis of travel.
+        nut
+            A point of the nut; a body means its centre of mass.
+        spindle
+            The body that turns: the spindle's wheel, or its motor.
+        lead
+            h, the travel of one turn, m; negative for a left-hand thread.
+        axis
+            Direction of travel in the frame of `frame`.
+        offset
+            How far along `axis` the nut lies from `frame`, m, where both bodies have the same φ.
+        """
+
+    @declares(RollingDisc)
+    def rolling_disc(
+        self, name: str, disc: Place, line: Place, radius: Any, axis: Pair = (1, 0),
+        offset: Any = 0,
+    ) -> Constraint:  # fmt: skip
+        """A disc rolls along a line of another body without slip.
+
+        Parameters
+        ----------
+        disc
+            The disc's centre; a body means its centre of mass.
+        line
+            A point on the line; a body means its centre of mass.
+        radius
+            The disc's radius, m.
+        axis
+            Direction of the line in the frame of its body; the disc lies to the left of it.
+        offset
+            How far along `axis` the centre lies from `line`, m, where both bodies have the same φ.
         """
 
     @declares(Absolute, point="on")

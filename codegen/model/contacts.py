@@ -9,12 +9,16 @@ from codegen.declare.body import Body
 from codegen.declare.element import Constraint, Effect, label
 from codegen.declare.symbols import Coordinate, Time, Velocity, kinds, rate
 from codegen.elements.forces.clearance_joint import ClearanceJoint
-from codegen.elements.forces.given_load_friction import DryFriction
-from codegen.elements.forces.joint_friction import JOINTS, JointFriction, joint_coordinate
-from codegen.elements.forces.rigid_contact import RigidContact
+from codegen.elements.forces.contacts import (
+    Contact,
+    RigidContact,
+    Stop,
+    gap_between,
+    limit_conditions,
+    stop_problems,
+)
+from codegen.elements.forces.friction import JOINTS, DryFriction, JointFriction, joint_coordinate
 from codegen.elements.forces.scalar_measures import unit_of
-from codegen.elements.forces.spring_damper_contact import Contact, gap_between
-from codegen.elements.forces.stop import Stop, limit_conditions, stop_problems
 from codegen.model.base import Declarations, Ends, Pair, Place, declares
 from codegen.readers.values import shown
 

@@ -8,11 +8,21 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.element import Effect
 from codegen.declare.symbols import Coordinate
-from codegen.elements.forces.applied import AppliedForce, AppliedTorque, LineForce
-from codegen.elements.forces.bushing import Bushing
-from codegen.elements.forces.gravity import Gravity
-from codegen.elements.forces.springs import Spring, TorsionSpring
-from codegen.elements.forces.user_expression import GeneralizedForce, Potential
+from codegen.elements.forces.applied import (
+    AppliedForce,
+    AppliedTorque,
+    GeneralizedForce,
+    Gravity,
+    LineForce,
+    Potential,
+)
+from codegen.elements.forces.springs import Bushing, Spring, TorsionSpring
+from codegen.elements.forces.transmissions import (
+    ElasticBelt,
+    GearWithBacklash,
+    Motor,
+    OneWayClutch,
+)
 from codegen.model.base import Declarations, Place, declares
 from codegen.readers.values import shown
 
@@ -20,7 +30,7 @@ Characteristic = Callable[[sympy.Expr, sympy.Expr], Any]  # (ℓ, ℓ̇) or (θ,
 
 
 class Forces(Declarations):
-    """Forces, springs and potentials of a declaration."""
+    """Forces, springs, motors and potentials of a declaration."""
 
     @declares(Gravity)
     def gravity(self, name: str, g: tuple[Any, Any]) -> Effect:
@@ -176,4 +186,88 @@ class Forces(Declarations):
             (c_x, c_y, c_φ) in N s/m, N s/m and N m s/rad.
         free_angle
             φ_j - φ_i at rest, rad.
+        """
+
+    @declares(Motor, i="from_", j="on")
+    def motor(
+        self, name: str, on: Body, from_: Body | None = None, *, stall_torque: Any,
+        no_load_speed: Any, voltage: Any = 1,
+    ) -> Effect:  # fmt: skip
+        """A motor whose torque falls in a straight line with its speed, T = T_s (u - ω/ω_0).
+
+        Parameters
+        ----------
+        on
+            The rotor, on which T acts.
+        from_
+            The stator, on which -T acts; None: the ground. ω = φ̇_on - φ̇_from.
+        stall_torque, no_load_speed
+            T_s in N m and ω_0 in rad/s, at the rated voltage, both positive.
+        voltage
+            u, the voltage as a multiple of the rated one: any expression of t, q, q̇ and
+            parameters.
+        """
+
+    @declares(ElasticBelt)
+    def elastic_belt(
+        self, name: str, i: Body, j: Body, radius_i: Any, radius_j: Any, *, stiffness: Any,
+        damping: Any = 0, pretension: Any = 0, carrier: Body | None = None, crossed: bool = False,
+        offset: Any = 0,
+    ) -> Effect:  # fmt: skip
+        """A belt or chain of two strands that stretch, and pull only, couples two pulleys.
+
+        Parameters
+        ----------
+        i, j
+            The pulleys.
+        radius_i, radius_j
+            Their radii, m, both positive.
+        stiffness, damping
+            k = E A/L in N/m and c in N s/m of one strand.
+        pretension
+            T0 in N, the tension of both strands when the belt is idle.
+        carrier
+            The body that carries the bearings of both; None: the ground.
+        crossed
+            Whether the belt is crossed, and turns the pulleys in opposite directions.
+        offset
+            R_j (φ_j - φ_c) - R_i (φ_i - φ_c) of the idle belt, m. Crossed, R_i counts as negative.
+        """
+
+    @declares(GearWithBacklash)
+    def gear_with_backlash(
+        self, name: str, i: Body, j: Body, radius_i: Any, radius_j: Any, *, backlash: Any,
+        stiffness: Any, damping: Any = 0, carrier: Body | None = None, offset: Any = 0,
+    ) -> Effect:  # fmt: skip
+        """Two gears whose teeth bear by a spring and a damper on either flank, with play between.
+
+        Parameters
+        ----------
+        i, j
+            The gears.
+        radius_i, radius_j
+            Radii of the pitch circles, m; negative for an internal gear.
+        backlash
+            b, the play along the pitch circles from flank to flank, m.
+        stiffness, damping
+            k in N/m and c in N s/m of the teeth, along the pitch circles.
+        carrier
+            The body that carries the bearings of both; None: the ground.
+        offset
+            R_i (φ_i - φ_c) + R_j (φ_j - φ_c) in the middle of the backlash, m.
+        """
+
+    @declares(OneWayClutch, i="driver", j="driven")
+    def one_way_clutch(self, name: str, driver: Body, driven: Body, capacity: Any = None) -> Effect:
+        """A freewheel: `driver` turns `driven` counter-clockwise, which may overrun it.
+
+        It is rigid: while it grips, both have one speed, and where something would make the driver
+        faster at an instant, as a start or the impact of a contact, an impact gives them one.
+
+        Parameters
+        ----------
+        driver, driven
+            The bodies i and j of ω_j - ω_i ≥ 0; for a clutch that drives clockwise exchange them.
+        capacity
+            T_c in N m, the torque at which the clutch slips; None: it never does.
         """

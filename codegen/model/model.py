@@ -21,7 +21,6 @@ from codegen.model.forces import Forces
 from codegen.model.parameters import Values
 from codegen.model.scene_variations import Variations
 from codegen.model.states import States
-from codegen.model.transmissions import Transmissions
 from codegen.object_display import html_of, html_table
 from codegen.readers.calls import declaring, named_attributes
 from codegen.readers.values import one_line, shown
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
 
 
 @named_attributes
-class Model(Values, Variations, Cams, Forces, Contacts, Transmissions, States):
+class Model(Values, Variations, Cams, Forces, Contacts, States):
     """A planar machine.
 
     Parameters

@@ -17,8 +17,7 @@ from codegen.errors import ModelError
 from codegen.model.bodies import Form
 from codegen.model.connections import MOST
 from codegen.model.fidelities import NONE
-from codegen.model.requested_outputs import ONE
-from codegen.model.scene_requests import DEFAULTS, SceneRequests
+from codegen.model.scene_requests import DEFAULTS, ONE, SceneRequests
 from codegen.readers.names import name_problem, nearest
 from codegen.readers.values import shown
 

@@ -10,7 +10,7 @@ import sympy
 from codegen.check import expressions, potential_steps
 from codegen.declare.returned_kinds import memoize_methods
 from codegen.declare.symbols import Coordinate, ModelSymbol
-from codegen.elements.joints.revolute import Revolute
+from codegen.elements.joints.links import Revolute
 from codegen.reading.scene_selection import valid_scenes
 from models.hard.n_four_bar import n_four_bar
 

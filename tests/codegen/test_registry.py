@@ -74,7 +74,7 @@ def test_page_about_new_elements_shows_the_source(root: Path) -> None:
     shown = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     sources = (
         *("codegen/elements/joints/weld.py", "codegen/model/constraints.py"),
-        *("codegen/elements/forces/motor.py", "codegen/model/transmissions.py"),
+        *("codegen/elements/forces/transmissions.py", "codegen/model/forces.py"),
         "tests/codegen/elements/test_exerted_by_bodies.py",
     )
     for snippet, source in zip(shown, sources, strict=True):

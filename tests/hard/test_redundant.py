@@ -13,7 +13,7 @@ import pytest
 import sympy
 
 from codegen import Model
-from codegen.elements.forces.joint_friction import JointFriction
+from codegen.elements.forces.friction import JointFriction
 from codegen.errors import AnalysisError, RedundancyError
 from models.hard.parallel_linkage import parallel_linkage
 from models.hard.suite.case import ROOT

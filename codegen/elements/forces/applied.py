@@ -1,4 +1,4 @@
-"""Applied forces and torques, and forces along the line of two points (Haug 6.1)."""
+"""Loads that are given: gravity, potentials, forces and torques (Haug 6.1)."""
 
 from typing import Literal
 
@@ -7,7 +7,7 @@ import sympy
 from codegen.declare.body import Body, Point
 from codegen.declare.element import Effect, Measure, Pulls, label
 from codegen.declare.element_fields import quantity
-from codegen.declare.symbols import Coordinate
+from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.drawing import shapes
 from codegen.elements.forces.scalar_measures import (
     SpanMeasures,
@@ -16,6 +16,68 @@ from codegen.elements.forces.scalar_measures import (
     same_body,
 )
 from codegen.elements.registry import element
+
+
+@element
+class Gravity(Effect):
+    """V = -Σ m (g_x x + g_y y)."""
+
+    kind = "gravity"
+    example = 'model.gravity("weight", (0, -9.81))'
+    name: str
+    g: tuple[sympy.Expr, sympy.Expr] = quantity(("m/s^2", "m/s^2"))
+
+    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+        """Potential energy of the bodies, zero at the global origin."""
+        axes = [(k, g) for k, g in enumerate(self.g) if g != 0]
+        centres = ((b.mass, tuple(b.mass_centre)) for b in bodies if b.mass is not None)
+        return sympy.Add(*(-m * sympy.Add(*(g * r[k] for k, g in axes)) for m, r in centres))
+
+    def weights(self, bodies: tuple[Body, ...]) -> tuple[tuple[str, sympy.Expr, sympy.Expr], ...]:
+        """(body, mass, acceleration) of the products m g in the potential."""
+        return tuple((b.name, b.mass, g) for b in bodies if b.mass is not None for g in self.g)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """Its direction."""
+        return (shapes.Gravity(*self.g),)
+
+
+@element
+class Potential(Effect):
+    """Potential energy V(q), in joule; its forces are -∂V/∂q."""
+
+    kind = "potential"
+    example = 'model.potential("pendulum", 20 * (1 - cos(i.phi)))'
+    name: str
+    energy: sympy.Expr = quantity("J")
+    on: tuple[Body, ...]
+
+    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+        """V itself."""
+        return self.energy
+
+    def problems(self) -> list[str]:
+        """A potential depends on positions only."""
+        return [
+            f"{label(self)}: {self.energy} contains the velocity {s.name}; "
+            "write a force that depends on velocity as a generalized force."
+            for s in kinds(self.energy, Velocity)
+        ]
+
+
+@element
+class GeneralizedForce(Effect):
+    """Forces Q along coordinates, N for lengths and N m for angles."""
+
+    kind = "generalized force"
+    example = 'model.generalized_force("friction", {j.phi: -0.1 * (j.omega - i.omega)})'
+    name: str
+    components: tuple[tuple[Coordinate, sympy.Expr], ...]
+    on: tuple[Body, ...]
+
+    def forces(self, bodies: tuple[Body, ...]) -> dict[Coordinate, sympy.Expr]:
+        """Coordinate → force."""
+        return dict(self.components)
 
 
 @element

@@ -12,7 +12,7 @@ from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.element_fields import Axis, direction
 from codegen.declare.symbols import Coordinate, alpha, coordinate, given, own_coordinate
 from codegen.drawing import shapes
-from codegen.elements.joints.sliding_joints import bind_axis
+from codegen.elements.joints.guides import bind_axis
 from codegen.elements.registry import element
 from codegen.parameter_conditions import ALPHAS
 

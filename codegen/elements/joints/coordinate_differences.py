@@ -9,12 +9,11 @@ from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.element_fields import ground_unless_given, quantity
 from codegen.declare.symbols import KINDS, Letter, given
 from codegen.drawing import shapes
-from codegen.elements.joints.revolute import X_AXIS
+from codegen.elements.joints.links import SPAN, X_AXIS
 from codegen.elements.registry import element
 
 VALUE = given("value")
 LEFT_SIDE = {"x": J.point[0], "y": J.point[1], "phi": J.phi}
-SPAN = J.point - I.point
 DIFFERENCE = {"x": SPAN[0], "y": SPAN[1], "phi": J.phi - I.phi}
 GLOBAL_X = sympy.Matrix([1, 0])
 

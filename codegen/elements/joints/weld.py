@@ -7,8 +7,7 @@ from codegen.declare.element import Constraint, I, J, JointReaction, Statement
 from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import given
 from codegen.drawing import shapes
-from codegen.elements.joints.revolute import PHI as COINCIDENT
-from codegen.elements.joints.revolute import X_AXIS
+from codegen.elements.joints.links import COINCIDENT, X_AXIS
 from codegen.elements.registry import element
 
 ANGLE = given("angle")

@@ -1,4 +1,4 @@
-"""Two points that keep their distance: by a massless link, or by a constraint (Haug 3.2, 3.3)."""
+"""Points that coincide, or that keep their distance (Haug 3.2 and 3.3)."""
 
 import sympy
 
@@ -9,9 +9,33 @@ from codegen.declare.symbols import given
 from codegen.drawing import shapes
 from codegen.elements.registry import element
 
+COINCIDENT = tuple(I.point - J.point)
+X_AXIS = I.A * sympy.Matrix([1, 0])
+
+
+@element
+class Revolute(Constraint):
+    """r_i + A_i s'_i - r_j - A_j s'_j = 0; the reaction axes are those of the first body."""
+
+    kind = "revolute"
+    example = 'model.revolute("pin", P, Q)'
+    name: str
+    i: Point
+    j: Point
+
+    def statement(self) -> Statement:
+        """Two equations, the x and y distance of the two points."""
+        bindings = I.bind(self.i) | J.bind(self.j)
+        return Statement(COINCIDENT, ("x", "y"), JointReaction(X_AXIS), bindings)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A pin."""
+        return (shapes.Pin(self.i, self.j),)
+
+
 LENGTH = given("length")
 SPAN = J.point - I.point
-PHI = (SPAN.dot(SPAN) - LENGTH**2,)
+LINK = (SPAN.dot(SPAN) - LENGTH**2,)
 
 
 @element
@@ -40,7 +64,7 @@ class RevoluteRevolute(Constraint):
     def statement(self) -> Statement:
         """One equation: the squared distance of the two points."""
         bindings = I.bind(self.i) | J.bind(self.j) | {LENGTH: self.length}
-        return Statement(PHI, ("length",), JointReaction(SPAN / LENGTH), bindings)
+        return Statement(LINK, ("length",), JointReaction(SPAN / LENGTH), bindings)
 
     def shapes(self) -> tuple[shapes.Shape, ...]:
         """A rod with a pin at either end."""

@@ -1,0 +1,327 @@
+"""Contacts along a gap, by a spring and a damper or rigid, and the stops of a joint."""
+
+import sympy
+
+from codegen.declare.body import Body, Point
+from codegen.declare.element import Effect, Measure, Pulls, Reported, Rigid, label
+from codegen.declare.element_conditions import Condition, hold_conditions
+from codegen.declare.element_fields import quantity
+from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds, side
+from codegen.drawing import shapes
+from codegen.elements.forces.scalar_measures import (
+    WORDS,
+    along_scalar,
+    distance,
+    force_unit,
+    is_constant,
+    same_body,
+)
+from codegen.elements.registry import element
+
+
+def gap_between(
+    i: Point, j: Point, direction: tuple[sympy.Expr, sympy.Expr] | None, free_length: sympy.Expr
+) -> sympy.Expr:
+    """The gap g between two points, m.
+
+    Along a direction u fixed in body i it is g = (A_i u)ᵀ (r_j^P - r_i^P) - ℓ0, negative once
+    point j has come closer than ℓ0 or gone past; without one it is g = ℓ - ℓ0, as between two
+    discs whose radii add up to ℓ0.
+    """
+    if direction is None:
+        return distance(i, j) - free_length
+    ux, uy = direction
+    size = sympy.sqrt(ux**2 + uy**2)
+    ux, uy = ux / size, uy / size
+    (x, y), (c, s) = i.body.position, i.body.rotation
+    dx, dy = j.x - x, j.y - y  # from the centre: the part of point i along u is constant
+    gap: sympy.Expr = (ux * c - uy * s) * dx + (ux * s + uy * c) * dy
+    return gap - (ux * i.sx + uy * i.sy + free_length)
+
+
+def gap_problems(where: str, gap: sympy.Expr, bodies: tuple[Body, ...]) -> list[str]:
+    """A gap that never changes or that is no position."""
+    if problems := same_body(where, bodies):
+        return problems
+    if not kinds(gap, Coordinate):
+        problems.append(
+            f"{where}: the gap {gap} depends on no coordinate and never changes; give two "
+            "points of different bodies, or gap= an expression of coordinates."
+        )
+    return problems + [
+        f"{where}: the gap {gap} contains the velocity {v.name}; it is a position."
+        for v in kinds(gap, Velocity)
+    ]
+
+
+SIDES = "first", "second"
+"""Components of what has two gaps, in their order."""
+
+
+class GapSprings(Effect):
+    """A spring and a damper along each of some gaps g, while g < 0: f = k g + c ġ (Haug 8.4.2).
+
+    The switching is located: g = 0 is an event of a run, and between events every step is smooth.
+    The springs have the potential V = k g² / 2 while g < 0; the dampers are forces.
+    """
+
+    stiffness: sympy.Expr
+    damping: sympy.Expr
+    may_pull: bool
+
+    @property
+    def gaps(self) -> tuple[sympy.Expr, ...]:
+        """The gaps, which only a negative value closes."""
+        raise NotImplementedError
+
+    @property
+    def gap_unit(self) -> str:
+        """Their unit: "m", "rad", or none where it is not known."""
+        return "m"
+
+    def potential(self, bodies: tuple[Body, ...]) -> sympy.Expr | None:
+        """V of the springs."""
+        if not self._conservative or self.stiffness == 0:
+            return None
+        return sympy.Add(*(_closed(self.stiffness * g**2 / 2, g) for g in self.gaps))
+
+    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+        """The damper along each gap, and a spring that varies."""
+        return tuple((g, _closed(f, g)) for g in self.gaps if (f := self._pull(g)) != 0)
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """Each gap, its rate, the penetration, and the force, positive where it pushes."""
+        found: tuple[Measure, ...] = ()
+        for which, gap in zip(SIDES if len(self.gaps) > 1 else ("",), self.gaps, strict=True):
+            force = -_closed(sympy.Add(*self._push_and_drag(gap)), gap)
+            rows = along_scalar(gap, self.gap_unit, force, named="gap")
+            rows += (Measure("penetration", "", self.gap_unit, _closed(-gap, gap)),)
+            found += tuple(row._replace(component=which) for row in rows)
+        return found
+
+    def _pull(self, gap: sympy.Expr) -> sympy.Expr:
+        push, drag = self._push_and_drag(gap)
+        return drag if self._conservative else push + drag
+
+    def _push_and_drag(self, gap: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr]:
+        push = self.stiffness * gap
+        drag = self.damping * SPEED
+        if not self.may_pull and drag != 0:
+            # Where the damper would pull it takes back what the spring pushes, and no more.
+            drag = sympy.Piecewise((drag, push + drag < 0), (-push, True))
+        return push, drag
+
+    @property
+    def _conservative(self) -> bool:
+        # A potential may depend on the coordinates of the gap, not on the time.
+        return is_constant(self.stiffness) and not any(kinds(g, Time) for g in self.gaps)
+
+
+def _closed(value: sympy.Expr, gap: sympy.Expr) -> sympy.Expr:
+    return sympy.Piecewise((value, gap < 0), (0, True))
+
+
+@element
+class Contact(GapSprings):
+    """f = k g + c ġ along the gap g while g < 0, and no force while it is not (Haug 8.4.2).
+
+    The switching is located: g = 0 is an event of a run, and between events every step is smooth.
+    The spring has the potential V = k g² / 2 while g < 0; the damper is a force. With damping the
+    force jumps where the contact begins, and at its end, where c ġ outweighs k g, it pulls.
+    With `may_pull` False it is cut off there: f = min(k g + c ġ, 0). Surfaces that do not stick, a
+    tyre on the road or a ball on the ground, need `may_pull` False. A gap that depends on the time
+    is a moving wall, whose spring has no potential.
+    """
+
+    kind = "contact"
+    example = """
+        k = model.parameter("k", 1e4, unit="N/m")
+        c = model.parameter("c", 20.0, unit="N s/m")
+        model.contact("stop", P, Q, stiffness=k, damping=c, free_length=1, direction=(1, 0))
+    """
+    name: str
+    gap: sympy.Expr
+    stiffness: sympy.Expr = quantity("N/m", "nonnegative")
+    damping: sympy.Expr = quantity("N s/m", "nonnegative")
+    on: tuple[Body, ...]
+    may_pull: bool = True
+
+    @property
+    def gaps(self) -> tuple[sympy.Expr, ...]:
+        """The one gap."""
+        return (self.gap,)
+
+    def problems(self) -> list[str]:
+        """A gap that never changes or that is no position, and a contact that exerts nothing."""
+        problems = gap_problems(label(self), self.gap, self.bodies)
+        if same_body(label(self), self.bodies):
+            return problems
+        if self.stiffness == 0 and self.damping == 0:
+            problems.append(f"{label(self)}: stiffness and damping are both 0; give one of them.")
+        return problems
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The bodies that touch, and the gap between them."""
+        return (shapes.Contact(self.on, gap=self.gap),)
+
+
+@element
+class Stop(GapSprings):
+    """f = k (s - s_limit) + c ṡ where a coordinate s is below its lower or above its upper limit.
+
+    s is the angle of a revolute joint, the travel of a sliding one, or any expression of
+    coordinates; k and c are along s. A stop never holds s back: where its damper would, it is cut
+    off. Contact and its end are events of a run. The springs have the potential k (s - s_limit)²/2.
+    """
+
+    kind = "stop"
+    example = """
+        k = model.parameter("k", 500.0, unit="N m/rad")
+        pin = model.revolute("pin", P, Q)
+        model.stop("limit", pin, lower=-pi / 3, upper=pi / 2, stiffness=k)
+    """
+    name: str
+    scalar: sympy.Expr
+    unit: str
+    lower: sympy.Expr | None = quantity(lambda of: of.unit)
+    upper: sympy.Expr | None = quantity(lambda of: of.unit)
+    stiffness: sympy.Expr = quantity(
+        lambda of: of.unit and f"{force_unit(of)}/{of.unit}", "positive", binds="positive",
+        advice=", or restitution= for a stop that does not yield",
+    )  # fmt: skip
+    damping: sympy.Expr = quantity(
+        lambda of: of.unit and f"{force_unit(of)} s/{of.unit}", "nonnegative"
+    )
+    on: tuple[Body, ...]
+    may_pull = False
+
+    @property
+    def gaps(self) -> tuple[sympy.Expr, ...]:
+        """What is left before each stop."""
+        below = () if self.lower is None else (self.scalar - self.lower,)
+        return below if self.upper is None else (*below, self.upper - self.scalar)
+
+    @property
+    def gap_unit(self) -> str:
+        """That of the coordinate."""
+        return self.unit
+
+    def problems(self) -> list[str]:
+        """No limit at all, or one of what is no position."""
+        return stop_problems(label(self), self.scalar, self.lower, self.upper)
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """The upper stop above the lower one."""
+        return limit_conditions(self.lower, self.upper)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The bodies that touch at each limit; an angle has no place where it stops."""
+        if self.unit != "m":
+            return (shapes.Contact(self.on),)
+        forces = SIDES if len(self.gaps) > 1 else ("force",)  # components of the force in N
+        return tuple(
+            shapes.Contact(self.on, gap=gap, force=force, is_stop=True)
+            for force, gap in zip(forces, self.gaps, strict=True)
+        )
+
+
+def stop_problems(
+    where: str, scalar: sympy.Expr, lower: sympy.Expr | None, upper: sympy.Expr | None
+) -> list[str]:
+    """No limit at all, or a limit of what is no position."""
+    problems = []
+    if lower is None and upper is None:
+        problems.append(f"{where} has no limit; give lower=, upper= or both.")
+    if not kinds(scalar, Coordinate):
+        problems.append(
+            f"{where}: {scalar} depends on no coordinate and never reaches a limit; give a joint, "
+            "or an expression of coordinates."
+        )
+    return problems + [
+        f"{where}: {scalar} contains the velocity {v.name}; a stop limits a position."
+        for v in kinds(scalar, Velocity)
+    ]
+
+
+def limit_conditions(lower: sympy.Expr | None, upper: sympy.Expr | None) -> tuple[Condition, ...]:
+    """An upper limit above the lower one."""
+    if lower is None or upper is None:
+        return ()
+    text = "the upper limit {1:g} is not above the lower one, {2:g}; exchange them."
+    return (Condition(text, (upper - lower, upper, lower), open=True),)
+
+
+# formula: m/s²; with the masses the typical force of a contact, unless one is declared
+GRAVITY = 9.81
+
+
+@element
+class RigidContact(Effect):
+    """g ≥ 0, F ≥ 0, F g = 0: a reaction F that is there only where the gap g is closed.
+
+    It acts along the gap as a contact's force does, Q = F g_q, and has the size that keeps the gap
+    closed, g̈ = 0; where it would have to pull, the bodies part. A gap that closes with the speed
+    ġ⁻ < 0 is an impact: velocities jump by M⁻¹ g_qᵀ times an impulse, the joints being kept, so
+    that ġ⁺ = -e ġ⁻ (Newton's law of restitution).
+
+    In mode 1 the gap is open and nothing acts. In mode 0 the kernels exert the reaction F0, a
+    typical force; accelerations are linear in it, so that a run finds by which multiple of it the
+    gap stays closed, and reports F0 times this multiple.
+
+    The gap is smooth; one that depends on the time is a moving wall, which does work. e goes from
+    0, an impact that does not rebound, to 1, one that loses no energy.
+    """
+
+    kind = "rigid contact"
+    example = """
+        e = model.parameter("e", 0.5)
+        model.contact("stop", P, Q, restitution=e, free_length=1, direction=(1, 0))
+    """
+    name: str
+    gap: sympy.Expr
+    restitution: sympy.Expr = quantity(binds="nonnegative")
+    on: tuple[Body, ...]
+    unit: str = "m"  # of the gap: "m", "rad", or none where it is not known
+    limits: tuple[sympy.Expr, ...] = ()  # of a stop: what is left before each of its limits
+    typical_force: sympy.Expr | None = quantity(force_unit, binds="positive", default=None)
+
+    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+        """The reaction F0, where the gap is not open: it pushes."""
+        return ((self.gap, -side(self.name) * self._scale(bodies)),)
+
+    def hold(self, bodies: tuple[Body, ...]) -> Rigid:
+        """The gap stays closed until the reaction would pull."""
+        return Rigid(self.gap, self.restitution, self._scale(bodies))
+
+    def reported(self, bodies: tuple[Body, ...]) -> Reported:
+        """The reaction, positive: it pushes."""
+        _, exerted, unit = WORDS[self.unit]
+        return ((exerted, unit, side(self.name) * self._scale(bodies)),)
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """The gap and its rate; the force is reported."""
+        gap, rate, _ = along_scalar(self.gap, self.unit, sympy.S.Zero, named="gap")
+        return gap, rate
+
+    def problems(self) -> list[str]:
+        """A gap that is none, and numbers that no impact has."""
+        where = f"contact '{self.name}'"
+        problems = gap_problems(where, self.gap, self.bodies)
+        scale = sympy.S.One if self.typical_force is None else self.typical_force
+        for condition in hold_conditions(Rigid(self.gap, self.restitution, scale)):
+            problems += condition.problems(where, {}) if condition.known else ()
+        return problems
+
+    def _scale(self, bodies: tuple[Body, ...]) -> sympy.Expr:
+        if self.typical_force is not None:
+            return self.typical_force
+        masses = [body.mass for body in bodies if body.mass is not None]
+        return sympy.Float(GRAVITY) * (sympy.Add(*masses) if masses else sympy.S.One)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The bodies that touch, and the gap between them, or those of a stop."""
+        if self.unit != "m":
+            return (shapes.Contact(self.on),)
+        is_stop = bool(self.limits)
+        gaps = self.limits or (self.gap,)
+        return tuple(shapes.Contact(self.on, gap=gap, is_stop=is_stop) for gap in gaps)

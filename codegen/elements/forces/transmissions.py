@@ -1,0 +1,208 @@
+"""What turns bodies against each other: motors, freewheels, belts and gears that yield."""
+
+import sympy
+
+from codegen.declare.body import Body
+from codegen.declare.element import Effect, Measure, OneWay, Pulls, Reported, label
+from codegen.declare.element_conditions import Condition
+from codegen.declare.element_fields import ground_unless_given, quantity
+from codegen.declare.symbols import SPEED, rate, side
+from codegen.drawing import shapes
+from codegen.elements.forces import scalar_measures as measures
+from codegen.elements.forces.contacts import GapSprings
+from codegen.elements.forces.scalar_measures import rim_travel
+from codegen.elements.joints.wheels import Pulleys, WheelPair, toothed_wheels
+from codegen.elements.registry import element
+
+
+@element
+class Motor(measures.TurnMeasures, Effect):
+    """T = T_s (u - ω/ω_0) on the rotor j, -T on the stator i, with ω = φ̇_j - φ̇_i.
+
+    The line of a motor with permanent magnets, whose armature has neither inductance nor friction:
+    T_s is its torque at rest and ω_0 its speed without load, both at the rated voltage, and u the
+    voltage as a multiple of it, from -1 to 1 as a rule. With u = 0 it is short-circuited and brakes
+    by T_s/ω_0 of viscous damping. Beyond ω_0 it is a generator.
+    """
+
+    kind = "motor"
+    example = """
+        T_s = model.parameter("T_s", 0.8, unit="N m")
+        omega_0 = model.parameter("omega_0", 300.0, unit="rad/s")
+        model.motor("motor", on=j, from_=i, stall_torque=T_s, no_load_speed=omega_0)
+    """
+    name: str
+    i: Body = ground_unless_given()
+    j: Body
+    stall_torque: sympy.Expr = quantity("N m", "positive", binds="positive")
+    no_load_speed: sympy.Expr = quantity(
+        "rad/s", "positive", binds="positive", word="no-load speed"
+    )
+    voltage: sympy.Expr = quantity()
+
+    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+        """T tends to make θ = φ_j - φ_i larger."""
+        line = SPEED / self.no_load_speed - self.voltage
+        return ((self.angle, self.stall_torque * line),)
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """θ, ω and T."""
+        line = self.voltage - SPEED / self.no_load_speed
+        return measures.along_scalar(self.angle, "rad", self.stall_torque * line)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A round arrow between two bodies."""
+        return (shapes.SpiralSpring(self.i, self.j, elastic=False, actuator=True),)
+
+
+# formula: rad/s²; with the inertias the typical torque of a clutch
+TYPICAL = 1.0
+
+
+@element
+class OneWayClutch(measures.TurnMeasures, Effect):
+    """w = ω_j - ω_i ≥ 0, T ≥ 0, T w = 0: a torque T on the driven body j, -T on the driver i.
+
+    Where the driven body is faster it overruns, and nothing acts. Where both have one speed it
+    grips: it exerts what keeps them together, as long as that is a torque T ≥ 0, and overruns
+    where the torque would be negative. Both are events of a run. A speed w < 0 at the start, or
+    behind the impact of something else, ends in an impact of the clutch, w⁺ = 0, with the joints
+    kept. There is no drag in overrunning, and no play.
+
+    With a capacity T_c it slips: it exerts at most T_c, and T_c while the driver is faster.
+
+    In mode 1 it overruns. In mode 0 the kernels exert a typical torque, from the inertias;
+    accelerations are linear in it, so that a run finds by which multiple of it w stays zero.
+    """
+
+    kind = "one-way clutch"
+    example = 'model.one_way_clutch("freewheel", driver=i, driven=j)'
+    name: str
+    i: Body
+    j: Body
+    capacity: sympy.Expr | None = quantity("N m", "positive", binds="positive", default=None)
+
+    def pulls(self, bodies: tuple[Body, ...]) -> Pulls:
+        """T tends to make θ = φ_j - φ_i larger, where it does not overrun."""
+        if self.capacity is None:
+            return ((self.angle, -self._torque()),)
+        return ((self.angle, sympy.Piecewise((-self.capacity, SPEED < 0), (0, True))),)
+
+    def hold(self, bodies: tuple[Body, ...]) -> OneWay | None:
+        """Without a capacity the speeds stay the same until the torque would be negative."""
+        return OneWay(rate(self.angle), self._scale()) if self.capacity is None else None
+
+    def reported(self, bodies: tuple[Body, ...]) -> Reported:
+        """The torque on the driven body, never negative; with a capacity it is a measure."""
+        return (("torque", "N m", self._torque()),) if self.capacity is None else ()
+
+    def measures(self, bodies: tuple[Body, ...]) -> tuple[Measure, ...]:
+        """θ, its rate, and with a capacity the torque on the driven body, from 0 to T_c."""
+        found = measures.along_scalar(self.angle, "rad", self._torque())
+        return found[:2] if self.capacity is None else found
+
+    def _torque(self) -> sympy.Expr:
+        if self.capacity is None:
+            return side(self.name) * self._scale()
+        return sympy.Piecewise((self.capacity, SPEED < 0), (0, True))
+
+    def _scale(self) -> sympy.Expr:
+        inertias = [body.inertia for body in self.bodies if body.inertia is not None]
+        return sympy.Float(TYPICAL) * (sympy.Add(*inertias) if inertias else sympy.S.One)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A round sign between two bodies."""
+        return (shapes.SpiralSpring(self.i, self.j, elastic=False, damper=True),)
+
+
+@element
+class ElasticBelt(Pulleys, GapSprings):
+    """Tensions T0 ± (k u + c u̇), never below 0, with u = R_j (φ_j - φ_c) - R_i (φ_i - φ_c) - s0.
+
+    u is the stretch of the one strand, and -u that of the other. The pulleys turn in bearings of
+    the carrier c, the ground or an arm that turns; for a crossed belt R_i is negative in the
+    stretch. k = E A/L is the stiffness of one strand, N/m, and T0 the
+    tension of both when the belt is idle. A strand is slack where its stretch has used up T0/k:
+    there, and where its damper would push, it exerts nothing. Both changes are events of a run.
+
+    R_j times the difference of the tensions turns pulley j back, R_i times it turns pulley i. Their
+    sum draws the bearings together inside the carrier, and is not modelled; nor are creep and slip.
+    """
+
+    kind = "elastic belt"
+    example = """
+        k = model.parameter("k", 2e4, unit="N/m")
+        model.elastic_belt("belt", i, j, 0.1, 0.3, stiffness=k, pretension=50.0)
+    """
+    stiffness: sympy.Expr = quantity(
+        "N/m", "positive", binds="positive", advice=", or model.belt for one that does not stretch"
+    )
+    damping: sympy.Expr = quantity("N s/m", "nonnegative")
+    pretension: sympy.Expr = quantity("N", "nonnegative")
+    may_pull = False
+
+    @property
+    def stretch(self) -> sympy.Expr:
+        """u, m, of the strand that tightens where pulley j runs ahead."""
+        first = self.radius_i if self.crossed else -self.radius_i
+        wheels = (self.i, first), (self.j, self.radius_j)
+        return rim_travel(*wheels, self.carrier) - self.offset
+
+    @property
+    def gaps(self) -> tuple[sympy.Expr, ...]:
+        """How far each strand is from being taut, m."""
+        idle = self.pretension / self.stiffness
+        return -self.stretch - idle, self.stretch - idle
+
+
+@element
+class GearWithBacklash(WheelPair, GapSprings):
+    """f = k (u ∓ b/2) + c u̇ where |u| > b/2, with u = R_i (φ_i - φ_c) + R_j (φ_j - φ_c) - s0.
+
+    u is how far the teeth have moved through each other along the pitch circles, m, from the middle
+    of the backlash b. On each flank they bear by a stiffness k and a damping c, and never pull:
+    where the damper would, it is cut off. Contact and its end are events of a run, and between the
+    flanks nothing acts. The gears turn in bearings of the carrier c, the ground or an arm that
+    turns; an internal gear has a negative radius.
+
+    -R_i f turns gear i and -R_j f gear j. There is no pressure angle: the force along the line of
+    centres, and the shift of the pitch point, are inside the carrier. For rigid teeth without play
+    see gear.
+    """
+
+    kind = "gear with backlash"
+    example = """
+        k = model.parameter("k", 5e6, unit="N/m")
+        c = model.parameter("c", 200.0, unit="N s/m")
+        model.gear_with_backlash("mesh", i, j, 0.1, 0.3, backlash=1e-4, stiffness=k, damping=c)
+    """
+    stiffness: sympy.Expr = quantity(
+        "N/m", "positive", binds="positive", advice=", or model.gear for teeth that are rigid"
+    )
+    backlash: sympy.Expr = quantity("m", "nonnegative")
+    damping: sympy.Expr = quantity("N s/m", "nonnegative")
+    may_pull = False
+
+    @property
+    def gaps(self) -> tuple[sympy.Expr, ...]:
+        """The play that is left before each flank, m."""
+        wheels = (self.i, self.radius_i), (self.j, self.radius_j)
+        moved = rim_travel(*wheels, self.carrier) - self.offset
+        return self.backlash / 2 - moved, self.backlash / 2 + moved
+
+    def problems(self) -> list[str]:
+        """Gears and a carrier that are none."""
+        problems = super().problems()
+        if all(radius.is_number and radius < 0 for radius in (self.radius_i, self.radius_j)):
+            problems.append(f"{label(self)}: both gears are internal; make one radius positive.")
+        return problems
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """Radii of two pitch circles."""
+        product = self.radius_i * self.radius_j
+        text = "the radii ({1:g}, {2:g}) m contain a 0; give the radii of the pitch circles."
+        return (Condition(text, (product**2, self.radius_i, self.radius_j), open=True),)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """Two toothed wheels."""
+        return toothed_wheels((self.i, self.radius_i), (self.j, self.radius_j))

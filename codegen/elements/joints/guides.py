@@ -1,0 +1,250 @@
+"""Joints along a line of body i, through point i along an axis: guides, slots, racks and screws.
+
+`ALONG` and `ACROSS` are the components u_iᵀ d_ij and (u_i⊥)ᵀ d_ij of d_ij = r_j^P - r_i^P, with the
+unit vector u_i = A_i u'_i and u_i⊥ turned from it by +π/2: point j lies ahead of point i where
+`ALONG` is positive, and to the left of the line where `ACROSS` is. Written from the centre of body
+i, since the part of s'_i is constant: u_iᵀ A_i s'_i = u'_iᵀ s'_i.
+"""
+
+import sympy
+
+from codegen.declare.body import Body, Point
+from codegen.declare.element import (
+    ConjugateReaction,
+    Constraint,
+    Frame,
+    I,
+    J,
+    JointReaction,
+    Statement,
+    label,
+)
+from codegen.declare.element_conditions import Condition
+from codegen.declare.element_fields import Axis, direction, quantity
+from codegen.declare.symbols import given
+from codegen.drawing import shapes
+from codegen.elements.registry import element
+
+AXIS = sympy.Matrix([given("i_ux"), given("i_uy")])
+NORMAL = sympy.Matrix([-AXIS[1], AXIS[0]])
+DIRECTION = I.A * AXIS
+ALONG = DIRECTION.dot(J.point - I.r) - AXIS.dot(I.s)
+ACROSS = (I.A * NORMAL).dot(J.point - I.r) - NORMAL.dot(I.s)
+
+ANGLE, DISTANCE = given("angle_offset"), given("distance")
+GUIDED = (ACROSS, J.phi - I.phi - ANGLE)
+ON_LINE = (ACROSS - DISTANCE,)
+
+
+def bind_axis(axis: Axis, placeholders: sympy.Matrix = AXIS) -> dict[sympy.Symbol, sympy.Expr]:
+    """Placeholders of the unit vector u' → its components; `axis` may have any length but 0."""
+    length = sympy.sqrt(axis[0] ** 2 + axis[1] ** 2)
+    return {place: a / length for place, a in zip(placeholders, axis, strict=True)}
+
+
+@element
+class Translational(Constraint):
+    """The line through point i along `axis` of body i carries point j; the bodies keep their angle.
+
+    Haug (3.3.13) states parallelism by a cross product, v_i⊥ᵀ v_j = 0, which also holds when the
+    slider is turned by π. Here the second equation is φ_j - φ_i = const: the same Jacobian up to
+    a factor, constant, and with the one solution that is meant.
+    """
+
+    kind = "translational"
+    example = 'model.translational("guide", P, Q, axis=(2, 1), angle=0.3)'
+    name: str
+    i: Point
+    j: Point
+    axis: Axis = direction()
+    angle: sympy.Expr = quantity("rad")
+
+    def statement(self) -> Statement:
+        """Distance of point j from the line, and the angle between the bodies."""
+        bindings = I.bind(self.i) | J.bind(self.j) | bind_axis(self.axis) | {ANGLE: self.angle}
+        return Statement(GUIDED, ("normal", "angle"), JointReaction(DIRECTION), bindings)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A block on a guide."""
+        return (shapes.Slide(self.i, self.j, *self.axis),)
+
+
+@element
+class RevoluteTranslational(Constraint):
+    """(u_i⊥)ᵀ d_ij - c = 0: point j keeps the distance c, to the left, from a line of body i.
+
+    The massless slide block between a guide (body i) and a pin (point j of body j). The reaction's
+    x axis points along the line: the guide pushes across it, so `fx` and `torque` are 0.
+    `instead_of` names the body that the joint stands for: it acts in the scenes that leave this
+    body out.
+    """
+
+    kind = "revolute-translational"
+    example = 'model.revolute_translational("slot", P, Q, axis=(2, 1))'
+    name: str
+    i: Point
+    j: Point
+    axis: Axis = direction()
+    distance: sympy.Expr = quantity("m")
+    instead_of: Body | None = None
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The two that it connects."""
+        return (self.i.body, self.j.body)
+
+    def statement(self) -> Statement:
+        """One equation: the distance of point j from the line, m."""
+        bindings = I.bind(self.i) | J.bind(self.j) | bind_axis(self.axis)
+        bindings |= {DISTANCE: self.distance}
+        return Statement(ON_LINE, ("normal",), JointReaction(DIRECTION), bindings)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """A pin in a slot."""
+        return (shapes.Slot(self.i, self.j, *self.axis),)
+
+
+RADIUS, OFFSET = given("radius"), given("offset")
+ROLLING = (ACROSS - RADIUS, ALONG + RADIUS * (J.phi - I.phi) - OFFSET)
+TO_CONTACT = J.A * J.s - RADIUS * (I.A * NORMAL)
+
+
+@element
+class RackAndPinion(Constraint):
+    """(u⊥)ᵀ d - R = 0 and uᵀ d + R (φ_pinion - φ_rack) - s0 = 0, both bodies free to move.
+
+    With u the rack's axis and d the way from the rack's point, on the pitch line, to the pinion's
+    centre: the pinion stays on the left of the axis, at its pitch radius, and rolls without slip.
+    A pinion that turns counter-clockwise on a rack held fast moves against the axis; a rack under
+    a pinion held in place moves along it. `offset` s0 is uᵀ d at the angle φ_pinion = φ_rack.
+
+    The reaction is the force and torque of the pinion on the rack, in the rack's axes (x along
+    `axis`) and about the pinion's centre: `fx` is the force at the teeth, `torque` = R `fx` the
+    torque that turns the pinion for it. The teeth bear in both directions and without play; `fy` is
+    the force of the guide that keeps the centre at its distance, and not that of a pressure angle.
+    """
+
+    kind = "rack-and-pinion"
+    example = 'model.rack_and_pinion("teeth", pinion=Q, rack=P, radius=0.2, axis=(1, 0))'
+    name: str
+    pinion: Point
+    rack: Point
+    axis: Axis = direction()
+    radius: sympy.Expr = quantity(
+        "m", "positive",
+        advice="; for a pinion on the other side of the rack reverse the rack's axis",
+    )  # fmt: skip
+    offset: sympy.Expr = quantity("m")
+
+    def statement(self) -> Statement:
+        """Two equations, m. The rack carries the line, so that it is frame I here."""
+        bindings = I.bind(self.rack) | J.bind(self.pinion) | bind_axis(self.axis)
+        bindings |= {RADIUS: self.radius, OFFSET: self.offset}
+        return Statement(ROLLING, ("normal", "rolling"), JointReaction(DIRECTION, J, -1), bindings)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The pinion and the rack."""
+        ux, uy = self.axis
+        pinion = shapes.Wheel(self.pinion, self.radius, toothed=True)
+        return pinion, shapes.Rack(self.rack, ux, uy, toothed=True)
+
+
+@element
+class RollingDisc(Constraint):
+    """(u⊥)ᵀ d - R = 0 and uᵀ d + R (φ_disc - φ_line) - s0 = 0: the disc touches and does not slip.
+
+    With u the direction of the line and d the way from its point to the disc's centre, which stays
+    on the left of the line. In the plane rolling is a matter of positions: `offset` s0 is uᵀ d at
+    φ_disc = φ_line. The equations are those of a rack and pinion; a disc on a disc is a gear.
+
+    The reaction is the force of the line on the disc at the contact, in axes of the line: `fx` is
+    the traction, `fy` the normal force, `torque` is 0. The disc is held on the line and never
+    slips: it would lift off where `fy` is negative, and slide where |fx| exceeds μ fy.
+    """
+
+    kind = "rolling disc"
+    example = 'model.rolling_disc("roll", disc=Q, line=P, radius=0.2, axis=(1, 0))'
+    name: str
+    disc: Point
+    line: Point
+    axis: Axis = direction()
+    radius: sympy.Expr = quantity(
+        "m", "positive", advice="; for a disc on the other side of the line reverse its axis"
+    )
+    offset: sympy.Expr = quantity("m")
+
+    def statement(self) -> Statement:
+        """Two equations, m. The line is frame I here."""
+        bindings = I.bind(self.line) | J.bind(self.disc) | bind_axis(self.axis)
+        bindings |= {RADIUS: self.radius, OFFSET: self.offset}
+        reaction = JointReaction(DIRECTION, arm=TO_CONTACT)
+        return Statement(ROLLING, ("normal", "rolling"), reaction, bindings)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The disc and the line."""
+        disc, line = shapes.Wheel(self.disc, self.radius), shapes.Rack(self.line, *self.axis)
+        return disc, line
+
+
+LEAD, SPINDLE = given("lead"), Frame("spindle")
+TRAVEL = (ALONG - LEAD / (2 * sympy.pi) * (SPINDLE.phi - I.phi) - OFFSET,)
+
+
+@element
+class Screw(Constraint):
+    """uᵀ d - h/2π (φ_s - φ_i) - s0 = 0: each turn of the spindle moves the nut by its lead h.
+
+    With u the axis in the frame i, and d the way from its point to that of the nut j. The spindle's
+    own axis would lie in the plane; here the body that stands for it turns in the plane, as the
+    wheel of a bevel gear before it, or a motor, would. A left-hand thread has a negative lead.
+
+    The reaction is the force along the axis on the nut, N; -h/2π times it turns the spindle. A
+    guide that carries the nut is a joint of its own. There is no friction, and no play.
+    """
+
+    kind = "screw"
+    example = """
+        spindle = model.body("spindle", mass=1.0, inertia=0.002)
+        model.screw("thread", P, Q, spindle, lead=0.05, axis=(1, 0))
+    """
+    name: str
+    frame: Point
+    nut: Point
+    spindle: Body
+    lead: sympy.Expr = quantity("m")
+    axis: Axis = direction()
+    offset: sympy.Expr = quantity("m")
+
+    def statement(self) -> Statement:
+        """One equation, m: the nut's place along the axis."""
+        bindings = I.bind(self.frame) | J.bind(self.nut) | bind_axis(self.axis)
+        bindings |= SPINDLE.bind(self.spindle.at(0, 0))
+        bindings |= {LEAD: self.lead, OFFSET: self.offset}
+        return Statement(TRAVEL, ("travel",), ConjugateReaction((("force", "N"),)), bindings)
+
+    def problems(self) -> list[str]:
+        """Bodies that are no screw."""
+        frame, nut = self.frame.body, self.nut.body
+        problems = [
+            f"{label(self)} needs the angle of '{body.name}', which has none; use a body with an "
+            "angle."
+            for body in (frame, self.spindle)
+            if body.angle is None or not body.turns
+        ]
+        if frame is nut:
+            problems.append(f"{label(self)} is between body '{nut.name}' and itself; give two.")
+        if self.spindle is frame:
+            problems.append(
+                f"{label(self)}: the spindle '{frame.name}' is the frame in which it turns; give "
+                "two bodies."
+            )
+        return problems
+
+    def conditions(self) -> tuple[Condition, ...]:
+        """A thread that rises."""
+        text = "the lead is {1:g} m, and the nut never moves; give the travel of one turn."
+        return (Condition(text, (self.lead**2, self.lead), open=True),)
+
+    def shapes(self) -> tuple[shapes.Shape, ...]:
+        """The nut on its axis."""
+        return (shapes.Slide(self.frame, self.nut, *self.axis),)
