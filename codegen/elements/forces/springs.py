@@ -111,7 +111,9 @@ class Spring(measures.SpanMeasures, SpringDamper):
     free_length: sympy.Expr | None = quantity("m", "nonnegative", advice=OTHER.format("force"))
     damping: sympy.Expr = quantity("N s/m", "nonnegative", advice=OTHER.format("force"))
     actuator: sympy.Expr = quantity("N")
-    law: sympy.Expr | None = quantity("N", function_of=measures.distance_and_rate, is_law=True)
+    law: sympy.Expr | None = quantity(
+        "N", default=None, function_of=measures.distance_and_rate, is_law=True
+    )
     preload: sympy.Expr = quantity("N", default=sympy.S.Zero)
 
     @property
@@ -157,7 +159,9 @@ class TorsionSpring(measures.TurnMeasures, SpringDamper):
     free_angle: sympy.Expr = quantity("rad")
     damping: sympy.Expr = quantity("N m s/rad", "nonnegative", advice=OTHER.format("torque"))
     actuator: sympy.Expr = quantity("N m")
-    law: sympy.Expr | None = quantity("N m", function_of=measures.angle_and_rate, is_law=True)
+    law: sympy.Expr | None = quantity(
+        "N m", default=None, function_of=measures.angle_and_rate, is_law=True
+    )
     preload: sympy.Expr = quantity("N m", default=sympy.S.Zero)
 
     @property
