@@ -140,7 +140,11 @@ class Machine(MachineStates):
         >>> r.q("bob.phi")[-1], r.reaction("hinge", "fy").max()  # rad, N
         >>> m.simulate(10.0, np.linspace(0.0, 10.0, 1001), start={"bob.phi": 0.5})
         """
-        from runtime.dynamics.continued_state import parameters_there, scene_of_start
+        from runtime.dynamics.connected_simulation import (
+            parameters_there,
+            scene_of_start,
+            simulate,
+        )
         from runtime.dynamics.output_conditions import read_conditions, simulate_until
 
         require_motion(self.mechanism, "simulate")
@@ -157,14 +161,12 @@ class Machine(MachineStates):
         settings = {name: given.pop(name) for name in _SETTINGS}
         place = given.pop("out")
         if place is not None:
-            from runtime.dynamics.stored_simulation import refuse_store
+            from runtime.dynamics.stored_simulation import refuse_store, simulate_into
 
             refuse_store(mechanism, settings, until)
-            given["out"] = Path(place)
+            given["part"] = partial(simulate_into, Path(place))
         conditions = () if until is None else read_conditions(mechanism.description, until)
         if accuracy is None and quantities is None:
-            from runtime.dynamics.connected_simulation import simulate
-
             given |= {name: value for name, value in settings.items() if value is not None}
             analyse: Callable[..., Result] = partial(simulate, mechanism)
         else:

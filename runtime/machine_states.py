@@ -189,9 +189,11 @@ class MachineStates(MechanismTables):
             If constraints contradict each other, or a driver drives what the joints determine.
         """
         from runtime.assembly.assemble import assemble
+        from runtime.mechanism.dense_equations import Equations
 
         given = check(
             self.mechanism, start_has_values=True, guess=guess, parameters=parameters, t=t,
             start=start,
         )  # fmt: skip
-        return assemble(self.mechanism, start_at=given.pop("start"), **given)
+        equations = Equations(self.mechanism, self.parameter_values(given["parameters"]))
+        return assemble(equations, given["t"], given["guess"], given["start"])

@@ -83,7 +83,6 @@ def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) 
 
 def _content(path: Path) -> dict[str, Any]:
     """What `Result.save` wrote beside the series."""
-    from runtime.dynamics.prepared_simulation import Handover
     from runtime.integrate.problem import Discrete
 
     ending = path.suffix.lower()
@@ -104,7 +103,7 @@ def _content(path: Path) -> dict[str, Any]:
         ) from error
     try:
         content = _read_netcdf(path) if ending == ".nc" else _read_zarr(path)
-        saved: dict[str, Any] = unpack(content, [*KINDS, Discrete, Handover])
+        saved: dict[str, Any] = unpack(content, [*KINDS, Discrete])
         _ = saved["title"].partition, _source(saved)
     except InputError:
         raise
@@ -183,6 +182,7 @@ def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     from runtime.assembly.assemble import assemble
     from runtime.core.outcomes import Outcome
     from runtime.dynamics.output_quantities import evaluate
+    from runtime.mechanism.dense_equations import Equations
     from runtime.results.assembled_state import State
     from runtime.results.result import Result
     from runtime.validation.parameters import parameter_values
@@ -195,12 +195,13 @@ def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     if kept is not None:
         q, v = (floats(kept[name], states[name].shape[1:], name) for name in "qv")
         state = State(kept["t"], q, v)
-        start = assemble(mechanism, None, parameters, state.t, start_at=state)
+        start = assemble(Equations(mechanism, p), state.t, start_at=state)
         start = replace(start, q=q, v=v)
         make = _simulated if saved["analysis"] == "simulation" else _driven
         variant, motion = make(mechanism, start, saved)
+    samples = evaluate(Equations(variant, p), **states)
     result = Result(
-        mechanism.description, evaluate(variant, p, **states), p, analysis=saved["analysis"],
+        mechanism.description, samples, p, analysis=saved["analysis"],
         outcome=Outcome[saved["outcome"]], message=saved["message"], stats=saved["stats"],
         events=events_of(saved["events"]), partitions=partitions_of(saved["partitions"]),
         not_unique=saved["not_unique"], singular=saved["singular"],
@@ -217,7 +218,7 @@ def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
 def _joined(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
     """The result of several runs, with other joints each."""
     from runtime.core.outcomes import Outcome
-    from runtime.dynamics.joined_results import joined
+    from runtime.dynamics.connected_simulation import joined
     from runtime.mechanism.sibling_scenes import sibling
     from runtime.results.motion_at_instants import keep
 
@@ -248,7 +249,7 @@ def _simulated(
     """The run of a simulation, and the mechanism with the kernels that it took."""
     from runtime.dynamics.formulations import formulate
     from runtime.dynamics.motion_at_instants import SimulatedMotion
-    from runtime.dynamics.prepared_simulation import Handover, PreparedSimulation
+    from runtime.dynamics.prepared_simulation import PreparedSimulation
     from runtime.integrate.checkpoints import Checkpoints
     from runtime.integrate.problem import Options
     from runtime.validation.parameters import parameter_values
@@ -260,21 +261,19 @@ def _simulated(
         )
 
     kept, p = saved["motion"], parameter_values(mechanism, saved["parameters"])
-    handover = kept["handover"]
-    if handover is not None:
-        handover = Handover(_discrete(mechanism, p, handover.discrete), float(handover.length))
+    length = kept["length"]
     ready = PreparedSimulation(
         mechanism, kept["t_end"], t_start=start.t, parameters=saved["parameters"], guess=None,
         start=start, controllers=dict.fromkeys(mechanism.description.controllers, missing),
-        handover=handover,
+        length=length if length is None else float(length),
     )  # fmt: skip
     ready.given_t = kept["given_t"]
     ready.samples_taken, taken = kept["taken"]
     ready.discrete, last = (_discrete(mechanism, p, stand) for stand in kept["discrete"])
     options = Options(**kept["options"])
     coordinates = formulate(ready, kept["formulation"], options.method, options.correction)
-    motion = SimulatedMotion(ready, coordinates, options, Checkpoints(), kept["end"], taken, last)
-    return coordinates.mechanism, motion
+    motion = SimulatedMotion(coordinates, options, Checkpoints(), kept["end"], taken, last)
+    return coordinates.equations.mechanism, motion
 
 
 def _discrete(mechanism: "Mechanism", p: "FloatArray", stand: Any) -> "Discrete | None":
@@ -299,13 +298,13 @@ def _driven(
     mechanism: "Mechanism", start: "Assembly", saved: dict[str, Any]
 ) -> "tuple[Mechanism, Motion]":
     """The motion that drivers prescribe, and the mechanism with the kernels that it took."""
-    from runtime.assembly.kernels_for_redundant_constraints import with_redundancy
-    from runtime.assembly.masses_far_apart import suited_to_masses
-    from runtime.dynamics.motion_at_instants import DrivenMotionAtInstants
+    from runtime.assembly.substitute_kernels import suited_equations
+    from runtime.dynamics.prescribed_motion import DrivenMotionAtInstants
+    from runtime.mechanism.dense_equations import Equations
     from runtime.validation.parameters import parameter_values
 
     kept, p = saved["motion"], parameter_values(mechanism, saved["parameters"])
-    suited = suited_to_masses(with_redundancy(mechanism, start), start.t, start.q, p)
+    suited = suited_equations(Equations(mechanism, p), start).mechanism
     preferred: FloatArray = floats(kept["preferred"], start.q.shape, "preferred")
     times = floats(kept["times"], (-1,), "times")
     return suited, DrivenMotionAtInstants(suited, p, start, preferred, times)

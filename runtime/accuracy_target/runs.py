@@ -131,9 +131,7 @@ def make_run(
             end = quantities.of_run(path.final_q[None], path.final_v[None])
             values = np.vstack([values, end])
     else:
-        found = result or run_prepared(
-            ready, coordinates, options, clock.perf_counter(), silent, path
-        )
+        found = result or run_prepared(coordinates, options, clock.perf_counter(), silent, path)
         values, wholes = quantities.of_result(found), quantities.wholes(found)
         ended_by = found.ended_by
         if path.outcome is Outcome.OK:  # else another run may go further
@@ -162,12 +160,11 @@ def _run_with_reconnections(
             correction=coordinates.correction,
         )  # fmt: skip
         paths.append(own.run(coordinates, chosen, progress))
-        return run_prepared(own, coordinates, chosen, began, silent, paths[-1], repeats=True)
+        return run_prepared(coordinates, chosen, began, silent, paths[-1], repeats=True)
 
-    given = {name: value for name, value in ready.given.items() if name != "handover"}
     result = simulate(
         ready.mechanism, ready.t_end, options.t_eval, part=part, max_steps=options.max_steps,
-        **given,
+        **ready.given,
     )  # fmt: skip
     return result, _as_one(paths, result, np.asarray(options.t_eval))
 

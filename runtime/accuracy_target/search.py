@@ -147,7 +147,7 @@ class _Search:
             pair = self._compare(choice, self._tighter(pair), pair.tight)
         run, _ = pair.by_merit
         result = run.result or run_prepared(
-            self.ready, choice.coordinates, run.options, began, silent, run.path
+            choice.coordinates, run.options, began, silent, run.path
         )
         if result.outcome is Outcome.CONTRADICTED and choice.formulation == "reduced":
             self.choices.contradiction = result.contradiction
@@ -168,7 +168,7 @@ class _Search:
         run = pair.by_merit[0] if pair else max(self.runs, key=lambda run: len(run.path.t))
         taken = formulate(self.ready, run.formulation, run.options.method, self.choices.correction)
         result = run.result or run_prepared(
-            self.ready, taken, run.options, began, silent, run.path, works=False
+            taken, run.options, began, silent, run.path, works=False
         )
         error = "its error is not known, since it was compared with no other run"
         if pair is not None:

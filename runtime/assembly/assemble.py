@@ -2,6 +2,12 @@
 
 Start values with the role "fixed" are kept. The others are guesses: positions move as little as
 closing the joints allows, velocities as little as Phi_q v = nu allows.
+
+At the distance d from a position in which motions cross, the smallest singular value of Phi_q is of
+the order of d, and Newton's method leaves a position with the error eps / d and so velocities with
+the relative error eps / d². The singular configuration itself is located to rounding (see
+`runtime.singularity.singular_root_search`), and so is the direction of the branch there: a start on
+the tangent has the relative error d.
 """
 
 from collections.abc import Iterable
@@ -12,28 +18,37 @@ import numpy.typing as npt
 
 from codegen.errors import AssemblyError, RedundancyError
 from runtime.assembly import redundancy
-from runtime.assembly.accurate_start_near_singularity import start_on_branch
-from runtime.assembly.joint_closing import CLOSED, Closing, Task, close
-from runtime.assembly.redundancy import Dependency, Findings
+from runtime.assembly.joint_closing import CLOSED, Task, close
+from runtime.assembly.redundancy import Dependency, Findings, is_clearly_independent
 from runtime.assembly.regular_start import LARGEST, VELOCITY_CLOSED, find_regular_start, weights
 from runtime.assembly.start_values import MOVED, Start, start_of_state, start_values
+from runtime.core.arrays import EPS
 from runtime.linalg.least_norm import least_norm_solver
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.mechanism import Values
 from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import Assembly, Moved, Redundant, State
+from runtime.singularity.motion_polynomial import taylor
+from runtime.singularity.singular_position_near_motion import SingularPositions
 from runtime.validation.finite_equations import require_finite
-from runtime.validation.parameters import parameter_values
 
 BoolArray = npt.NDArray[np.bool_]
 Key = TypeVar("Key")
 
 _UNRESOLVED = 1e-8  # accuracy: rad; distance of neighbouring numbers at which sin φ has no digits
+_NEAR = EPS ** (1.0 / 3.0)  # accuracy: distance d at which the errors d and eps / d² are equal
+# accuracy: distance from which on a position shows on which branch it is
+_DISTINCT = 4.0 * EPS**0.5
+_ROUNDING = 64.0 * EPS  # accuracy: scaled gap that is rounding
+# accuracy: error of a velocity against its branch, relative, as at the start of a run
+_DIRECTION_ERROR = 1e-6
+# accuracy: difference of a branch's fixed velocities from the given ones, in parts of the speed
+_SAME_VELOCITY = 1e-9
 
 
 def assemble(
-    mechanism: Mechanism, guess: Values | None = None, parameters: Values | None = None,
-    t: float = 0.0, *, start_at: Values | State | None = None, release: bool = False,
+    equations: Equations, t: float = 0.0, guess: Values | None = None,
+    start_at: Values | State | None = None, *, release: bool = False,
 ) -> Assembly:  # fmt: skip
     """Assemble at time t, from the start values of the scene, of `guess` and of `start_at`.
 
@@ -41,58 +56,60 @@ def assemble(
     what the scene fixes is refused. With `release`, fixed positions are guesses and start
     velocities zero, as a search for equilibrium takes them.
     """
-    equations = Equations(mechanism, parameter_values(mechanism, parameters))
+    given = dict(guess or {})
     if isinstance(start_at, State):
         start = start_of_state(start_at)
     else:
-        start = start_values(mechanism, guess, start_at, release=release)
+        start = start_values(equations.mechanism, guess, start_at, release=release)
+        given |= start_at or {}
     t = float(t)
-    drivers = mechanism.description.driver_rows
-    said = {} if isinstance(start_at, State) else start_at or {}
-    if (found := find_regular_start(equations, t, start)) is not None:
-        q, v, scale = found
-        slopes = equations.slopes(t, q)
-        gaps = equations.matrix_of(slopes) @ v - equations.velocity_rhs(t, q)
-        phi = equations.constraints(t, q)
-        independent = Findings([], [], equations.m)
-        return _report(equations, t, scale, start, (q, v), (phi, gaps), independent)
-    _require_magnitude(equations, t, start.q, {**(guess or {}), **said, **(parameters or {})})
-    _require_resolved_angles(mechanism.description, t, start.q)
-    size, slopes = equations.size(t, start.q), equations.slopes(t, start.q)
+    regular = find_regular_start(equations, t, start)
+    if regular is not None:
+        return _report(equations, t, *regular, start, Findings([], [], equations.m))
+    return _report(equations, t, *_irregular_start(equations, t, start, given))
+
+
+def _irregular_start(
+    equations: Equations, t: float, start: Start, given: dict[str, float]
+) -> tuple[FloatArray, FloatArray, FloatArray, Start, Findings]:
+    """The assembled state, (n,) each, typical changes, and dependent constraints."""
+    description, drivers = equations.description, equations.description.driver_rows
+    _require_magnitude(equations, t, start.q, given)
+    _require_resolved_angles(description, t, start.q)
+    size = equations.size(t, start.q)
     task = Task(
         equations, t, equations.scale(size), equations.row_scale(t, start.q, size),
-        equations.row_units(slopes), rows=np.ones(equations.m, dtype=np.bool_),
-        free=~start.fixed_q, weight=weights(start),
+        rows=np.ones(equations.m, dtype=np.bool_), free=~start.fixed_q, weight=weights(start),
     )  # fmt: skip
     closing = close(task, start.q)
     if not closing.closed:
-        raise _why_open(task, start, closing, drivers)
-    _require_resolved_angles(mechanism.description, t, closing.q)
-    findings = redundancy.find_redundancy(task, closing.q, drivers, start.v)
+        raise _why_open(task, start, closing.q, drivers)
+    q = closing.q
+    _require_resolved_angles(description, t, q)
+    findings = redundancy.find_redundancy(task, q, drivers, start.v)
     if any(drivers[row] for row, _ in findings.lasting):
-        raise _redundancy(mechanism.description, findings.lasting, findings.rank, "consistent")
-    require_finite(equations, t, closing.q, np.zeros_like(start.v))
-    v, velocity_gaps = _velocities(task, start, closing.q)
-    near = None if findings.lasting else start_on_branch(task, closing.q, v, start.fixed_v)
-    if near is not None:
-        q, v = near
-        closing = Closing(q, equations.constraints(t, q), closing.gap)
-        velocity_gaps = equations.matrix_of(equations.slopes(t, q)) @ v - equations.velocity_rhs(
-            t, q
-        )
-    require_finite(equations, t, closing.q, v)
-    state, gaps = (closing.q, v), (closing.phi, velocity_gaps)
-    shares = redundancy.undetermined_rows(task, closing.q) if findings.lasting else ()
-    return _report(equations, t, task.scale, start, state, gaps, findings, shares)
+        raise _redundancy(description, findings.lasting, findings.rank, "consistent")
+    require_finite(equations, t, q, np.zeros_like(start.v))
+    v = _velocities(task, start, q)
+    if findings.lasting:
+        findings = findings._replace(undetermined=redundancy.undetermined_rows(task, q))
+    else:
+        q, v = _start_on_branch(task, q, v, start.fixed_v) or (q, v)
+    require_finite(equations, t, q, v)
+    return q, v, task.scale, start, findings
 
 
-def _require_magnitude(equations: Equations, t: float, q: FloatArray, given: Values) -> None:
+def _require_magnitude(
+    equations: Equations, t: float, q: FloatArray, given: dict[str, float]
+) -> None:
     """Refuse values so large that the equations lose all digits."""
     arrays = equations.constraints(t, q), equations.slopes(t, q), q
     largest = max(float(np.abs(values).max(initial=0.0)) for values in arrays)
     if largest <= LARGEST:
         return
     require_finite(equations, t, q, np.zeros_like(q))
+    for row, value in zip(equations.description.parameters, equations.p.tolist(), strict=False):
+        given |= {row.name: value} if value != row.default else {}
     values = ", ".join(f"{name} = {value:g}" for name, value in given.items())
     raise AssemblyError(
         f"{equations.description.title}: the values are out of scale: lengths and angles in the "
@@ -114,8 +131,8 @@ def _require_resolved_angles(description: Description, t: float, q: FloatArray) 
         raise AssemblyError(problems)
 
 
-def _velocities(task: Task, start: Start, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Velocities nearest to the start values that satisfy Φ_q v = ν, and the residual."""
+def _velocities(task: Task, start: Start, q: FloatArray) -> FloatArray:
+    """Velocities nearest to the start values that satisfy Φ_q v = ν."""
     equations, t = task.equations, task.t
     nu, free = equations.velocity_rhs(t, q), ~start.fixed_v
     v, matrix, change = start.v.copy(), equations.matrix_of(equations.slopes(t, q)), None
@@ -126,13 +143,12 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> tuple[FloatArray, Fl
             slopes = matrix[:, free] * task.scale[free] / task.row_scale[:, None]
         change = least_norm_solver(slopes)
     for _ in range(3):
-        gaps = (matrix @ v - nu) / task.row_scale
         if change is not None:
-            v[free] -= change(gaps) * task.scale[free]
+            v[free] -= change((matrix @ v - nu) / task.row_scale) * task.scale[free]
     gaps = matrix @ v - nu
-    speed = max(1.0, float(np.abs(v / task.scale).max(initial=0.0)))
-    if np.abs(gaps / task.row_scale).max(initial=0.0) > VELOCITY_CLOSED * speed:
-        misses = _misses(task, gaps, VELOCITY_CLOSED * speed, "/s")
+    most = VELOCITY_CLOSED * max(1.0, float(np.abs(v / task.scale).max(initial=0.0)))
+    if np.abs(gaps / task.row_scale).max(initial=0.0) > most:
+        misses = _misses(task, q, gaps, most, "/s")
         if start.fixed_v.any():
             fault = "velocities contradict the joints"
             names = [(row.velocity, row.velocity_unit) for row in equations.description.coordinates]
@@ -141,7 +157,7 @@ def _velocities(task: Task, start: Start, q: FloatArray) -> tuple[FloatArray, Fl
             f"{equations.description.title}: no velocities satisfy joints and drivers at "
             f"t = {t:g} s: {misses}. The position is singular for this motion; start elsewhere."
         )
-    return v, gaps
+    return v
 
 
 def _contradiction(
@@ -158,14 +174,14 @@ def _contradiction(
     )
 
 
-def _why_open(task: Task, start: Start, closing: Closing, drivers: BoolArray) -> AssemblyError:
-    """The error of joints that do not close."""
-    description = task.equations.description
-    doubled = redundancy.dependent_joints(task, closing.q, drivers)
+def _why_open(task: Task, start: Start, q: FloatArray, drivers: BoolArray) -> AssemblyError:
+    """The error of joints that do not close; q is where they come nearest to it."""
+    description, phi = task.equations.description, task.equations.constraints(task.t, q)
+    doubled = redundancy.dependent_joints(task, q, drivers)
     if doubled:
         rank = len(task.rows) - int(drivers.sum()) - len(doubled)
-        return _redundancy(description, doubled, rank, "contradictory", closing.phi)
-    gaps = _misses(task, closing.phi, CLOSED)
+        return _redundancy(description, doubled, rank, "contradictory", phi)
+    gaps = _misses(task, q, phi, CLOSED)
     released = task._replace(free=np.ones_like(task.free))
     if start.fixed_q.any() and close(released, start.q).closed:
         names = [(row.name, row.unit) for row in description.coordinates]
@@ -174,11 +190,12 @@ def _why_open(task: Task, start: Start, closing: Closing, drivers: BoolArray) ->
     if drivers.any():
         joints = close(released._replace(rows=~drivers), start.q)
         if joints.closed:
-            driven = close(released, joints.q)
+            there = close(released, joints.q).q
+            left = task.equations.constraints(task.t, there)
             return AssemblyError(
                 f"{description.title}: the joints close, but not with what the drivers "
                 f"({', '.join(description.drivers)}) demand at t = {task.t:g} s: "
-                f"{_misses(task, driven.phi, CLOSED)}. The driver asks for a position out of "
+                f"{_misses(task, there, left, CLOSED)}. The driver asks for a position out of "
                 "reach, or fights the joints; change its value at this time or the dimensions."
             )
     return AssemblyError(
@@ -196,11 +213,12 @@ def _largest(keys: Iterable[Key], values: FloatArray) -> dict[Key, float]:
     return found
 
 
-def _misses(task: Task, values: FloatArray, least: float, per: str = "") -> str:
+def _misses(task: Task, q: FloatArray, values: FloatArray, least: float, per: str = "") -> str:
     """`joint C misses by 0.31 m, ...`, the worst first; that one in any case."""
-    description = task.equations.description
+    equations, description = task.equations, task.equations.description
+    units = equations.row_units(equations.slopes(task.t, q))
     elements = (row.element for row in description.constraints)
-    found = _largest(zip(elements, task.row_units, strict=True), values)
+    found = _largest(zip(elements, units, strict=True), values)
     worst = sorted(found.items(), key=lambda item: -item[1])[:6]
     return ", ".join(
         f"{'driver' if element in description.drivers else 'joint'} {element} misses by "
@@ -237,35 +255,118 @@ def _redundancy(
 
 
 def _report(
-    equations: Equations, t: float, scale: FloatArray, start: Start,
-    state: tuple[FloatArray, FloatArray], gaps: tuple[FloatArray, FloatArray], findings: Findings,
-    shares: Iterable[int] = (),
+    equations: Equations, t: float, q: FloatArray, v: FloatArray, scale: FloatArray, start: Start,
+    findings: Findings,
 ) -> Assembly:  # fmt: skip
-    """What was assembled: the state (q, v), Φ and Φ_q v - ν there, and what became of the start."""
-    description, (q, v) = equations.description, state
-    coordinates, table = description.coordinates, description.constraints
+    """What was assembled, and what became of the start."""
+    coordinates, table = equations.description.coordinates, equations.description.constraints
     moved: list[Moved] = []
-    before, after = np.array([start.q, start.v]), np.array(state)
+    before, after = np.array([start.q, start.v]), np.array([q, v])
     least = MOVED * scale * np.maximum(1.0, np.abs(after))
-    for k in np.flatnonzero((np.abs(after - before) > least).any(axis=0)).tolist():
+    far = np.abs(after - before) > least
+    for k in np.flatnonzero(far.any(axis=0)).tolist():
         row = coordinates[k]
-        pair = (
-            Moved(row.name, float(start.q[k]), float(q[k]), row.unit),
-            Moved(row.velocity, float(start.v[k]), float(v[k]), row.velocity_unit),
-        )
-        small = MOVED * scale[k]
-        moved += [one for one in pair if abs(one.by) > small * max(1.0, abs(one.reached))]
+        names = (row.name, row.unit), (row.velocity, row.velocity_unit)
+        for (name, unit), apart, asked, reached in zip(
+            names, far[:, k], before[:, k].tolist(), after[:, k].tolist(), strict=True
+        ):
+            if apart:
+                moved.append(Moved(name, asked, reached, unit))
     redundant = {}
     for k, sources in findings.lasting:
         origins = tuple(sorted({table[source].element for source in sources}))
         redundant[k] = Redundant(table[k].name, table[k].element, origins)
     elements = [row.element for row in table]
+    phi, slopes = equations.constraints(t, q), equations.slopes(t, q)
+    rates = equations.matrix_of(slopes) @ v - equations.velocity_rhs(t, q)
     return Assembly(
-        t, q, v, _largest(elements, gaps[0]), _largest(elements, gaps[1]),
-        tuple(moved), degrees_of_freedom=len(description.positions) - findings.rank,
+        t, q, v, _largest(elements, phi), _largest(elements, rates), tuple(moved),
+        degrees_of_freedom=len(equations.description.positions) - findings.rank,
         singular=tuple(table[k].name for k, _ in findings.here_only),
         redundant=tuple(redundant.values()),
-        not_unique=tuple(dict.fromkeys(elements[k] for k in shares)),
+        not_unique=tuple(dict.fromkeys(elements[k] for k in findings.undetermined)),
         independent=tuple(k for k in range(len(table)) if k not in redundant),
         coordinates=coordinates,
     )  # fmt: skip
+
+
+def _start_on_branch(
+    task: Task, q: FloatArray, v: FloatArray, fixed_v: np.ndarray[tuple[int], np.dtype[np.bool_]]
+) -> tuple[FloatArray, FloatArray] | None:
+    """Position and velocity on the branch of (q, v), where that is close to a singular position.
+
+    The coordinates that are not free in `task` keep their values, and the velocities in `fixed_v`
+    theirs. None where the start is not so near, or where no branch has these values.
+    """
+    equations = task.equations
+    if not equations.m or not v.any() or equations.m >= equations.n:
+        return None
+    least = _least_singular_value(task, q)
+    if not least < _NEAR:
+        return None
+    positions = SingularPositions(equations.scaled(task.scale, np.arange(equations.m)))
+    rest = np.zeros_like(v)
+    position = positions.find(taylor(task.t, q, v, rest), 0.0)
+    if position is None or position.gap > _ROUNDING:
+        return None
+    away = q - position.q
+    if np.linalg.norm(away / task.scale) > _DISTINCT:
+        part = float(away[fixed_v] @ v[fixed_v]) if fixed_v.any() else float(away @ v)
+        along = away * np.sign(part or 1.0)
+        along *= np.linalg.norm(v / task.scale) / np.linalg.norm(along / task.scale)
+        position = positions.find(taylor(task.t, q, along, rest), 0.0)
+        if position is None or position.gap > _ROUNDING:
+            return None
+    elif position.astray > _DIRECTION_ERROR:
+        return None  # neither position nor velocities say which branch is meant
+    else:
+        along = v
+    branch = along + position.veer
+    speed = float(np.abs(branch / task.scale).max())
+    if fixed_v.any():
+        square = float(branch[fixed_v] @ branch[fixed_v])
+        if not square > 0.0:
+            return None
+        branch = branch * (float(branch[fixed_v] @ v[fixed_v]) / square)
+        if np.abs((branch - v)[fixed_v]).max() > _SAME_VELOCITY * speed:
+            return None
+        branch[fixed_v] = v[fixed_v]
+    fixed = ~task.free
+    square = float(branch[fixed] @ branch[fixed])
+    tau = float((q - position.q)[fixed] @ branch[fixed]) / square if square > 0.0 else 0.0
+    place = position.q + tau * branch
+    if np.abs(((place - q) / task.scale)[fixed]).max(initial=0.0) > _ROUNDING:
+        return None
+    place[fixed] = q[fixed]
+    for _ in range(2):  # Newton's method on the well-conditioned directions; the lost ones stay
+        change = _least_squares(task.slopes(place), task.gaps(place), position.lost)
+        place[task.free] -= change * task.scale[task.free]
+    if np.abs(task.gaps(place)).max() > CLOSED:
+        return None
+    slopes = equations.jacobian(task.t, place) * task.scale / task.row_scale[:, None]
+    gaps = slopes @ (branch / task.scale) - equations.velocity_rhs(task.t, place) / task.row_scale
+    change = _least_squares(slopes[:, ~fixed_v], gaps, position.lost)
+    branch[~fixed_v] -= change * task.scale[~fixed_v]
+    return place, branch
+
+
+def _least_singular_value(task: Task, q: FloatArray) -> float:
+    """The smallest singular value of Φ_q, columns scaled, rows of unit length; 1 for an empty row.
+
+    That of a large machine is by iteration, where it is clearly no small one.
+    """
+    if is_clearly_independent(task, q):
+        return 1.0
+    matrix = task.equations.jacobian(task.t, q) * task.scale
+    lengths = np.linalg.norm(matrix, axis=1)
+    if not lengths.all():
+        return 1.0
+    return float(np.linalg.svd(matrix / lengths[:, None], compute_uv=False)[-1])
+
+
+def _least_squares(matrix: FloatArray, right: FloatArray, weak: int) -> FloatArray:
+    """The least x with matrix x = right, without the `weak` smallest singular values."""
+    left, values, basis = np.linalg.svd(matrix, full_matrices=False)
+    firm = len(values) - weak
+    x: FloatArray = basis[:firm].T @ (left[:, :firm].T @ right / values[:firm])
+    return x

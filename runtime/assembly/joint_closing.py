@@ -25,10 +25,9 @@ Selection = npt.NDArray[np.bool_ | np.int64]  # a mask, or indices where joints 
 
 
 class Closing(NamedTuple):
-    """Result of closing the joints: q, Φ there, and the largest scaled gap beyond rounding."""
+    """Result of closing the joints: q, and the largest scaled gap beyond rounding."""
 
     q: FloatArray
-    phi: FloatArray
     gap: float
 
     @property
@@ -44,7 +43,6 @@ class Task(NamedTuple):
     t: float
     scale: FloatArray
     row_scale: FloatArray
-    row_units: list[str]  # for messages
     rows: Selection
     free: Selection
     weight: FloatArray
@@ -108,7 +106,7 @@ def _attempt(task: Task, start: FloatArray) -> Closing:
     # A machine far from the origin closes to the last digits of its coordinates.
     rounding = DIGITS * EPS * task.term_sizes(q)[task.rows]
     gap = float((np.abs(task.gaps(q)) - rounding).max(initial=0.0))
-    return Closing(q, task.equations.constraints(task.t, q), gap if gap < np.inf else np.inf)
+    return Closing(q, gap if gap < np.inf else np.inf)
 
 
 def refine(task: Task, q: FloatArray) -> FloatArray:

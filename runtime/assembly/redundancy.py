@@ -4,6 +4,7 @@ The rows of the joints are eliminated first and the drivers appended, so that a 
 motion left to drive is named as such.
 """
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy.typing as npt
 
 from runtime.assembly.joint_closing import CLOSED, Task, nearest, refine
 from runtime.linalg.rank_policy import LOST
-from runtime.mechanism.dense_equations import FloatArray
+from runtime.mechanism.dense_equations import FloatArray, row_lengths
 
 BoolArray = npt.NDArray[np.bool_]
 # measured: scaled lengths of the displacements at whose ends the rank is taken again
@@ -63,11 +64,15 @@ def dependent_rows(matrix: FloatArray, order: list[int]) -> list[Dependency]:
 
 
 class Findings(NamedTuple):
-    """Dependencies at every position, those at this position only, and the rank."""
+    """Dependencies at every position, those at this position only, and the rank.
+
+    Where there are any of the first, `undetermined` are the rows whose multipliers they leave open.
+    """
 
     lasting: list[Dependency]
     here_only: list[Dependency]
     rank: int
+    undetermined: Sequence[int] = ()
 
 
 def find_redundancy(task: Task, q: FloatArray, drivers: BoolArray, v: FloatArray) -> Findings:
@@ -152,8 +157,7 @@ def _scaled(task: Task, q: FloatArray) -> FloatArray:
 def undetermined_rows(task: Task, q: FloatArray) -> list[int]:
     """Constraints whose multipliers the equations of motion leave open: rows in dependencies."""
     matrix = _scaled(task, q)
-    matrix = matrix / np.maximum(np.linalg.norm(matrix, axis=1), 1e-300)[:, None]
-    left, values, _ = np.linalg.svd(matrix)
+    left, values, _ = np.linalg.svd(matrix / row_lengths(matrix)[:, None])
     rank = int(np.sum(values > LOST))
     shares = np.abs(left[:, rank:]).max(axis=1, initial=0.0)
     return [int(row) for row in np.flatnonzero(shares > LOST)]

@@ -80,17 +80,11 @@ def start_values(
     return Start(values[0], values[1], fixed[0], fixed[1], named[0])
 
 
-def _units(description: Description) -> dict[str, str]:
-    """Coordinate or velocity → its unit."""
-    units = {row.name: row.unit for row in description.coordinates}
-    return units | {row.velocity: row.velocity_unit for row in description.coordinates}
-
-
 def _refusal(description: Description, guess: Values) -> str:
     """The problem of guesses, all of which name what the scene fixes."""
-    units = _units(description)
+    series = description.series
     scene = ", ".join(
-        f"{row.name} = {row.value:.6g} {units[row.name]}"
+        f"{row.name} = {row.value:.6g} {series.find(row.name).unit}"
         for row in description.start
         if row.role == "fixed" and row.name in guess
     )
@@ -110,7 +104,7 @@ def start_note(
     mechanism: Mechanism, begin: Assembly, guess: Values | None, given: Values | State | None
 ) -> str:
     """Sentences on what became of the start values and guesses of a user."""
-    units, parts = _units(mechanism.description), list[str]()
+    description, parts = mechanism.description, list[str]()
     if isinstance(given, State):
         moved = ", ".join(f"{m.name} by {m.by:.3g} {m.unit}" for m in begin.moved)
         parts.append(
@@ -119,12 +113,15 @@ def start_note(
             f"{f', which joints and drivers moved ({moved})' if moved else ''}."
         )
     elif given:
-        kept = ", ".join(f"{name} = {value:.6g} {units[name]}" for name, value in given.items())
-        parts.append(f"start sets {kept}.")
+        kept = (
+            f"{name} = {value:.6g} {description.series.find(name).unit}"
+            for name, value in given.items()
+        )
+        parts.append(f"start sets {', '.join(kept)}.")
     for name, value in (guess or {}).items():
-        reached = f"{begin[name]:.6g} {units[name]}"
         if abs(begin[name] - value) > MOVED * max(1.0, abs(value)):
+            unit = description.series.find(name).unit
             set_others = "" if isinstance(given, State) else ", ".join(given or ())
             why = f", with start of {set_others}" if set_others else ": start= sets a value"
-            parts.append(f"guess {name} = {value:.6g} became {reached}{why}.")
+            parts.append(f"guess {name} = {value:.6g} became {begin[name]:.6g} {unit}{why}.")
     return "".join(f" {part}" for part in parts)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from runtime.mechanism.dense_equations import FloatArray
+from runtime.mechanism.dense_equations import FloatArray, row_lengths
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
 _LARGEST = 0.2  # measured: longest step along the curve, scaled
@@ -56,8 +56,7 @@ class Curve:
     ) -> None:
         self.constraints, self.rate = constraints, rate
         matrix = constraints.dense(constraints.entries(t, q, 1.0 / rate))
-        lengths = np.linalg.norm(matrix[:, :-1], axis=1)
-        self.lengths = np.where(lengths > 0.0, lengths, 1.0)
+        self.lengths = row_lengths(matrix[:, :-1])
 
     def z(self, t: float, q: FloatArray) -> FloatArray:
         """Place of a position."""

@@ -2,7 +2,7 @@
 
 Where the predictor-corrector gets stuck, or lands on another assembly of the machine, the singular
 configuration behind it is located (`runtime.singularity.singular_position_near_motion`). At a
-branch point the branch of continuous velocity is interpolated (`motion_across_branch_point`). Where
+branch point the branch of continuous velocity is interpolated (`bifurcation_branches`). Where
 branches only come close, or at a fold, the curve of positions is followed by its arc length
 (`arclength`).
 """
@@ -14,15 +14,25 @@ import numpy as np
 
 from codegen.object_display import counted
 from codegen.termination_signals import SignalDeferral
-from runtime.continuation import motion_across_branch_point as across
 from runtime.continuation import singular_position_messages as classification
 from runtime.continuation.arclength import Curve, Point
-from runtime.continuation.bifurcation_branches import RankDeficiency, is_ambiguous
-from runtime.continuation.driven_motion_state import ContinuationState, DrivenMotion
-from runtime.continuation.predictor_corrector import ARRIVED, DONE, SUSPECT
+from runtime.continuation.bifurcation_branches import (
+    DISTANCE,
+    RankDeficiency,
+    distance_between,
+    interpolate_branch,
+    is_ambiguous,
+)
+from runtime.continuation.predictor_corrector import (
+    ARRIVED,
+    DONE,
+    SUSPECT,
+    ContinuationState,
+    DrivenMotion,
+)
 from runtime.core.arrays import EPS
 from runtime.core.outcomes import Outcome
-from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.dense_equations import Equations, FloatArray, row_lengths
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly
 from runtime.results.event_records import Kind, SingularPosition
@@ -52,8 +62,7 @@ class Continuation:
     def __init__(self, equations: Equations, times: FloatArray, start: Assembly) -> None:
         self.equations, self.state = equations, ContinuationState(equations, times, start)
         self.scale = self.state.scale
-        independent = np.asarray(start.independent, dtype=np.int64)
-        self.constraints = equations.scaled(self.scale, independent)
+        self.constraints = equations.scaled(self.scale, equations.independent)
         self.positions = SingularPositions(self.constraints)
         self.awaited: Singularity | None = None
         self.singular: list[SingularPosition] = []
@@ -68,8 +77,7 @@ class Continuation:
         state, equations = self.state, self.equations
         ends = state.began, float(state.times[0]), float(state.times[-1])
         seen = np.concatenate([np.linspace(*pair, _SEEN) for pair in pairwise(ends)])
-        lengths = np.linalg.norm(equations.jacobian(seen[0], state.q) * self.scale, axis=1)
-        lengths[lengths == 0.0] = 1.0
+        lengths = row_lengths(equations.jacobian(seen[0], state.q) * self.scale)
         rates = [np.linalg.norm(equations.velocity_rhs(t, state.q) / lengths) for t in seen]
         return max([1e-3, *(float(rate) for rate in rates if np.isfinite(rate))])
 
@@ -125,7 +133,7 @@ class Continuation:
             state.return_to_good()
             r.step = max(r.step, _ABOUT / speed)
             t, ahead = state.t, state.ahead
-            barrier = found.t - ahead * 2.0 * across.DISTANCE / max(found.rate, found.speed)
+            barrier = found.t - ahead * 2.0 * DISTANCE / max(found.rate, found.speed)
             if (barrier - t) * ahead > 0.0:
                 r.barrier = barrier
                 return None
@@ -163,10 +171,10 @@ class Continuation:
             choices = self._deficiency(t, q).branches(coming)
         zone = None
         if choices and (len(choices) == 1 or choices[0].far < _NEARER * choices[1].far):
-            zone = across.interpolate_branch(equations, t, q, choices, self.scale, found.rate)
+            zone = interpolate_branch(equations, t, q, choices, self.scale, found.rate)
         if zone is not None and zone.holds(state.t):
             off = np.linalg.norm((zone.at(state.t)[0] - state.q) / self.scale)
-            apart = across.distance_between(choices, self.scale)
+            apart = distance_between(choices, self.scale)
             if off > _NEARER * apart * abs(t - state.t) + 1e-9:
                 zone = None
         if zone is None:
@@ -195,7 +203,7 @@ class Continuation:
         else:
             found = self.positions.find(taylor(t, q, state.v, state.a), 0.0)
             rate = state.speed if found is None else found.rate
-            zone = across.interpolate_branch(equations, t, q, choices, scale, rate)
+            zone = interpolate_branch(equations, t, q, choices, scale, rate)
             if zone is None:
                 raise classification.no_start(equations, position, [])
             state.cross(zone, state.ahead)

@@ -14,7 +14,7 @@ from codegen.errors import AnalysisError
 from runtime.continuation.bifurcation_branches import SOLVED, Branch, RankDeficiency
 from runtime.integrate.trajectory import Crossing
 from runtime.linalg.rank_policy import LOST
-from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.dense_equations import Equations, FloatArray, row_lengths
 from runtime.results.event_records import Kind, SingularPosition
 
 # measured: part of the largest share in a rank deficiency; constraints above it are named
@@ -186,8 +186,7 @@ def _of_all(at: RankDeficiency) -> tuple[int, FloatArray]:
     fewer directions free.
     """
     matrix = at.equations.jacobian(at.t, at.q) * at.scale
-    lengths = np.linalg.norm(matrix, axis=1)
-    _, values, right = np.linalg.svd(matrix / np.where(lengths > 0.0, lengths, 1.0)[:, None])
+    _, values, right = np.linalg.svd(matrix / row_lengths(matrix)[:, None])
     rank = int((values[: len(at.rows)] >= LOST).sum())
     # A position that is counted as singular, however large its singular value, has lost one.
     count = min(max(len(at.rows) - rank, 1), at.k)

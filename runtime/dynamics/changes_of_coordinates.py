@@ -8,7 +8,7 @@ repartition of the result. Where reduced equations fail for another reason, all 
 over as well: what ends a run is an outcome in these.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -17,17 +17,11 @@ import numpy.typing as npt
 from runtime.core.arrays import Integers, Vector
 from runtime.core.loop_record import Plan
 from runtime.core.outcomes import Outcome
+from runtime.core.system import System
 from runtime.core.workspace_rows import PARTITION
 from runtime.hybrid.step_limits import LEAST
-from runtime.integrate.checkpoints import (
-    Checkpoint,
-    Checkpoints,
-    Snapshot,
-    Watch,
-    restore,
-    snapshot,
-)
-from runtime.integrate.problem import Options, Passage, Stops
+from runtime.integrate.checkpoints import Checkpoint, Snapshot, Watch, restore, snapshot
+from runtime.integrate.problem import Options, Passage, Problem, Stops
 from runtime.integrate.recording_buffers import in_order
 from runtime.integrate.run import Progress, Run
 from runtime.integrate.run_state import COUNTS
@@ -44,15 +38,10 @@ _LOOK_EVERY = 4  # measured: steps in all coordinates between two looks
 _PATIENCE = 16  # safety: steps in all coordinates after reduced equations fail, at first
 _GOING, _LEAVE, _OK = int(Signal.GOING), int(Signal.LEAVE), int(Outcome.OK)
 _FAILED = {
-    int(outcome)
-    for outcome in (
-        Outcome.SINGULAR, Outcome.NEWTON_FAILED, Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL,
-    )
+    Outcome.SINGULAR, Outcome.NEWTON_FAILED, Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL,
 }  # fmt: skip
-
-_ALIKE = {
-    *(Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED, Outcome.OUT_OF_RANGE)
-}  # in all coordinates too
+# in all coordinates too
+_ALIKE = {Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED, Outcome.OUT_OF_RANGE}
 
 
 class RunsSnapshot(NamedTuple):
@@ -81,8 +70,7 @@ class RunsSnapshot(NamedTuple):
         return present.longest
 
 
-@dataclass(frozen=True)
-class _Leg:
+class _Leg(NamedTuple):
     """A part of the run in one kind of coordinates."""
 
     path: Trajectory  # in all coordinates
@@ -102,11 +90,14 @@ class Changes:
         self.largest = np.zeros(self.reduced.system.loops)
         self.until, self.patience = 0, _PATIENCE
 
-    def run(self, progress: Progress) -> Trajectory:
-        """The whole run, in all coordinates."""
-        made = Checkpoints(self)
-        path = self._begin().execute(progress, made)
-        return replace(self._joined(path), checkpoints=made)
+    def run(
+        self, watch: Watch, kept: Checkpoint | None, known: tuple[float, Vector] | None,
+        progress: Progress | None,
+    ) -> Trajectory:  # fmt: skip
+        """The whole run, in all coordinates, or from a checkpoint on; see `Coordinates.run`."""
+        watch.change = self
+        self.present = self._begin() if kept is None else self._restored(kept.state, known)
+        return self._joined(self.present.execute(progress, watch, started=kept is not None))
 
     def _begin(self) -> Run:
         """The first run, in the coordinates that suit the start."""
@@ -114,19 +105,11 @@ class Changes:
         self.start = begin.t, begin.q  # where the present leg starts
         self.free = np.isin(np.arange(len(begin.q)), self.reduced.kept)  # what is independent there
         if self._is_safe(begin.t, begin.q, begin.v, LEAST, 0.0):
-            self.present = self._make_less(begin.t, begin.q, begin.v)
-        else:
-            self.present = self._make_whole()
-        return self.present
+            return self._make_less(begin.t, begin.q, begin.v)
+        return self._make_whole()
 
-    def retaken(
-        self, kept: Checkpoint | None, watched: Watch, known: tuple[float, Vector] | None,
-        progress: Progress | None,
-    ) -> Trajectory:  # fmt: skip
-        """The run from a checkpoint; see `Coordinates.retaken`."""
-        if kept is None:
-            return self._joined(self._begin().execute(progress, watched(self)))
-        place: RunsSnapshot = kept.state
+    def _restored(self, place: RunsSnapshot, known: tuple[float, Vector] | None) -> Run:
+        """The run of a checkpoint."""
         self.start = known if known is not None and known[0] >= place.start[0] else place.start
         self.free, self.largest = place.free, place.largest.copy()
         self.until, self.patience = place.until, place.patience
@@ -136,8 +119,7 @@ class Changes:
             restore(self._make_whole(), place.whole)
         run = self.less if place.reduced else self.whole
         assert run is not None
-        self.present = run
-        return self._joined(run.execute(progress, watched(self), started=True))
+        return run
 
     def snapshot(self) -> RunsSnapshot:
         """Where the runs stand."""
@@ -226,20 +208,22 @@ class Changes:
 
     def _make_less(self, t: float, q: Vector, v: Vector) -> Run:
         self.made = t, q.copy(), v.copy()
-        problem = replace(self.taken.problem(t, q, v), t0=self.taken.begin.t)
-        problem = replace(problem, stops=self._stops_of_all(problem.stops))
-        check(self.taken.system, problem, self.options)
-        self.less = Run(self.taken.system, problem, self.options)
+        problem = self.taken.problem(t, q, v)
+        stops = self._stops_of_all(problem.stops)
+        problem = replace(problem, t0=self.taken.begin.t, stops=stops)
+        self.less = self._new_run(self.taken.system, problem)
         return self.less
 
     def _make_whole(self) -> Run:
-        cartesian = self.taken.cartesian(self.options.method)
-        begin, system = self.taken.begin, cartesian.system
+        cartesian, begin = self.taken.cartesian(self.options.method), self.taken.begin
         problem = cartesian.problem(begin.t, begin.q, begin.v)
-        check(system, problem, self.options)
-        self.whole = Run(system, problem, self.options)
+        self.whole = self._new_run(cartesian.system, problem)
         self.whole.most = _LOOK_EVERY
         return self.whole
+
+    def _new_run(self, system: System, problem: Problem) -> Run:
+        check(system, problem, self.options)
+        return Run(system, problem, self.options)
 
     def _stops_of_all(self, stops: Stops | None) -> Stops | None:
         """Stops that are passed in all coordinates; velocities behind them are kept ones."""
@@ -270,12 +254,13 @@ class Changes:
         if len(self.legs) == 1:
             return replace(last, events=in_order(last.events, last.final_t, rigid))
         paths = [leg.path for leg in self.legs]
-        records = [made.state.record for made in (self.less, self.whole) if made is not None]
+        states = [made.state for made in (self.less, self.whole) if made is not None]
+        records = [state.record for state in states]
         counts = {name: sum(r[name].item() for r in records) for name in COUNTS}
         counts["largest_dq"] = max(r["largest_dq"].item() for r in records)
         # Near a dead centre the fastest motions are those of the singular position: what decays in
         # both kinds of coordinates is a motion of the machine.
-        decay = min(made.state.mean_decay for made in (self.less, self.whole) if made is not None)
+        decay = min(state.mean_decay for state in states)
         partitions = self._partitions()
         counts["repartitions"] = len(partitions.t) - 1
         samples = zip(*((path.t, path.q, path.v, path.modes) for path in paths), strict=True)

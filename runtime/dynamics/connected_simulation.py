@@ -4,31 +4,33 @@ Every set of joints is a scene of its own, with its own module, coordinates and 
 ends where a joint is released or engages, and the next begins there. Positions and velocities stay,
 but for velocities that a joint which engages does not permit: these end in an impact of all
 constraints, M Δv + Φ_qᵀ Λ = Gᵀ P, Φ_q (v + Δv) = ν, in which closed contacts and freewheels take
-part by their impulses P ≥ 0.
+part by their impulses P ≥ 0. The runs have one result, in the tables of all their machines.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import LinkwrightError
+from codegen.object_display import counted
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.continued_state import numbered
-from runtime.dynamics.joined_results import joined
-from runtime.dynamics.motion_at_instants import SimulatedMotion
-from runtime.dynamics.prepared_simulation import Handover
+from runtime.dynamics.motion_at_instants import Found, SimulatedMotion, resumed
 from runtime.dynamics.simulation import simulate_joints
-from runtime.integrate.problem import Discrete
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.module_tables import Description
 from runtime.mechanism.one_sided_impact import Contradiction, impact
-from runtime.mechanism.sibling_scenes import sibling
-from runtime.results.assembled_state import Assembly, State
+from runtime.mechanism.sibling_scenes import sibling, sibling_named
+from runtime.results.assembled_state import Assembly, DiscreteState, State
+from runtime.results.motion_at_instants import Motion, keep
 from runtime.results.result import Result
-from runtime.results.run_records import Ending, Reconnection
+from runtime.results.run_records import Ending, Reconnection, sentences
 from runtime.results.samples import Samples
+from runtime.results.saved_result import saved_fields
 from runtime.validation.output_instants import uniform
 from runtime.validation.parameters import parameter_values
 
@@ -38,6 +40,16 @@ _IN_A_ROW, _SHORT = 64, 1e-5  # safety: so many changes within that part of a ru
 # accuracy: of the machine's lengths; a contact with a gap below it is closed
 _TOUCHING = 1e-9
 _CLOSED = 1e-6  # safety: of the size of its equation; a joint further open does not engage
+_TABLES = (
+    "coordinates", "constraints", "parameters", "effects", "switches", "reactions", "powers"
+)  # fmt: skip
+_COLUMNS = {
+    **dict.fromkeys("qva", ("coordinates", np.nan)), "lam": ("constraints", 0.0),
+    "reaction": ("reactions", 0.0), "power": ("powers", 0.0), "modes": ("switches", 0),
+    "share": ("switches", np.nan),
+}  # fmt: skip
+"""Samples → the table of their columns, and what stands where a machine has no such row."""
+_LARGEST = {"crossing_error", "largest_correction"}  # entries of statistics that are no counts
 
 
 def simulate(
@@ -59,13 +71,12 @@ def simulate(
     values = {name: value for name, value in parameters.items() if name not in idle}
     results = [part(mechanism, t_end, t_eval, parameters=values, **settings)]
     changes = list[Reconnection | None]()
-    settings |= {"parameters": parameters}
-    follow(results, changes, mechanism, t_end, t_eval, t_end - first, part=part, **settings)
+    settings |= {"part": part, "parameters": parameters}
+    follow(results, changes, mechanism, t_end, t_eval, t_end - first, **settings)
     if len(results) == 1:
         return results[0]
     found, motion = joined(results, changes), results[0]._motion
-    if isinstance(motion, SimulatedMotion):  # what became of the start
-        found.message += motion.ready.note
+    found.message += motion.ready.note if isinstance(motion, SimulatedMotion) else ""
     return found
 
 
@@ -84,23 +95,30 @@ def follow(
         if end is None or run.outcome is not Outcome.OK or end.state.t >= t_end:
             return
         passed = [change for change in changes if change is not None]
-        if _endless(passed, end.state.t, span):
-            _end_at_change(run, Outcome.ZENO, _without_end(passed))
+        if endless := _without_end(passed, end.state.t, span):
+            _end_at_change(run, Outcome.ZENO, endless)
             return
         after = sibling(mechanism, mechanism.description.watched[end.row])
         try:
-            begin, handover, change = cross(mechanism, after, end, parameters)
+            begin, change = cross(mechanism, after, end, parameters)
         except Gap as gap:
             _end_at_change(run, Outcome.INCONSISTENT, str(gap))
             return
-        mechanism, values = after, dict(known_parameters(after, parameters))
-        settings |= {"start": begin, "handover": handover, "guess": None, "t_start": 0.0}
+        mechanism, values = after, known_parameters(after, parameters)
+        settings |= {"start": begin, "length": end.length, "guess": None, "t_start": 0.0}
         if settings.get("max_steps"):
             done = run.stats["steps"] + run.stats["rejected"]
             settings["max_steps"] = max(1, int(settings["max_steps"] - done))
-        instants, none_left = _later(t_eval, change.time, t_end)
+        instants, none_left = t_eval, False
+        if isinstance(t_eval, np.ndarray | list | tuple):
+            times: FloatArray = np.asarray(t_eval, dtype=np.float64)
+            instants = times[times > change.time]
+            none_left = not len(instants)
         try:
-            run = part(mechanism, t_end, instants, parameters=values, **settings)
+            run = part(
+                mechanism, t_end, np.array([t_end]) if none_left else instants, parameters=values,
+                **settings,
+            )  # fmt: skip
         except LinkwrightError as error:
             _end_at_change(results[-1], Outcome.INCONSISTENT, f"{change} {error}")
             return
@@ -113,38 +131,26 @@ def follow(
 
 def _end_at_change(run: Result, outcome: Outcome, message: str) -> None:
     """Let a run end where a joint should have come or gone, with the state there."""
-    end = run.reconnection
+    end, motion = run.reconnection, run._motion
     assert end is not None
-    motion, late = run._motion, not len(run.t) or run.t[-1] < end.state.t
-    if motion is not None and late:
+    if motion is not None and (not len(run.t) or run.t[-1] < end.state.t):
         row, works = motion.at(run, np.array([end.state.t]))
         run.samples = Samples._make(map(np.concatenate, zip(run.samples, row, strict=True)))
         run.works = {name: np.append(work, works[name]) for name, work in run.works.items()}
     run.outcome, run.message = outcome, message
 
 
-def _later(t_eval: Any, change: float, t_end: float) -> tuple[Any, bool]:
-    """The instants behind a change, s, and whether there are none but the end."""
-    if not isinstance(t_eval, np.ndarray | list | tuple):
-        return t_eval, False
-    times: npt.NDArray[np.float64] = np.asarray(t_eval, dtype=np.float64)
-    later = times[times > change]
-    return (later, False) if len(later) else (np.array([t_end]), True)
-
-
-def _endless(changes: list[Reconnection], t: float, span: float) -> bool:
-    """Whether joints come and go for ever at the instant `t` of a run over a `span`, s."""
-    at_once = len(changes) > _AT_ONCE and changes[-1 - _AT_ONCE].time == t
-    in_a_row = len(changes) >= _IN_A_ROW and t - changes[-_IN_A_ROW].time < _SHORT * span
-    return at_once or in_a_row or len(changes) >= _MOST
-
-
-def _without_end(changes: list[Reconnection]) -> str:
-    last = changes[-1]
+def _without_end(changes: list[Reconnection], t: float, span: float) -> str:
+    """That joints come and go for ever at the instant `t` of a run over a `span`, s; else empty."""
+    count = len(changes)
+    at_once = count > _AT_ONCE and changes[-1 - _AT_ONCE].time == t
+    in_a_row = count >= _IN_A_ROW and t - changes[-_IN_A_ROW].time < _SHORT * span
+    if not (at_once or in_a_row or count >= _MOST):
+        return ""
     return (
-        f"Stopped at t = {last.time:.9g} s. Joints come and go without end, {len(changes)} times, "
-        f"the last '{last.joint}': each change makes the condition of the next one hold. Leave a "
-        "margin between the conditions under which a joint engages and is released."
+        f"Stopped at t = {changes[-1].time:.9g} s. Joints come and go without end, {count} times, "
+        f"the last '{changes[-1].joint}': each change makes the condition of the next one hold. "
+        "Leave a margin between the conditions under which a joint engages and is released."
     )
 
 
@@ -154,81 +160,52 @@ class Gap(Exception):  # noqa: N818 (it is caught where runs follow one another)
 
 def cross(
     before: Mechanism, after: Mechanism, end: Ending, parameters: Values
-) -> tuple[State, Handover, Reconnection]:
+) -> tuple[State, Reconnection]:
     """The state behind the instant at which a joint comes or goes; raises Gap."""
-    watched, (t, q, v) = before.description.watched[end.row], _state_by_names(before, after, end)
+    watched, description = before.description.watched[end.row], after.description
+    t, joint, was = end.state.t, watched.target, before.description.coordinates.names
+    known = [was.index(name) if name in was else -1 for name in description.coordinates.names]
+    q, v = (np.append(x, 0.0)[known] for x in (end.state.q, end.state.v))
     impulse, units, lost = dict[str, float](), dict[str, str](), 0.0
     if watched.action == "engage":
         equations = Equations(after, parameter_values(after, known_parameters(after, parameters)))
-        _require_closed(equations, watched.target, t, q, end.length)
+        _require_closed(equations, joint, t, q, end.length)
         rest = v
         try:
             v, multipliers = impact(equations, t, q, rest, _TOUCHING * end.length)
         except Contradiction as found:
-            where = f"Joint '{watched.target}' is to engage at t = {t:.9g} s"
+            where = f"Joint '{joint}' is to engage at t = {t:.9g} s"
             raise Gap(f"{where}, and {found}. Choose another instant, or release it.") from None
         mass = equations.mass(q)
-        states = [row.column for row in after.description.states]
+        states = [row.column for row in description.states]
         v[states] = rest[states]  # to the last bit
         mass[states, states] = 0.0
         lost = float(rest @ mass @ rest - v @ mass @ v) / 2
-        impulse = _impulses(after, equations, watched.target, t, q, v, multipliers)
-        rows = [row for row in after.description.reactions if row.element == watched.target]
-        units = {row.component: f"{row.unit} s" if row.unit else "" for row in rows}
-    start = State(t, q, v, after.description.coordinates)
-    discrete = _discrete_by_names(before, after, end.discrete)
-    change = Reconnection(t, watched.target, watched.action, impulse, lost, units)
-    return start, Handover(discrete, end.length), change
+        reactions = np.zeros(len(description.reactions))
+        if "reactions" in description.kernels:
+            after.kernels.reactions(t, q, v, equations.p, multipliers, reactions)
+        for row, value in zip(description.reactions, reactions.tolist(), strict=True):
+            if row.element == joint:
+                impulse[row.component] = 0.0 + value
+                units[row.component] = f"{row.unit} s" if row.unit else ""
+    start = State(t, q, v, description.coordinates, discrete=end.state.discrete)
+    return start, Reconnection(t, joint, watched.action, impulse, lost, units)
 
 
-def _discrete_by_names(
-    before: Mechanism, after: Mechanism, discrete: Discrete | None
-) -> Discrete | None:
-    """Clocks and conditions by the tables of another mechanism; None where it has none."""
-    old, new = before.description, after.description
-    if discrete is None or not (new.sampled or new.watched):
-        return None
-    known = numbered([row[:3] for row in old.watched])
-    held = dict(zip(known, discrete.held.tolist(), strict=True))
-    places = {key: k for k, key in enumerate(numbered(old.sampled))}
-    rows = np.array([places[key] for key in numbered(new.sampled)], np.int64)
-    ticks = discrete.ticks.reshape(-1, 2)[rows]
-    return Discrete(
-        ticks.ravel(), discrete.waiting[rows],
-        np.array([held.get(key, 0.0) for key in numbered([row[:3] for row in new.watched])]),
-    )  # fmt: skip
-
-
-def _state_by_names(
-    before: Mechanism, after: Mechanism, end: Ending
-) -> tuple[float, FloatArray, FloatArray]:
-    """The instant, s, positions and velocities, (n,) each, by the other mechanism's coordinates."""
-    q, v = (_by_names(before, after, x) for x in (end.state.q, end.state.v))
-    return end.state.t, q, v
-
-
-def known_parameters(mechanism: Mechanism, parameters: Values) -> Values:
+def known_parameters(mechanism: Mechanism, parameters: Values) -> dict[str, float]:
     """Those of the values whose parameters the mechanism has."""
     names = mechanism.description.parameters.names
     return {name: value for name, value in parameters.items() if name in names}
 
 
-def _by_names(before: Mechanism, after: Mechanism, x: FloatArray) -> FloatArray:
-    """A vector (n,) by the coordinates of another mechanism; 0 where there is none of the name."""
-    known = {name: k for k, name in enumerate(before.description.coordinates.names)}
-    names = after.description.coordinates.names
-    return np.array([x[known[name]] if name in known else 0.0 for name in names])
-
-
 def _require_closed(
     equations: Equations, joint: str, t: float, q: FloatArray, length: float
 ) -> None:
-    rows = equations.description.constraints
     gaps = np.abs(equations.constraints(t, q))
     least = _CLOSED * equations.row_scale(t, q, max(length, equations.size(t, q)))
     open_rows = [
         f"{row.name} by {gap:.3g}"
-        for row, gap, most in zip(rows, gaps, least, strict=True)
+        for row, gap, most in zip(equations.description.constraints, gaps, least, strict=True)
         if row.element == joint and gap > most
     ]
     if open_rows:
@@ -239,14 +216,185 @@ def _require_closed(
         )
 
 
-def _impulses(
-    mechanism: Mechanism, equations: Equations, joint: str, t: float, q: FloatArray,
-    v: FloatArray, multipliers: FloatArray,
-) -> dict[str, float]:  # fmt: skip
-    """Component → impulse of a joint, as its reactions follow from multipliers."""
-    rows = mechanism.description.reactions
-    out = np.zeros(len(rows))
-    if "reactions" in mechanism.description.kernels:
-        mechanism.kernels.reactions(t, q, v, equations.p, multipliers, out)
-    pairs = zip(rows, out.tolist(), strict=True)
-    return {row.component: 0.0 + value for row, value in pairs if row.element == joint}
+def scene_of_start(mechanism: Mechanism, start: object) -> Mechanism:
+    """The mechanism with the joints that act in the state `start`, where these come and go.
+
+    A state of any other scene, and values by name, leave the mechanism as it is.
+    """
+    state = start.state() if isinstance(start, Result) else start
+    scene = state.scene if isinstance(state, State) else ""
+    return sibling_named(mechanism, scene) or mechanism
+
+
+def parameters_there(
+    there: Mechanism, mechanism: Mechanism, parameters: Values | None
+) -> Values | None:
+    """Values of the parameters of `mechanism`, without those that only its other scenes need.
+
+    `there` is the mechanism of the scene in which a run begins.
+    """
+    changes = any(row.reconnects for row in there.description.watched)
+    if not parameters or there is mechanism or changes:
+        return parameters
+    idle = {*there.description.unused} - {*mechanism.description.unused}
+    return {name: value for name, value in parameters.items() if name not in idle}
+
+
+def joined(
+    results: Sequence[Result], changes: Sequence[Reconnection | None], since: float = -np.inf
+) -> Result:
+    """One result of runs that follow one another, in the tables of all their machines.
+
+    Between two of them is the change of joints, None where the second goes on past the condition
+    that ended the first. The result is that from the instant `since` on, s.
+    """
+    passed = [change for change in changes if change is not None and change.time > since]
+    description = _union([result.description for result in results])
+    parts, ends = [], set[float]()
+    for one in results:
+        rows = np.ones(len(one.t), np.bool_)
+        rows[:1] = not (len(one.t) and float(one.t[0]) in ends)
+        ends.update(one.t[-1:].tolist())
+        samples = Samples._make(array[rows] for array in one.samples)
+        parts.append((one, samples, {name: work[rows] for name, work in one.works.items()}))
+    names = dict.fromkeys(name for one in results for name in one.works)
+    samples, works = _one_after_another(parts, description, names)
+    last, stats = (
+        results[-1],
+        {
+            name: (max if name in _LARGEST else sum)(one.stats.get(name, 0) for one in results)
+            for name in results[0].stats
+        },
+    )
+    own, all_steps = (f" in {counted(int(n['steps']), 'step')}." for n in (last.stats, stats))
+    end = last.message.replace(own, all_steps, 1)
+    values = {name: value for one in results for name, value in one.parameters.items()}
+    result = Result(
+        description, samples, np.array([values[row.name] for row in description.parameters]),
+        analysis=last.analysis, outcome=last.outcome,
+        message=" ".join(filter(None, (sentences(passed), end))), stats=stats,
+        events=[event for one in results for event in one.events],
+        partitions=[choice for one in results for choice in one.partitions],
+        not_unique=tuple(dict.fromkeys(name for one in results for name in one.not_unique)),
+        singular=[position for one in results for position in one.singular],
+    )  # fmt: skip
+    result.contradiction = " ".join(filter(None, (one.contradiction for one in results)))
+    result.reconnections, result._mechanism = tuple(passed), results[0]._mechanism
+    result.ended_by, result.site = last.ended_by, last.site
+    if all(one._motion is not None for one in results):
+        result._motion = JoinedMotion(tuple(results), tuple(changes), description, since)
+    result.works.update(works)
+    if since > -np.inf:
+        keep(result, result.t >= since, since, np.inf)
+    return result
+
+
+def _union(descriptions: Sequence[Description]) -> Description:
+    """The first description with what the others have besides."""
+    first = descriptions[0]
+    tables = {}
+    for name in _TABLES:
+        rows = [row for d in descriptions for row in getattr(d, name)]
+        tables[name] = type(getattr(first, name))(dict.fromkeys(rows))
+    names = tables["coordinates"].names
+    states = dict.fromkeys(row._replace(column=names.index(f"{row.name}.integral"))
+                           for d in descriptions for row in d.states)  # fmt: skip
+    tables["states"] = type(first.states)(states)
+    tables["sampled"] = tuple(dict.fromkeys(name for d in descriptions for name in d.sampled))
+    gone = {*tables["effects"]}
+    tables["left_out"] = type(first.left_out)(row for row in first.left_out if row not in gone)
+    drivers = tuple(dict.fromkeys(name for d in descriptions for name in d.drivers))
+    return replace(first, **tables, drivers=drivers)
+
+
+def _one_after_another(
+    parts: Iterable[tuple[Result, Samples, Mapping[str, FloatArray]]], description: Description,
+    names: Iterable[str],
+) -> Found:  # fmt: skip
+    """Samples and works of parts that follow one another, in the tables of all of them.
+
+    What does not act exerts nothing, and works go on from those at the end of the part before.
+    """
+    tables, works, before = [], [], dict.fromkeys(names, 0.0)
+    for one, samples, found in parts:
+        tables.append(_in_tables(one.description, description, samples))
+        none = np.zeros(len(samples.t))
+        works.append({name: total + found.get(name, none) for name, total in before.items()})
+        for name, work in one.work_at_end.items():
+            before[name] += work
+    together = Samples._make(map(np.concatenate, zip(*tables, strict=True)))
+    return together, {name: np.concatenate([work[name] for work in works]) for name in before}
+
+
+def _in_tables(own: Description, description: Description, samples: Samples) -> Samples:
+    """Samples by the rows of other tables."""
+    fields = dict[str, npt.NDArray[Any]]()
+    for name, (table, missing) in _COLUMNS.items():
+        values, rows = getattr(samples, name), list(getattr(description, table))
+        places = {row: k for k, row in enumerate(getattr(own, table))}
+        fields[name] = np.full((len(values), len(rows)), missing, values.dtype)
+        for k, row in enumerate(rows):
+            if row in places:
+                fields[name][:, k] = values[:, places[row]]
+    return samples._replace(**fields)
+
+
+@dataclass(frozen=True)
+class JoinedMotion:
+    """The motions behind a joined result."""
+
+    results: tuple[Result, ...]
+    changes: tuple[Reconnection | None, ...]  # between them
+    description: Description
+    since: float = -np.inf  # from where on the result is, s
+
+    @cached_property
+    def _motions(self) -> list[Motion]:
+        return [one._motion for one in self.results if one._motion is not None]
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last instant, s."""
+        return self._motions[0].span[0], self._motions[-1].span[1]
+
+    @property
+    def t_end(self) -> float:
+        """The end that was asked for, s."""
+        return max(motion.t_end for motion in self._motions)
+
+    def _place(self, t: float) -> int:
+        """The part at an instant of the span, s; at a change of joints the one before it."""
+        return next((k for k, m in enumerate(self._motions) if t <= m.span[1]), -1)
+
+    def scene(self, t: float) -> str:
+        """The scene whose joints act at an instant of the span, s."""
+        return self._motions[self._place(t)].scene(t)
+
+    def clocks(self, result: Result, t: float) -> tuple[bool, DiscreteState | None]:
+        """Where clocks and conditions stand at an instant, s; at a change just before it."""
+        place = self._place(t)
+        one, motion = self.results[place], self._motions[place]
+        taken, found = motion.clocks(one, t)
+        if found is None or one is self.results[-1] or t < motion.span[1]:
+            return taken, found
+        change, held = self.changes[place], found.stand.held.copy()
+        if change is not None:  # its condition begins
+            held[[row[1:] == (change.action, change.joint) for row in found.watched]] = 0.0
+        return taken, found._replace(stand=found.stand._replace(held=held))
+
+    def at(self, result: Result, times: FloatArray) -> Found:
+        """At ascending instants, (k,), of the span, s; at a change of joints just before it."""
+        parts, low = [], -np.inf
+        for one, motion in zip(self.results, self._motions, strict=True):
+            high = motion.span[1] if one is not self.results[-1] else np.inf
+            here, low = times[(times > low) & (times <= high)], high
+            none: Found = Samples._make(array[:0] for array in one.samples), {}
+            parts.append((one, *(motion.at(one, here) if len(here) else none)))
+        return _one_after_another(parts, self.description, result.works)
+
+    def saved(self) -> dict[str, Any]:
+        """What a file keeps of each of them."""
+        source, parts = self._motions[0].saved()["source"], [*map(saved_fields, self.results)]
+        return {"source": source, "parts": parts, "changes": [*self.changes], "since": self.since}
+
+    resumed = resumed

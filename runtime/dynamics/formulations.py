@@ -5,20 +5,19 @@ from dataclasses import replace
 import numpy as np
 
 from codegen.errors import InputError
-from runtime.assembly.kernels_for_redundant_constraints import projection_only, with_redundancy
-from runtime.assembly.masses_far_apart import suited_to_masses
+from runtime.assembly.substitute_kernels import projection_only, suited_equations
 from runtime.core.system import System
 from runtime.dynamics.changes_of_coordinates import Changes
 from runtime.dynamics.controllers import remembered
 from runtime.dynamics.prepared_simulation import PreparedSimulation
-from runtime.integrate.checkpoints import Checkpoint, Checkpoints, Watch, restore
+from runtime.integrate.checkpoints import Checkpoint, Watch, restore
 from runtime.integrate.method import IMPLICIT
 from runtime.integrate.problem import Correction, Formulation, Options, Problem
 from runtime.integrate.recording_buffers import in_order
-from runtime.integrate.run import Progress, Run, integrate
+from runtime.integrate.run import Progress, Run
 from runtime.integrate.trajectory import Trajectory
+from runtime.integrate.validation import check
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.typical_sizes import measure_mobility
 
 FORMULATIONS = ("cartesian", "reduced")
@@ -29,10 +28,9 @@ class Coordinates:
     """The coordinates that are integrated, and their equations."""
 
     name: Formulation
-    mechanism: Mechanism  # with kernels of least norm where constraints are redundant
+    equations: Equations  # with kernels of least norm where constraints are redundant
     system: System
     mobility: FloatArray  # typical changes of all coordinates, (n,)
-    spreads: FloatArray  # see `Problem`, (s,)
     correction: Correction
 
     def __init__(self, ready: PreparedSimulation) -> None:
@@ -42,29 +40,27 @@ class Coordinates:
         """The problem of a run from a state in all coordinates, (n,) each, to the end."""
         raise NotImplementedError
 
-    def run(self, options: Options, progress: Progress) -> Trajectory:
-        """One integration from the start; its run in all coordinates."""
-        begin, made = self.begin, Checkpoints()
-        problem = self.problem(begin.t, begin.q, begin.v)
-        path = integrate(self.system, problem, options, progress, made)
-        return replace(path, checkpoints=made)
-
-    def retaken(
-        self, options: Options, kept: Checkpoint | None, watched: Watch,
-        known: tuple[float, FloatArray] | None = None, progress: Progress | None = None,
+    def run(
+        self, options: Options, watch: Watch, kept: Checkpoint | None = None,
+        known: tuple[float, FloatArray] | None = None, progress: Progress | None = None, *,
+        again: bool = True,
     ) -> Trajectory:  # fmt: skip
-        """The run from a checkpoint, None: its start, with the same steps and samples of its own.
+        """The run from a checkpoint, None: its start; in all coordinates.
 
-        `watched` makes the `Change` that decides how far it goes. `known` is a state that it
-        passed, in all coordinates: angles are followed from there.
+        `watch` decides how far it goes. Where it is made `again`, it has the same steps, samples of
+        its own, and the answers that a user's functions gave. `known` is a state that it passed,
+        in all coordinates: angles are followed from there.
         """
         begin = self.begin
         problem = self.problem(begin.t, begin.q, begin.v)
-        problem = replace(problem, controllers=remembered(problem.controllers))
+        if again:
+            problem = replace(problem, controllers=remembered(problem.controllers))
+        else:
+            check(self.system, problem, options)
         run = Run(self.system, problem, options)
         if kept is not None:
             restore(run, kept.state)
-        path = run.execute(progress, watched(None), started=kept is not None)
+        path = run.execute(progress, watch, started=kept is not None)
         return replace(path, events=in_order(path.events, path.final_t, self.system.rigid))
 
 
@@ -75,37 +71,26 @@ class CartesianCoordinates(Coordinates):
 
     def __init__(self, ready: PreparedSimulation, method: str, correction: Correction) -> None:
         super().__init__(ready)
-        begin, self.mechanism, self.correction = ready.begin, ready.mechanism, correction
+        begin = ready.begin
+        self.equations = suited_equations(ready.equations, begin)
+        self.correction = correction
         if begin.redundant:
-            self.mechanism = with_redundancy(ready.mechanism, begin)
             self.correction = projection_only(ready.mechanism, begin, method, correction)
-        else:
-            self.mechanism = suited_to_masses(ready.mechanism, begin.t, begin.q, ready.p)
-        self.system, self.p = self.mechanism.system, ready.p
-        self.spreads = np.zeros(len(self.mechanism.description.switches))
+        mechanism = self.equations.mechanism
+        self.system, self.p = mechanism.system, ready.p
         if method in IMPLICIT:
-            self.system = replace(self.system, **self.mechanism.tangents._asdict())
-            self.p = self.mechanism.for_tangents(ready.p)
-        inertia = Equations(ready.mechanism, ready.p).masses(begin.q)
-        self.mobility = _mobility(inertia, ready.sizes, compressed=True)
+            self.system = replace(self.system, **mechanism.tangents._asdict())
+            self.p = mechanism.for_tangents(ready.p)
+        self.mobility = _mobility(self.equations.masses(begin.q), ready.sizes, compressed=True)
 
     def problem(self, t: float, q: FloatArray, v: FloatArray) -> Problem:
         """In the machine's own coordinates."""
         ready, q, v = self.ready, np.ascontiguousarray(q), np.ascontiguousarray(v)
         return Problem(
-            t,
-            ready.t_end,
-            q,
-            v,
-            self.p,
-            self.mobility,
-            ready.sizes,
-            self.spreads,
-            ready.stops,
-            ready.samples_taken,
-            ready.controllers,
-            ready.discrete,
-        )
+            t, ready.t_end, q, v, self.p, self.mobility, ready.sizes, stops=ready.stops,
+            samples_taken=ready.samples_taken, controllers=ready.controllers,
+            discrete=ready.discrete,
+        )  # fmt: skip
 
 
 class ReducedCoordinates(Coordinates):
@@ -119,7 +104,7 @@ class ReducedCoordinates(Coordinates):
     def __init__(self, ready: PreparedSimulation, correction: Correction) -> None:
         super().__init__(ready)
         _refuse(ready, correction)
-        begin, self.mechanism, self.correction = ready.begin, ready.mechanism, correction
+        begin, self.equations, self.correction = ready.begin, ready.equations, correction
         self.reduced = ready.mechanism.reduced
         self.system, self.spreads = self.reduced.system, _spreads(ready)
         self.mobility = np.ones(len(begin.q))
@@ -137,16 +122,13 @@ class ReducedCoordinates(Coordinates):
             samples_taken=ready.samples_taken, discrete=ready.discrete,
         )  # fmt: skip
 
-    def run(self, options: Options, progress: Progress) -> Trajectory:
-        """One integration from the start, past dead centres in all coordinates."""
-        return Changes(self, options).run(progress)
-
-    def retaken(
-        self, options: Options, kept: Checkpoint | None, watched: Watch,
-        known: tuple[float, FloatArray] | None = None, progress: Progress | None = None,
+    def run(
+        self, options: Options, watch: Watch, kept: Checkpoint | None = None,
+        known: tuple[float, FloatArray] | None = None, progress: Progress | None = None, *,
+        again: bool = True,
     ) -> Trajectory:  # fmt: skip
-        """As of all coordinates; a state `known` is from where angles are followed."""
-        return Changes(self, options).retaken(kept, watched, known, progress)
+        """Past dead centres in all coordinates; no functions of a user's take part."""
+        return Changes(self, options).run(watch, kept, known, progress)
 
     def cartesian(self, method: str) -> CartesianCoordinates:
         """The machine's own coordinates, in which a run passes dead centres."""
@@ -160,12 +142,12 @@ class ReducedCoordinates(Coordinates):
         `start` is where it begins, with all coordinates, (n,), `p` has the branches of its loops.
         """
         reduced, events = self.reduced, run.events
-        count, n = len(run.t), len(self.mechanism.description.coordinates)
+        count, n = len(run.t), self.equations.n
         t = np.concatenate([run.t, events.t, [run.final_t]])
         q = np.vstack([run.q, events.q, run.final_q[None, :]])
         v = np.vstack([run.v, events.v, run.final_v[None, :]])
         order = np.argsort(t, kind="stable")
-        all_q, all_v = np.empty((len(t), n)), np.empty((len(t), n))
+        all_q, all_v = np.empty((2, len(t), n))
         all_q[order], all_v[order] = reduced.expanded(
             t[order], q[order], v[order], p, start, self.ready.sizes[reduced.kept]
         )
@@ -209,19 +191,11 @@ def _spreads(ready: PreparedSimulation) -> FloatArray:
 
     At a dead centre of a switching function the reduced coordinates alone would not show it.
     """
-    n, s = len(ready.sizes), len(ready.mechanism.description.switches)
-    spreads, rest, now = np.zeros((3, s))
-    unit = np.zeros(2 * n)
-
-    def write_rates(out: FloatArray) -> None:
-        rates, begin = ready.mechanism.kernels.switching_rates, ready.begin
-        rates(begin.t, begin.q, unit[:n], unit[n:], ready.p, out)
-
-    write_rates(rest)
-    for j in range(2 * n):
-        unit[j] = ready.sizes[j % n]
-        write_rates(now)
-        unit[j] = 0.0
+    n, begin, rates = len(ready.sizes), ready.begin, ready.mechanism.kernels.switching_rates
+    spreads, rest, now = np.zeros((3, len(ready.mechanism.description.switches)))
+    rates(begin.t, begin.q, np.zeros(n), np.zeros(n), ready.p, rest)
+    for unit in np.diag(np.tile(ready.sizes, 2)):
+        rates(begin.t, begin.q, unit[:n], unit[n:], ready.p, now)
         change = np.abs(now - rest)
         spreads += np.where(np.isfinite(change), change, 0.0)
     return spreads

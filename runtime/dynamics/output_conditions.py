@@ -5,7 +5,7 @@ made again up to there. A scene's own ``until=`` has conditions on positions and
 are switching functions and need no second run.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +17,6 @@ from runtime.dynamics.controllers import Sample
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
-from runtime.results.samples import Samples
 
 _A_STEP = 4  # measured: instants of a step that are looked at
 _LEAST, _MOST = 1000, 20_000  # safety: such instants of a run
@@ -71,10 +70,9 @@ def read_conditions(description: Description, until: Any) -> tuple[OutputConditi
         else:
             found.append(OutputCondition(name, series, _SIGNS[sign], number))
     if not any(row.reconnects for row in description.watched):  # other joints have other series
-        nothing = _without_samples(description)
         for condition in found:
             try:
-                condition.of(nothing)
+                description.series.find(condition.series)
             except InputError as error:
                 problems += error.problems
     if problems:
@@ -82,39 +80,38 @@ def read_conditions(description: Description, until: Any) -> tuple[OutputConditi
     return tuple(found)
 
 
-def _without_samples(description: Description) -> Result:
-    """A result of no instants, which knows what a simulation has."""
-    n, switches = len(description.coordinates), len(description.switches)
-    rows = len(description.constraints), len(description.reactions), len(description.powers)
-    t, *others = (np.zeros((0, count)) for count in (1, n, n, n, *rows, 2, 2, switches))
-    modes = np.zeros((0, switches), np.int64)
-    samples = Samples._make((t[:, 0], *others[:-1], modes, others[-1]))
-    found = Result(
-        description, samples, np.zeros(0), analysis="simulation", outcome=Outcome.OK, message="",
-        stats={},
-    )  # fmt: skip
-    found.works.update(dict.fromkeys(description.work_rows, np.zeros(0)))
-    return found
-
-
 def simulate_until(
     analyse: Callable[..., Result], conditions: tuple[OutputCondition, ...], given: dict[str, Any]
 ) -> Result:
     """The run that ends where the first of the conditions begins to hold."""
     kept = {name: _Kept(function) for name, function in (given.get("controllers") or {}).items()}
-    given = {**given, "controllers": kept or given.get("controllers")}
-    whole = analyse(**given)
-    whole._until = conditions
-    for function in kept.values():
-        function.answers_again = True
-    found = _first(whole, conditions)
+
+    def run(t_end: float, t_eval: Any) -> Result:
+        own = {"t_end": t_end, "t_eval": t_eval, "controllers": kept or given.get("controllers")}
+        result = analyse(**{**given, **own})
+        for function in kept.values():
+            function.answers_again = True
+        return result
+
+    return run_until(run, conditions, given["t_end"], given.get("t_eval"))
+
+
+def run_until(
+    run: Callable[[float, Any], Result], conditions: Sequence[tuple[str, str, float, float]],
+    t_end: float, t_eval: Any, since: float | None = None, ended: str = "",
+) -> Result:  # fmt: skip
+    """`run` up to an instant, s, with samples at others: where a condition begins to hold, twice.
+
+    Behind the instant `since`, s, what holds there, as `ended` does, begins anew later.
+    """
+    whole = run(t_end, t_eval)
+    whole._until = tuple(conditions)
+    found = _first_to_begin(whole, since, ended)
     if found is None:
         return whole
     name, end = found
-    times: Any = given.get("t_eval")
-    if not isinstance(times, str):
-        times = np.append(whole.t[whole.t < end], end)
-    result = analyse(**{**given, "t_end": end, "t_eval": times})
+    times = t_eval if isinstance(t_eval, str) else np.append(whole.t[whole.t < end], end)
+    result = run(end, times)
     result._until = whole._until
     if result.outcome is Outcome.OK:
         result.ended_by = name
@@ -135,27 +132,18 @@ class _Kept:
         return self.answers[sample.t]
 
 
-def _first(result: Result, conditions: tuple[OutputCondition, ...]) -> tuple[str, float] | None:
-    """The condition that begins to hold first, and where, s; None: none does."""
-    if len(result.t) < 2:
+def _first_to_begin(result: Result, since: float | None, ended: str) -> tuple[str, float] | None:
+    """The condition of a run that begins to hold first, and where, s; None: none does."""
+    if not len(result.t):
         return None
-    seen, found = _seen(result, float(result.t[0])), []
-    for one in conditions:
-        holds = np.flatnonzero(one.of(seen) > 0.0)
-        if len(holds):
-            found.append((_located(result, one, seen.t, int(holds[0])), one.name))
-    return min(found)[::-1] if found else None
-
-
-def end_next_time(result: Result, since: float, ended_by: str) -> tuple[str, float] | None:
-    """The same behind an instant, s: what holds there, as `ended_by` does, begins anew later."""
-    if not len(result.t) or result.t[-1] <= since:
+    first = float(result.t[0]) if since is None else since
+    if result.t[-1] <= first:
         return None
-    seen, found = _seen(result, since), []
+    seen, found = _seen(result, first), []
     for one in (OutputCondition(*row) for row in result._until):
         holds = one.of(seen) > 0.0
-        holds[0] |= one.name == ended_by
-        begins = np.flatnonzero(holds[1:] & ~holds[:-1]) + 1
+        holds[0] |= one.name == ended
+        begins = np.flatnonzero(holds & ~np.append(since is not None, holds[:-1]))
         if len(begins):
             found.append((_located(result, one, seen.t, int(begins[0])), one.name))
     return min(found)[::-1] if found else None

@@ -4,6 +4,9 @@ A power is smooth within a step and may jump at an event, where a step ends. So 
 samples each step at Gauss' nodes of the intervals between its ends and the output instants in it
 (`runtime.integrate.sampling`), which integrates each interval to the order of ten. An impact
 changes velocities at an instant; the energy that it takes away is no power, and in no work.
+
+In sliding modes, where the motion slides, friction sticks, or a contact is closed, the outputs are
+those of the forces there.
 """
 
 from typing import Any
@@ -11,29 +14,42 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from runtime.core import arrays
+from runtime.core import function_table_slots as ft
 from runtime.core import kernel_abi as abi
-from runtime.core.arrays import IntegerMatrix, Matrix, Vector, integers, matrix, none, vector
-from runtime.core.jit import ADDRESSES, compiled, unlocked
+from runtime.core import workspace_rows as ws
+from runtime.core.arrays import (
+    IntegerMatrix,
+    Matrix,
+    Vector,
+    integer_matrix,
+    integers,
+    matrix,
+    named_tuple_type,
+    none,
+    vector,
+)
+from runtime.core.jit import ADDRESSES, compiled, inner, unlocked
 from runtime.core.kinds import MIXED, OPEN, SLIDING
+from runtime.hybrid.filippov_shares import mix_reactions
+from runtime.hybrid.mode_consistency import count_sliding
+from runtime.hybrid.stiction_force import is_prescribed, set_unit
 from runtime.integrate.sampling import INTERVAL, WEIGHTS
+from runtime.integrate.wiring import Wiring, wire
 from runtime.linalg.vectors import largest_magnitude
 from runtime.mechanism.dense_equations import KEPT, Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
+from runtime.mechanism.start_table import start_table
+from runtime.mechanism.typical_sizes import measure_length, write_scale
 from runtime.results.result import Result
 from runtime.results.samples import Samples
 
 ENERGIES = ("kinetic_energy", "potential")
 # numba's type of `Samples`
-SAMPLES = arrays.named_tuple_type(
-    [vector, *[arrays.matrix] * 8, arrays.integer_matrix, arrays.matrix], Samples
-)
+SAMPLES = named_tuple_type([vector, *[matrix] * 8, integer_matrix, matrix], Samples)
 
 
-@unlocked(
-    none(ADDRESSES, SAMPLES, vector, arrays.integer_matrix, integers, integers, vector, vector)
-)
+@unlocked(none(ADDRESSES, SAMPLES, vector, integer_matrix, integers, integers, vector, vector))
 def evaluate_samples(
     kernels: Any, s: Any, p: Any, modes: Any, rows: Any, columns: Any, slopes: Any, phi: Any
 ) -> None:
@@ -79,18 +95,18 @@ def _find_modes(kernels: Any, s: Any, p: Any, bands: Any, work: Any, at_zero: An
                     modes[i] = min(at_zero[i], SLIDING)  # 2: the mean of both sides, or mixed
 
 
-def _find_bands(mechanism: Mechanism, p: Vector, samples: Samples) -> Matrix:
+def _find_bands(equations: Equations, samples: Samples) -> Matrix:
     """Of g and dg/dt, (2, s): joints and drivers keep both at zero so closely where they do.
 
     A machine that stands has a trace of a speed, and accelerations as rounded as its forces.
     """
-    rates, n, s = mechanism.kernels.switching_rates, samples.q.shape[1], samples.modes.shape[1]
+    rates, n, s = equations.kernels.switching_rates, equations.n, samples.modes.shape[1]
     size, speed = np.abs(samples.q).max(axis=0), np.abs(samples.v).max(axis=0)
     speed = np.maximum(speed, KEPT * max(1.0, float(size.max(initial=0.0))))
 
     def rates_at(v: Vector, a: Vector) -> Vector:
         out = np.zeros(s)
-        rates(samples.t[0], samples.q[0], v, a, p, out)
+        rates(samples.t[0], samples.q[0], v, a, equations.p, out)
         return out
 
     still = np.zeros(n)
@@ -100,16 +116,16 @@ def _find_bands(mechanism: Mechanism, p: Vector, samples: Samples) -> Matrix:
         spread += np.abs(rates_at(still, by_velocity) - rest)
     per_second = float((speed[size > 0.0] / size[size > 0.0]).max(initial=0.0))
     bands: Matrix = KEPT * np.nan_to_num(np.outer([1.0, per_second], spread))
-    if mechanism.description.has_masses:
-        for by_acceleration in np.diag(_free_accelerations(mechanism, p, samples)):
+    if equations.description.has_masses:
+        for by_acceleration in np.diag(_free_accelerations(equations, samples)):
             change = np.abs(rates_at(still, by_acceleration) - rest)
             bands[1] += KEPT * np.nan_to_num(change, posinf=0.0)
     return bands
 
 
-def _free_accelerations(mechanism: Mechanism, p: Vector, samples: Samples) -> Vector:
+def _free_accelerations(equations: Equations, samples: Samples) -> Vector:
     """Sizes of what the forces alone would give, (n,), at the ends of the samples."""
-    equations, most = Equations(mechanism, p), np.zeros(samples.q.shape[1])
+    most = np.zeros(equations.n)
     for row in (0, -1):
         t, q, v = float(samples.t[row]), samples.q[row], samples.v[row]
         masses = np.abs(equations.masses(q))
@@ -122,16 +138,14 @@ def _free_accelerations(mechanism: Mechanism, p: Vector, samples: Samples) -> Ve
 
 
 def evaluate(
-    mechanism: Mechanism, p: Vector, t: Vector, q: Matrix, v: Matrix,
-    modes: IntegerMatrix | None = None,
-) -> Samples:  # fmt: skip
+    equations: Equations, t: Vector, q: Matrix, v: Matrix, modes: IntegerMatrix | None = None
+) -> Samples:
     """Accelerations, reactions, powers, energies and residuals at the instants `t`, (k,).
 
     States are (k, n), modes (k, s); these are determined from the states by default.
     """
-    description, kernels = mechanism.description, mechanism.kernel_table
-    count, n, m = len(t), len(description.coordinates), len(description.constraints)
-    s = len(description.switches)
+    description, kernels, p = equations.description, equations.table, equations.p
+    count, n, m, s = len(t), equations.n, equations.m, len(description.switches)
     given = np.zeros((count, s)) if modes is None else modes
     widths = n, m, len(description.reactions), len(description.powers), 2, 2
     t, q, v = (np.ascontiguousarray(array, dtype=np.float64) for array in (t, q, v))
@@ -139,7 +153,7 @@ def evaluate(
     states, share = np.ascontiguousarray(given, dtype=np.int64), np.full((count, s), np.nan)
     samples = Samples(t, q, v, a, lam, reaction, power, energy, residual, states, share)
     if modes is None and s:
-        bands = _find_bands(mechanism, p, samples)
+        bands = _find_bands(equations, samples)
         _find_modes(kernels, samples, p, bands, np.zeros((2, s)), description.boundaries)
     plain = np.where(samples.modes == SLIDING, 0, samples.modes)
     plain[:, [contact.switch for contact in description.rigid]] = 1
@@ -150,9 +164,7 @@ def evaluate(
         np.zeros(len(rows)), np.zeros(m),
     )  # fmt: skip
     if (samples.modes == SLIDING).any():
-        from runtime.dynamics.sliding_outputs import overwrite_sliding
-
-        overwrite_sliding(mechanism, p, samples)
+        _overwrite_sliding(equations, samples)
     leave_out_unknown(description, samples)
     return samples
 
@@ -196,3 +208,118 @@ def integrate_works(result: Result, count: int, times: npt.ArrayLike | None) -> 
         result.works[name] = work[kept]
         result.work_at_end[name] = float(pieces.sum())
     result.samples = Samples._make(array[kept] for array in samples)
+
+
+@inner
+def prepare_mixing(
+    context: Any, start: Any, diagonal: Any, t: float, q: Any, p: Any, masses: Any
+) -> None:  # fmt: skip
+    """Write the sizes of coordinates and of the rates of switching functions, and the masses at q.
+
+    By these it is judged whether a response is more than rounding, as in a run. `diagonal` has the
+    coordinate of each non-zero of M, -1 beside the diagonal, and `masses` is room for these;
+    `start` is a table of `start_table`.
+    """
+    size, projection = ws.row_of(context, ws.SIZE), ws.row_of(context, ws.PROJECTION)
+    n, rates = q.size, abi.switching_rates_of(start)
+    write_scale(start, measure_length(start, t, q, p), start.change_scale)
+    for j in range(n):
+        size[j], size[n + j], projection[j] = start.change_scale[j], start.change_scale[j], 0.0
+    abi.mass_of(start)(q, p, masses)
+    for e in range(masses.size):
+        if diagonal[e] >= 0 and masses[e] > 0.0:
+            projection[diagonal[e]] = 1.0 / masses[e]
+    still, change = ws.positions(context, ws.SAMPLE), ws.velocities(context, ws.SAMPLE)
+    rest, moved = ws.switch_row(context, ws.SCAN), ws.switch_row(context, ws.SCAN + 1)
+    spread = context.largest
+    still.fill(0.0)
+    change.fill(0.0)
+    spread.fill(0.0)
+    rates(t, q, still, still, p, rest)
+    for j in range(n):
+        change[j] = start.change_scale[j]
+        for of_velocity in range(2):
+            if of_velocity == 0:
+                rates(t, q, change, still, p, moved)
+            else:
+                rates(t, q, still, change, p, moved)
+            for k in range(spread.size):
+                away = abs(moved[k] - rest[k])
+                spread[k] += away if np.isfinite(away) else 0.0
+        change[j] = 0.0
+    for k in range(spread.size):
+        context.reserve[k] = spread[k]
+
+
+@inner
+def mix_rows(
+    context: Any, start: Any, diagonal: Any, s: Any, p: Any, masses: Any, powers: Any
+) -> None:  # fmt: skip
+    """Overwrite the outputs of the samples in which a function is in mode 2."""
+    base, other, reaction = powers[0], powers[1], context.reaction
+    modes, base_lam, lam = (
+        context.kernel_modes,
+        context.given_multipliers,
+        context.mixed_multipliers,
+    )
+    evaluate_powers = abi.powers_of(start)
+    prepared = False
+    for row in range(s.t.size):
+        t, q, v, sliding = s.t[row], s.q[row], s.v[row], False
+        for k in range(s.modes.shape[1]):
+            sliding = sliding or s.modes[row, k] == SLIDING
+        if not sliding:
+            continue
+        if not prepared:
+            prepare_mixing(context, start, diagonal, t, q, p, masses)
+            prepared = True
+        count_sliding(context, s.modes[row])
+        ft.modified_accelerations_of(context)(context, t, q, v, s.modes[row], s.a[row], s.lam[row])
+        mix_reactions(context, t, q, v, s.lam[row])
+        for i in range(len(reaction)):
+            s.reaction[row, i] = reaction[i]
+        evaluate_powers(t, q, v, p, modes, base_lam, base)
+        for i in range(len(base)):
+            s.power[row, i] = base[i]
+        for c in range(context[ft.SLIDING_COUNT]):
+            k = context.sliding_functions[c]
+            s.share[row, k] = context.share[k]
+            if context.stiction_place[k] >= 0:
+                # Between the friction forces of both directions, at the present normal force.
+                force, limit = reaction[context.limits[2 * k]], reaction[context.limits[2 * k + 1]]
+                part = 0.5 * context.share_high[k] * force / limit
+                s.share[row, k] = 0.5 - part if limit > 0.0 else np.nan
+            if is_prescribed(context, k):
+                continue
+            for i in range(len(lam)):
+                lam[i] = base_lam[i] + context.unit_multipliers[c, i]
+            set_unit(context, k, 1)
+            evaluate_powers(t, q, v, p, modes, lam, other)
+            set_unit(context, k, 0)
+            for i in range(len(base)):
+                s.power[row, i] += context.share[k] * (other[i] - base[i])
+
+
+@compiled(none(ADDRESSES, ADDRESSES, integers, SAMPLES, vector, vector, matrix))
+def _mix(
+    context: Any, start: Any, diagonal: Any, s: Any, p: Any, masses: Any, powers: Any
+) -> None:  # fmt: skip
+    mix_rows(context, start, diagonal, s, p, masses, powers)
+
+
+def wire_mixing(mechanism: Mechanism, p: Vector) -> Wiring:
+    """A table for `mix_rows`."""
+    return wire(mechanism.system, "dopri5", p, 1)
+
+
+def _overwrite_sliding(equations: Equations, samples: Samples) -> None:
+    """Overwrite accelerations, multipliers, reactions and powers where a function is in mode 2.
+
+    `share` receives Filippov's share α of each function in mode 2 (0: the force of its mode 0, 1:
+    that of mode 1).
+    """
+    mechanism = equations.mechanism  # whose equations other threads may share
+    wiring, start = wire_mixing(mechanism, equations.p), start_table(mechanism)
+    diagonal = equations.description.mass_diagonal
+    masses, powers = np.zeros(len(diagonal)), np.zeros((2, samples.power.shape[1]))
+    _mix(wiring.table, start.table, diagonal, samples, equations.p, masses, powers)

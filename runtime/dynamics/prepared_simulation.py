@@ -1,9 +1,15 @@
-"""The assembled start of a simulation, from which several runs may be made."""
+"""The assembled start of a simulation, from which several runs may be made.
+
+A run that starts from a state of another one takes over its clocks and watched conditions by their
+names: samples that wait for their delay act when they would have acted, and a condition that holds
+does not begin to hold again. What the two runs do not have in common begins anew.
+"""
 
 from collections.abc import Sequence
 from contextlib import suppress
 from copy import copy
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,16 +18,17 @@ from codegen.errors import AssemblyError
 from runtime.assembly.assemble import assemble
 from runtime.assembly.start_values import start_note
 from runtime.dynamics.checks.screening import exceed_bound, screen
-from runtime.dynamics.continued_state import discrete_at_start
 from runtime.dynamics.controllers import Functions, controllers_of
 from runtime.dynamics.output_quantities import evaluate_samples
+from runtime.integrate.checkpoints import Checkpoints
+from runtime.integrate.clocks import queue_length, read_clocks, set_clocks
 from runtime.integrate.problem import Discrete, Options, Stops
 from runtime.integrate.trajectory import Trajectory
 from runtime.integrate.wiring import begin_compiling
-from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
+from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress
-from runtime.results.assembled_state import Assembly, State
+from runtime.results.assembled_state import Assembly, DiscreteState, State
 from runtime.validation.masses import require_masses
 from runtime.validation.output_instants import instants, uniform
 from runtime.validation.parameters import parameter_values
@@ -31,6 +38,8 @@ from runtime.validation.set_valued_forces import require_apart
 if TYPE_CHECKING:
     from runtime.dynamics.formulations import Coordinates
     from runtime.explicit_time.passage import Passages
+
+Row = TypeVar("Row")
 
 
 def passages_of(
@@ -44,21 +53,63 @@ def passages_of(
     return Passages(equations, t_begin, t_end, sizes)
 
 
-class Handover(NamedTuple):
-    """What a run with other joints hands to the one that follows it, beside its state."""
+def discrete_state(
+    mechanism: Mechanism, p: FloatArray, stand: Discrete | None
+) -> DiscreteState | None:
+    """Where clocks and conditions of a run with the parameters p, (np,), stand, by their names."""
+    if stand is None:
+        return None
+    description = mechanism.description
+    return DiscreteState(
+        description.scene, description.sampled, read_clocks(mechanism.system, p),
+        tuple(row[:3] for row in description.watched), stand,
+    )  # fmt: skip
 
-    discrete: Discrete | None
-    length: float  # typical of the machine at the start of the first run, m
+
+def _discrete_at_start(
+    mechanism: Mechanism, p: FloatArray, start: State, goes_on: bool
+) -> tuple[Discrete | None, list[str]]:
+    """What a run takes over from the state, and values whose waiting samples it does not.
+
+    A run that `goes_on` with other joints is part of that to which the state belongs.
+    """
+    description, given = mechanism.description, start.discrete
+    clocks = read_clocks(mechanism.system, p)
+    if given is None:
+        waits = [clock[1] > 0.0 for clock in clocks]
+        return None, [name for name, w in zip(description.sampled, waits, strict=True) if w]
+    if not (description.sampled or description.watched):
+        return None, []
+    count, queue = len(clocks), queue_length(clocks)
+    ticks, waiting, lost = np.zeros((count, 2), np.int64), np.zeros((count, queue)), list[str]()
+    rows = {key: j for j, key in enumerate(_numbered(given.sampled))}
+    for k, key in enumerate(_numbered(description.sampled)):
+        j = rows.get(key)
+        taken = start.sampled and j is not None
+        set_clocks(start.t, clocks[k : k + 1], ticks[k], taken=taken)
+        if j is None:
+            continue
+        following, acting = given.stand.ticks.reshape(-1, 2)[j]
+        if goes_on or np.array_equal(clocks[k], given.clocks[j]):
+            ticks[k] = following, acting
+            for number in range(acting, following):
+                sample = given.stand.waiting[j, number % given.stand.waiting.shape[1]]
+                waiting[k, number % queue] = sample
+        elif acting < following:
+            lost.append(description.sampled[k])
+    held = dict(zip(_numbered(given.watched), given.stand.held.tolist(), strict=True))
+    goes_on |= given.scene == description.scene  # else with other joints, which come or go anew
+    keys = _numbered([row[:3] for row in description.watched])
+    holds = [
+        held.get(key, 0.0) if goes_on or not row.reconnects else 0.0
+        for key, row in zip(keys, description.watched, strict=True)
+    ]
+    return Discrete(ticks.ravel(), waiting, np.array(holds, np.float64)), lost
 
 
-def lost_samples_note(lost: Sequence[str]) -> str:
-    """Sentence on sampled values whose samples in delay are not known; else empty."""
-    if not lost:
-        return ""
-    return (
-        f" Samples of {', '.join(lost)} that wait for their delay do not act: a state of "
-        "Result.state has them, where period and delay are those of its run."
-    )
+def _numbered(rows: Sequence[Row]) -> list[tuple[Row, int]]:
+    """Each row, with how often it stood there before: a latch has two of its name."""
+    return [(row, rows[:k].count(row)) for k, row in enumerate(rows)]
 
 
 def _begin_compiling(mechanism: Mechanism) -> None:
@@ -72,7 +123,8 @@ def _begin_compiling(mechanism: Mechanism) -> None:
 class PreparedSimulation:
     """The start of a simulation: state, parameters and typical sizes, the same for all its runs.
 
-    Where a law bends in the very first instant, it is just behind: by that law it moves.
+    Where a law bends in the very first instant, it is just behind: by that law it moves. A run that
+    goes on from another one, perhaps with other joints, takes over its typical `length`, m.
 
     Raises AnalysisError if nothing is left to integrate, or no mass moves.
     """
@@ -80,52 +132,54 @@ class PreparedSimulation:
     def __init__(
         self, mechanism: Mechanism, t_end: float, *, t_start: float, parameters: Values | None,
         guess: Values | None, start: Assembly | State | Values | None,
-        controllers: Functions | None = None, handover: Handover | None = None,
+        controllers: Functions | None = None, length: float | None = None,
     ) -> None:  # fmt: skip
         if not mechanism.description.has_masses:
             refuse_massless(mechanism)
-        self.mechanism, self.t_end = mechanism, float(t_end)
+        self.mechanism, self.t_end, self.given_length = mechanism, float(t_end), length
         self.given: dict[str, Any] = {
             "t_start": t_start, "parameters": parameters, "guess": guess, "start": start,
-            "controllers": controllers, "handover": handover,
+            "controllers": controllers,
         }  # fmt: skip
         self.controllers = controllers_of(mechanism, controllers)
         self.p = p = parameter_values(mechanism, parameters)  # with derived constants, (np,)
+        self.equations = equations = Equations(mechanism, p)
         require_masses(mechanism, p)
-        given = start if not isinstance(start, Assembly) else None
+        state = start if isinstance(start, State) else None
+        given = None if isinstance(start, Assembly) else start
         if isinstance(start, Assembly):
             begin = start
         else:
             _begin_compiling(mechanism)  # beside what assembles
-            t_start = start.t if isinstance(start, State) else t_start
-            begin = assemble(mechanism, guess, parameters, t_start, start_at=given)
-        equations, self.given_t = Equations(mechanism, p), begin.t
-        self.handover = handover
-        if handover is None:
-            sizes = magnitudes(equations, begin.t, begin.q)
-        else:  # one tolerance for the whole motion, wherever joints come and go
-            sizes = equations.scale(handover.length)
+            t_start = t_start if state is None else state.t
+            begin = assemble(equations, t_start, guess, given)
+        self.given_t, goes_on = begin.t, length is not None
+        # one tolerance for the whole motion, wherever joints come and go
+        sizes = equations.scale(equations.length(begin.t, begin.q) if length is None else length)
         self.passages = passages_of(equations, begin.t, self.t_end, sizes)
         if self.passages is not None and not isinstance(start, Assembly | State):
             behind = self.passages.first_instant(begin.q, begin.v)
             if behind > begin.t:
                 # Start velocities that are given may fit the law before the kink alone.
                 with suppress(AssemblyError):
-                    begin = assemble(mechanism, guess, parameters, behind, start_at=given)
+                    begin = assemble(equations, behind, guess, given)
                     self.passages = passages_of(equations, behind, self.t_end, sizes)
         self.begin, self.sizes = begin, sizes
-        self.discrete, lost = None if handover is None else handover.discrete, list[str]()
-        if isinstance(start, State) and not handover:
-            self.discrete, lost = discrete_at_start(mechanism, p, start)
-        self.samples_taken = isinstance(start, State) and start.sampled and begin.t == start.t
-        self.note = "" if handover else start_note(mechanism, begin, guess, given)
-        self.note += lost_samples_note(lost)
+        self.discrete, lost = None, list[str]()
+        if state is not None:
+            self.discrete, lost = _discrete_at_start(mechanism, p, state, goes_on)
+        self.samples_taken = state is not None and state.sampled and begin.t == state.t
+        self.note = "" if goes_on else start_note(mechanism, begin, guess, given)
+        if lost and not goes_on:
+            self.note += (
+                f" Samples of {', '.join(lost)} that wait for their delay do not act: a state of "
+                "Result.state has them, where period and delay are those of its run."
+            )
         least = float(self.sizes.min(initial=1.0))
         require_apart(mechanism, p, begin.t, begin.q, begin.v, least)
-        waits = any(row.reconnects for row in mechanism.description.watched)
-        waits |= isinstance(start, State) and start.scene == mechanism.description.scene
-        still = not equations.velocity_rhs(begin.t, begin.q).any()
-        if begin.is_determined and still and not (waits or handover):
+        waits = goes_on or any(row.reconnects for row in mechanism.description.watched)
+        waits |= state is not None and state.scene == mechanism.description.scene
+        if begin.is_determined and not waits and not equations.velocity_rhs(begin.t, begin.q).any():
             refuse_structure(mechanism)
 
     @property
@@ -138,12 +192,14 @@ class PreparedSimulation:
         """The same start, of runs to another end, s."""
         if self.begin.t > self.given_t and not isinstance(self.given["start"], Assembly):
             # Behind a kink, by a distance that depends on the end.
-            other = PreparedSimulation(self.mechanism, t_end, **self.given)
+            other = PreparedSimulation(
+                self.mechanism, t_end, **self.given, length=self.given_length
+            )
             other.controllers = self.controllers
             return other
-        other, equations = copy(self), Equations(self.mechanism, self.p)
+        other = copy(self)
         other.t_end = t_end
-        other.passages = passages_of(equations, self.begin.t, t_end, self.sizes)
+        other.passages = passages_of(self.equations, self.begin.t, t_end, self.sizes)
         return other
 
     @property
@@ -168,6 +224,9 @@ class PreparedSimulation:
 
     def run(self, taken: "Coordinates", options: Options, progress: Progress) -> Trajectory:
         """One integration in the coordinates `taken`; its run in all coordinates."""
-        first = self.begin.t
+        first, made = self.begin.t, Checkpoints()
         span = max(self.t_end - first, 1e-300)
-        return taken.run(options, lambda t, steps: progress((t - first) / span))
+        path = taken.run(
+            options, made, progress=lambda t, steps: progress((t - first) / span), again=False
+        )
+        return replace(path, checkpoints=made)

@@ -3,32 +3,38 @@
 Inverse dynamics adds the forces and torques that the motion takes: the multipliers of the drivers
 produce it. A driver's reaction is what it exerts on the body that it moves. Rigid contacts, whose
 state is not decided here, and friction that does not slip, whose force the motion does not
-determine, are refused.
+determine, are refused. Laws of the drivers may bend or jump at instants known beforehand.
 """
 
 import time as clock
+from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import AnalysisError
+from codegen.errors import AnalysisError, InputError
+from codegen.object_display import counted
 from runtime.assembly.assemble import assemble
-from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
-from runtime.assembly.masses_far_apart import suited_to_masses
 from runtime.assembly.start_values import start_note, start_values
+from runtime.assembly.substitute_kernels import redundancy_note, suited_equations
+from runtime.continuation.driven_motion import follow
+from runtime.continuation.predictor_corrector import DrivenMotion
 from runtime.core.kinds import Direction
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.end_checks import check_result
-from runtime.dynamics.driven_motion_past_kinks import follow_past_kinks
-from runtime.dynamics.motion_at_instants import DrivenMotionAtInstants
+from runtime.dynamics.motion_at_instants import Found, source_of
 from runtime.dynamics.output_quantities import evaluate
-from runtime.integrate.problem import Options
-from runtime.mechanism.dense_equations import Equations, magnitudes
+from runtime.dynamics.prepared_simulation import passages_of
+from runtime.explicit_time.instants import Kink
+from runtime.explicit_time.passage import Passages
+from runtime.integrate.problem import Options, Passage
+from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
-from runtime.results.event_records import Event, SingularPosition
+from runtime.results.event_records import Event
 from runtime.results.result import Result
 from runtime.validation.masses import require_masses
 from runtime.validation.output_instants import instants
@@ -48,15 +54,16 @@ def kinematics(
     began = clock.perf_counter()
     require_no_rigid(mechanism, analysis)
     times = instants(t_eval)
-    begin = assemble(mechanism, guess, parameters, t_start, start_at=start)
-    require_driven(mechanism, begin, analysis)
     p = parameter_values(mechanism, parameters)
-    mechanism = suited_to_masses(with_redundancy(mechanism, begin), begin.t, begin.q, p)
+    equations = Equations(mechanism, p)
+    begin = assemble(equations, t_start, guess, start)
+    _require_driven(mechanism, begin, analysis)
+    equations = suited_equations(equations, begin)
+    mechanism = equations.mechanism
     preferred = start_values(mechanism, guess, start).v
-    motion, kinks = follow_past_kinks(Equations(mechanism, p), times, begin, preferred, progress)
-    samples = evaluate(mechanism, p, motion.t, motion.q, motion.v)
+    motion, kinks = _follow_past_kinks(equations, times, begin, preferred, progress)
+    samples = evaluate(equations, motion.t, motion.q, motion.v)
     singular = np.flatnonzero(np.isnan(samples.a).any(axis=1))
-    motion.stats["singular_instants"] = len(singular)
     message = motion.message
     if len(singular) and motion.outcome is Outcome.OK:
         where = ", ".join(f"{samples.t[index]:.6g}" for index in singular[:5])
@@ -64,18 +71,21 @@ def kinematics(
             f" At {len(singular)} of the instants (t = {where} s) the position is singular: "
             f"accelerations and reactions are not a number there."
         )
-    crossed = [_event(row) for row in motion.singular if row.kind in _DIRECTIONS]
+    crossed = [
+        Event(row.title, row.time, _DIRECTIONS[row.kind], row.q, row.v)
+        for row in motion.singular
+        if row.kind in _DIRECTIONS and row.q is not None and row.v is not None
+    ]
+    motion.stats["singular_instants"] = len(singular)
     motion.stats["wall_seconds"] = clock.perf_counter() - began
     result = Result(
         mechanism.description, samples, p, analysis=analysis, outcome=motion.outcome,
         message=message + start_note(mechanism, begin, guess, start) + redundancy_note(begin),
-        stats=motion.stats,
-        events=sorted([*crossed, *kinks], key=lambda event: event.time),
+        stats=motion.stats, events=sorted([*crossed, *kinks], key=lambda event: event.time),
         not_unique=begin.not_unique, singular=motion.singular,
     )  # fmt: skip
     result._mechanism = mechanism
     result._motion = DrivenMotionAtInstants(mechanism, p, begin, preferred, times)
-    equations = Equations(mechanism, p)
     name_left_tables(result, equations, every=True)
     check_result(result, equations, magnitudes(equations, begin.t, begin.q), Options(rtol=0.0))
     return result
@@ -96,13 +106,154 @@ def inverse_dynamics(
     return result
 
 
-def _event(row: SingularPosition) -> Event:
-    assert row.q is not None
-    assert row.v is not None
-    return Event(row.title, row.time, _DIRECTIONS[row.kind], row.q, row.v)
+@dataclass(frozen=True)
+class DrivenMotionAtInstants:
+    """The motion behind a result of kinematics or inverse dynamics."""
+
+    mechanism: Mechanism
+    p: FloatArray
+    start: Assembly
+    preferred: FloatArray  # velocities in a singular start, (n,)
+    times: FloatArray  # instants of the result, s
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last instant, s."""
+        t, first, last = self.start.t, float(self.times[0]), float(self.times[-1])
+        return min(t, first), max(t, last)
+
+    @property
+    def t_end(self) -> float:
+        """The last instant, s."""
+        return self.span[1]
+
+    def scene(self, t: float) -> str:
+        """The scene, whose joints act all the time."""
+        return self.mechanism.description.scene
+
+    def clocks(self, result: Result, t: float) -> tuple[bool, None]:
+        """Nothing is sampled or watched in a motion that drivers prescribe."""
+        return False, None
+
+    def at(self, result: Result, times: FloatArray) -> Found:
+        """At ascending instants, (k,), of the span, s: followed again from the start."""
+        equations = Equations(self.mechanism, self.p)
+        motion, _ = _follow_past_kinks(equations, times, self.start, self.preferred, silent)
+        if len(motion.t) != len(times) or motion.outcome is not Outcome.OK:
+            raise AnalysisError(
+                f"{self.mechanism.title}: the motion cannot be followed to t = {times[-1]:.9g} s. "
+                f"{motion.message}"
+            )
+        return evaluate(equations, motion.t, motion.q, motion.v), {}
+
+    def saved(self) -> dict[str, Any]:
+        """Its start and its instants."""
+        start = self.start
+        return {"t": start.t, "q": start.q, "v": start.v, "preferred": self.preferred,
+                "times": self.times, "source": source_of(self.mechanism)}  # fmt: skip
+
+    def resumed(self, result: Result, *_: Any) -> Result:
+        """None: drivers prescribe the motion at every instant."""
+        raise InputError(
+            f"{self.mechanism.title}: a simulation goes on from where it stopped, and "
+            f"{result.analysis} has every instant at once. Ask for it up to a later one."
+        )
 
 
-def require_driven(mechanism: Mechanism, start: Assembly, analysis: str) -> None:
+def _follow_past_kinks(
+    equations: Equations, times: FloatArray, start: Assembly, preferred: FloatArray,
+    progress: Progress,
+) -> tuple[DrivenMotion, list[Event]]:  # fmt: skip
+    """The motion of `follow`, up to where a law has no value or jumps, and the events of laws."""
+    sizes = magnitudes(equations, start.t, start.q)
+    path = np.concatenate([[start.t], times])
+    passages = passages_of(equations, float(path.min()), float(path.max()), sizes)
+    if passages is None:
+        return follow(equations, times, start, preferred, progress), []
+    ascending = bool((np.diff(path) >= 0.0).all())
+    behind = passages.first_instant(start.q, start.v) if ascending else start.t
+    if behind > start.t:
+        times = np.maximum(times, behind)
+        path = np.concatenate([[start.t], times])
+        passages = Passages(equations, behind, float(path.max()), sizes)
+    passed, ends = _kink_events_and_ends(passages, start, ascending)
+    reached, end = _instants_before_end(path, ends)
+    done = times[:reached]
+    instants = done
+    if ascending and reached:
+        sides = [t for kink, _ in passed for t in kink[:2] if start.t <= t <= done[-1]]
+        instants = np.union1d(done, sides)
+    motion = follow(equations, instants if reached else path[:1], start, preferred, progress)
+    rows = {float(t): row for row, t in enumerate(motion.t[: len(instants)])}
+    found = []
+    for kink, passage in passed:
+        row = rows.get(kink.after)
+        if row is not None and instants is not done:
+            state = motion.q[row], motion.v[row]
+            title = equations.description.time_functions[passage.source].title
+            found.append(Event(title, kink.after, int(passage.event or 0), *state))
+    return _of_instants(motion, times, done, instants, end), found
+
+
+def _kink_events_and_ends(
+    passages: Passages, start: Assembly, ascending: bool
+) -> tuple[list[tuple[Kink, Passage]], list[tuple[float, Passage]]]:
+    """The kinks that are events, and where laws end and how, each with its passage."""
+    passed, ends = list[tuple[Kink, Passage]](), list[tuple[float, Passage]]()
+    for part in passages.parts():
+        for kink in part.kinks:
+            g = passages.equations.switching(kink.before, start.q, start.v)
+            state = start.q, start.v, (g > 0.0).astype(np.int64)
+            passage, end = passages.passage(kink, *state), kink.before
+            if kink.steep is not None:
+                steep = passages.steep(kink, *state)
+                if steep.outcome is not Outcome.OK:  # a run ends there first
+                    passage, end = steep, kink.steep
+            if passage.outcome is not Outcome.OK:
+                ends.append((end, passage))
+            elif passage.event is not None:
+                passed.append((kink, passage))
+        if part.crowd is not None:
+            ends.append((part.crowd[0], passages.crowded(part)))
+        if ends and ascending:
+            break
+    return passed, ends
+
+
+def _instants_before_end(
+    path: FloatArray, ends: list[tuple[float, Passage]]
+) -> tuple[int, tuple[float, Passage] | None]:
+    """How many instants are reached before a law ends, and where and how that is; None: all."""
+    for reached, (a, b) in enumerate(pairwise(path.tolist())):
+        within = [end for end in ends if min(a, b) <= end[0] < max(a, b)]
+        if within:
+            return reached, min(within, key=lambda end: abs(end[0] - a))
+    return len(path) - 1, None
+
+
+def _of_instants(
+    motion: DrivenMotion, times: FloatArray, done: FloatArray, instants: FloatArray,
+    end: tuple[float, Passage] | None,
+) -> DrivenMotion:  # fmt: skip
+    """The motion at the instants that were asked for, its outcome that of a law that ends it."""
+    if instants is not done:  # ascending
+        wanted = done[done <= motion.t[-1]]
+        rows = np.searchsorted(motion.t, wanted)
+        if motion.outcome is not Outcome.OK and not (len(rows) and rows[-1] == len(motion.t) - 1):
+            rows = np.append(rows, len(motion.t) - 1)
+        motion = motion._replace(t=motion.t[rows], q=motion.q[rows], v=motion.v[rows])
+    if motion.outcome is not Outcome.OK:
+        return motion
+    _, _, notes = motion.message.partition(" s.")
+    message = f"{counted(len(times), 'instant')} from t = {times[0]:g} to {times[-1]:g} s.{notes}"
+    if end is None:
+        return motion._replace(message=message)
+    t, passage = end
+    message = f"Stopped before t = {t:.9g} s. {passage.text}"
+    return motion._replace(outcome=passage.outcome, message=message)
+
+
+def _require_driven(mechanism: Mechanism, start: Assembly, analysis: str) -> None:
     """Refuse a machine that its drivers leave free to move."""
     free = start.degrees_of_freedom
     if free == 0:

@@ -16,19 +16,23 @@ import numpy as np
 from codegen.errors import AnalysisError, InputError
 from codegen.readers.arguments import count, flag, number, optional, read_arguments
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.connected_simulation import follow, known_parameters
+from runtime.dynamics.connected_simulation import (
+    JoinedMotion,
+    follow,
+    joined,
+    known_parameters,
+)
 from runtime.dynamics.formulations import formulate
-from runtime.dynamics.joined_results import JoinedMotion, joined
 from runtime.dynamics.motion_at_instants import SimulatedMotion
-from runtime.dynamics.output_conditions import end_next_time
-from runtime.dynamics.prepared_simulation import Handover, PreparedSimulation
+from runtime.dynamics.output_conditions import run_until
+from runtime.dynamics.prepared_simulation import PreparedSimulation, discrete_state
 from runtime.dynamics.simulation import run_prepared, simulate_joints
-from runtime.integrate.checkpoints import Checkpoint, Checkpoints, Keeper
+from runtime.integrate.checkpoints import Checkpoint, Checkpoints
 from runtime.integrate.problem import STABILIZING
 from runtime.integrate.sampling import INTERVAL
 from runtime.integrate.trajectory import Events, Partitions, Trajectory
 from runtime.mechanism.dense_equations import FloatArray
-from runtime.progress_bar import bar
+from runtime.progress_bar import Progress, bar, silent
 from runtime.results.assembled_state import State
 from runtime.results.motion_at_instants import Motion, keep
 from runtime.results.result import Result
@@ -36,6 +40,10 @@ from runtime.results.run_records import Reconnection
 from runtime.validation.output_instants import read_instants, uniform
 
 Resumable = SimulatedMotion | JoinedMotion
+_READERS = {
+    "t_end": number("a finite number of seconds"), "t_eval": optional(read_instants),
+    "max_steps": optional(count(1)), "progress": flag,
+}  # fmt: skip
 _LIMITS = {Outcome.OK, Outcome.MAX_STEPS, Outcome.MEMORY, Outcome.INTERRUPTED}
 
 
@@ -43,56 +51,60 @@ def resume(
     result: Result, motion: Resumable, t_end: Any, t_eval: Any, max_steps: Any, progress: Any
 ) -> Result:
     """See `Result.resume`."""
-    others = {"max_steps": optional(count(1)), "progress": flag}
-    values = {"max_steps": max_steps, "progress": progress}
-    given = read_arguments(result.description.title, others, values)
-    last, times = read_span(result, motion, t_end, t_eval)
-    whole = _go_on(result, motion, last, times, **given)
-    whole._until = result._until
-    found = end_next_time(whole, motion.span[1], result.ended_by) if result._until else None
-    if found is None:
-        return whole
-    name, end = found
-    if times is not None:
-        times = np.append(times[times < end], end)
-    again = _go_on(result, motion, end, times, **given)
-    again._until = result._until
-    if again.outcome is Outcome.OK:
-        again.ended_by = name
-        again.message = f"Ended at t = {end:.9g} s, where '{name}' began to hold. {again.message}"
-    return again
+    values = {"t_end": t_end, "t_eval": t_eval, "max_steps": max_steps, "progress": progress}
+    given = read_arguments(result.description.title, _READERS, values)
+    last, t_eval = _span(result, motion, given.pop("t_end"), given.pop("t_eval"))
+
+    def run(t_end: float, t_eval: Any) -> Result:
+        return _go_on(result, motion, t_end, t_eval, **given)
+
+    if not result._until:
+        return run(last, t_eval)
+    return run_until(run, result._until, last, t_eval, motion.span[1], result.ended_by)
 
 
 def _go_on(
-    result: Result, motion: Resumable, t_end: float, times: FloatArray | None,
+    result: Result, motion: Resumable, t_end: float, t_eval: str | FloatArray,
     max_steps: int | None, progress: bool,
 ) -> Result:  # fmt: skip
-    """The run up to another end, s, with samples at `times`, None: the ends of steps."""
+    """The run up to another end, s, with samples at `t_eval`."""
     parts, changes = [result], list[Reconnection | None]()
     if isinstance(motion, JoinedMotion):
         parts, changes = list(motion.results), list(motion.changes)
-    last, since, t_eval = parts[-1], motion.span[1], "steps" if times is None else times
+    last, since = parts[-1], motion.span[1]
+    times = None if isinstance(t_eval, str) else t_eval
     own = last._motion
     assert isinstance(own, SimulatedMotion)
-    mechanism, parameters = own.ready.mechanism, dict(result.parameters)
+    mechanism, parameters, options = own.ready.mechanism, dict(result.parameters), own.options
     past = last.ended_by in {row.name for row in mechanism.description.watched}
     if max_steps is not None:
         before = parts if past else parts[:-1]
-        max_steps = max(1, max_steps - sum(map(_trials, before)))
-    settings = _settings(own, max_steps)
+        done = sum(int(part.stats["steps"] + part.stats["rejected"]) for part in before)
+        max_steps = max(1, max_steps - done)
+    settings = {
+        "method": options.method, "rtol": options.rtol, "atol": options.atol_q,
+        "correction": options.correction, "formulation": own.coordinates.name,
+        "time_scale": options.time_scale, "first_step": options.first_step,
+        "max_step": options.h_max, "max_steps": max_steps, "max_bytes": options.max_bytes,
+        "step_limit": options.step_limit, "controllers": own.ready.given["controllers"],
+    }  # fmt: skip
+    with bar(f"resume {result.description.title}", progress) as report:
+        if past:
+            run = simulate_joints(
+                mechanism, t_end, t_eval, progress=report, start=_end_of(last, own),
+                length=own.ready.length, parameters=known_parameters(mechanism, parameters),
+                **settings,
+            )  # fmt: skip
+        else:
+            run = _resume_part(last, own, t_end, times, max_steps, report)
     if past:
-        start = {
-            "start": _end_of(last, own), "handover": Handover(own.last, own.ready.length),
-            "parameters": dict(known_parameters(mechanism, parameters)),
-        }  # fmt: skip
-        with bar(f"resume {result.description.title}", progress) as report:
-            run = simulate_joints(mechanism, t_end, t_eval, progress=report, **settings | start)
-        parts, changes = [*parts, run], [*changes, None]
+        changes.append(None)
     else:
-        run = resume_part(last, own, t_end, t_eval, max_steps, progress)
-        parts[-1] = run
-    span = t_end - float(parts[0]._motion.span[0])  # type: ignore[union-attr]
-    begun = len(parts)
+        parts.pop()
+    parts.append(run)
+    begun, first = len(parts), parts[0]._motion
+    assert first is not None
+    span = t_end - float(first.span[0])
     follow(parts, changes, mechanism, t_end, t_eval, span, parameters=parameters, **settings)
     if len(parts) == 1:
         return run
@@ -106,84 +118,55 @@ def _go_on(
     return found
 
 
-def _trials(part: Result) -> int:
-    return int(part.stats["steps"] + part.stats["rejected"])
-
-
-def _settings(motion: SimulatedMotion, max_steps: int | None) -> dict[str, Any]:
-    """The words of `simulate` for the settings of a run."""
-    options = motion.options
-    return {
-        "method": options.method, "rtol": options.rtol, "atol": options.atol_q,
-        "correction": options.correction, "formulation": motion.coordinates.name,
-        "time_scale": options.time_scale, "first_step": options.first_step,
-        "max_step": options.h_max, "max_steps": max_steps, "max_bytes": options.max_bytes,
-        "step_limit": options.step_limit, "controllers": motion.ready.given["controllers"],
-    }  # fmt: skip
-
-
 def _end_of(result: Result, motion: SimulatedMotion) -> State:
-    """The state in which a run ended."""
-    samples, end = result.samples, motion.end
+    """The state in which a run ended, with its clocks and conditions."""
+    samples, end, ready = result.samples, motion.end, motion.ready
     if result._chosen or not len(samples.t) or samples.t[-1] != end:
         samples, _ = motion.at(result, np.array([end]))
-    table = motion.ready.mechanism.description.coordinates
-    return State(end, samples.q[-1], samples.v[-1], table)
+    clocks = discrete_state(ready.mechanism, ready.p, motion.last)
+    table = ready.mechanism.description.coordinates
+    return State(end, samples.q[-1], samples.v[-1], table, discrete=clocks)
 
 
-def resume_part(
-    result: Result, motion: SimulatedMotion, t_end: float, t_eval: Any, max_steps: int | None,
-    progress: bool,
+def _resume_part(
+    result: Result, motion: SimulatedMotion, t_end: float, times: FloatArray | None,
+    max_steps: int | None, progress: Progress,
 ) -> Result:  # fmt: skip
     """A run with one set of joints up to another end, s; see `Result.resume`."""
-    began, title = clock.perf_counter(), result.description.title
-    last, times = t_end, None if isinstance(t_eval, str) else t_eval
-    ready = motion.ready.until(last)
-    old = motion.options
+    began, first, old = clock.perf_counter(), motion.end, motion.options
+    ready = motion.ready.until(t_end)
     coordinates = formulate(ready, motion.coordinates.name, old.method, old.correction)
     works = bool(result.works)
-    asked = np.union1d([motion.end], times) if works and times is not None else times
-    options = replace(
-        old, t_eval=np.array([motion.end]) if works and asked is None else asked,
-        quadrature=works, max_steps=max_steps,
-    )  # fmt: skip
+    options = replace(old, t_eval=times, quadrature=works, max_steps=max_steps)
+    if works:
+        options = replace(options, t_eval=np.union1d([first], [] if times is None else times))
     if ready.controllers and old.correction in STABILIZING:
         span = motion.ready.t_end - motion.ready.begin.t
         options = replace(options, time_scale=old.baumgarte_time(span))
     rows, why = _alike(result, motion, ready)
-    kept = rows[-1] if rows else None
-    made = list[Checkpoints]()
-
-    def watched(change: Keeper | None) -> Checkpoints:
-        made.append(Checkpoints(change, rows, motion.checkpoints.spacing))
-        return made[0]
-
-    known, first = None if kept is None else motion.known(result, kept.t), motion.end
-    with bar(f"resume {title}", progress) as report:
-        span = max(last - first, 1e-300)
-        run = coordinates.retaken(
-            options, kept, watched, known, lambda t, _: report(max(0.0, (t - first) / span))
-        )
+    kept, span = rows[-1] if rows else None, max(t_end - first, 1e-300)
+    made = Checkpoints(rows, motion.checkpoints.spacing)
+    run = coordinates.run(
+        options, made, kept, motion.known(result, kept) if kept else None,
+        lambda t, _: progress(max(0.0, (t - first) / span)),
+    )  # fmt: skip
     end = run.final_t, run.samples_taken, run.discrete
-    new = SimulatedMotion(ready, coordinates, options, made[0], *end)
+    new = SimulatedMotion(coordinates, options, made, *end)
     done = new.works_from(kept, run, first) if works else None
-    path = replace(_behind(run, kept, first, times, works), checkpoints=made[0])
+    path = replace(_behind(run, kept, first, times, works), checkpoints=made)
     plain = replace(options, t_eval=times, quadrature=False)
-    found = run_prepared(ready, coordinates, plain, began, lambda _: None, path, works=False)
+    found = run_prepared(coordinates, plain, began, silent, path, works=False)
     if done is not None:
         _add_works(found, result, motion, *done)
     found.message = f"Resumed at t = {first:.9g} s{why}. {found.message}"
     return found
 
 
-def read_span(
-    result: Result, motion: Motion, t_end: Any, t_eval: Any
-) -> tuple[float, FloatArray | None]:
-    """The new end, s, and the instants of the samples; None: the ends of steps."""
+def _span(
+    result: Result, motion: Motion, last: float, chosen: Any
+) -> tuple[float, str | FloatArray]:
+    """The new end, s, and the instants of the samples, or "steps"."""
     title, end = result.description.title, motion.span[1]
-    readers = {"t_end": number("a finite number of seconds"), "t_eval": optional(read_instants)}
-    given = read_arguments(title, readers, {"t_end": t_end, "t_eval": t_eval})
-    last, chosen = given["t_end"], given["t_eval"]
     if result.accuracy is not None:
         raise InputError(
             f"{title}: an accuracy is that of a whole run, and this result has one. Simulate anew "
@@ -200,7 +183,7 @@ def read_span(
             "stopped; `at` has all instants before."
         )
     if isinstance(chosen, str):
-        return last, None
+        return last, chosen
     times = uniform(end, last, chosen) if not isinstance(chosen, np.ndarray) else chosen
     if not end <= times[0] <= times[-1] <= last:
         raise InputError(

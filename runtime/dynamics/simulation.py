@@ -24,13 +24,13 @@ With an accuracy target, runtime.accuracy_target makes several such runs.
 
 import time as clock
 from dataclasses import replace
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.object_display import counted
-from runtime.assembly.kernels_for_redundant_constraints import redundancy_note
+from runtime.assembly.substitute_kernels import redundancy_note
 from runtime.continuation.singular_position_messages import describe_crossings
 from runtime.core.kinds import KNOTS
 from runtime.core.outcomes import Outcome
@@ -41,11 +41,12 @@ from runtime.dynamics.controllers import Functions
 from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formulate
 from runtime.dynamics.motion_at_instants import SimulatedMotion
 from runtime.dynamics.output_quantities import evaluate, integrate_works
-from runtime.dynamics.prepared_simulation import Handover, PreparedSimulation
+from runtime.dynamics.prepared_simulation import PreparedSimulation, discrete_state
 from runtime.integrate.problem import MOST_STEPS, Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
-from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.dense_equations import Equations
 from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.module_tables import Description
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly, State
 from runtime.results.event_records import Event, event_words
@@ -57,6 +58,11 @@ from runtime.validation.output_instants import POINTS
 from runtime.validation.scene_support import driven_note
 from runtime.validation.table_ranges import name_left_tables
 
+_STATS = {
+    "rhs": "rhs_evaluations", "iterations": "stage_iterations", "largest_dq": "largest_correction",
+    "seconds": "integration_seconds",
+}  # fmt: skip
+"""Statistics of a run that have other names in a result."""
 _NAMES = 6  # layout: constraints by name in the sentence about a crossing
 # Ends of a run that tries to go where a table has no number.
 _LEAVING = {
@@ -67,26 +73,45 @@ _LEAVING = {
 
 def simulate_joints(
     mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | int | str | None = None, *,
+    progress: Progress = silent, **settings: Any,
+) -> Result:  # fmt: skip
+    """Integrate the equations of motion from the assembled start; see `Machine.simulate`."""
+    began = clock.perf_counter()
+    row = sample_bytes(mechanism.description) + state_bytes(mechanism.description)
+    advice = "Take fewer instants, or write them while the run goes on: out='run.zarr'."
+    require_memory_of(mechanism, t_eval, row, advice)
+    prepared = prepare_run(mechanism, t_end, t_eval, **settings)
+    return run_prepared(*prepared, began, progress, repeats=True)
+
+
+def require_memory_of(
+    mechanism: Mechanism, t_eval: npt.ArrayLike | int | str | None, row: int, advice: str
+) -> None:
+    """Refuse instants whose samples, of `row` bytes and two numbers, do not fit into memory."""
+    if not isinstance(t_eval, str):
+        count = t_eval if isinstance(t_eval, int) else POINTS if t_eval is None else np.size(t_eval)
+        row += 2 * np.dtype(np.float64).itemsize
+        require_memory(mechanism.title, f"the samples at {count} instants", count * row, advice)
+
+
+def prepare_run(
+    mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | int | str | None, *,
     t_start: float = 0.0, method: str = "dop853", rtol: float = 1e-8, atol: float | None = None,
     parameters: Values | None = None, guess: Values | None = None,
     start: Assembly | State | Values | None = None,
-    controllers: Functions | None = None, handover: Handover | None = None,
+    controllers: Functions | None = None, length: float | None = None,
     correction: Correction = "step", formulation: Formulation = "cartesian",
     time_scale: float | None = None, first_step: float | None = None,
     max_step: float | None = None, max_steps: int | None = None,
-    max_bytes: int = 2**30, progress: Progress = silent, step_limit: int = MOST_STEPS,
-    out: Path | None = None,
-) -> Result:  # fmt: skip
-    """Integrate the equations of motion from the assembled start; see `Machine.simulate`.
+    max_bytes: int = 2**30, step_limit: int = MOST_STEPS,
+) -> tuple[Coordinates, Options]:  # fmt: skip
+    """The coordinates and the options of a run from an assembled start; see `Machine.simulate`.
 
     `step_limit` is that of a study, which is no wish to go on where steps get ever shorter.
     """
-    began = clock.perf_counter()
-    if not isinstance(t_eval, str):
-        _require_memory(mechanism, t_eval, stored=out is not None)
     ready = PreparedSimulation(
         mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start,
-        controllers=controllers, handover=handover,
+        controllers=controllers, length=length,
     )  # fmt: skip
     coordinates = formulate(ready, formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.
@@ -96,29 +121,11 @@ def simulate_joints(
         time_scale=time_scale, first_step=first_step, h_max=max_step,
         max_steps=max_steps, max_bytes=max_bytes, step_limit=step_limit,
     )  # fmt: skip
-    if out is None:
-        return run_prepared(ready, coordinates, options, began, progress, repeats=True)
-    from runtime.dynamics.stored_simulation import simulate_into
-
-    return simulate_into(out, ready, coordinates, options, began, progress)
-
-
-def _require_memory(
-    mechanism: Mechanism, t_eval: npt.ArrayLike | int | None, *, stored: bool
-) -> None:
-    """Refuse instants whose samples do not fit into memory; of a store these are on the disk."""
-    count = t_eval if isinstance(t_eval, int) else POINTS if t_eval is None else np.size(t_eval)
-    advice = "Take fewer instants, or write them while the run goes on: out='run.zarr'."
-    row = 2 * np.dtype(np.float64).itemsize
-    if stored:
-        advice = "Take fewer instants, or t_eval='steps'."
-    else:
-        row += sample_bytes(mechanism.description) + state_bytes(mechanism.description)
-    require_memory(mechanism.title, f"the samples at {count} instants", count * row, advice)
+    return coordinates, options
 
 
 def run_prepared(
-    ready: PreparedSimulation, coordinates: Coordinates, options: Options, began: float,
+    coordinates: Coordinates, options: Options, began: float,
     progress: Progress, run: Trajectory | None = None, *, works: bool = True, energy: bool = False,
     repeats: bool = False, samples: Samples | None = None,
 ) -> Result:  # fmt: skip
@@ -129,34 +136,33 @@ def run_prepared(
     already. The `energy` of its samples is judged, as always in reduced
     coordinates; a run in these that a check contradicts is repeated in all of them, if `repeats`.
     """
-    begin, mechanism = ready.begin, coordinates.mechanism
-    works = works and bool(mechanism.description.work_rows)
+    ready, begin, equations = coordinates.ready, coordinates.begin, coordinates.equations
+    works = works and bool(equations.description.work_rows)
     if works or run is None:
         run = ready.run(coordinates, replace(options, quadrature=works), progress)
-    run = end_at_jam(mechanism, run, ready.p, ready.t_end - begin.t)
-    result = _result(mechanism, run, ready, began, samples)
-    result._mechanism = mechanism
+    run = end_at_jam(equations, run, ready.t_end - begin.t)
+    result = _result(equations, run, ready, began, samples)
+    result._mechanism = equations.mechanism
     if run.checkpoints is not None:
         end = run.final_t, run.samples_taken, run.discrete
-        result._motion = SimulatedMotion(ready, coordinates, options, run.checkpoints, *end)
+        result._motion = SimulatedMotion(coordinates, options, run.checkpoints, *end)
     if works:
         integrate_works(result, len(run.t), options.t_eval)
-    equations, mobility = Equations(mechanism, ready.p), coordinates.mobility
-    reduced = isinstance(coordinates, ReducedCoordinates)
     suspicions = screen_run(equations, result.samples, ready.sizes, options, run)
+    reduced = isinstance(coordinates, ReducedCoordinates)
     check_result(result, equations, ready.sizes, options, run, suspicions, energy=energy or reduced)
-    contradicted = reduced and repeats and result.outcome is Outcome.CONTRADICTED
-    if isinstance(coordinates, ReducedCoordinates) and contradicted:
+    contradicted = repeats and result.outcome is Outcome.CONTRADICTED
+    if contradicted and isinstance(coordinates, ReducedCoordinates):
         whole = coordinates.cartesian(options.method)
-        again = run_prepared(ready, whole, options, began, progress, works=works, energy=True)
+        again = run_prepared(whole, options, began, progress, works=works, energy=True)
         note_repetition(again, result.contradiction)
         return again
     count, note = describe_unresolved_switches(equations, run.events, suspicions)
     result.stats["events_within_tolerance"] = count
-    result.message += note
     if run.crossings:
+        mobility = coordinates.mobility
         result.singular = describe_crossings(equations, begin.t, begin.q, mobility, run.crossings)
-    result.message += driven_note(mechanism, begin)
+    result.message += note + driven_note(equations.mechanism, begin)
     return result
 
 
@@ -168,61 +174,44 @@ def note_repetition(result: Result, contradiction: str) -> None:
     )
 
 
-def _is_ended(mechanism: Mechanism, run: Trajectory) -> bool:
+def _is_ended(description: Description, run: Trajectory) -> bool:
     """Whether a condition ended a run, and no joint comes or goes there."""
-    watched = mechanism.description.watched
-    return run.stopped_by >= 0 and not watched[run.stopped_by].reconnects
+    return run.stopped_by >= 0 and not description.watched[run.stopped_by].reconnects
 
 
-def ends_early(mechanism: Mechanism, run: Trajectory) -> bool:
+def ends_early(description: Description, run: Trajectory) -> bool:
     """Whether the last state of a run is one more sample."""
-    return run.outcome is not Outcome.OK or _is_ended(mechanism, run)
+    return run.outcome is not Outcome.OK or _is_ended(description, run)
 
 
-def _outputs(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> Samples:
+def _outputs(equations: Equations, run: Trajectory) -> Samples:
     """Outputs at the samples; a run that stopped early gets its last state as one more."""
     t, q, v, modes = run.t, run.q, run.v, run.modes
-    if ends_early(mechanism, run) and (len(t) == 0 or run.final_t > t[-1]):
+    if ends_early(equations.description, run) and (len(t) == 0 or run.final_t > t[-1]):
         t = np.append(t, run.final_t)
         q, v = np.vstack([q, run.final_q]), np.vstack([v, run.final_v])
         modes = np.vstack([modes, run.final_modes[None, :]])
-    return evaluate(mechanism, p, t, q, v, modes)
+    return evaluate(equations, t, q, v, modes)
 
 
 def _result(
-    mechanism: Mechanism, run: Trajectory, ready: PreparedSimulation, began: float,
+    equations: Equations, run: Trajectory, ready: PreparedSimulation, began: float,
     samples: Samples | None,
 ) -> Result:  # fmt: skip
     """The result of a run, with its statistics, events and partitions."""
-    p, begin, watched = ready.p, ready.begin, mechanism.description.watched
-    samples = samples or _outputs(mechanism, run, p)
-    counts = run.statistics
-    stats = {
-        "steps": counts.steps,
-        "rejected": counts.rejected,
-        "retakes": counts.retakes,
-        "rhs_evaluations": counts.rhs,
-        "corrections": counts.corrections,
-        "returns": counts.returns,
-        "stage_iterations": counts.iterations,
-        "jacobians": counts.jacobians,
-        "factorizations": counts.factorizations,
-        "dense_outputs": counts.dense_outputs,
-        "balance_rhs": counts.balance_rhs,
-        "repartitions": counts.repartitions,
-        "events": counts.events,
+    begin, description, log = ready.begin, equations.description, run.events
+    samples = samples or _outputs(equations, run)
+    stats = {_STATS.get(name, name): value for name, value in vars(run.statistics).items()} | {
         "method_changes": len(run.methods) - 1,
         "singular_crossings": len(run.crossings),
         "crossing_error": max((crossing.error for crossing in run.crossings), default=0.0),
-        "largest_correction": counts.largest_dq,
-        "integration_seconds": counts.seconds,
         "wall_seconds": clock.perf_counter() - began,
     }
-    titles, log = [switch.title for switch in mechanism.description.switches], run.events
-    parts = mechanism.description.table_parts
+    titles = [switch.title for switch in description.switches]
+    titles += [function.title for function in description.time_functions]
+    parts = description.table_parts
     knots = {k for k, part in enumerate(parts) if part == KNOTS}  # of which steps alone take notice
-    titles += [function.title for function in mechanism.description.time_functions]
-    words = event_words(mechanism.description, log.index, log.direction, run.modes[:1])
+    words = event_words(description, log.index, log.direction, run.modes[:1])
     events = [
         Event(titles[int(index)], float(time), int(direction), at_q, at_v, word)
         for time, index, direction, at_q, at_v, word in zip(
@@ -230,26 +219,30 @@ def _result(
         )
         if index not in knots
     ]
-    names = mechanism.description.coordinates.names
+    names = np.array(description.coordinates.names, dtype=object)
     partitions = [
-        Partition(float(t), tuple(name for name, free in zip(names, chosen, strict=True) if free))
+        Partition(float(t), tuple(names[chosen]))
         for t, chosen in zip(run.partitions.t, run.partitions.independent, strict=True)
     ]
     result = Result(
-        mechanism.description, samples, p, analysis="simulation", outcome=run.outcome,
-        message=_message(mechanism, run, p) + redundancy_note(begin) + ready.note, stats=stats,
-        events=events,
-        partitions=partitions, not_unique=begin.not_unique,
+        description, samples, ready.p, analysis="simulation", outcome=run.outcome,
+        message=_message(equations, run) + redundancy_note(begin) + ready.note, stats=stats,
+        events=events, partitions=partitions, not_unique=begin.not_unique,
     )  # fmt: skip
-    result.site = run.site.of(_subject(mechanism, run))
+    subject = ""  # the condition, joint or driver that the outcome concerns
+    if run.index >= 0 and run.outcome.of_switch:
+        subject = description.switches[run.index].title
+    elif run.index >= 0:
+        subject = description.constraints[run.index].name
+    result.site = run.site.of(subject)
     if run.outcome in _LEAVING:
-        name_left_tables(result, Equations(mechanism, p))
-    if _is_ended(mechanism, run):
-        result.ended_by = watched[run.stopped_by].name
+        name_left_tables(result, equations)
+    if _is_ended(description, run):
+        result.ended_by = description.watched[run.stopped_by].name
     elif run.stopped_by >= 0:
-        table = mechanism.description.coordinates
-        end = State(run.final_t, run.final_q, run.final_v, table)
-        result.reconnection = Ending(run.stopped_by, end, run.discrete, ready.length)
+        clocks = discrete_state(ready.mechanism, ready.p, run.discrete)
+        state = State(*run.end, description.coordinates, discrete=clocks)
+        result.reconnection = Ending(run.stopped_by, state, ready.length)
     if run.outcome is Outcome.CONTRADICTED:
         result.contradiction = f"At t = {run.final_t:.9g} s it stopped. {run.note}"
     return result
@@ -264,14 +257,14 @@ def _methods_note(run: Trajectory) -> str:
     return f" Methods: {', '.join(shown)}{f', and {rest} more changes' if rest else ''}."
 
 
-def _crossings_note(mechanism: Mechanism, run: Trajectory) -> str:
+def _crossings_note(description: Description, run: Trajectory) -> str:
     """Sentence about the singular positions that were passed; empty without any."""
     if not run.crossings:
         return ""
     first = run.crossings[0]
     worst = max(run.crossings, key=lambda crossing: crossing.error)
     count = len(run.crossings)
-    names = [mechanism.description.constraints[row].name for row in sorted(first.rows)]
+    names = [description.constraints[row].name for row in sorted(first.rows)]
     more = len(names) - _NAMES
     *others, last = names if more <= 1 else [*names[:_NAMES], f"{more} others"]
     dependent = f"s {', '.join(others)} and {last}" if others else f" {last}"
@@ -293,27 +286,17 @@ def text_of_end(t: float, steps: int) -> str:
     return f"Reached t = {t:g} s in {counted(steps, 'step')}."
 
 
-def _subject(mechanism: Mechanism, run: Trajectory) -> str:
-    """The condition, joint or driver that an outcome concerns; empty if none."""
-    description = mechanism.description
-    if run.index < 0:
-        return ""
-    if run.outcome.of_switch:
-        return description.switches[run.index].title
-    return description.constraints[run.index].name
-
-
-def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
+def _message(equations: Equations, run: Trajectory) -> str:
     """How the run ended, with time and element."""
+    description = equations.description
     if run.stopped_by >= 0:
-        name, note = mechanism.description.watched[run.stopped_by].name, run.note
+        name, note = description.watched[run.stopped_by].name, run.note
         return f"Ended at t = {run.final_t:.9g} s, where '{name}' began to hold. {note}".rstrip()
     if run.outcome is Outcome.OK:
         return (
             f"{text_of_end(run.final_t, run.statistics.steps)}"
-            f"{_methods_note(run)}{_crossings_note(mechanism, run)} {run.note}"
+            f"{_methods_note(run)}{_crossings_note(description, run)} {run.note}"
         ).rstrip()
-    description = mechanism.description
     where = ""
     if run.index >= 0 and run.outcome.of_switch:
         switch = description.switches[run.index]
@@ -324,13 +307,11 @@ def _message(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
     of_time = run.outcome is Outcome.ZENO and run.index < 0  # of which the note says all
     if of_time and run.note:
         return f"Stopped at t = {run.final_t:.9g} s{where}. {run.note}"
-    jam = describe_jam(mechanism, run, p)
-    if jam:
-        return f"Stopped at t = {run.final_t:.9g} s{where}. {jam}"
-    if run.outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL):
-        state = run.final_t, run.final_q, run.final_v, run.final_modes
-        if infinite := describe_infinite(Equations(mechanism, p), *state):
-            return f"Stopped at t = {run.final_t:.9g} s{where}. {infinite}"
+    reason = describe_jam(equations, run)
+    if not reason and run.outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL):
+        reason = describe_infinite(equations, *run.end, run.final_modes)
+    if reason:
+        return f"Stopped at t = {run.final_t:.9g} s{where}. {reason}"
     note, advice = f" {run.note}" if run.note else "", f" {run.outcome.advice}"
     if run.outcome is Outcome.SINGULAR and run.note:
         advice = ""  # the note has its own

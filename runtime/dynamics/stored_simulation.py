@@ -4,6 +4,7 @@ What the run holds of its samples is one chunk, whatever their number. Its resul
 from files, so that checks, plots and `Result.at` are those of any other result.
 """
 
+import time as clock
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -14,11 +15,9 @@ import numpy as np
 
 from codegen.errors import InputError
 from runtime.core.arrays import IntegerMatrix, Matrix, Vector
-from runtime.dynamics.formulations import Coordinates
 from runtime.dynamics.output_quantities import evaluate
-from runtime.dynamics.prepared_simulation import PreparedSimulation
-from runtime.dynamics.simulation import ends_early, run_prepared
-from runtime.integrate.problem import Options
+from runtime.dynamics.simulation import ends_early, prepare_run, require_memory_of, run_prepared
+from runtime.mechanism.dense_equations import Equations
 from runtime.mechanism.mechanism import Mechanism
 from runtime.progress_bar import Progress
 from runtime.results.export import check_place
@@ -50,8 +49,8 @@ def refuse_store(mechanism: Mechanism, settings: Mapping[str, Any], until: Any) 
 class Writer:
     """Takes the samples of a run, computes all quantities and writes them chunk by chunk."""
 
-    def __init__(self, store: ResultStore, mechanism: Mechanism, p: Vector) -> None:
-        self.store, self.mechanism, self.p = store, mechanism, p
+    def __init__(self, store: ResultStore, equations: Equations) -> None:
+        self.store, self.equations = store, equations
         self.waiting: list[tuple[Vector, Matrix, IntegerMatrix]] = []
         self.count = 0  # of rows that wait
         self.last: float | None = None  # instant of the last row, s
@@ -70,51 +69,48 @@ class Writer:
             self._write(self.count)
 
     def _write(self, count: int) -> None:
-        joined = map(np.concatenate, zip(*self.waiting, strict=True))
-        t, y, modes = joined
+        t, y, modes = map(np.concatenate, zip(*self.waiting, strict=True))
         n, step = y.shape[1] // 2, self.store.rows
         self.waiting = [(t[count:], y[count:], modes[count:])] if count < len(t) else []
         self.count = len(t) - count
         for first in range(0, count, step):
             rows = slice(first, min(first + step, count))
             q, v = y[rows, :n], y[rows, n:]
-            self.store.append(evaluate(self.mechanism, self.p, t[rows], q, v, modes[rows]))
-
-
-def _check_place(path: Path) -> None:
-    """Refuse a place at which no store can begin."""
-    if path.suffix.lower() != ".zarr":
-        raise InputError(
-            f"out={str(path)!r}: rows are written into a Zarr store while the run goes on. "
-            "Choose a name that ends in .zarr, or save the result: Result.save."
-        )
-    if path.exists():
-        raise InputError(f"{path} is there already. Choose another name, or remove it.")
-    check_place(path)
+            self.store.append(evaluate(self.equations, t[rows], q, v, modes[rows]))
 
 
 def simulate_into(
-    out: Path, ready: PreparedSimulation, coordinates: Coordinates, options: Options,
-    began: float, progress: Progress,
+    out: Path, mechanism: Mechanism, t_end: float, t_eval: Any = None, *, progress: Progress,
+    **settings: Any,
 ) -> Result:  # fmt: skip
-    """The result of a simulation whose rows are written into a store at `out`.
+    """The result of `simulate_joints`, whose rows are written into a store at `out`.
 
     Where the run fails, the store has what was computed before, and the error.
     """
-    mechanism = coordinates.mechanism
-    _check_place(out)
-    store = ResultStore(out, mechanism.description, ready.p)
-    writer = Writer(store, mechanism, ready.p)
+    began = clock.perf_counter()
+    require_memory_of(mechanism, t_eval, 0, "Take fewer instants, or t_eval='steps'.")
+    coordinates, options = prepare_run(mechanism, t_end, t_eval, **settings)
+    ready, description = coordinates.ready, coordinates.equations.description
+    if out.suffix.lower() != ".zarr":
+        raise InputError(
+            f"out={str(out)!r}: rows are written into a Zarr store while the run goes on. "
+            "Choose a name that ends in .zarr, or save the result: Result.save."
+        )
+    if out.exists():
+        raise InputError(f"{out} is there already. Choose another name, or remove it.")
+    check_place(out)
+    store = ResultStore(out, description, ready.p)
+    writer = Writer(store, coordinates.equations)
     try:
         run = ready.run(coordinates, replace(options, sink=writer.take), progress)
-        if ends_early(mechanism, run) and (writer.last is None or run.final_t > writer.last):
+        if ends_early(description, run) and (writer.last is None or run.final_t > writer.last):
             y = np.concatenate([run.final_q, run.final_v])[None]
             writer.take(np.array([run.final_t]), y, run.final_modes[None])
         writer.finish()
         samples = store.mapped()
         run = replace(run, t=samples.t, q=samples.q, v=samples.v, modes=samples.modes)
         result = run_prepared(
-            ready, coordinates, options, began, progress, run, works=False, samples=samples
+            coordinates, options, began, progress, run, works=False, samples=samples
         )
     except BaseException as error:
         with suppress(Exception):

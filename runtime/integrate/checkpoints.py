@@ -7,7 +7,7 @@ any instant is then the run from the checkpoint before it, with the samples that
 
 import time
 from bisect import bisect_left
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -18,7 +18,7 @@ from runtime.core.loop_record import Plan
 from runtime.core.outcomes import Outcome
 from runtime.integrate.clocks import CLOCK
 from runtime.integrate.problem import Discrete
-from runtime.integrate.run import Change, Run
+from runtime.integrate.run import Run
 from runtime.integrate.step import Signal
 
 _SPACING = 0.02  # measured: s of computing between two; what a look at an instant may take
@@ -103,13 +103,21 @@ class Keeper(Protocol):
         """The state of all its runs, which tells its `nbytes`, and its `longest` step."""
 
 
-class Checkpoints:
-    """The checkpoints of one run, in order of time; the `Change` that makes them."""
+class Watch(Protocol):
+    """A `Change` that looks at a run, after the change of its coordinates, if any."""
 
-    def __init__(
-        self, change: Keeper | None = None, rows: Sequence[Checkpoint] = (), spacing: float = 0.0
-    ) -> None:
-        self.change, self.rows = change, list(rows)
+    change: Keeper | None
+
+    def __call__(self, run: Run, code: int) -> tuple[Run, int]:
+        """A `Change`."""
+
+
+class Checkpoints:
+    """The checkpoints of one run, in order of time; the `Watch` that makes them."""
+
+    def __init__(self, rows: Sequence[Checkpoint] = (), spacing: float = 0.0) -> None:
+        self.change: Keeper | None = None
+        self.rows = list(rows)
         self.spacing, self.bytes = max(spacing, _SPACING), sum(row.state.nbytes for row in rows)
         self.due = time.perf_counter() + self.spacing
 
@@ -149,15 +157,12 @@ class Checkpoints:
         return [(starts[a], slice(a, b)) for a, b in zip(cuts, ends, strict=True)]
 
 
-Watch = Callable[[Keeper | None], Change]
-"""Makes the `Change` of a run that is taken again, around its change of coordinates, if any."""
-
-
 class Until:
-    """A `Change` that ends a run as soon as it has passed an instant, s."""
+    """A `Watch` that ends a run as soon as it has passed an instant, s."""
 
-    def __init__(self, last: float, change: Change | None = None) -> None:
-        self.last, self.change = last, change
+    def __init__(self, last: float) -> None:
+        self.last = last
+        self.change: Keeper | None = None
 
     def __call__(self, run: Run, code: int) -> tuple[Run, int]:
         """What the other change says, unless the instant lies behind."""
@@ -168,20 +173,20 @@ class Until:
         return run, code
 
 
-class Passed:
-    """A `Change` that ends a run behind an instant, s, and knows where its clocks stood there.
+class Passed(Until):
+    """A `Watch` that ends a run behind an instant, s, and knows where its clocks stood there.
 
     It has to be called after every step.
     """
 
-    def __init__(self, last: float, change: Change | None = None) -> None:
-        self.last = last + CLOCK * abs(last)  # instants nearer to each other are one
-        self.until = Until(float(np.nextafter(self.last, np.inf)), change)
+    def __init__(self, last: float) -> None:
+        self.passed = last + CLOCK * abs(last)  # instants nearer to each other are one
+        super().__init__(float(np.nextafter(self.passed, np.inf)))
         self.stand: Discrete | None = None
 
     def __call__(self, run: Run, code: int) -> tuple[Run, int]:
         """What the other change says, unless the instant lies behind."""
-        run, code = self.until(run, code)
-        if run.state.record["t"] <= self.last:
+        run, code = super().__call__(run, code)
+        if run.state.record["t"] <= self.passed:
             self.stand = run.state.discrete
         return run, code

@@ -96,3 +96,8 @@ class Trajectory:
     decay: float = 0.0  # of the fastest motion in a step of "auto": mean of -h Re λ
     samples_taken: bool = True  # whether clocks have renewed what is due where the run stopped
     checkpoints: "Checkpoints | None" = None  # None: it was not asked to make any
+
+    @property
+    def end(self) -> tuple[float, Vector, Vector]:
+        """Instant, coordinates and velocities where the run stopped."""
+        return self.final_t, self.final_q, self.final_v

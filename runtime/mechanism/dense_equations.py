@@ -279,3 +279,9 @@ def magnitudes(equations: Equations, t: float, q: FloatArray) -> FloatArray:
     none.
     """
     return equations.scale(equations.length(t, q))
+
+
+def row_lengths(matrix: FloatArray) -> FloatArray:
+    """Lengths of the rows of a matrix, (m,); 1 of an empty one."""
+    lengths = np.linalg.norm(matrix, axis=1)
+    return np.where(lengths == 0.0, 1.0, lengths)

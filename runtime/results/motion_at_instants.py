@@ -44,14 +44,14 @@ class Motion(Protocol):
     def t_end(self) -> float:
         """The end that was asked for, s, which a run may not have reached."""
 
-    def sampled(self, t: float) -> bool:
-        """Whether clocks have renewed what is due in the state at an instant of the span, s."""
-
     def scene(self, t: float) -> str:
         """The scene whose joints act at an instant of the span, s."""
 
-    def discrete(self, result: Any, t: float) -> DiscreteState | None:
-        """Where clocks and watched conditions stand at an instant of the span, s."""
+    def clocks(self, result: Any, t: float) -> tuple[bool, DiscreteState | None]:
+        """Where clocks and watched conditions stand at an instant of the span, s.
+
+        The first says whether clocks have renewed what is due in the state there.
+        """
 
     def at(self, result: Any, times: FloatArray) -> tuple[Samples, dict[str, FloatArray]]:
         """Samples, and works by name, at ascending instants, (k,), s."""
@@ -204,8 +204,8 @@ def state(result: "Result", t: float | None, side: Side | None) -> State:
     q, v, now = result.samples.q[-1].copy(), result.samples.v[-1].copy(), float(result.t[-1])
     if motion is None:
         return State(now, q, v, result.description.coordinates, scene=result.description.scene)
-    known = motion.sampled(now), motion.discrete(result, now), motion.scene(now)
-    return State(now, q, v, result.description.coordinates, *known)
+    clocks, scene = motion.clocks(result, now), motion.scene(now)
+    return State(now, q, v, result.description.coordinates, *clocks, scene)
 
 
 def resume(

@@ -15,8 +15,7 @@ class Ending(NamedTuple):
     """The end of a part of a run, where a joint comes or goes."""
 
     row: int  # of WATCHED
-    state: State
-    discrete: Any  # where clocks and conditions stand
+    state: State  # with clocks and conditions
     length: float  # typical of the machine, m
 
 

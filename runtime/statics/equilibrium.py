@@ -1,15 +1,18 @@
-"""Equilibrium: a rest position, its stability, and the reactions there."""
+"""Stability of a rest position.
+
+Equilibrium: a rest position, its stability, and the reactions there.
+"""
 
 import time as clock
-from typing import Any
+from enum import StrEnum
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from codegen.errors import AnalysisError
 from codegen.readers.calls import checked_class
 from runtime.assembly.assemble import assemble
-from runtime.assembly.kernels_for_redundant_constraints import redundancy_note, with_redundancy
-from runtime.assembly.masses_far_apart import suited_to_masses
+from runtime.assembly.substitute_kernels import redundancy_note, suited_equations
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import evaluate
 from runtime.mechanism.dense_equations import Equations, FloatArray
@@ -18,15 +21,18 @@ from runtime.mechanism.module_tables import Description
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
 from runtime.results.samples import plain
-from runtime.statics.energy_minimisation import RestPosition, evaluate_position, minimise, polish
-from runtime.statics.stability import Judgement, Stability, judge, unjudged
+from runtime.statics.energy_minimisation import (
+    RestPosition,
+    StaticEquations,
+    minimise,
+    polish,
+)
 from runtime.statics.states_at_rest import (
     StatesAtRest,
     find_rest,
     free_states,
     require_expressions,
 )
-from runtime.statics.stiffness import StaticEquations
 from runtime.validation.masses import require_masses
 from runtime.validation.parameters import parameter_values
 from runtime.validation.set_valued_forces import (
@@ -34,6 +40,61 @@ from runtime.validation.set_valued_forces import (
     require_no_sticking,
 )
 from runtime.validation.table_ranges import left_tables, name_left_tables
+
+_FLAT = 1e-8  # accuracy: part of the largest stiffness; a smaller one is indifferent
+
+
+class Stability(StrEnum):
+    """Behaviour of the machine after a small push."""
+
+    STABLE = "stable"
+    UNSTABLE = "unstable"
+    INDIFFERENT = "indifferent"
+    UNKNOWN = "unknown"
+
+
+class Judgement(NamedTuple):
+    """Stability of a position and the numbers behind it."""
+
+    stability: Stability
+    eigenvalues: FloatArray  # of M^-1 K, 1/s^2, ascending
+    frequencies: FloatArray = np.zeros(0)  # rad/s
+    flutter: bool = False
+
+
+def _judge(statics: StaticEquations, position: RestPosition) -> Judgement:
+    """Eigenvalues of M^-1 K over the independent coordinates; all positive means stable.
+
+    Pairs of complex eigenvalues are oscillations that grow: no natural frequencies. Where a
+    condition changes at the position, K is that of one side, which says nothing of the other.
+    """
+    motions = statics.motions(position.q, position.part)
+    root = np.linalg.cholesky(motions.T @ statics.equations.mass(position.q) @ motions)
+    matrix = np.linalg.solve(root, np.linalg.solve(root, position.stiffness).T).T
+    if not np.isfinite(matrix).all():  # forces end there
+        return Judgement(Stability.UNKNOWN, np.full(len(matrix), np.nan))
+    largest = float(np.abs(matrix).max(initial=0.0))
+    if float(np.abs(matrix - matrix.T).max(initial=0.0)) <= 1e-6 * largest:
+        values = np.linalg.eigvalsh(0.5 * (matrix + matrix.T))
+        real = np.ones(len(values), dtype=np.bool_)
+    else:
+        pairs = np.linalg.eigvals(matrix)
+        pairs = pairs[np.argsort(pairs.real)]
+        real = np.abs(pairs.imag) <= 1e-6 * np.abs(pairs).max()
+        values = pairs.real
+    flutter = not bool(real.all())
+    light = float(np.linalg.eigvalsh(root @ root.T).max())
+    flat = max(_FLAT * largest, 1e-9 * float(position.effort.max()) / light)
+    squares: FloatArray = np.array(values, dtype=np.float64)
+    if position.edges:
+        return Judgement(Stability.UNKNOWN, squares, flutter=flutter)
+    if flutter or bool((values < -flat).any()):
+        stability = Stability.UNSTABLE
+    else:
+        some_flat = bool((values <= flat).any())
+        stability = Stability.INDIFFERENT if some_flat else Stability.STABLE
+    return Judgement(stability, squares, np.sqrt(squares[real & (squares > flat)]), flutter)
+
 
 METHODS = "energy", "settling"
 _TURNED = 25.0  # safety: rad after which nothing holds a machine whose forces do not balance
@@ -78,14 +139,17 @@ class Equilibrium(Result):
     gradient: float
 
     def __init__(
-        self, *samples: Any, judged: Judgement, gradient: float,
-        stiffness: tuple[FloatArray, tuple[str, ...]], **outcome: Any,
+        self, *samples: Any, judged: Judgement, statics: StaticEquations, position: RestPosition,
+        **outcome: Any,
     ) -> None:  # fmt: skip
         super().__init__(*samples, analysis="equilibrium", **outcome)
-        self.stability, self.gradient = judged.stability, gradient
+        self.stability, self.gradient = judged.stability, position.unbalanced
         self.eigenvalues, self.natural_frequencies = judged.eigenvalues, judged.frequencies
         self.frequencies = judged.frequencies / (2.0 * np.pi)
-        self.stiffness_matrix, self.independent = stiffness
+        columns, names = position.part.independent, self.description.coordinates.names
+        scale = statics.scale[columns]
+        self.stiffness_matrix = position.stiffness / np.outer(scale, scale)
+        self.independent = tuple(names[k] for k in columns)
 
     @property
     def stable(self) -> bool:
@@ -127,15 +191,16 @@ def equilibrium(
     p = parameter_values(mechanism, parameters)
     require_masses(mechanism, p)
     require_expressions(description)
-    start = assemble(mechanism, guess, parameters, t, release=True)
-    if start.degrees_of_freedom == 0 and not free_states(description):
+    equations = Equations(mechanism, p)
+    start = assemble(equations, t, guess, release=True)
+    with_states = bool(free_states(description))
+    if start.degrees_of_freedom == 0 and not with_states:
         drivers = f" (drivers: {', '.join(description.drivers)})" if description.drivers else ""
         raise AnalysisError(
             f"{description.title}: 0 degrees of freedom are left{drivers}, so there is nothing to "
             f"balance. Leave the drivers out of the scene, or ask for inverse dynamics."
         )
-    mechanism = suited_to_masses(with_redundancy(mechanism, start), start.t, start.q, p)
-    equations = Equations(mechanism, p)
+    equations = suited_equations(equations, start)
     columns = [state.column for state in description.states]
     equations.still[columns] = start.v[columns]
     _require_finite(equations, float(t), start.q)
@@ -143,43 +208,36 @@ def equilibrium(
     equations.widen_bands(float(t), start.q, statics.scale)
     position, end, stats = _search(method, statics, start.q, progress)
     states = None
-    if free_states(description):
+    if with_states:
         position, states = _with_states(statics, position, start.q)
         end = position.q
     ran = [] if position.balanced else _runaways(statics, start.q, end)
     if ran:
-        position = evaluate_position(statics, start.q, position.iterations)
-    stats |= {"gradient_evaluations": statics.evaluations}
-    judged = judge(statics, position) if states is None else unjudged(position)
-    q = np.ascontiguousarray(position.q[None, :])
+        position = statics.position(start.q, position.iterations)
+    stats["gradient_evaluations"] = statics.evaluations
+    if states is None:
+        judged = _judge(statics, position)
+    else:  # M and K alone do not determine the motion after a push
+        judged = Judgement(Stability.UNKNOWN, np.full(len(position.gradient), np.nan))
     modes = equations.rest_modes(t, position.q)[None, :]
     samples = evaluate(
-        mechanism, p, np.array([float(t)]), q, equations.still[None, :].copy(), modes
-    )
+        equations, np.array([float(t)]), position.q[None],
+        equations.still[None].copy(), modes,
+    )  # fmt: skip
     stats["wall_seconds"] = clock.perf_counter() - began
     at_rest = states is None or states.balanced
-    message = _message(description, position, judged, ran)
     if states is not None and position.balanced:
         message = _states_message(equations, states, position)
+    else:
+        message = _message(description, position, judged, ran)
     result = Equilibrium(
-        description, samples, p, judged=judged, gradient=position.unbalanced,
-        stiffness=_stiffness(statics, position),
+        description, samples, p, judged=judged, statics=statics, position=position,
         outcome=Outcome.OK if position.balanced and at_rest else Outcome.UNBALANCED,
-        message=message + redundancy_note(start),
-        stats=stats, not_unique=start.not_unique,
+        message=message + redundancy_note(start), stats=stats, not_unique=start.not_unique,
     )  # fmt: skip
     result._mechanism = equations.mechanism
     name_left_tables(result, equations)
     return result
-
-
-def _stiffness(
-    statics: StaticEquations, position: RestPosition
-) -> tuple[FloatArray, tuple[str, ...]]:
-    """The reduced stiffness without the scales of its coordinates, and their names."""
-    columns, names = position.part.independent, statics.equations.description.coordinates.names
-    scale = statics.scale[columns]
-    return position.stiffness.matrix / np.outer(scale, scale), tuple(names[k] for k in columns)
 
 
 def _search(
@@ -189,14 +247,13 @@ def _search(
     if method == "energy":
         position = minimise(statics, start, progress)
         return position, position.q, {"iterations": position.iterations}
-    equations = statics.equations
-    description = equations.description
+    description = statics.equations.description
     if description.states:
         raise AnalysisError(
             f"{description.title}: settling moves positions alone, and the scene has the states "
             f'{", ".join(description.states.names)}. Use method="energy".'
         )
-    if np.abs(equations.velocity_rhs(statics.t, start)).max(initial=0.0) > 0.0:
+    if np.abs(statics.equations.velocity_rhs(statics.t, start)).max(initial=0.0) > 0.0:
         raise AnalysisError(
             f"{description.title}: settling needs drivers at rest, and "
             f"{', '.join(description.drivers)} moves at t = {statics.t:g} s. "
@@ -209,7 +266,7 @@ def _search(
     if not finite and description.table_ranges:  # it left one; a search ends where that does
         position = minimise(statics, start, progress)
         return position, position.q, counts
-    return polish(statics, end) if finite else evaluate_position(statics, start), end, counts
+    return polish(statics, end) if finite else statics.position(start), end, counts
 
 
 def _with_states(
@@ -222,7 +279,7 @@ def _with_states(
     if not states.balanced and begun is not start:
         still[:] = first
         states = find_rest(statics, start)
-    return evaluate_position(statics, states.q, position.iterations), states
+    return statics.position(states.q, position.iterations), states
 
 
 def _states_message(equations: Equations, states: StatesAtRest, position: RestPosition) -> str:
@@ -259,7 +316,7 @@ def _message(
     description: Description, position: RestPosition, judged: Judgement, ran: list[str]
 ) -> str:
     """The outcome of the search, in a sentence."""
-    touched = (description.switches[k] for k in position.stiffness.edges)
+    touched = (description.switches[k] for k in position.edges)
     edges = ", ".join(f"{switch.condition} of {switch.name}" for switch in touched)
     if ran:
         return (

@@ -19,8 +19,7 @@ from runtime.core.kinds import CLOSED, MIXED, SLIDING
 from runtime.linalg.vectors import axpy, largest_ratio
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.progress_bar import Progress
-from runtime.statics.energy_minimisation import AWAY
-from runtime.statics.stiffness import StaticEquations
+from runtime.statics.energy_minimisation import AWAY, StaticEquations
 
 # measured: relative error of a step; only the position at which the motion ends matters
 _TOLERANCE = 1e-4

@@ -8,13 +8,11 @@ renew, as latches, keeps its start value.
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from codegen.errors import AnalysisError
-from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
-from runtime.statics.energy_minimisation import AWAY
-from runtime.statics.stiffness import Partition, StaticEquations
+from runtime.statics.energy_minimisation import AWAY, StaticEquations
 
 _DIFFERENCE = 1e-5  # accuracy: scaled step of the central difference quotients
 _BALANCED = 1e-9  # accuracy: part of what unknowns of their size change a rate by; less is zero
@@ -89,7 +87,7 @@ class _Search:
 
     def __init__(self, statics: StaticEquations, q: FloatArray) -> None:
         self.statics, self.q, self.part = statics, q, statics.partition(q)
-        self.equations: Equations = statics.equations
+        self.equations = statics.equations
         description = self.equations.description
         self.names = free_states(description)
         rows = [description.states[name] for name in self.names]
@@ -100,8 +98,8 @@ class _Search:
 
     def values(self) -> FloatArray:
         """The unknowns, scaled."""
-        part: Partition = self.part
-        places = self.q[part.independent] / self.statics.scale[part.independent]
+        free = self.part.independent
+        places = self.q[free] / self.statics.scale[free]
         return np.concatenate([places, self.equations.still[self.columns] / self.nominal])
 
     def residual(self, q: FloatArray) -> FloatArray:
@@ -126,36 +124,33 @@ class _Search:
         for unit in np.eye(self.count + len(self.columns)):
             sides = []
             for change in (_DIFFERENCE, -_DIFFERENCE):
-                q, before = self._moved(change * unit)
-                if q is not None and np.isfinite(there := self.residual(q)).all():
+                _, there = self._at(change * unit)
+                if np.isfinite(there).all():
                     sides.append((change, there))
-                self.equations.still[self.columns] = before
             here = [(0.0, self.residual(self.q))] if len(sides) == 1 else []
             (a, first), (b, second) = (*sides, *here)[:2] if sides else ((1.0, np.nan), (0.0, 0.0))
             columns.append((first - second) / (a - b) * np.ones(len(unit)))
         return np.stack(columns, axis=1)
 
-    def _moved(self, step: FloatArray) -> tuple[FloatArray | None, FloatArray]:
-        """The closed position after a scaled step, and the states before, which it changes."""
-        before = self.equations.still[self.columns]
-        self.equations.still[self.columns] = before + step[self.count :] * self.nominal
-        return self.statics.displaced(self.q, self.part, step[: self.count]), before
+    def _at(self, step: FloatArray) -> tuple[FloatArray | None, FloatArray]:
+        """The closed position after a scaled step, None: none, and the equations there, or nan."""
+        still, before = self.equations.still, self.equations.still[self.columns]
+        still[self.columns] = before + step[self.count :] * self.nominal
+        q = self.statics.displaced(self.q, self.part, step[: self.count])
+        residual = np.array([np.nan]) if q is None else self.residual(q)
+        still[self.columns] = before
+        return q, residual
 
-    def move(
-        self, step: npt.NDArray[np.float64], size: FloatArray, share: FloatArray
-    ) -> bool:  # fmt: skip
+    def move(self, step: FloatArray, size: FloatArray, share: FloatArray) -> bool:
         """Take the longest halved step that brings the equations nearer to zero, if any."""
-        merit = float(share @ share)
+        still, merit = self.equations.still, float(share @ share)
         for halving in range(_HALVINGS):
             part = 0.5**halving
-            q, before = self._moved(part * step)
-            if q is not None:
-                after = self.residual(q) / size
-                far = float(
-                    np.abs(self.equations.still[self.columns] / self.nominal).max(initial=0.0)
-                )
-                if far < AWAY and float(after @ after) <= (1.0 - 1e-4 * part) * merit:
-                    self.q = q
-                    return True
-            self.equations.still[self.columns] = before
+            states = still[self.columns] + part * step[self.count :] * self.nominal
+            q, after = self._at(part * step)
+            after /= size
+            near = float(np.abs(states / self.nominal).max(initial=0.0)) < AWAY
+            if q is not None and near and float(after @ after) <= (1.0 - 1e-4 * part) * merit:
+                self.q, still[self.columns] = q, states
+                return True
         return False

@@ -10,9 +10,9 @@ from numba import types
 
 from codegen.errors import InputError
 from codegen.readers.values import KindError, shown
-from runtime.assembly.masses_far_apart import DOUBTFUL, MOST_SPREAD
 from runtime.assembly.regular_start import allow, let_lead
 from runtime.assembly.start_values import Start, start_note, start_values
+from runtime.assembly.substitute_kernels import DOUBTFUL, MOST_SPREAD
 from runtime.core import arrays
 from runtime.core.arrays import (
     Integers,
@@ -27,10 +27,9 @@ from runtime.core.arrays import (
 from runtime.dynamics.checks.end_checks import sentence_of_unresolved
 from runtime.dynamics.checks.screening import APART, CLOSED, RESIDUAL
 from runtime.dynamics.formulations import CartesianCoordinates
-from runtime.dynamics.output_quantities import SAMPLES
+from runtime.dynamics.output_quantities import SAMPLES, wire_mixing
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import text_of_end
-from runtime.dynamics.sliding_outputs import wire_mixing
 from runtime.integrate.problem import Options
 from runtime.integrate.run import Run
 from runtime.integrate.wiring import Wiring
@@ -311,7 +310,7 @@ def prepare(
     method, atol = given.get("method", "dop853"), given.get("atol")
     coordinates = CartesianCoordinates(ready, method, "step")
     begin = ready.begin
-    if begin.redundant or begin.is_determined or coordinates.mechanism is not mechanism:
+    if begin.redundant or begin.is_determined or coordinates.equations.mechanism is not mechanism:
         return None
     if len(description.constraints) > len(description.coordinates):
         return None

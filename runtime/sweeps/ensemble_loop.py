@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from runtime.assembly.regular_closing import REGULAR
-from runtime.assembly.regular_start import assemble_regular
+from runtime.assembly.regular_start import REGULAR, assemble_regular
 from runtime.core import function_table_slots as ft
 from runtime.core import workspace_rows as ws
 from runtime.core.arrays import Vector, i8
@@ -20,8 +19,7 @@ from runtime.core.kinds import KNOTS, SLIDING
 from runtime.core.loop_record import run_record
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.screening import REVERSALS, count_unresolved, exceed_bound, screen
-from runtime.dynamics.output_quantities import evaluate_samples
-from runtime.dynamics.sliding_outputs import mix_rows
+from runtime.dynamics.output_quantities import evaluate_samples, mix_rows
 from runtime.integrate.initialization import start, write_start
 from runtime.integrate.loop import advance
 from runtime.integrate.step import Signal

@@ -13,6 +13,7 @@ import pytest
 from codegen.generated_files.generated_file import write_if_changed
 from codegen.reading.model_file import file_hash
 from runtime import load
+from runtime.integrate import checkpoints
 from runtime.machine_facade import Machine
 from runtime.mechanism.companion_modules import Origin
 
@@ -96,3 +97,9 @@ def driven(make: Callable[..., Machine]) -> Machine:
 def gas(make: Callable[..., Machine]) -> Machine:
     """The slider-crank with a force that acts while the slider moves outwards."""
     return make("slider_crank", "gas", gas=True)
+
+
+@pytest.fixture
+def often(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Checkpoints between all chunks of steps, so that short runs have some too."""
+    monkeypatch.setattr(checkpoints, "_SPACING", 0.0)

@@ -20,8 +20,7 @@ def task_of(machine: Machine, q: np.ndarray) -> Task:
     equations = Equations(machine.mechanism, np.zeros(0))
     ones = np.ones(equations.n)
     every = np.ones(equations.m, dtype=np.bool_)
-    units = ["m"] * equations.m
-    return Task(equations, 0.0, ones, np.ones(equations.m), units, every, ones > 0.0, ones)
+    return Task(equations, 0.0, ones, np.ones(equations.m), every, ones > 0.0, ones)
 
 
 def upright(loops: int) -> np.ndarray:
@@ -39,7 +38,7 @@ def test_sparse_and_dense_assembly_agree(machine: Machine, monkeypatch: pytest.M
     found = []
     for threshold in (DENSE, SPARSE):
         monkeypatch.setattr(dense_equations, "SPARSE_FROM", threshold)
-        found.append(assemble(machine.mechanism, guess))
+        found.append(assemble(Equations(machine.mechanism, np.zeros(0)), guess=guess))
     dense, sparse = found
     assert np.abs(dense.q - sparse.q).max() < 1e-7  # where the search for the nearest one ends
     assert np.abs(dense.v - sparse.v).max() < 1e-6
@@ -52,7 +51,7 @@ def test_sparse_assembly_names_open_joints(monkeypatch: pytest.MonkeyPatch) -> N
     for threshold in (DENSE, SPARSE):
         monkeypatch.setattr(dense_equations, "SPARSE_FROM", threshold)
         with pytest.raises(AssemblyError, match=r"contradict the joints.*joint"):
-            assemble(machine.mechanism, start_at={"coupler_2.x": 7.0})
+            assemble(Equations(machine.mechanism, np.zeros(0)), start_at={"coupler_2.x": 7.0})
 
 
 def test_large_assembly_makes_no_dense_matrix(monkeypatch: pytest.MonkeyPatch) -> None:

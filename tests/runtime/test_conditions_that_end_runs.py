@@ -55,14 +55,6 @@ def test_one_that_holds_at_the_start_ends_the_run_there(falling: Machine) -> Non
     assert (r.ended_by, r.t[-1]) == ("landed", 0.0)
 
 
-def test_a_result_comes_back_from_its_file(falling: Machine, tmp_path: Path) -> None:
-    from runtime import load_result
-
-    r = falling.simulate(5.0)
-    r.save(tmp_path / "falls.nc")
-    assert load_result(tmp_path / "falls.nc", falling).ended_by == "landed"
-
-
 def test_conditions_of_the_time_and_of_several(workshop: Path) -> None:
     model, start = thrown("until_both")
     ball = model.bodies["ball"]

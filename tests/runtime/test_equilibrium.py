@@ -8,7 +8,7 @@ import pytest
 from codegen.errors import AnalysisError, InputError
 from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
-from runtime.statics.stability import Stability
+from runtime.statics.equilibrium import Stability
 
 BOOK = {"crank.phi": 4.6, "rod.x": 1.2, "rod.y": -1.0, "rod.phi": 0.6, "slider.x": 2.67}
 METHODS = pytest.mark.parametrize("method", ["energy", "settling"])

@@ -14,9 +14,8 @@ from runtime.core.outcomes import Outcome
 from runtime.machine_facade import Machine
 from runtime.mechanism.dense_equations import Equations
 from runtime.progress_bar import silent
-from runtime.statics.energy_minimisation import evaluate_position, minimise
-from runtime.statics.stability import Stability
-from runtime.statics.stiffness import StaticEquations
+from runtime.statics.energy_minimisation import StaticEquations, minimise
+from runtime.statics.equilibrium import Stability
 
 METHODS = pytest.mark.parametrize("method", ["energy", "settling"])
 G = 9.81
@@ -53,9 +52,9 @@ def test_position_beside_rest_does_not_pass(hung: Machine, off: float, exponent:
     equations = Equations(hung.mechanism, hung.parameter_values({"k": k}))
     rest = StaticEquations(equations, 0.0, equations.scale(0.3))
     exact, beside = -1.3 * G / k, np.zeros(3)
-    assert evaluate_position(rest, np.array([0.0, exact, 0.0])).balanced
+    assert rest.position(np.array([0.0, exact, 0.0])).balanced
     beside[1] = exact + off * max(abs(exact), 1e-3)
-    assert not evaluate_position(rest, beside).balanced
+    assert not rest.position(beside).balanced
 
 
 def test_soft_direction_beside_a_stiff_one_is_judged_by_its_own_stiffness(workshop: Path) -> None:
@@ -66,7 +65,7 @@ def test_soft_direction_beside_a_stiff_one_is_judged_by_its_own_stiffness(worksh
     machine = load(model, folder=workshop)
     equations = Equations(machine.mechanism, machine.parameter_values())
     rest = StaticEquations(equations, 0.0, np.ones(3))
-    assert not evaluate_position(rest, np.array([0.0, 1e-6, 0.0])).balanced
+    assert not rest.position(np.array([0.0, 1e-6, 0.0])).balanced
     assert minimise(rest, np.array([0.2, 0.5, 0.1]), silent).balanced
     assert abs(machine.equilibrium()["body.y"]) < 1e-12
 

@@ -15,12 +15,7 @@ from runtime.integrate import checkpoints
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
 from runtime.statics.equilibrium import Equilibrium
-
-
-@pytest.fixture
-def _often(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Checkpoints between all chunks of steps, so that short runs have some too."""
-    monkeypatch.setattr(checkpoints, "_SPACING", 0.0)
+from tests.runtime.same_bits import same
 
 
 def _swing(tmp_path: Path, phi: float, *outputs: str) -> Machine:
@@ -42,11 +37,6 @@ def ball() -> Machine:
 def _random(r: Result, count: int = 25) -> np.ndarray:
     rng = np.random.default_rng(3)
     return np.unique([*rng.uniform(r.t[0], r.t[-1], count), r.t[0], r.t[-1]])
-
-
-def _same(a: Result, b: Result) -> None:
-    for name, x, y in zip(a.samples._fields, a.samples, b.samples, strict=True):
-        assert np.array_equal(x, y, equal_nan=True), name
 
 
 # -- instants ---------------------------------------------------------------------------------
@@ -103,7 +93,7 @@ def test_steps_are_none_of_an_accuracy(gas: Machine) -> None:
 # -- the motion between -----------------------------------------------------------------------
 
 
-@pytest.mark.usefixtures("_often")
+@pytest.mark.usefixtures("often")
 @pytest.mark.parametrize("method", ["dop853", "dopri5", "radau5", "bdf", "auto"])
 @pytest.mark.parametrize(
     ("name", "t_end"), [("hard/contact_follower thrown", 1.3), ("hard/belt_block riding", 2.0)]
@@ -113,14 +103,14 @@ def test_any_instant_has_the_bits_of_a_sample(name: str, t_end: float, method: s
     run = machine.simulate(t_end, [0.0, t_end], method=method)
     t = np.union1d(_random(run), [event.time for event in run.events[:20]])
     asked = machine.simulate(t_end, t, method=method)
-    _same(asked, run.at(t))
-    _same(asked, machine.simulate(t_end, "steps", method=method).at(t))
+    same(asked, run.at(t))
+    same(asked, machine.simulate(t_end, "steps", method=method).at(t))
     assert len(run._motion.checkpoints.rows) > 1 or run.stats["steps"] < 128
     for k in (3, 9):
         assert run.at(t[k]).samples.q.tolist() == asked.samples.q[k : k + 1].tolist()
 
 
-@pytest.mark.usefixtures("_often")
+@pytest.mark.usefixtures("often")
 @pytest.mark.parametrize(
     "name", ["hard/five_bar fall", "hard/n_four_bar fall", "quick_return shaper"]
 )
@@ -129,10 +119,10 @@ def test_so_has_a_run_that_changes_its_coordinates(name: str) -> None:
     run = machine.simulate(1.3, [0.0, 1.3], formulation="reduced")
     assert len(run._motion.checkpoints.rows) > 3
     t = _random(run)
-    _same(machine.simulate(1.3, t, formulation="reduced"), run.at(t))
+    same(machine.simulate(1.3, t, formulation="reduced"), run.at(t))
 
 
-@pytest.mark.usefixtures("_often")
+@pytest.mark.usefixtures("often")
 @pytest.mark.parametrize("scene", ["spin", "driven"])
 def test_so_has_a_motion_through_singular_positions(scene: str) -> None:
     machine = load("hard/equal_rods", scene)
@@ -143,10 +133,10 @@ def test_so_has_a_motion_through_singular_positions(scene: str) -> None:
     found = run.at(t)
     assert found.samples.q == pytest.approx(asked.samples.q, abs=1e-13)
     if scene == "spin":
-        _same(asked, found)
+        same(asked, found)
 
 
-@pytest.mark.usefixtures("_often")
+@pytest.mark.usefixtures("often")
 def test_few_checkpoints_are_kept_where_bytes_are_few(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checkpoints, "_MOST_BYTES", 100_000)
     machine = load("hard/five_bar", "fall")
@@ -155,7 +145,7 @@ def test_few_checkpoints_are_kept_where_bytes_are_few(monkeypatch: pytest.Monkey
     assert len(kept.rows) > 1
     assert kept.bytes < 200_000
     t = _random(run)
-    _same(machine.simulate(2.6, t, formulation="reduced"), run.at(t))
+    same(machine.simulate(2.6, t, formulation="reduced"), run.at(t))
 
 
 def test_a_pendulum_is_where_elliptic_functions_say(tmp_path: Path) -> None:
@@ -171,7 +161,7 @@ def test_a_pendulum_is_where_elliptic_functions_say(tmp_path: Path) -> None:
     assert at.v("bob.omega") == pytest.approx(2.0 * k * omega0 * cn, abs=1e-10)
 
 
-@pytest.mark.usefixtures("_often")
+@pytest.mark.usefixtures("often")
 @pytest.mark.parametrize("t_eval", [[3.0], "steps", 5])
 def test_works_go_on_from_the_last_one_known(tmp_path: Path, t_eval: object) -> None:
     machine = _swing(tmp_path, 0.4, "work(damper)", "energy")

@@ -16,7 +16,7 @@ from codegen.errors import InputError
 from linkwright.cli.application import app
 from runtime import load
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.simulation import simulate_joints
+from runtime.dynamics.stored_simulation import simulate_into
 from runtime.integrate import recording_buffers
 from runtime.machine_facade import Machine
 from runtime.results import samples, zarr_store
@@ -102,7 +102,7 @@ def test_an_interruption_keeps_what_was_computed(swing: Machine, tmp_path: Path)
                 calls.append(read.attrs["outcome"])
             raise KeyboardInterrupt
 
-    result = simulate_joints(swing.mechanism, 100.0, 2001, out=place, progress=interrupt)
+    result = simulate_into(place, swing.mechanism, 100.0, 2001, progress=interrupt)
     assert calls == ["RUNNING"]
     assert result.outcome is Outcome.INTERRUPTED
     with xr.open_zarr(place, chunks=None) as read:

@@ -11,16 +11,10 @@ from codegen import Model
 from codegen.errors import AnalysisError, AssemblyError, InputError
 from runtime import load, load_result
 from runtime.core.outcomes import Outcome
-from runtime.integrate import checkpoints
 from runtime.machine_facade import Machine
 from runtime.results.assembled_state import State
 from runtime.results.result import Result
-
-
-@pytest.fixture
-def _often(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Checkpoints between all chunks of steps, so that short runs have some too."""
-    monkeypatch.setattr(checkpoints, "_SPACING", 0.0)
+from tests.runtime.same_bits import same
 
 
 @pytest.fixture(scope="module")
@@ -37,17 +31,10 @@ def swing(tmp_path_factory: pytest.TempPathFactory) -> Model:
     return model
 
 
-def _same(whole: Result, parts: Result) -> None:
-    rows = np.isin(whole.t, parts.t)
-    assert whole.t[rows].tolist() == parts.t.tolist()
-    for name, x, y in zip(whole.samples._fields, whole.samples, parts.samples, strict=True):
-        assert np.array_equal(x[rows], y, equal_nan=True), name
-
-
 # -- going on ---------------------------------------------------------------------------------
 
 
-@pytest.mark.usefixtures("_often")
+@pytest.mark.usefixtures("often")
 @pytest.mark.parametrize("method", ["dop853", "dopri5", "radau5", "bdf", "auto"])
 @pytest.mark.parametrize(
     ("name", "ends"),
@@ -66,8 +53,8 @@ def test_a_resumed_run_has_the_bits_of_one_that_went_through(
     begun = machine.simulate(first, t[t <= first], method=method)
     then = begun.resume(second, t[(t >= first) & (t <= second)])
     end = then.resume(last, t[t >= second])
-    _same(machine.simulate(second, t[t <= second], method=method), then)
-    _same(whole, end)
+    same(machine.simulate(second, t[t <= second], method=method), then)
+    same(whole, end)
     assert end.outcome is whole.outcome is Outcome.OK
     assert end.stats["steps"] == whole.stats["steps"]
     assert end.message.startswith(f"Resumed at t = {second:.9g} s. Reached t = {last:g} s")
@@ -76,10 +63,10 @@ def test_a_resumed_run_has_the_bits_of_one_that_went_through(
     assert [event.time for event in events] == pytest.approx(times, abs=1e-12)
     assert [event.time for event in end.events] == times[len(times) - len(end.events) :]
     inside = np.linspace(0.0, last, 23)
-    _same(whole.at(inside), end.at(inside))
+    same(whole.at(inside), end.at(inside))
 
 
-@pytest.mark.usefixtures("_often")
+@pytest.mark.usefixtures("often")
 @pytest.mark.parametrize("name", ["hard/five_bar fall", "quick_return shaper"])
 def test_so_has_one_in_reduced_coordinates(name: str) -> None:
     machine = load(*name.split())
@@ -87,10 +74,10 @@ def test_so_has_one_in_reduced_coordinates(name: str) -> None:
     whole = machine.simulate(2.6, t, formulation="reduced")
     begun = machine.simulate(1.3, 2, formulation="reduced")
     assert len(begun._motion.checkpoints.rows) > 1
-    _same(whole, begun.resume(2.6, t[t >= 1.3]))
+    same(whole, begun.resume(2.6, t[t >= 1.3]))
 
 
-@pytest.mark.usefixtures("_often")
+@pytest.mark.usefixtures("often")
 @pytest.mark.parametrize("t_eval", [7, "steps", [40.0, 60.0]])
 def test_works_go_on(swing: Model, tmp_path: Path, t_eval: object) -> None:
     machine = load(swing, "damped", folder=tmp_path)
@@ -111,7 +98,7 @@ def test_a_run_that_a_limit_ended_goes_on(gas: Machine) -> None:
     assert begun.outcome is Outcome.MAX_STEPS
     rest = begun.resume(3.0, "steps")
     assert [*begun.t, *rest.t[rest.t > begun.t[-1]]] == whole.t.tolist()
-    _same(whole, rest)
+    same(whole, rest)
 
 
 @pytest.mark.parametrize(
@@ -217,7 +204,7 @@ def _equal(a: Result, b: Result) -> None:
     assert a.outcome is b.outcome
 
 
-@pytest.mark.usefixtures("_often")
+@pytest.mark.usefixtures("often")
 @pytest.mark.parametrize(
     ("name", "options"),
     [
@@ -233,9 +220,9 @@ def test_a_saved_run_comes_back(tmp_path: Path, name: str, options: dict) -> Non
     again = load_result(r.save(tmp_path / "run.nc"))
     _equal(r, again)
     t = np.linspace(0.0, r.t[-1], 9)
-    _same(r.at(t), again.at(t))
+    same(r.at(t), again.at(t))
     if r.accuracy is None:
-        _same(r.resume(1.7, 5), again.resume(1.7, 5))
+        same(r.resume(1.7, 5), again.resume(1.7, 5))
     machine = load(*name.split())
     states = [machine.simulate(r.t[-1] + 0.1, 3, start=start).samples.q for start in (r, again)]
     assert np.array_equal(*states)

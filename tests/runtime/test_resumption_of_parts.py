@@ -13,27 +13,12 @@ from codegen.errors import InputError
 from runtime import load, load_result
 from runtime.core.outcomes import Outcome
 from runtime.dynamics import resumption as resumption_of_parts
-from runtime.integrate import checkpoints
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
+from tests.runtime.same_bits import same
 
 G = 9.81
 METHODS = ("dop853", "dopri5", "radau5", "bdf")
-
-
-@pytest.fixture
-def _often(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Checkpoints between all chunks of steps, so that short runs have some too."""
-    monkeypatch.setattr(checkpoints, "_SPACING", 0.0)
-
-
-def same(whole: Result, parts: Result) -> None:
-    rows = np.isin(whole.t, parts.t)
-    assert whole.t[rows].tolist() == parts.t.tolist()
-    for name, x, y in zip(whole.samples._fields, whole.samples, parts.samples, strict=True):
-        assert np.array_equal(x[rows], y, equal_nan=True), name
-    for name, work in parts.works.items():
-        assert_allclose(work, whole.works[name][rows], rtol=1e-11, atol=1e-10)
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +42,7 @@ def towed(workshop: Path) -> Machine:
     return load(model, folder=workshop)
 
 
-@pytest.mark.usefixtures("_often")
+@pytest.mark.usefixtures("often")
 @pytest.mark.parametrize("formulation", ["cartesian", "reduced"])
 @pytest.mark.parametrize("method", METHODS)
 def test_a_run_goes_on_through_changes_of_joints(
@@ -189,14 +174,6 @@ def test_works_and_files_past_a_condition(swung: Machine, tmp_path: Path) -> Non
         )
 
 
-def test_what_lies_behind_is_asked_for(swung: Machine) -> None:
-    r = swung.simulate(9.0)
-    with pytest.raises(InputError, match="must lie after"):
-        r.resume(0.5)
-    with pytest.raises(InputError, match="an accuracy is that of a whole run"):
-        swung.simulate(9.0, accuracy=1e-6).resume(9.0)
-
-
 def test_a_joint_goes_past_an_end(workshop: Path) -> None:
     """A pendulum that is cut loose, whose run ends before and behind the cut."""
     model = Model("resumed_cut", gravity=(0, -G))
@@ -264,13 +241,6 @@ def test_one_that_fails_on_its_way_to_the_end_is_not_ended(
     r = begun.resume(4.0)
     assert (r.outcome, r.ended_by, limits) == (Outcome.MAX_STEPS, "", [])
     assert "began to hold" not in r.message
-
-
-def test_a_run_without_conditions_has_none(pendulum: Machine) -> None:
-    whole = pendulum.simulate(2.0, 21)
-    rest = pendulum.simulate(1.0, 3).resume(2.0, 11)
-    same(whole.at(rest.t), rest)
-    assert rest.ended_by == ""
 
 
 def test_conditions_have_names_of_their_own(swung: Machine, towed: Machine) -> None:

@@ -8,18 +8,17 @@ from sympy import Piecewise, exp, pi, sin, sqrt
 
 from codegen import Model, t
 from runtime import load, load_result
-from runtime.integrate import checkpoints, run
+from runtime.integrate import run
 from runtime.machine_facade import Machine
 from runtime.results.result import Result
+from tests.runtime.same_bits import same
 
 RETURNS = ["step", "stage", "projection", "baumgarte", "hybrid"]
 TAKEN_AGAIN = ", taken again from t = "
 
 
 @pytest.fixture(autouse=True)
-def _often(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Checkpoints between all chunks of steps, so that short runs have some too."""
-    monkeypatch.setattr(checkpoints, "_SPACING", 0.0)
+def _few_steps(often: None, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "_FIRST_CHUNK", 4)
 
 
@@ -51,11 +50,7 @@ def motor(folder: Path) -> Machine:
 
 
 def _same(whole: Result, rest: Result) -> None:
-    """All series at the samples of `rest`, by their bytes."""
-    rows = np.isin(whole.t, rest.t)
-    assert whole.t[rows].tobytes() == rest.t.tobytes()
-    for name, x, y in zip(whole.samples._fields, whole.samples, rest.samples, strict=True):
-        assert x[rows].tobytes() == y.tobytes(), name
+    same(whole, rest)
     later = [event for event in whole.events if event.time > rest.t[0]]
     assert [event.time for event in later] == [event.time for event in rest.events]
     assert whole.stats["steps"] == rest.stats["steps"]

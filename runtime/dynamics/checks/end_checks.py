@@ -19,8 +19,8 @@ from runtime.dynamics.checks.screening import (
     SIDE,
     TINY,
     Suspicions,
-    find_unresolved,
-    measure_change_of_switch,
+    change_of_switch,
+    count_unresolved,
     write_switching_values,
 )
 from runtime.integrate.problem import Options
@@ -78,19 +78,18 @@ def _residuals(equations: Equations, samples: Samples, sizes: FloatArray, option
     """
     if not len(samples.t) or not equations.m:
         return ""
-    slopes = np.abs(equations.slopes(float(samples.t[0]), samples.q[0]))
-    # What the whole run has reached permits no less, and takes longer to find.
-    if samples.residual.max() <= min(_permitted(equations, slopes, sizes, (sizes, sizes), options)):
-        return ""
     reached = np.abs(samples.q).max(axis=0)
     lengths = np.where(equations.description.is_length, np.maximum(sizes, reached), sizes)
     speeds = np.maximum(sizes, np.abs(samples.v).max(axis=0))
-    for k in (len(samples.t) // 2, len(samples.t) - 1):  # an arm may vanish in one of three poses
-        slopes = np.maximum(slopes, np.abs(equations.slopes(float(samples.t[k]), samples.q[k])))
-    both = _permitted(equations, slopes, sizes, (lengths, speeds), options)
-    for residual, permitted, name, unit in zip(
-        samples.residual.T, both, ("Φ", "Φ_q v - ν"), ("m or rad", "m/s or rad/s"), strict=True
-    ):
+    poses = (0, len(samples.t) // 2, -1)  # an arm may vanish in one of three
+    slopes = [np.abs(equations.slopes(float(samples.t[k]), samples.q[k])) for k in poses]
+    matrix, rtol = equations.matrix_of(np.fmax.reduce(slopes)), max(options.rtol, CLOSED)
+    absolute = options.absolute(sizes, rtol).reshape(2, -1)
+    for residual, atol, size, name, unit in zip(
+        samples.residual.T, absolute, (lengths, speeds), ("Φ", "Φ_q v - ν"),
+        ("m or rad", "m/s or rad/s"), strict=True,
+    ):  # fmt: skip
+        permitted = RESIDUAL * float((matrix @ (atol + rtol * size)).max())
         broken = np.flatnonzero(~(residual <= permitted))  # what is no number is broken too
         if len(broken):
             first, worst = float(samples.t[broken[0]]), float(residual[broken].max())
@@ -100,23 +99,6 @@ def _residuals(equations: Equations, samples: Samples, sizes: FloatArray, option
                 + _unresolved_angles(equations, samples, permitted)
             )
     return ""
-
-
-def _permitted(
-    equations: Equations,
-    slopes: FloatArray,
-    sizes: FloatArray,
-    reached: tuple[FloatArray, FloatArray],
-    options: Options,
-) -> list[float]:
-    """Residuals of positions and velocities that tolerances permit at slopes |Φ_q|, (nnz,)."""
-    matrix = equations.matrix_of(slopes)
-    rtol = max(options.rtol, CLOSED)
-    absolute = options.absolute(sizes, rtol).reshape(2, -1)
-    return [
-        RESIDUAL * float((matrix @ (atol + rtol * size)).max())
-        for atol, size in zip(absolute, reached, strict=True)
-    ]
 
 
 def _unresolved_angles(equations: Equations, samples: Samples, permitted: float) -> str:
@@ -157,7 +139,7 @@ def _sides_of_modes(
         worst = rows[np.argmax(np.abs(wrong[rows, k]))]
         # Beside a place where it jumps the tolerances explain anything.
         for row in (worst, *rows[:: 1 + len(rows) // _JUDGED]):
-            permitted = measure_change_of_switch(
+            permitted = change_of_switch(
                 equations.table, k, t[row], np.concatenate([q[row], v[row]]), change, equations.p, g
             )
             missed = np.flatnonzero(np.abs(wrong[:, k]) > _SIDE_TOLERANCES * permitted)
@@ -230,14 +212,14 @@ def describe_unresolved_switches(
         return 0, ""
     description = equations.description
     parts, found = np.array(description.table_parts), np.zeros((len(description.switches), 4))
-    find_unresolved(events.t, events.index, *suspicions[-3:], parts, found)
+    count_unresolved(events.t, events.index, *suspicions[-3:], parts, found)
     return int(found[:, 0].sum()), sentence_of_unresolved(description, found, len(events.t))
 
 
 def sentence_of_unresolved(description: Description, found: FloatArray, count: int) -> str:
     """A sentence on switches with events within the tolerance, of `count` in all; or empty.
 
-    `found`, (s, 4), is what `find_unresolved` writes.
+    `found`, (s, 4), is what `count_unresolved` writes.
     """
     within = np.flatnonzero(found[:, 0])
     if not len(within):

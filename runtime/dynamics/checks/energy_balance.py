@@ -13,6 +13,7 @@ from numpy.polynomial import polynomial
 from runtime.core import kernel_abi as abi
 from runtime.core.arrays import f8, i8, integers, matrix, vector
 from runtime.core.jit import ADDRESSES, compiled, inner
+from runtime.dynamics.output_quantities import SAMPLES
 from runtime.integrate.energy_balance import CERTAIN, ERRORS, PART, ROUNDING
 from runtime.integrate.problem import Options
 from runtime.integrate.sampling import NODES, WEIGHTS
@@ -128,22 +129,23 @@ def integrate_power(
 
 @compiled(
     i8(
-        ADDRESSES, vector, matrix, matrix, matrix, matrix, matrix, integers, vector, i8, i8,
-        integers, integers, vector, vector, f8, f8, matrix, matrix, integers, vector,
+        ADDRESSES, SAMPLES, integers, vector, i8, i8, integers, integers, vector, vector, f8, f8,
+        matrix, matrix, integers, vector,
     )
 )  # fmt: skip
 def find_unexplained(
-    kernels: Any, t: Any, q: Any, v: Any, a: Any, energy: Any, power: Any, modes: Any, p: Any,
-    m: Any, rows: Any, mass_rows: Any, mass_columns: Any, sizes: Any, absolute: Any, rtol: Any,
-    within: Any, weights: Any, scratch: Any, places: Any, found: Any,
+    kernels: Any, s: Any, modes: Any, p: Any, m: Any, rows: Any, mass_rows: Any, mass_columns: Any,
+    sizes: Any, absolute: Any, rtol: Any, within: Any, weights: Any, scratch: Any, places: Any,
+    found: Any,
 ) -> int:  # fmt: skip
     """The first sample behind which the energy changes by more than work and tolerances explain.
 
     That is -1 for none. The first of `found` is the change, the second the work, J. Of the largest
     changes, `places` has room for the samples, and `found` behind two numbers for what is left of
-    them without the trapezoidal work of the first `rows` of `power`. Between two samples lie
+    them without the trapezoidal work of the first `rows` of the powers. Between two samples lie
     `within` steps.
     """
+    t, q, energy, power = s.t, s.q, s.energy, s.power
     left, wrong = found[2:], t.size
     left[:] = -1.0
     for k in range(t.size - 1):
@@ -164,7 +166,7 @@ def find_unexplained(
         k, permitted, work = places[i], 0.0, 0.0
         for j in range(k, k + 2):
             permitted = max(permitted, within * permit_error(
-                kernels, t[j], q[j], v[j], energy[j], modes, p, mass_rows, mass_columns, absolute,
+                kernels, t[j], q[j], s.v[j], energy[j], modes, p, mass_rows, mass_columns, absolute,
                 rtol, scratch,
             ))  # fmt: skip
             if left[i] <= permitted:
@@ -174,7 +176,7 @@ def find_unexplained(
         change = energy[k + 1, 0] + energy[k + 1, 1] - (energy[k, 0] + energy[k, 1])
         if rows > 0:
             of, effects = slice(k, k + 2), power.shape[1]
-            ends = t[of], q[of], v[of], a[of]
+            ends = t[of], q[of], s.v[of], s.a[of]
             work, size = integrate_power(
                 kernels, *ends, modes, p, m, rows, effects, weights, 2 * _COUNT, scratch
             )
@@ -199,20 +201,19 @@ def describe_unexplained_energy(
 
     Between two samples lie `steps` steps at most, or one where the samples are the ends of steps.
     """
-    description, t, q = equations.description, samples.t, samples.q
+    description, t = equations.description, samples.t
     rows = description.balanced_rows
     if len(t) < 2 or rows < 0 or description.switches:
         return ""
     if rows and (options.t_eval is not None or description.time_functions):
         return ""
-    if not rows and any(equations.velocity_rhs(float(t[0]), q[0]).tolist()):
+    if not rows and any(equations.velocity_rhs(float(t[0]), samples.q[0]).tolist()):
         return ""
-    v, a, energy, power = samples.v, samples.a, samples.energy, samples.power
     widths = equations.n, equations.m, len(description.powers), len(description.mass_rows)
     within, found = 2.0 if options.t_eval is None else 1.0 + steps, np.zeros(2 + WORST)
     k = find_unexplained(
-        equations.table, t, q, v, a, energy, power, np.zeros(0, np.int64), equations.p, equations.m,
-        rows, description.mass_rows, description.mass_columns, sizes,
+        equations.table, samples, np.zeros(0, np.int64), equations.p, equations.m, rows,
+        description.mass_rows, description.mass_columns, sizes,
         options.absolute(sizes, options.rtol), options.rtol, within, WEIGHTS_OF_ENDS,
         np.zeros((5, max(widths))), np.zeros(WORST, np.int64), found,
     )  # fmt: skip

@@ -14,8 +14,7 @@ from runtime.core.kinds import SLIDING
 from runtime.core.outcomes import Outcome, Site
 from runtime.dynamics.output_quantities import evaluate
 from runtime.integrate.trajectory import Trajectory
-from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray
-from runtime.mechanism.mechanism import Mechanism
+from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray, row_lengths
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.one_sided_impact import approaches, rate_rows
 
@@ -48,7 +47,7 @@ _LOCKED = (
 )
 
 
-def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: float) -> Trajectory:
+def end_at_jam(equations: Equations, run: Trajectory, duration: float) -> Trajectory:
     """The run, ended by a lock-up or the jam of a friction, where one is as near as that.
 
     `duration`, s, is that of the whole run. Where the motion goes on, its accelerations are no
@@ -56,13 +55,15 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
     friction has no force: where the accelerations are no numbers then either, it is not what ends
     the run.
     """
-    description, named = mechanism.description, run.outcome is not Outcome.SINGULAR
+    description, system = equations.description, equations.mechanism.system
     rubs = any(row.kind == "friction" for row in description.effects)
-    holds = rubs or description.rigid or mechanism.system.one_way
-    grows = run.outcome in _WAYS_IN and not (named and run.index >= 0)
-    if not (grows or run.outcome in _OF_ROUNDING) or not holds:
+    named = run.outcome is not Outcome.SINGULAR and run.index >= 0
+    grows = run.outcome in _WAYS_IN and not named
+    if not (grows or run.outcome in _OF_ROUNDING):
         return run
-    equations, (t, q, v) = Equations(mechanism, p), (run.final_t, run.final_q, run.final_v)
+    if not (rubs or description.rigid or system.one_way):
+        return run
+    t, q, v = run.end
     locked = grows and _describe_lock_up(equations, run, proven=False)
     locked = locked or _describe_lock_up(equations, run, proven=True)
     if locked:
@@ -81,7 +82,7 @@ def end_at_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray, duration: f
             if np.isfinite(resting).all():
                 return replace(run, outcome=Outcome.NOT_FINITE, site=Site.JAM, index=weak - 1)
             break
-    sentences = (_describe_switched(mechanism, p, there, run.final_modes) for there in later)
+    sentences = (_describe_switched(equations, there, run.final_modes) for there in later)
     jammed = next(filter(None, sentences), "")
     if not jammed:
         return run
@@ -109,14 +110,16 @@ def _describe_lock_up(equations: Equations, run: Trajectory, *, proven: bool) ->
     both = np.vstack([joints, rate_rows(equations, t, q)[kept] * scale])
     if not np.isfinite(both).all():
         return ""
-    lengths = _lengths(both)
-    if not 0.0 < _least(both / lengths) < min(_LOST, _OWN * _least(joints / _lengths(joints))):
+    lengths = row_lengths(both)
+    unit = both / lengths[:, None]
+    alone = _least(joints / row_lengths(joints)[:, None])
+    if not 0.0 < _least(unit) < min(_LOST, _OWN * alone):
         return ""
     if proven:
-        alone = approaches(equations, t, q, np.zeros(equations.n))[kept]
-        moved = np.append(equations.velocity_rhs(t, q)[equations.independent], -alone)
+        rates = approaches(equations, t, q, np.zeros(equations.n))[kept]
+        moved = np.append(equations.velocity_rhs(t, q)[equations.independent], -rates)
         one_sided = np.array([k not in system.sticking for k in kept])
-        blocks = blocking_rows(both / lengths, moved / lengths[:, 0], one_sided)
+        blocks = blocking_rows(unit, moved / lengths, one_sided)
         kept = [k for k, part in zip(kept, blocks, strict=True) if part]
         if not kept:
             return ""
@@ -146,11 +149,6 @@ def blocking_rows(
     return forbids
 
 
-def _lengths(rows: FloatArray) -> FloatArray:
-    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
-    return np.where(lengths > 0.0, lengths, 1.0)
-
-
 def _least(rows: FloatArray) -> float:
     """The least singular value of rows of length 1; 0 of more rows than columns."""
     if len(rows) > rows.shape[1]:
@@ -159,9 +157,8 @@ def _least(rows: FloatArray) -> float:
 
 
 def _describe_switched(
-    mechanism: Mechanism, p: FloatArray, state: tuple[float, FloatArray, FloatArray],
-    modes: IntArray,
-) -> str:  # fmt: skip
+    equations: Equations, state: tuple[float, FloatArray, FloatArray], modes: IntArray
+) -> str:
     """Sentences on frictions that slide and jam, maybe beside what sticks; empty otherwise.
 
     The accelerations of a jam exist as soon as what jams is kept as it slides.
@@ -169,13 +166,13 @@ def _describe_switched(
     t, q, v = state
 
     def exist(modes: IntArray, v: FloatArray = v) -> bool:
-        found = evaluate(mechanism, p, np.array([t]), q[None], v[None], modes[None])
+        found = evaluate(equations, np.array([t]), q[None], v[None], modes[None])
         return bool(np.isfinite(found.a).all())
 
-    description, system = mechanism.description, mechanism.system
+    description, stiction = equations.description, equations.mechanism.system.stiction
     if exist(modes):
         return ""
-    slides = [k for k, _ in system.stiction if modes[k] != SLIDING]
+    slides = [k for k, _ in stiction if modes[k] != SLIDING]
     trials = [[k] for k in slides] + ([slides] if len(slides) > 1 else [])
     names: list[str] = []
     for trial in trials:
@@ -201,13 +198,13 @@ def _creeping(description: Description) -> list[str]:
     return [name for name in rows if name not in switched]
 
 
-def describe_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
+def describe_jam(equations: Equations, run: Trajectory) -> str:
     """Sentences on the friction whose jam ended a run; empty where none did.
 
     A friction with a creep speed jams in a joint that `run.index` names by its constraint; one
     that sticks is a switching function, whose slip tells to which side it slides.
     """
-    description, k = mechanism.description, run.index
+    description, mechanism, k = equations.description, equations.mechanism, run.index
     if run.outcome is Outcome.NOT_FINITE and k < 0:
         return run.note
     if run.outcome is Outcome.NOT_FINITE and k >= 0:
@@ -217,7 +214,7 @@ def describe_jam(mechanism: Mechanism, run: Trajectory, p: FloatArray) -> str:
     place = dict(mechanism.system.stiction).get(k)
     if run.outcome is not Outcome.INCONSISTENT or place is None:
         return ""
-    equations, state = Equations(mechanism, p.copy()), (run.final_t, run.final_q, run.final_v)
+    equations, state = Equations(mechanism, equations.p.copy()), run.end
     g = equations.switching(*state)
     modes = np.where(run.final_modes == SLIDING, g > 0.0, run.final_modes).astype(np.int64)
     modes[k] = g[k] > 0.0

@@ -78,14 +78,14 @@ def screen_run(
     return Suspicions(residuals, order, modes, reversals, reversed_event, reached, permitted)
 
 
-@inner
+@compiled(f8(ADDRESSES, i8, f8, vector, vector, vector, vector))
 def change_of_switch(
     kernels: Any, k: Any, t: Any, state: Any, change: Any, p: Any, g: Any
 ) -> float:
     """By how much g of the switch number k changes with all of (q, v) in turn.
 
-    The state and what each of its numbers changes by are (2n,); `g`, (s,), is written over. At the
-    edge of its domain g changes as on the side where it has a number.
+    The state, which is put back, and what each of its numbers changes by are (2n,); `g`, (s,), is
+    written over. At the edge of its domain g changes as on the side where it has a number.
     """
     evaluate = switching_of(kernels)
     n, total = state.size // 2, 0.0
@@ -265,7 +265,7 @@ def screen(
     return found
 
 
-@inner
+@compiled(none(vector, _COLUMN, integers, vector, vector, integers, matrix))
 def count_unresolved(
     t: Any, index: Any, reversed_event: Any, reached: Any, permitted: Any, parts: Any, out: Any
 ) -> None:
@@ -286,28 +286,9 @@ def count_unresolved(
         out[k, 2], out[k, 3] = max(out[k, 2], reached[i]), permitted[k]
 
 
-@compiled(none(vector, _COLUMN, integers, vector, vector, integers, matrix))
-def find_unresolved(
-    t: Any, index: Any, reversed_event: Any, reached: Any, permitted: Any, parts: Any, out: Any
-) -> None:
-    """For Python: see `count_unresolved`."""
-    count_unresolved(t, index, reversed_event, reached, permitted, parts, out)
-
-
 @compiled(none(ADDRESSES, vector, matrix, matrix, vector, matrix))
 def write_switching_values(kernels: Any, t: Any, q: Any, v: Any, p: Any, out: Any) -> None:
     """Write g at the states (t, q, v), (k,) and (k, n), into `out`, (k, s)."""
     evaluate = switching_of(kernels)
     for i in range(t.size):
         evaluate(t[i], q[i], v[i], p, out[i])
-
-
-@compiled(f8(ADDRESSES, i8, f8, vector, vector, vector, vector))
-def measure_change_of_switch(
-    kernels: Any, k: Any, t: Any, state: Any, change: Any, p: Any, g: Any
-) -> float:
-    """By how much g of the switch number k changes with all of (q, v), (2n,), in turn.
-
-    The state is put back; `g`, (s,), is written over.
-    """
-    return float(change_of_switch(kernels, k, t, state, change, p, g))
