@@ -1,12 +1,9 @@
-"""Close the joints of a regular start, in compiled code; see `regular_start`.
+"""The start of a machine whose joints close at once, in compiled code.
 
-It is the method of `joint_closing`, for all constraints of a small machine.
-
-The start of a machine whose joints close at once, in compiled code.
-
-Nearly every start is regular: Newton's method closes the joints, their Jacobian is far from losing
-rank, and nothing is out of scale. Any other is left to `assemble`, which finds out what is wrong
-and says so. Single runs and ensembles come by here, so that they begin with the same bits.
+Joints close by the method of `joint_closing`, for all constraints of a small machine. Nearly every
+start is regular: Newton's method closes the joints, their Jacobian is far from losing rank, and
+nothing is out of scale. Any other is left to `assemble`, which finds out what is wrong and says so.
+Single runs and ensembles come by here, so that they begin with the same bits.
 """
 
 from math import sqrt

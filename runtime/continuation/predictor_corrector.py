@@ -10,7 +10,7 @@ two of them meet or almost meet. So the pivots of Phi_q are compared now and the
 one assembly the determinant keeps its sign. At a suspicion the state goes back to the last good
 comparison, and the code is SUSPECT.
 
-State of the continuation of a driven motion: position, record and samples so far.
+`ContinuationState` has position, record and samples so far.
 """
 
 from collections import namedtuple
