@@ -130,8 +130,9 @@ class PreparedSimulation:
     """
 
     def __init__(
-        self, mechanism: Mechanism, t_end: float, *, t_start: float, parameters: Values | None,
-        guess: Values | None, start: Assembly | State | Values | None,
+        self, mechanism: Mechanism, t_end: float, *, t_start: float = 0.0,
+        parameters: Values | None = None, guess: Values | None = None,
+        start: Assembly | State | Values | None = None,
         controllers: Functions | None = None, length: float | None = None,
     ) -> None:  # fmt: skip
         if not mechanism.description.has_masses:

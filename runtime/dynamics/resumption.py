@@ -23,7 +23,7 @@ from runtime.dynamics.connected_simulation import (
     known_parameters,
 )
 from runtime.dynamics.formulations import formulate
-from runtime.dynamics.motion_at_instants import SimulatedMotion
+from runtime.dynamics.motion_at_instants import SAVED, SimulatedMotion
 from runtime.dynamics.output_conditions import run_until
 from runtime.dynamics.prepared_simulation import PreparedSimulation, discrete_state
 from runtime.dynamics.simulation import run_prepared, simulate_joints
@@ -81,12 +81,9 @@ def _go_on(
         before = parts if past else parts[:-1]
         done = sum(int(part.stats["steps"] + part.stats["rejected"]) for part in before)
         max_steps = max(1, max_steps - done)
-    settings = {
-        "method": options.method, "rtol": options.rtol, "atol": options.atol_q,
-        "correction": options.correction, "formulation": own.coordinates.name,
-        "time_scale": options.time_scale, "first_step": options.first_step,
-        "max_step": options.h_max, "max_steps": max_steps, "max_bytes": options.max_bytes,
-        "step_limit": options.step_limit, "controllers": own.ready.given["controllers"],
+    settings = {name: getattr(options, name) for name in SAVED} | {
+        "formulation": own.coordinates.name, "max_steps": max_steps,
+        "controllers": own.ready.given["controllers"],
     }  # fmt: skip
     with bar(f"resume {result.description.title}", progress) as report:
         if past:

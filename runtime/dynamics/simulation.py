@@ -37,18 +37,17 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks.end_checks import check_result, describe_unresolved_switches
 from runtime.dynamics.checks.jamming import describe_jam, end_at_jam
 from runtime.dynamics.checks.screening import screen_run
-from runtime.dynamics.controllers import Functions
 from runtime.dynamics.formulations import Coordinates, ReducedCoordinates, formulate
 from runtime.dynamics.motion_at_instants import SimulatedMotion
 from runtime.dynamics.output_quantities import evaluate, integrate_works
 from runtime.dynamics.prepared_simulation import PreparedSimulation, discrete_state
-from runtime.integrate.problem import MOST_STEPS, Correction, Formulation, Options
+from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import Equations
-from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.progress_bar import Progress, silent
-from runtime.results.assembled_state import Assembly, State
+from runtime.results.assembled_state import State
 from runtime.results.event_records import Event, event_words
 from runtime.results.result import Result
 from runtime.results.run_records import Ending
@@ -58,6 +57,7 @@ from runtime.validation.output_instants import POINTS
 from runtime.validation.scene_support import driven_note
 from runtime.validation.table_ranges import name_left_tables
 
+_STARTS = ("t_start", "parameters", "guess", "start", "controllers", "length")
 _STATS = {
     "rhs": "rhs_evaluations", "iterations": "stage_iterations", "largest_dq": "largest_correction",
     "seconds": "integration_seconds",
@@ -96,31 +96,21 @@ def require_memory_of(
 
 def prepare_run(
     mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | int | str | None, *,
-    t_start: float = 0.0, method: str = "dop853", rtol: float = 1e-8, atol: float | None = None,
-    parameters: Values | None = None, guess: Values | None = None,
-    start: Assembly | State | Values | None = None,
-    controllers: Functions | None = None, length: float | None = None,
-    correction: Correction = "step", formulation: Formulation = "cartesian",
-    time_scale: float | None = None, first_step: float | None = None,
-    max_step: float | None = None, max_steps: int | None = None,
-    max_bytes: int = 2**30, step_limit: int = MOST_STEPS,
+    method: str = "dop853", formulation: Formulation = "cartesian",
+    correction: Correction = "step", atol: float | None = None, max_step: float | None = None,
+    **settings: Any,
 ) -> tuple[Coordinates, Options]:  # fmt: skip
     """The coordinates and the options of a run from an assembled start; see `Machine.simulate`.
 
-    `step_limit` is that of a study, which is no wish to go on where steps get ever shorter.
+    `settings` are words of `PreparedSimulation`, and fields of `Options`.
     """
-    ready = PreparedSimulation(
-        mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start,
-        controllers=controllers, length=length,
-    )  # fmt: skip
+    words = {name: settings.pop(name) for name in _STARTS if name in settings}
+    ready = PreparedSimulation(mechanism, t_end, **words)
     coordinates = formulate(ready, formulation, method, correction)
     # An unknown method is refused by the integrator, together with all else that is wrong.
-    options = Options(
-        method=method, rtol=rtol, atol_q=atol, atol_v=atol,
-        t_eval=ready.instants(t_eval), correction=coordinates.correction,
-        time_scale=time_scale, first_step=first_step, h_max=max_step,
-        max_steps=max_steps, max_bytes=max_bytes, step_limit=step_limit,
-    )  # fmt: skip
+    fields = {"atol_q": atol, "atol_v": atol, "h_max": max_step} | settings
+    correction, times = coordinates.correction, ready.instants(t_eval)
+    options = Options(method=method, correction=correction, t_eval=times, **fields)
     return coordinates, options
 
 
