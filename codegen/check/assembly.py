@@ -5,6 +5,7 @@ interpreter evaluates the constraints, and Gauss-Newton steps close them; where 
 tried anew from other values of the coordinates that the scene says nothing of.
 """
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,8 @@ _MOVED = 1e-9  # accuracy: of the machine's size; a coordinate that moves less h
 _SHOWN = 6  # layout: joints that a message lists
 
 
-class Moved(NamedTuple):
+@dataclass(frozen=True)
+class Moved:
     """A coordinate that closing the joints moves: its guess, the value reached, the unit."""
 
     name: str

@@ -3,12 +3,12 @@
 The stages of a build are gone through up to the emission of kernels, and nothing is compiled.
 """
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from codegen.check.assembly import Assembly, assemble_at_start
+from codegen.check.assembly import Assembly, Moved, assemble_at_start
 from codegen.check.declaration import check_model, check_scene
 from codegen.check.joint_places import joints_at_one_point, one_joint_bodies
 from codegen.derive.equations import Equations
@@ -30,13 +30,15 @@ class SceneFacts:
         Their numbers; redundant constraints take no freedom away.
     notes
         Sentences about redundant constraints.
-    left_out, unused
-        Effects and drivers, and parameters, that have no share in the scene.
+    gap, moved, problem
+        As of the `Assembly` at the start.
+    left_out, unused_parameters
+        Elements, and parameters, that have no share in the scene.
     one_joint
         Bodies that one joint alone holds, each with the joint.
     """
 
-    name: str
+    scene: str
     analysis: str
     bodies: tuple[str, ...]
     coordinates: int
@@ -44,10 +46,12 @@ class SceneFacts:
     degrees_of_freedom: int
     drivers: tuple[str, ...]
     notes: tuple[str, ...]
-    assembly: Assembly
-    left_out: tuple[tuple[str, str], ...]
-    unused: tuple[str, ...]
-    one_joint: tuple[tuple[str, str], ...]
+    gap: float
+    moved: tuple[Moved, ...]
+    problem: str
+    left_out: tuple[str, ...]
+    unused_parameters: tuple[str, ...]
+    one_joint: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -64,26 +68,12 @@ class DeclarationReport:
     model: str
     problems: tuple[str, ...]
     scenes: tuple[SceneFacts, ...]
-    unused: Mapping[str, tuple[str, ...]]
+    unused: dict[str, tuple[str, ...]]
 
     def facts(self) -> dict[str, Any]:
         """The JSON object of the report."""
-        scenes = [
-            {
-                "scene": s.name, "analysis": s.analysis, "bodies": s.bodies,
-                "coordinates": s.coordinates, "constraints": s.constraints,
-                "degrees_of_freedom": s.degrees_of_freedom, "notes": s.notes,
-                "gap": s.assembly.gap, "moved": [one._asdict() for one in s.assembly.moved],
-                "left_out": [name for name, _ in s.left_out], "unused_parameters": s.unused,
-                "one_joint": dict(s.one_joint),
-            }
-            for s in self.scenes
-        ]  # fmt: skip
         ok = not self.problems
-        return {
-            "ok": ok, "status": 0 if ok else 2, "model": self.model, "problems": self.problems,
-            "scenes": scenes, "unused": dict(self.unused),
-        }  # fmt: skip
+        return {"ok": ok, "status": 0 if ok else 2, **asdict(self)}
 
 
 def check_declaration(
@@ -123,12 +113,12 @@ def check_declaration(
                 clock = Clock({}, progress, f"{declared.name}, scene {chosen.name}")
                 equations, lowered, findings = translate(declared, chosen, clock)
                 progress(f"{declared.name}, scene {chosen.name}: assemble")
-                facts = _facts(declared, equations, findings, assemble_at_start(lowered))
-                scenes.append(facts)
-                problems += filter(None, (facts.assembly.problem,))
+                assembly = assemble_at_start(lowered)
+                scenes.append(_facts(declared, equations, findings, assembly))
+                problems += filter(None, (assembly.problem,))
         except LinkwrightError as error:
             problems += error.problems
-    if any(facts.assembly.problem for facts in scenes):
+    if any(facts.problem for facts in scenes):
         problems = [*joints_at_one_point(declared), *problems]
     complete = scene is None and not problems
     unused = _unused(declared, scenes) if complete else {}
@@ -147,33 +137,30 @@ def _problems_of_scene(model: Model, name: str) -> list[str]:
 
 
 def _facts(model: Model, equations: Equations, findings: Any, assembly: Assembly) -> SceneFacts:
-    left_out = [name for name, _ in equations.left_out]
-    one_joint = [row for row in one_joint_bodies(model, left_out) if row[0] in equations.bodies]
+    left_out = tuple(name for name, _ in equations.left_out)
     positions = len(equations.coordinates) - len(equations.states)
     return SceneFacts(
         equations.scene.name, equations.scene.analysis, equations.bodies, positions,
         sum(len(c.statement.rows) for c in equations.constraints),
         positions - findings.independent,
-        tuple(c.name for c in equations.constraints if c.driver), findings.notes, assembly,
-        equations.left_out, equations.unused, tuple(one_joint),
+        tuple(c.name for c in equations.constraints if c.driver), findings.notes,
+        assembly.gap, assembly.moved, assembly.problem, left_out, equations.unused,
+        {one: joint for one, joint in one_joint_bodies(model, left_out) if one in equations.bodies},
     )  # fmt: skip
 
 
-def _unused(model: Model, scenes: Iterable[SceneFacts]) -> dict[str, tuple[str, ...]]:
+def _unused(model: Model, scenes: Sequence[SceneFacts]) -> dict[str, tuple[str, ...]]:
     """What no scene uses, in the order of its declaration."""
-    every = [*scenes]
-
-    def lacking(names: Iterable[str], left_out: Iterable[Iterable[str]]) -> tuple[str, ...]:
-        nowhere = set.intersection(*(set(one) for one in left_out)) if every else set()
-        return tuple(name for name in names if name in nowhere)
-
-    left_out = [[name for name, _ in s.left_out] for s in every]
-    absent = [[name for name in model.bodies if name not in s.bodies] for s in every]
-    found = {
-        "bodies": lacking(model.bodies, absent),
-        "joints": lacking(model.joints, left_out),
-        "effects": lacking(model.effects, left_out),
-        "drivers": lacking(model.drivers, left_out),
-        "parameters": lacking(model.parameters, (s.unused for s in every)),
+    left_out = [scene.left_out for scene in scenes]
+    of_kinds: dict[str, tuple[Iterable[str], Sequence[Iterable[str]]]] = {
+        "bodies": (model.bodies, [set(model.bodies) - {*scene.bodies} for scene in scenes]),
+        "joints": (model.joints, left_out),
+        "effects": (model.effects, left_out),
+        "drivers": (model.drivers, left_out),
+        "parameters": (model.parameters, [scene.unused_parameters for scene in scenes]),
     }
-    return {kind: names for kind, names in found.items() if names}
+    found = {
+        kind: tuple(name for name in names if all(name in absent for absent in of_scenes))
+        for kind, (names, of_scenes) in of_kinds.items()
+    }
+    return {kind: names for kind, names in found.items() if names and scenes}

@@ -15,7 +15,6 @@ from contextlib import contextmanager, nullcontext, suppress
 from itertools import count
 from pathlib import Path
 from typing import Any
-from weakref import WeakSet
 
 import numba
 from numba import types
@@ -64,7 +63,7 @@ if not PLAIN:
     if hasattr(os, "register_at_fork"):  # a system that forks
         os.register_at_fork(after_in_child=_number_functions)
 
-functions: "WeakSet[CompiledFunction]" = WeakSet()
+functions: "list[CompiledFunction]" = []  # all that are declared, each behind those that it calls
 
 
 class CompiledFunction(Dispatcher):  # type: ignore[misc]
@@ -182,7 +181,7 @@ def compiled_function(
     made.signature = signature
     if folder is not None:
         made.keep_in(folder)
-    functions.add(made)
+    functions.append(made)
     return made
 
 

@@ -1,46 +1,48 @@
-"""The expressions of a kernel's text → instructions of LLVM's."""
+"""The expressions of a kernel's text → instructions of LLVM's.
+
+The operations, their order and the licence to contract a product and a sum are those that numba
+would take from the text.
+"""
 
 import ast
-from collections.abc import Mapping
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
-from codegen.machine_code.llvm_instructions import (
-    FLOAT,
-    INTEGER,
-    TRUTH,
-    Array,
-    Group,
-    Instructions,
-    Number,
-    UntranslatableError,
-    Value,
-    float_literal,
-    integer_literal,
-    is_literal,
-    structure_of,
-)
+from llvmlite import ir  # type: ignore[import-untyped]
 
 if TYPE_CHECKING:
-    from codegen.machine_code.llvm_module import LlvmModule
+    from codegen.machine_code.kernel_translation import KernelModule
+
+DOUBLE, INTEGER, POINTER = ir.DoubleType(), ir.IntType(64), ir.PointerType()
+Number = Any  # a value of LLVM's, which leaves its names untyped
+Value = Any  # a number, an array or a tuple of numbers
 
 # Functions of `math` by the number of their arguments: LLVM's own, and those of the C library.
 _INTRINSICS = {**dict.fromkeys(("sin", "cos", "exp", "log"), 1), "pow": 2}
 _EXTERNALS = {
-    **dict.fromkeys(("sqrt", "floor", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"), 1),
-    "atan2": 2,
-}
-_BINARY: dict[type, str] = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.BitAnd: "and"}
+    **dict.fromkeys(("sqrt", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"), 1), "atan2": 2,
+}  # fmt: skip
+_OPERATIONS: dict[type, str] = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul"}
 _SIGNS: dict[type, str] = {
-    ast.Eq: "==",
-    ast.NotEq: "!=",
-    ast.Lt: "<",
-    ast.LtE: "<=",
-    ast.Gt: ">",
-    ast.GtE: ">=",
-}
+    ast.Eq: "==", ast.NotEq: "!=", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
+}  # fmt: skip
+
+
+class UntranslatableError(Exception):
+    """A construct that generated kernels do not have."""
+
+    def __init__(self, construct: ast.AST | str) -> None:
+        super().__init__(construct if isinstance(construct, str) else ast.unparse(construct))
+
+
+@dataclass(frozen=True)
+class Array:
+    """A contiguous array: the address of its first number, its kind, and its lengths."""
+
+    address: Any
+    kind: Any
+    shape: tuple[Number, ...]
 
 
 class ExpressionTranslation:
@@ -50,71 +52,82 @@ class ExpressionTranslation:
     ----------
     module
         What the text knows besides the function's own names.
-    code
-        The instructions.
     """
 
-    def __init__(self, module: "LlvmModule", parameters: Mapping[str, Value]) -> None:
+    def __init__(self, module: "KernelModule", function: Any) -> None:
         self.module = module
-        self.code = Instructions(module.flags)
-        self._values: dict[str, Value] = dict(parameters)
-        self._variables: dict[str, Number] = {}  # its text is the address
-        self._locals: frozenset[str] = frozenset()  # names that the text of the function assigns
+        self._beginning = ir.IRBuilder(function.append_basic_block())  # room for what changes
+        self._code = ir.IRBuilder(function.append_basic_block())
+        self._values: dict[str, Value] = {}
+        self._places: dict[str, tuple[Any, Any]] = {}  # name → address and kind
+        self._locals: frozenset[str] = frozenset()  # names that the function assigns
+
+    def _blocks(self, count: int) -> list[Any]:
+        """New blocks, which stand where they begin: what is contracted depends on their order."""
+        blocks = [self._code.append_basic_block() for _ in range(count)]
+        del self._code.function.blocks[-count:]
+        return blocks
+
+    def _begin(self, block: Any) -> None:
+        self._code.function.blocks.append(block)
+        self._code.position_at_end(block)
 
     def _value(self, expression: ast.expr) -> Value:
         match expression:
             case ast.Name(id=name):
                 return self._named(name)
             case ast.Constant(value=float(value)):
-                return float_literal(value)
-            case ast.Constant(value=int(value)) if not isinstance(value, bool):
-                return integer_literal(value)
+                return DOUBLE(value)
+            case ast.Constant(value=int(value)) if not isinstance(value, bool) and value < 1 << 63:
+                return INTEGER(value)
             case ast.Attribute(value=ast.Name(id="math"), attr="nan"):
-                return float_literal(float("nan"))
+                return DOUBLE(float("nan"))
             case ast.BinOp():
                 return self._operations(expression)
+            case ast.UnaryOp(op=ast.USub(), operand=ast.Constant(value=int(value) | float(value))):
+                return self._value(ast.Constant(-value))
             case ast.UnaryOp(op=ast.USub(), operand=operand):
-                return self._negative(operand)
+                negative = self._number(operand)
+                if negative.type != DOUBLE:
+                    raise UntranslatableError(expression)
+                return self._code.fsub(DOUBLE(-0.0), negative, flags=self.module.flags)
             case ast.Subscript():
-                array, place = self._element(expression)
-                return self.code.read(array, place)
+                array, address = self._element(expression)
+                number = self._code.load(address, typ=array.kind)
+                is_entry = array.kind.width == 32 if array.kind != DOUBLE else False
+                return self._code.zext(number, INTEGER) if is_entry else number
             case ast.IfExp(test=test, body=body, orelse=other):
                 return self._choice(test, body, other)
             case ast.Call(func=function, args=arguments, keywords=[]):
-                return self._call(function, tuple(map(self._number, arguments)))
+                return self._call(function, [*map(self._number, arguments)])
             case ast.Tuple(elts=elements):
-                return Group(tuple(map(self._number, elements)))
-            case ast.Compare() | ast.BoolOp() | ast.UnaryOp(op=ast.Not()):
-                return self._truth(expression)
-        raise UntranslatableError(ast.unparse(expression))
+                return tuple(map(self._number, elements))
+        raise UntranslatableError(expression)
 
     def _number(self, expression: ast.expr) -> Number:
         return number_of(self._value(expression))
 
-    def _integer(self, expression: ast.expr) -> Number:
-        return self._as(INTEGER, self._number(expression))
-
-    def _as(self, kind: str, number: Number) -> Number:
+    def _as(self, kind: Any, number: Number) -> Number:
         """A number as one of a kind, if that loses nothing."""
-        if number.kind == kind:
+        if number.type == kind:
             return number
-        if (kind, number.kind) != (FLOAT, INTEGER):
-            raise UntranslatableError(f"{number.kind} in place of {kind}")
-        return float_literal(int(number.text)) if is_literal(number) else self.code.as_float(number)
+        if (kind, number.type) != (DOUBLE, INTEGER):
+            raise UntranslatableError(f"{number.type} in place of {kind}")
+        if isinstance(number, ir.Constant):
+            return DOUBLE(float(number.constant))
+        return self._code.sitofp(number, DOUBLE)
 
     def _named(self, name: str) -> Value:
-        if name in self._variables:
-            variable = self._variables[name]
-            return replace(self.code.load(variable.text, variable.kind), unsigned=variable.unsigned)
+        if name in self._places:
+            address, kind = self._places[name]
+            return self._code.load(address, typ=kind)
         if name in self._values:
             return self._values[name]
         match None if name in self._locals else self.module.names.get(name):
             case np.ndarray() as table:
                 return self.module.table(name, table)
             case float(value):
-                return float_literal(value)
-            case int(value) if not isinstance(value, bool):
-                return integer_literal(value)
+                return DOUBLE(value)
         raise UntranslatableError(name)
 
     def _operations(self, expression: ast.expr) -> Number:
@@ -129,182 +142,163 @@ class ExpressionTranslation:
         return number
 
     def _calculation(self, op: ast.operator, a: Number, b: Number) -> Number:
-        if a.unsigned and b.unsigned:
+        if _is_entry(a) and _is_entry(b):
             raise UntranslatableError(f"{type(op).__name__} of two entries without sign")
-        if isinstance(op, ast.FloorDiv):
-            return self._floor_division(a, b)
-        if isinstance(op, ast.Div):
-            return self.code.calculation("fdiv", self._as(FLOAT, a), self._as(FLOAT, b))
-        name = _BINARY.get(type(op), "")
-        if name and a.kind == b.kind == INTEGER:
-            return self.code.calculation(name if name == "and" else f"{name} nsw", a, b)
-        if name in ("add", "sub", "mul"):
-            return self.code.calculation(f"f{name}", self._as(FLOAT, a), self._as(FLOAT, b))
-        raise UntranslatableError(f"{type(op).__name__} of {a} and {b}")
-
-    def _floor_division(self, a: Number, b: Number) -> Number:
-        if a.kind == FLOAT and b == float_literal(1.0):
-            return self._floor(a)
-        if a.kind == INTEGER and b == integer_literal(2):  # which rounds down
-            return self.code.calculation("ashr", a, integer_literal(1))
-        raise UntranslatableError(f"{a} // {b}")
+        code, flags = self._code, self.module.flags
+        divisor = b.constant if isinstance(b, ir.Constant) else None
+        whole = a.type == b.type == INTEGER
+        match op:
+            case ast.FloorDiv() if a.type == DOUBLE and divisor == 1:
+                return self._floor(a)
+            case ast.FloorDiv() if whole and divisor == 2:  # which rounds down
+                return code.ashr(a, INTEGER(1))
+            case ast.BitAnd() if whole:
+                return code.and_(a, b)
+            case ast.Add() | ast.Sub() | ast.Mult() if whole:
+                return getattr(code, _OPERATIONS[type(op)])(a, b, flags=("nsw",))
+            case ast.Add() | ast.Sub() | ast.Mult() | ast.Div():
+                operation = getattr(code, f"f{_OPERATIONS.get(type(op), 'div')}")
+                return operation(self._as(DOUBLE, a), self._as(DOUBLE, b), flags=flags)
+        raise UntranslatableError(f"{type(op).__name__} of {a.type} and {b}")
 
     def _floor(self, a: Number) -> Number:
         """The next lower whole number, NaN of what is not finite, as in Python."""
-        rounded = self._intrinsic("floor", a)
-        finite = self.code.comparison("==", self.code.calculation("fsub", a, a), float_literal(0.0))
-        return self.code.selection(finite, rounded, float_literal(float("nan")))
+        rounded = self._external("llvm.floor.f64", [a])
+        difference = self._code.fsub(a, a, flags=self.module.flags)
+        finite = self._relation(ast.Eq(), difference, DOUBLE(0.0))
+        return self._code.select(finite, rounded, DOUBLE(float("nan")))
 
-    def _negative(self, operand: ast.expr) -> Number:
-        match operand:
-            case ast.Constant(value=int(value) | float(value)):
-                return self._number(ast.Constant(-value))
-        number = signed(self._number(operand))
-        if number.kind == FLOAT:
-            return self.code.calculation("fsub", float_literal(-0.0), number)
-        return self.code.calculation("sub", integer_literal(0), self._as(INTEGER, number))
-
-    def _element(self, subscript: ast.Subscript) -> tuple[Array, Number]:
-        array, index = self._value(subscript.value), subscript.slice
+    def _element(self, subscript: ast.Subscript) -> tuple[Array, Any]:
+        """The array, and the address of the element."""
+        array, index, code = self._value(subscript.value), subscript.slice, self._code
         places = index.elts if isinstance(index, ast.Tuple) else [index]
         if not isinstance(array, Array) or len(places) != len(array.shape):
-            raise UntranslatableError(ast.unparse(subscript))
-        numbers = map(self._integer, places)
+            raise UntranslatableError(subscript)
+        numbers = (self._as(INTEGER, self._number(place)) for place in places)
         first, *others = map(self._from_the_beginning, numbers, array.shape)
         for length, other in zip(array.shape[1:], others, strict=True):
-            row = self.code.calculation("mul", first, length)
-            first = self.code.calculation("add", row, other)
-        return array, first
+            first = code.add(code.mul(first, length), other)
+        return array, code.gep(array.address, [first], source_etype=array.kind)
 
     def _from_the_beginning(self, place: Number, length: Number) -> Number:
         """A place in an array, which counts from its end if it is negative."""
-        if place.unsigned or (is_literal(place) and int(place.text) >= 0):
+        if _is_entry(place) or (isinstance(place, ir.Constant) and place.constant >= 0):
             return place
-        from_end = self.code.calculation("add", place, length)
-        negative = self.code.comparison("<", place, integer_literal(0))
-        return self.code.selection(negative, from_end, place)
+        from_end = self._code.add(place, length)
+        negative = self._code.icmp_signed("<", place, INTEGER(0))
+        return self._code.select(negative, from_end, place)
 
     def _choice(self, test: ast.expr, first: ast.expr, last: ast.expr) -> Number:
-        code = self.code
-        labels, behind = (code.label(), code.label()), code.label()
-        self._branch(test, *labels)
-        sides: list[tuple[Number, str]] = []
-        for label, expression in zip(labels, (first, last), strict=True):
-            code.begin(label)
-            number = signed(self._number(expression))
-            sides.append((number, code.block or ""))
-            code.jump(behind)
-        code.begin(behind)
-        kinds = {number.kind for number, _ in sides}
-        kind = kinds.pop() if len(kinds) == 1 else FLOAT
-        if any(number.kind != kind and not is_literal(number) for number, _ in sides):
-            raise UntranslatableError(f"{ast.unparse(first)} or {ast.unparse(last)}")
-        return code.choice(kind, *((self._as(kind, number), end) for number, end in sides))
+        code = self._code
+        *blocks, behind = self._blocks(3)
+        self._branch(test, *blocks)
+        sides = []
+        for block, expression in zip(blocks, (first, last), strict=True):
+            self._begin(block)
+            sides.append((signed(self._number(expression)), code.block))
+            code.branch(behind)
+        self._begin(behind)
+        kinds = {number.type for number, _ in sides}
+        kind = kinds.pop() if len(kinds) == 1 else DOUBLE
+        chosen = code.phi(kind)
+        for number, block in sides:
+            if number.type != kind and not isinstance(number, ir.Constant):
+                raise UntranslatableError(f"{ast.unparse(first)} or {ast.unparse(last)}")
+            chosen.add_incoming(self._as(kind, number), block)
+        return chosen
 
-    def _branch(self, test: ast.expr, yes: str, no: str) -> None:
-        """Go on at one of two labels; conditions are evaluated as far as they decide."""
+    def _branch(self, test: ast.expr, yes: Any, no: Any) -> None:
+        """Go on in one of two blocks; conditions are evaluated as far as they decide."""
+        code = self._code
         match test:
             case ast.UnaryOp(op=ast.Not(), operand=operand):
                 self._branch(operand, no, yes)
             case ast.BoolOp(op=op, values=[*operands, last]):
                 for operand in operands:
-                    further = self.code.label()
+                    (further,) = self._blocks(1)
                     ways = (further, no) if isinstance(op, ast.And) else (yes, further)
                     self._branch(operand, *ways)
-                    self.code.begin(further)
+                    self._begin(further)
                 self._branch(last, yes, no)
-            case ast.Compare(ops=[_, _, _, *_]):
-                raise UntranslatableError(ast.unparse(test))
-            case ast.Compare(left=left, ops=[first, second], comparators=[middle, right]):
-                number, further = self._number(middle), self.code.label()
-                self.code.branch(self._relation(first, self._number(left), number), further, no)
-                self.code.begin(further)
-                self.code.branch(self._relation(second, number, self._number(right)), yes, no)
-            case _:
-                self.code.branch(self.code.truth(self._number(test)), yes, no)
-
-    def _truth(self, test: ast.expr) -> Number:
-        """A condition as a value."""
-        code = self.code
-        match test:
             case ast.Compare(left=left, ops=[sign], comparators=[right]):
-                return self._relation(sign, self._number(left), self._number(right))
-            case ast.UnaryOp(op=ast.Not(), operand=operand):
-                return code.calculation("xor", self._truth(operand), Number("true", TRUTH))
-        labels, behind = (code.label(), code.label()), code.label()
-        self._branch(test, *labels)
-        for label in labels:
-            code.begin(label)
-            code.jump(behind)
-        code.begin(behind)
-        answers = (Number("true", TRUTH), Number("false", TRUTH))
-        return code.choice(TRUTH, *zip(answers, labels, strict=True))
+                code.cbranch(self._relation(sign, self._number(left), self._number(right)), yes, no)
+            case ast.Compare(left=left, ops=[first, second], comparators=[middle, right]):
+                number, (further,) = self._number(middle), self._blocks(1)
+                code.cbranch(self._relation(first, self._number(left), number), further, no)
+                self._begin(further)
+                code.cbranch(self._relation(second, number, self._number(right)), yes, no)
+            case _:
+                number = self._number(test)
+                code.cbranch(self._relation(ast.NotEq(), number, number.type(0)), yes, no)
 
     def _relation(self, sign: ast.cmpop, a: Number, b: Number) -> Number:
+        """Whether a relation holds; nothing but != holds for what is no number."""
         if type(sign) not in _SIGNS:
             raise UntranslatableError(type(sign).__name__)
-        kind = INTEGER if a.kind == b.kind == INTEGER else FLOAT
-        return self.code.comparison(_SIGNS[type(sign)], self._as(kind, a), self._as(kind, b))
+        symbol = _SIGNS[type(sign)]
+        if a.type == b.type == INTEGER:
+            return self._code.icmp_signed(symbol, a, b)
+        compare = self._code.fcmp_unordered if symbol == "!=" else self._code.fcmp_ordered
+        return compare(symbol, self._as(DOUBLE, a), self._as(DOUBLE, b), flags=self.module.flags)
 
-    def _call(self, function: ast.expr, arguments: tuple[Number, ...]) -> Value:
+    def _call(self, function: ast.expr, arguments: list[Number]) -> Value:
         match function:
             case ast.Name(id=name) | ast.Attribute(value=ast.Name(id=name)) if name in self._locals:
                 raise UntranslatableError(f"a call of {name}, which is assigned")
-            case ast.Name(id="abs" | "float" as name) if name in self.module.names:
-                raise UntranslatableError(f"another {name}")
-            case ast.Name(id="abs") if [number.kind for number in arguments] == [FLOAT]:
-                return self._intrinsic("fabs", *arguments)
+            case ast.Name(id=name) if name in self.module.names:
+                return self._call_of_function(name, arguments)
+            case ast.Name(id="abs") if [number.type for number in arguments] == [DOUBLE]:
+                return self._external("llvm.fabs.f64", arguments)
             case ast.Name(id="float") if len(arguments) == 1:
-                return self._as(FLOAT, arguments[0])
-            case ast.Name(id=name) if hasattr(self.module.names.get(name), "py_func"):
-                given = tuple(number.kind for number in arguments)
-                declaration = self.module.declaration(name)
-                if declaration is None:
-                    arguments = tuple(map(signed, arguments))
-                wanted, declared = declaration or (given, ())
-                if len(wanted) != len(arguments):
-                    raise UntranslatableError(f"{name} of {len(arguments)} arguments")
-                arguments = tuple(map(self._as, wanted, arguments))
-                symbol, results = self.module.callee(name, wanted, declared)
-                if len(results) == 1:
-                    return self.code.call(symbol, results[0], *arguments)
-                structure = self.code.call(symbol, structure_of(results), *arguments)
-                return self.code.unpacked(structure, results)
+                return self._as(DOUBLE, arguments[0])
             case ast.Attribute(value=ast.Name(id="math"), attr="floor") if len(arguments) == 1:
-                return self.code.as_integer(self._external("floor", *map(signed, arguments)))
+                rounded = self._external("floor", [*map(signed, arguments)])
+                return self._code.fptosi(rounded, INTEGER)
             case ast.Attribute(value=ast.Name(id="numba"), attr="int64") if len(arguments) == 1:
-                return replace(self._as(INTEGER, arguments[0]), unsigned=False)
-            case ast.Attribute(value=ast.Name(id="math"), attr=name) if _INTRINSICS.get(
-                name
-            ) == len(arguments):
-                return self._intrinsic(name, *arguments)
-            case ast.Attribute(value=ast.Name(id="math"), attr=name) if _EXTERNALS.get(name) == len(
-                arguments
-            ):
-                return self._external(name, *arguments)
-        raise UntranslatableError(ast.unparse(function))
+                return self._code.add(self._as(INTEGER, arguments[0]), INTEGER(0))
+            case ast.Attribute(value=ast.Name(id="math"), attr=name):
+                if _INTRINSICS.get(name) == len(arguments):
+                    return self._external(f"llvm.{name}.f64", arguments)
+                if _EXTERNALS.get(name) == len(arguments):
+                    return self._external(name, arguments)
+        raise UntranslatableError(function)
 
-    def _intrinsic(self, name: str, *arguments: Number) -> Number:
-        return self._elsewhere(f"llvm.{name}.f64", "", arguments)
+    def _call_of_function(self, name: str, arguments: list[Number]) -> Value:
+        """What a function of the text returns."""
+        function, kinds, results = self.module.callee(name, [number.type for number in arguments])
+        if len(kinds) != len(arguments):
+            raise UntranslatableError(f"{name} of {len(arguments)} arguments")
+        given = [self._as(kind, signed(x)) for kind, x in zip(kinds, arguments, strict=True)]
+        flags = self.module.flags if len(results) == 1 and results[0] == DOUBLE else ()
+        returned = self._code.call(function, given, fastmath=flags)
+        if len(results) == 1:
+            return returned
+        return tuple(self._code.extract_value(returned, place) for place in range(len(results)))
 
-    def _external(self, name: str, *arguments: Number) -> Number:
-        return self._elsewhere(name, " readonly nounwind", arguments)
-
-    def _elsewhere(self, function: str, effects: str, arguments: tuple[Number, ...]) -> Number:
-        """A call of what this module does not define."""
-        name = self.module.external(function, len(arguments), effects)
-        return self.code.call(name, FLOAT, *(self._as(FLOAT, number) for number in arguments))
+    def _external(self, name: str, arguments: list[Number]) -> Number:
+        """What a function elsewhere returns, of floating-point numbers."""
+        function = self.module.external(name, len(arguments))
+        numbers = [self._as(DOUBLE, number) for number in arguments]
+        return self._code.call(function, numbers, fastmath=self.module.flags)
 
 
 def number_of(value: Value) -> Number:
     """A value that is one number."""
-    if not isinstance(value, Number):
+    if not isinstance(value, ir.Value):
         raise UntranslatableError(f"{type(value).__name__} in place of a number")
     return value
 
 
+def _is_entry(number: Number) -> bool:
+    """Whether it is an entry of a table of whole numbers without sign.
+
+    Numba calculates with them in another way where no number with a sign takes part.
+    """
+    return getattr(number, "opname", "") == "zext"
+
+
 def signed(number: Number) -> Number:
     """The number; UntranslatableError if it is an entry without sign, of which numba differs."""
-    if number.unsigned:
+    if _is_entry(number):
         raise UntranslatableError("an entry without sign")
     return number

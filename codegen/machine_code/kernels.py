@@ -4,14 +4,15 @@ A generated text is a module of numba. Executed here, its `numba.njit` makes `Ke
 translated for LLVM. Numba compiles a text that the translation does not know.
 """
 
-import ast
+import ctypes
 import inspect
 import tempfile
 import threading
 import zlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from functools import cache, cached_property, partial, update_wrapper
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,6 @@ from numba import types
 from numba.extending import typeof_impl
 
 from codegen.garbage_collection import collection_paused
-from codegen.machine_code import llvm_module
 from codegen.machine_code.code_folders import (
     code_folder,
     name_of_state,
@@ -31,22 +31,18 @@ from codegen.machine_code.code_folders import (
     processor,
     remove_older,
 )
-from codegen.machine_code.kernel_callers import caller
-from codegen.machine_code.llvm_instructions import (
-    FLOAT,
-    INTEGER,
-    Array,
-    Number,
-    UntranslatableError,
-)
-from codegen.machine_code.llvm_module import Declaration, LlvmModule
+from codegen.machine_code.expression_translation import UntranslatableError
+from codegen.machine_code.kernel_translation import KernelModule
 from codegen.machine_code.undocumented_names import PLAIN, global_compiler_lock
 from codegen.termination_signals import SignalDeferral
 
 _numba: Any = numba  # numba and LLVM's bindings leave their names untyped
 _types: Any = types
 _llvm: Any = binding
-_KINDS: dict[Any, str] = {types.float64: FLOAT, types.int64: INTEGER}
+_POINTER, _WHOLE = ctypes.c_void_p, ctypes.c_int64
+_WORDS = (_POINTER, _POINTER, _WHOLE, _WHOLE, _POINTER, _WHOLE, _WHOLE)  # code: of an array
+_NUMBERS: dict[Any, Any] = {types.float64: ctypes.c_double, types.int64: _WHOLE}
+_RESULTS: dict[Any, Any] = {types.none: _POINTER, **_NUMBERS}
 _compiling = threading.Lock()  # one thread at a time: all share a target machine and an engine
 
 
@@ -76,14 +72,34 @@ class Kernel(_types.WrapperAddressProtocol):  # type: ignore[misc]
 
     def __call__(self, *arguments: Any) -> Any:
         """Call it from Python; TypeError where the arguments are not those of its signature."""
-        for argument in arguments:  # numba sees no order of bytes in what is packed for a caller
-            if isinstance(argument, np.ndarray) and not argument.dtype.isnative:
-                raise TypeError(self._mismatch(arguments))
-        call = self._caller
+        result = self._result_type()
         try:
-            return call(self.address, *arguments)
-        except TypeError as error:
+            kinds = zip(self.declared.args, arguments, strict=True)
+            words = [word for kind, argument in kinds for word in _words(kind, argument)]
+        except (TypeError, ValueError) as error:
             raise TypeError(self._mismatch(arguments)) from error
+        self._entry(ctypes.byref(result), None, *words)
+        return result.value
+
+    def _result_type(self) -> Any:
+        """Room for what it returns."""
+        kind = self.signature().return_type
+        if kind not in _RESULTS:
+            known = ", ".join(map(str, _RESULTS))
+            raise TypeError(
+                f"{self.__module__}.{self.py_func.__name__} returns {kind}; Python calls kernels "
+                f"that return {known}."
+            )
+        return _RESULTS[kind]()
+
+    @cached_property
+    def _entry(self) -> Any:
+        """By numba's convention of calls, in which an array is seven arguments."""
+        parts = [
+            _WORDS if isinstance(x, _types.Array) else (_NUMBERS[x],) for x in self.declared.args
+        ]
+        words = (word for part in parts for word in part)
+        return ctypes.PYFUNCTYPE(ctypes.c_int, _POINTER, _POINTER, *words)(self.address)
 
     def _mismatch(self, arguments: tuple[Any, ...]) -> str:
         """A sentence: the parameters of the kernel, and what was given in their place."""
@@ -99,48 +115,8 @@ class Kernel(_types.WrapperAddressProtocol):  # type: ignore[misc]
             raise TypeError(f"{self.__module__}.{self.py_func.__name__} has no one signature.")
         return self.declared
 
-    @cached_property
-    def _caller(self) -> Any:
-        return caller(self.signature(), f"{self.__module__}.{self.py_func.__name__}")
-
     def __wrapper_address__(self) -> int:
         return self.c_address
-
-    @cached_property
-    def declaration(self) -> Declaration:
-        """What other functions of the text know of it."""
-        fastmath = self.options.get("fastmath") or ()
-        checks = self.options.get("boundscheck") or _numba.config.BOUNDSCHECK
-        if self.options.get("error_model") != "numpy" or fastmath is True or checks:
-            raise UntranslatableError(f"{self.py_func.__name__} is compiled with other options")
-        kinds = None
-        if (signature := self.declared) is not None and all(x in _KINDS for x in signature.args):
-            kinds = (tuple(_KINDS[x] for x in signature.args), _results(signature))
-        return Declaration(_syntax_tree(self.py_func), " ".join(sorted(fastmath)), kinds)
-
-    def described(self, symbol: str) -> llvm_module.Kernel:
-        """As numba's callers know it: an array is seven parameters of machine code."""
-        head = ["ptr noalias %.results", "ptr noalias %.exception"]
-        parameters: list[Number | Array] = []
-        names = self.py_func.__code__.co_varnames[: self.py_func.__code__.co_argcount]
-        if len(names) != len(self.declared.args):
-            raise UntranslatableError("a signature of another length")
-        for name, kind in zip(names, self.declared.args, strict=True):
-            if isinstance(kind, _types.Array):
-                if kind.ndim != 1 or kind.layout != "C" or kind.dtype not in _KINDS:
-                    raise UntranslatableError(str(kind))
-                owner = f"ptr %{name}.owner, ptr %{name}.parent, i64 %{name}.size, i64 %{name}.item"
-                head.append(f"{owner}, ptr %{name}, i64 %{name}.length, i64 %{name}.stride")
-                length = Number(f"%{name}.length", INTEGER)
-                parameters.append(Array(f"%{name}", _KINDS[kind.dtype], (length,)))
-            elif kind in _KINDS:
-                parameters.append(number := Number(f"%{name}", _KINDS[kind]))
-                head.append(str(number))
-            else:
-                raise UntranslatableError(str(kind))
-        return llvm_module.Kernel(
-            symbol, ", ".join(head), tuple(parameters), _results(self.declared)
-        )
 
 
 @typeof_impl.register(Kernel)
@@ -201,7 +177,7 @@ def _compile(path: Path, text: str, names: Mapping[str, Any]) -> None:
     state = name_of_state([text.encode()])
     symbols = [f"lw.{state}.{kernel.py_func.__name__}" for kernel in found]
     with SignalDeferral(in_commands=False), _compiling:
-        code = _kept_code(path, state, lambda: _translation(found, symbols, names))
+        code = _kept_code(path, state, lambda: _translation(text, found, symbols, names))
         engine = _engine()
         engine.add_object_file(_llvm.ObjectFileRef.from_data(code))
         engine.finalize_object()
@@ -231,17 +207,14 @@ def _kept_code(path: Path, state: str, made: Callable[[], bytes]) -> bytes:
 
 
 def _translation(
-    kernels: Sequence[Kernel], symbols: Sequence[str], names: Mapping[str, Any]
+    text: str, kernels: Sequence[Kernel], symbols: Sequence[str], names: Mapping[str, Any]
 ) -> bytes:
     """Machine code of kernels; UntranslatableError if one has more than kernels have."""
     with collection_paused():
-        flags = kernels[0].declaration.flags
-        module = LlvmModule(names, lambda one: one.declaration, f"{symbols[0]}.", flags)
+        module = KernelModule(names, text, kernels[0].options, f"{symbols[0]}.")
         for kernel, symbol in zip(kernels, symbols, strict=True):
-            if kernel.declaration.flags != flags:
-                raise UntranslatableError("kernels of several options")
-            module.add(kernel.declaration.tree, kernel.described(symbol))
-        return object_code(module.text())
+            module.add(kernel, symbol)
+        return object_code(str(module))
 
 
 def object_code(text: str) -> bytes:
@@ -291,42 +264,24 @@ def _engine() -> Any:
     return _llvm.create_mcjit_compiler(_llvm.parse_assembly(""), _target_machine())
 
 
-def _results(signature: Any) -> tuple[str, ...]:
-    """Kinds of what a function returns."""
-    result = signature.return_type
-    each: Iterable[Any] = result if isinstance(result, _types.BaseTuple) else (result,)
-    try:
-        return tuple(_KINDS[one] for one in each if one != _types.none)
-    except KeyError as error:
-        raise UntranslatableError(str(result)) from error
-
-
-def _syntax_tree(function: Any) -> ast.FunctionDef:
-    """The syntax tree of a function of a text."""
-    lines = function.__globals__["__loader__"].get_source("").split("\n")
-    code = function.__code__
-    first = code.co_firstlineno - 1  # of its decorator
-    last = first + 1
-    while last < len(lines) and lines[last][:1] in ("d", " ", ")", ""):
-        last += 1
-    try:
-        body = ast.parse("\n".join(lines[first:last])).body
-    except SyntaxError as error:
-        raise UntranslatableError(f"the text of {code.co_name}") from error
-    end = first + max(node.end_lineno or 0 for node in body)
-    whole = end >= max(line for _, line, *_ in code.co_positions() if line)
-    match body:
-        case [ast.FunctionDef(name=code.co_name) as tree] if whole:
-            return tree
-    raise UntranslatableError(f"the text of {code.co_name}")
+def _words(kind: Any, argument: Any) -> Iterator[Any]:
+    """An argument as machine code takes it; TypeError if it is of another kind."""
+    if not isinstance(kind, _types.Array):
+        is_number, number = isinstance(argument, Real), argument
+        if not is_number:
+            raise TypeError
+        yield float(number) if kind == types.float64 else int(number)
+        return
+    fits = isinstance(argument, np.ndarray) and argument.dtype == str(kind.dtype)
+    if not (fits and argument.ndim == 1 and argument.flags.carray):
+        raise TypeError
+    size, item = argument.size, argument.itemsize
+    yield from (None, None, size, item, argument.ctypes.data, size, item)
 
 
 def _kind_of_argument(argument: Any) -> str:
-    """The kind of an argument, much as numba writes it."""
-    if not isinstance(argument, np.ndarray):
-        return type(argument).__name__
-    order = "C" if argument.flags.c_contiguous else "F" if argument.flags.f_contiguous else "A"
-    more = "" if argument.flags.writeable else ", read-only"
-    if not argument.dtype.isnative:
-        more += ", not in the machine's order of bytes"
-    return f"array({argument.dtype.name}, {argument.ndim}d, {order}{more})"
+    """The kind of an argument, as numba writes it where it knows it."""
+    try:
+        return str(_numba.typeof(argument))
+    except Exception:  # it says so in many ways
+        return str(getattr(argument, "dtype", type(argument).__name__))

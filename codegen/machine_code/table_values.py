@@ -8,7 +8,7 @@ whole stage of a small mechanism.
 
 from collections.abc import Sequence
 from functools import reduce
-from typing import Any, ClassVar
+from typing import Any
 
 import numba
 import numpy as np
@@ -66,10 +66,6 @@ def array_at(
     slot: int, item: Any, lengths: Lengths, flat: bool, attributes: Sequence[str] = ()
 ) -> Any:
     """What takes an array out of a table, which may also be an attribute of tables."""
-    if PLAIN:
-        from codegen.machine_code.plain_table_values import array_at as plain
-
-        return plain(slot, item, lengths, flat, attributes)
 
     def fetch(typing_context: Any, table: Any) -> Any:
         result = _types.Array(item, 1 if flat else len(lengths), "C")
@@ -94,10 +90,6 @@ def row_at(slot: int, count: int, factor: int, part: int | None, **attributes: i
     Rows have `factor` parts, each as long as the number in slot `count`. The rows named become
     attributes of tables.
     """
-    if PLAIN:
-        from codegen.machine_code.plain_table_values import row_at as plain
-
-        return plain(slot, count, factor, part, **attributes)
 
     def fetch(typing_context: Any, table: Any, index: Any) -> Any:
         result = _types.Array(types.float64, 1, "C")
@@ -144,35 +136,52 @@ def _view(typing_context: Any, base: Any, start: Any, shape: Any) -> Any:
 view: Any = intrinsic(_view)
 
 
+_attributes: dict[str, Any] = {}  # of tables, in compiled code: name → type
+
 if not PLAIN:
 
     @_extending.infer_getattr
     class _Attributes(AttributeTemplate):  # type: ignore[misc]
-        """The arrays that tables have as attributes, in compiled code: name → type."""
+        """What numba asks for the type of an attribute."""
 
         key = types.Array
-        found: ClassVar[dict[str, Any]] = {}
 
         def generic_resolve(self, array: Any, name: str) -> Any:
-            return self.found.get(name) if array == ADDRESSES else None
+            return _attributes.get(name) if array == ADDRESSES else None
 
 
 def _declare_attribute(name: str, fetch: Any, *numbers: int) -> None:
     """Let ``table.name`` in compiled code be what the intrinsic of `fetch` takes out of a table.
 
-    `numbers` are the intrinsic's arguments behind the table. Raises ValueError if `name` is known,
-    or an attribute of every array, such as ``size``.
+    `numbers` are the intrinsic's arguments behind the table, one at most. Raises ValueError if
+    `name` is known, or an attribute of every array, such as ``size``.
     """
-    if name in _Attributes.found or hasattr(np.ndarray, name):
+    if name in _attributes or hasattr(np.ndarray, name):
         raise ValueError(f"context.{name} is taken: choose another name")
     signature, codegen = fetch(None, ADDRESSES, *[types.intp] * len(numbers))
-    _Attributes.found[name] = signature.return_type
+    _attributes[name] = signature.return_type
+    if PLAIN:
+        _declare_plainly(name, intrinsic(fetch), *numbers)
+        return
 
     def lower(context: Any, builder: Any, kind: Any, table: Any) -> Any:
         constants = [context.get_constant(types.intp, number) for number in numbers]
         return codegen(context, builder, signature, [table, *constants])
 
     _extending.lower_getattr(ADDRESSES, name)(lower)
+
+
+def _declare_plainly(name: str, take: Any, number: int | None = None) -> None:
+    """As numba's documentation has it: each attribute is a function of its own to compile."""
+
+    def attribute(table):  # type: ignore[no-untyped-def]
+        if table != ADDRESSES:
+            return None
+        if number is None:
+            return lambda table: take(table)  # noqa: PLW0108 (numba asks for the name)
+        return lambda table: take(table, number)
+
+    _extending.overload_attribute(_types.Array, name)(attribute)
 
 
 def _word(context: Any, builder: Any, arguments: Any, slot: int) -> Any:

@@ -121,11 +121,10 @@ TABLE = (
     ),
     Name(
         "numba.core.typing.templates.AttributeTemplate; numba.extending: infer_getattr, "
-        "lower_getattr; of a target context: make_array, populate_array, get_data_type, "
-        "get_abi_sizeof",
-        "arrays of a table as its attributes, borrowed, in place of `carray`",
+        "lower_getattr",
+        "arrays of a table as its attributes",
         "each attribute would be a function of its own to compile",
-        "`overload_attribute` and `carray`, as in plain_table_values",
+        "`numba.extending.overload_attribute`, which plain has",
     ),
     Name(
         "of a compiled function: overloads, library.get_pointer_to_function, "
@@ -137,9 +136,9 @@ TABLE = (
     Name(
         "of a target context: make_array, populate_array, get_data_type, get_abi_sizeof; also in "
         "plain",
-        "views of parts of an array, which count no references",
+        "arrays of a table and views of parts of an array, which count no references",
         "as the row of options",
-        "slices of arrays, which count them",
+        "`carray`, and slices of arrays, which count them",
     ),
     Name(
         "types.FunctionType: jit_addr, c_addr; of a target context: make_helper, make_array; also "

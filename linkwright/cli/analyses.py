@@ -4,6 +4,7 @@ import math
 import sys
 import tempfile
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,9 +14,18 @@ import typer
 from codegen.errors import InputError
 from codegen.object_display import counted, without_rounding
 from codegen.termination_signals import keep_results
-from linkwright.cli.options import MotionStart, Points, TEnd, examples, option, output, time
+from linkwright.cli.options import (
+    MotionStart,
+    Points,
+    Request,
+    TEnd,
+    examples,
+    option,
+    output,
+    time,
+    with_request,
+)
 from linkwright.cli.output import print_json, write_error, write_line
-from linkwright.cli.request import Request, refuse_run_options, with_request, words
 from runtime.show.file_endings import is_page
 
 if TYPE_CHECKING:
@@ -28,51 +38,50 @@ Out = Annotated[
     Path | None, output("File for the result: .nc, .zarr, .csv, .parquet, .mat or .html.")
 ]
 TStart = Annotated[float, time("First instant in s; the start values belong to t = 0.")]
-Values = dict[str, Any]
 _SHOWN = 12  # events, before it says how many more there are
 
 
 @command(epilog=examples("linkwright equilibrium four_bar.py --scene swing"))
-@partial(with_request, without=("start",))
+@with_request(without=("start",))
 def equilibrium(
     request: Request, method: Annotated[str, option("energy or settling.")] = "energy",
     t: Annotated[float, time("Instant at which the drivers stand, in s.")] = 0.0, out: Out = None,
 ) -> None:  # fmt: skip
     """Where it rests: the position of equilibrium, and whether it is stable."""
-    _carry_out(request, out, lambda machine, values: machine.equilibrium(method, t=t, **values))
+    _carry_out(
+        request, out, lambda machine: machine.equilibrium(method, t=t, **request.words(machine))
+    )
 
 
 @command(
     epilog=examples("linkwright kinematics four_bar.py --scene driven --t-end 1 --out motion.csv")
 )
-@with_request
+@with_request()
 def kinematics(
     request: Request, t_end: TEnd, t_start: TStart = 0.0, points: Points = None, out: Out = None
 ) -> None:
     """How it must move: the motion that drivers prescribe, one for every degree of freedom."""
-    _carry_out(
-        request, out,
-        lambda machine, values: machine.kinematics(
-            **_driven(request, t_start, t_end, points, values)
-        ),
-    )  # fmt: skip
+
+    def analyse(machine: "Machine") -> "Result":
+        return machine.kinematics(**_prescribed(request, machine, t_start, t_end, points))
+
+    _carry_out(request, out, analyse)
 
 
 @command("inverse-dynamics", epilog=examples(
     "linkwright inverse-dynamics four_bar.py --scene driven --t-end 1"))  # fmt: skip
 @command("inverse", epilog=examples(
     "linkwright inverse four_bar.py --scene driven --t-end 1 --out torque.csv"))  # fmt: skip
-@with_request
+@with_request()
 def inverse(
     request: Request, t_end: TEnd, t_start: TStart = 0.0, points: Points = None, out: Out = None
 ) -> None:
     """What it takes to move it so: inverse dynamics, the forces of the prescribed motion."""
-    _carry_out(
-        request, out,
-        lambda machine, values: machine.inverse_dynamics(
-            **_driven(request, t_start, t_end, points, values)
-        ),
-    )  # fmt: skip
+
+    def analyse(machine: "Machine") -> "Result":
+        return machine.inverse_dynamics(**_prescribed(request, machine, t_start, t_end, points))
+
+    _carry_out(request, out, analyse)
 
 
 @command(
@@ -82,7 +91,7 @@ def inverse(
         "linkwright simulate four_bar.py --t-end 5 --accuracy 1e-6",
     )
 )
-@with_request
+@with_request(simulates=True)
 def simulate(
     request: Request, t_end: TEnd, t_start: MotionStart = 0.0, points: Points = None,
     out: Out = None,
@@ -91,15 +100,14 @@ def simulate(
         output("Write --out, a .zarr that is not there, in chunks while the run goes on.",
                "--stream/--no-stream"),
     ] = False,
-    **run: Any,
 ) -> None:  # fmt: skip
     """How it will move: the motion under the forces that act on it."""
     if stream and out is None:
         raise InputError("--stream: name the store, --out run.zarr.")
 
-    def analyse(machine: "Machine", values: Values) -> "Result":
-        store = {"out": out} if stream else {}
-        return _simulated(machine, t_end, t_start, points, words(run, values) | store)
+    def analyse(machine: "Machine") -> "Result":
+        words = _with_instants(request.words(machine), points)
+        return machine.simulate(t_end, t_start=t_start, **words, out=out if stream else None)
 
     _carry_out(request, out, analyse, stream=stream)
 
@@ -108,60 +116,52 @@ def simulate(
     rich_help_panel="Show",
     epilog=examples("linkwright report four_bar.py --t-end 5 --out run.html"),
 )
-@with_request
+@with_request(simulates=True)
 def report(
     request: Request, out: Annotated[Path, output("The page to write, .html.")],
-    t_end: TEnd = 1.0, t_start: MotionStart = 0.0, points: Points = None, **run: Any,
+    t_end: TEnd = 1.0, t_start: MotionStart = 0.0, points: Points = None,
 ) -> None:  # fmt: skip
     """Write a page about a run: a simulation, or the driven motion where no freedom is left."""
     if not is_page(out):
         raise InputError(f"{out}: a report is an .html page. Change the ending.")
 
-    def analyse(machine: "Machine", values: Values) -> "Result":
+    def analyse(machine: "Machine") -> "Result":
         if not (machine.description.drivers and machine.is_determined):
-            return _simulated(machine, t_end, t_start, points, words(run, values))
-        refuse_run_options(run, machine.description.title)
-        inverse = machine.description.has_masses
-        driven = machine.inverse_dynamics if inverse else machine.kinematics
-        return driven(**_driven(request, t_start, t_end, points, values))
+            words = _with_instants(request.words(machine), points)
+            return machine.simulate(t_end, t_start=t_start, **words)
+        request.refuse_run_options(machine.description.title)
+        has_masses = machine.description.has_masses
+        driven = machine.inverse_dynamics if has_masses else machine.kinematics
+        return driven(**_prescribed(replace(request, run={}), machine, t_start, t_end, points))
 
     _carry_out(request, out, analyse)
 
 
-def _simulated(
-    machine: "Machine", t_end: float, t_start: float, points: int | None, words: Values
-) -> "Result":
-    t_eval = _instants(words, points)
-    return machine.simulate(t_end, t_start=t_start, t_eval=t_eval, **words)
+def _with_instants(words: dict[str, Any], points: int | None) -> dict[str, Any]:
+    """With the output instants: as many as an option or a case says, or those of the case."""
+    listed = words.pop("t_eval", None)
+    return {**words, "t_eval": points or (501 if listed is None else listed)}
 
 
-def _driven(
-    request: Request, t_start: float, t_end: float, points: int | None, values: Values
-) -> Values:
-    """The arguments of a prescribed motion; the start values of a case belong to its first instant.
-
-    A condition that ends a simulation is none of them.
-    """
-    t_eval = _instants(values, points)
-    values.pop("until", None)
+def _prescribed(
+    request: Request, machine: "Machine", t_start: float, t_end: float, points: int | None
+) -> dict[str, Any]:
+    """The words of a prescribed motion; the start values of a case belong to its first instant."""
+    words = _with_instants(request.words(machine), points)
     if request.case is not None:
-        return {"t_end": t_end, "t_eval": t_eval, "t_start": t_start, **values}
+        return {"t_end": t_end, "t_start": t_start, **words}
     if not (math.isfinite(t_start) and math.isfinite(t_end) and t_end > t_start):
         raise InputError(
             f"The time span from {t_start:g} to {t_end:g} s must be finite and positive."
         )
-    step = (t_end - t_start) / (t_eval - 1)
-    return {"t_end": [*(t_start + k * step for k in range(t_eval - 1)), t_end], **values}
+    import numpy as np
 
-
-def _instants(values: Values, points: int | None) -> Any:
-    """The output instants: as many as an option or a case says, or those that the case lists."""
-    listed = values.pop("t_eval", None)
-    return points or (501 if listed is None else listed)
+    count = words.pop("t_eval")
+    return {**words, "t_end": np.linspace(t_start, t_end, count)}
 
 
 def _carry_out(
-    request: Request, out: Path | None, analyse: "Callable[[Machine, Values], Result]", *,
+    request: Request, out: Path | None, analyse: "Callable[[Machine], Result]", *,
     stream: bool = False,
 ) -> None:  # fmt: skip
     """Load, analyse, save and summarise; ends the process with the exit status."""
@@ -171,7 +171,7 @@ def _carry_out(
         check_place(out)
     machine = request.machine()
     keep_results()
-    result = analyse(machine, request.values(machine))
+    result = analyse(machine)
     saved = out if stream or out is None else save(result, out)
     failed = result.failed or saved != out
     error = [] if result.accuracy is None else result.accuracy.sentences()[1:]

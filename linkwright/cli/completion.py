@@ -10,7 +10,7 @@ from pathlib import Path
 import typer
 
 from codegen.files.library_folders import LIBRARY, model_names, models_folder
-from linkwright.cli.model_text import ModelText, find_model_text
+from linkwright.cli.model_listing import ModelText, find_model_text
 
 MODELS_TO_START_FROM = ("four-bar", "slider-crank", "pendulum", "cam-follower")
 """Kinds of models that `new` writes: each is a file of `linkwright/templates`."""

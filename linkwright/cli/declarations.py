@@ -2,11 +2,13 @@
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from codegen.errors import InputError
+from codegen.emit.line_wrapping import quantity
+from codegen.errors import GeneratedFileError, InputError
+from codegen.readers.names import name_problem, nearest
 from linkwright.cli import completion
 from linkwright.cli.compilation import refuse_stale
 from linkwright.cli.options import (
@@ -27,14 +29,20 @@ from linkwright.cli.output import (
     console,
     escaped,
     print_json,
+    print_rows,
     progress_shown,
     write_error,
     write_line,
 )
 
+if TYPE_CHECKING:
+    from codegen.explain.declaration_report import DeclarationReport, SceneFacts
+
 app = typer.Typer()
 command = partial(app.command, rich_help_panel="Declare")
 KINDS = completion.MODELS_TO_START_FROM
+_MOVED = 3  # layout: coordinates that are listed
+_SINGULAR = {"bodies": "body", "parameters": "parameter"}
 
 
 @command(epilog=examples("linkwright new four_bar", "linkwright new press --kind slider-crank"))
@@ -49,12 +57,33 @@ def new(
     ] = "four-bar",
 ) -> None:  # fmt: skip
     """Write a commented model to start from into the working folder; it overwrites nothing."""
-    from linkwright.cli.new_model import first_commands, write_model
+    stem, kind = name.removesuffix(".py"), kind.replace("_", "-")
+    if kind not in KINDS:
+        raise InputError(
+            f"there is no model to start from of kind {kind!r}; {nearest(kind, KINDS)}"
+        )
+    if problem := name_problem("model", stem):
+        raise InputError(problem)
+    path, text = Path(f"{stem}.py"), template(kind).replace("NAME", stem)
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise InputError(
+            f"{path} is there already, and stays as it is; give another name, or delete it first."
+        ) from None
+    except OSError as error:
+        raise GeneratedFileError(f"{path} cannot be written: {error.strerror or error}.") from error
+    typer.echo(f"{path}: a {kind} to start from. Next:")
+    for line in text.splitlines():
+        if line.startswith("    linkwright "):
+            typer.echo(line.removeprefix("  "))
 
-    path = write_model(name, kind)
-    typer.echo(f"{path}: a {kind.replace('_', '-')} to start from. Next:")
-    for line in first_commands(path, kind):
-        typer.echo(f"  {line}")
+
+def template(kind: str) -> str:
+    """The text of a model to start from, with NAME where its name stands."""
+    path = Path(__file__).parents[1] / "templates" / f"{kind.replace('-', '_')}.py"
+    return path.read_text(encoding="utf-8")
 
 
 @command("list", epilog=examples("linkwright list", "linkwright list ."))
@@ -150,7 +179,6 @@ def check(
     where something is wrong.
     """
     from codegen.explain.declaration_report import check_declaration
-    from linkwright.cli.declaration_display import show
 
     values = parameters(settings)
     with progress_shown() as progress:
@@ -160,9 +188,74 @@ def check(
     if as_json:
         print_json(report.facts())
     else:
-        show(report, model)
+        _show_declaration(report, model)
     if report.problems:
         raise typer.Exit(2)
+
+
+def _show_declaration(report: "DeclarationReport", model: str) -> None:
+    """Print the facts of the sound scenes, and what no scene uses."""
+    for scene in report.scenes:
+        if not scene.problem:
+            title = f"[bold]{escaped(report.model)}[/], scene [bold]{escaped(scene.scene)}[/]"
+            console().print(f"{title}: sound")
+            print_rows(_rows(scene))
+    for kind, names in report.unused.items():
+        word = kind if len(names) > 1 else _SINGULAR.get(kind, kind.removesuffix("s"))
+        console().print(f"No scene uses {word} {escaped(', '.join(names))}.")
+    if not report.problems and report.scenes:
+        console().print(f"Next: linkwright {escaped(_next_command(report.scenes[0], model))}")
+
+
+def _rows(scene: "SceneFacts") -> list[tuple[str, str]]:
+    """Titles and texts of a scene."""
+    numbers = {
+        "coordinate": scene.coordinates,
+        "constraint": scene.constraints,
+        "degree of freedom": scene.degrees_of_freedom,
+    }
+    counts = ", ".join(quantity(count, noun) for noun, count in numbers.items())
+    found = [
+        ("bodies", ", ".join(scene.bodies)),
+        ("equations", f"{counts}; {'some redundant' if scene.notes else 'none redundant'}"),
+        ("assembly", _assembly(scene)),
+    ]
+    if scene.one_joint and scene.degrees_of_freedom:
+        ends = ", ".join(f"{body} ({joint})" for body, joint in scene.one_joint.items())
+        found.append(("one joint", ends))
+    left_out = [", ".join(scene.left_out)] if scene.left_out else []
+    if unused := scene.unused_parameters:
+        left_out.append(f"parameter{'s' * (len(unused) > 1)} {', '.join(unused)}")
+    if left_out:
+        found.append(("left out", "; ".join(left_out)))
+    return [*found, *(("note", note) for note in scene.notes)]
+
+
+def _assembly(scene: "SceneFacts") -> str:
+    """`the joints close, within 2e-16, and move 3 coordinates: rod.x 0.15 → 0.145 m`."""
+    if not scene.constraints:
+        return "there are no joints to close"
+    text = f"the joints close at t = 0, within {scene.gap:.1e} m or rad"
+    if not scene.moved:
+        return f"{text}, where the scene puts the bodies"
+    moved = [f"{one.name} {one.guess:.4g} → {one.reached:.4g} {one.unit}" for one in scene.moved]
+    more = len(moved) - _MOVED
+    return (
+        f"{text}; this moves {quantity(len(moved), 'coordinate')}: {', '.join(moved[:_MOVED])}"
+        f"{f', and {more} more' if more > 0 else ''}"
+    )
+
+
+def _next_command(scene: "SceneFacts", model: str) -> str:
+    """The command that fits a scene."""
+    if scene.analysis == "equilibrium":
+        return f"equilibrium {model} --scene {scene.scene}"
+    command = "simulate"
+    if scene.analysis == "kinematics":
+        command = "kinematics"
+    elif scene.drivers and not scene.degrees_of_freedom:
+        command = "inverse"
+    return f"{command} {model} --scene {scene.scene} --t-end 1"
 
 
 @command(

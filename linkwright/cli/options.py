@@ -1,14 +1,31 @@
-"""Arguments and options that several commands share, in the panels of their help."""
+"""Options that several commands share: the machine, its values, and a simulation's own.
 
-from functools import partial
+A case file may stand in place of MODEL: its values hold where no option gives another one.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, fields
+from functools import partial, wraps
+from inspect import Parameter, signature
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from codegen.errors import InputError, ParameterError
 from codegen.files.library_folders import model_names
+from codegen.readers.quantities import read_condition
 from linkwright.cli import completion
+from runtime.integrate.problem import OPTIONS, SimulationOption
+
+if TYPE_CHECKING:
+    import codegen
+    from runtime.cases.case import Case
+    from runtime.machine_facade import Machine
+
+_CASES = (".yaml", ".yml", ".json")
+_OTHER_MEANING = {"accuracy": {"method", "formulation", "points"}, "matters": {"points"}}
+"""Options of a study that are no word of a run, though they have its name."""
 
 
 def examples(*lines: str) -> str:
@@ -36,12 +53,15 @@ method = partial(integration, metavar="METHOD", autocompletion=completion.method
 formulation = partial(integration, metavar="FORM", autocompletion=completion.formulations)
 
 
-def only_model() -> str:
-    """The model file of the working folder where there is one alone; InputError otherwise."""
+def given_or_only(context: typer.Context, model: Any) -> Any:
+    """The models that are given, or the only one of the working folder; InputError without one."""
+    if model or context.resilient_parsing:
+        return model
     here = Path.cwd()
     local = model_names(here)
     if len(local) == 1 and here.name != "models":
-        return f"{local[0]}.py"
+        only = f"{local[0]}.py"
+        return [only] if isinstance(model, list) else only
     if not local:
         raise InputError(
             "no model is given, and this folder has none. Give the path of a model file or the "
@@ -51,23 +71,58 @@ def only_model() -> str:
     raise InputError(f"no model is given, and this folder has several: {some}. Give one of them.")
 
 
-def given_or_only(context: typer.Context, model: Any) -> Any:
-    """The models that are given, or the only one of the working folder."""
-    if model or context.resilient_parsing:
-        return model
-    return [only_model()] if isinstance(model, list) else only_model()
+def _model_or_case(context: typer.Context, given: str) -> Any:
+    """The model, or the case of that name, whose words become defaults of the options."""
+    if context.resilient_parsing or not given.lower().endswith(_CASES):
+        return str(given_or_only(context, given))
+    from runtime.cases.case import load_case
+
+    case = load_case(given)
+    context.default_map = {**(context.default_map or {}), **_options_of(case, context)}
+    return case
 
 
-FILE = "Path of a model file, or a name: models/NAME.py."
-model = partial(
+def _options_of(case: "Case", context: typer.Context) -> dict[str, Any]:
+    """The words of a case by the names of the options that they stand for."""
+    from runtime.cases.fields import read_run
+    from runtime.core.kinds import ANALYSES, analysis_name
+
+    command = context.info_name or ""
+    analysis, asked = analysis_name(command), case.analysis.replace("_", "-")
+    if analysis in ANALYSES and analysis != case.analysis:
+        raise InputError(
+            f"{case.path}: the case asks for {asked}, and the command is {command}. Run: "
+            f"linkwright {asked} {case.path}"
+        )
+    words = read_run(case.analysis, case.run)
+    words.pop("until", None)  # which joins those of the option
+    if type(instants := words.pop("t_eval", None)) is int:
+        words["points"] = instants
+    if isinstance(case.scene, str):
+        words["scene"] = case.scene
+    if case.analysis != ANALYSES[0]:
+        words["analysis"] = asked  # of studies
+    if command == "sweep" and case.analysis == "equilibrium":
+        if "t" in words:
+            words["t_start"] = words.pop("t")
+        if "method" in words:
+            raise InputError(
+                f"{case.path}: a sweep finds equilibria by the usual method; leave run.method out."
+            )
+    left_out = _OTHER_MEANING.get(command, set())
+    return {name: value for name, value in words.items() if name not in left_out}
+
+
+_FILE = "Path of a model file, or a name: models/NAME.py."
+_model = partial(
     typer.Argument,
     metavar="MODEL",
     show_default="the only one of the folder",
     callback=given_or_only,
     autocompletion=completion.models,
 )
-ModelFile = Annotated[str, model(help=FILE, default_factory=str)]
-ModelFiles = Annotated[list[str], model(help=f"{FILE} One or several.", default_factory=list)]
+ModelFile = Annotated[str, _model(help=_FILE, default_factory=str)]
+ModelFiles = Annotated[list[str], _model(help=f"{_FILE} One or several.", default_factory=list)]
 Scene = Annotated[str | None, scene("Scene of the model; the first unless given.")]
 AnyScene = Annotated[str | None, scene("One scene; all unless given.")]
 Values = Annotated[
@@ -93,6 +148,162 @@ Check = Annotated[bool, output("Write nothing; fail if a file is out of date.", 
 Json = Annotated[bool, output("Print one JSON object on stdout.", "--json")]
 
 
+@dataclass(frozen=True)
+class Request:
+    """The machine and the values that a command is about, as its options give them."""
+
+    model: Annotated[
+        str,
+        _model(
+            help=f"{_FILE} Or a case, .yaml or .json, whose values hold where no option gives "
+            "another one.",
+            default_factory=str,
+            callback=_model_or_case,  # which may put a case in its place
+            is_eager=True,
+        ),
+    ]
+    scene: Scene = None
+    settings: Values = None
+    start: Annotated[list[str] | None, pair("A start value that is kept, in SI units.")] = None
+    guess: Annotated[
+        list[str] | None,
+        pair("Where the search for a start begins, in SI units; no name that is fixed."),
+    ] = None
+    generated: Generated = None
+    as_json: Json = False
+    run: dict[str, Any] = field(default_factory=dict)  # the options of a simulation
+
+    @property
+    def case(self) -> "Case | None":
+        """The case that stands in place of the model."""
+        given: Any = self.model
+        return None if isinstance(given, str) else given
+
+    def source(self) -> "tuple[str | codegen.Model, str | codegen.Scene | None]":
+        """The model and the scene, as `load` and the studies take them."""
+        if self.case is None:
+            return self.model, self.scene
+        return (self.case.model_path, self.scene) if self.scene else self.case.source()
+
+    def machine(self) -> "Machine":
+        """The machine."""
+        from runtime.machine_loading import load
+
+        if self.case is not None and self.scene is None:
+            return self.case.machine(generated=self.generated)
+        return load(*self.source(), generated=self.generated)
+
+    def words(self, machine: "Machine | None" = None, varied: Iterable[str] = ()) -> dict[str, Any]:
+        """The words of an analysis: `parameters`, `guess`, `start` where given, and of its run.
+
+        The options stand over the values of a case, which may bring instants besides where the
+        machine is known; without it, that of the case is loaded for its units. Conditions of both
+        hold. Names that a sweep has `varied` are left out of the case.
+        """
+        problems = list[str]()
+        given: dict[str, dict[str, Any]] = {
+            "parameters": assigned("--set", self.settings, problems),
+            "guess": assigned("--guess", self.guess, problems),
+        }
+        if self.start:
+            given["start"] = assigned("--start", self.start, problems)
+        if self.run:
+            given["until"] = _conditions(self.run["until"] or (), problems)
+        if problems:
+            raise InputError(problems)
+        of_case: dict[str, Any] = {}
+        if self.case is not None:
+            words = self.case.words(machine or self.case.machine())
+            kept = {*given, "start", *(("t_eval",) if machine else ())}
+            of_case = {name: value for name, value in words.items() if name in kept}
+            for word in of_case.keys() & {"parameters", "start"}:
+                of_case[word] = {k: v for k, v in of_case[word].items() if k not in varied}
+        joined = {word: of_case.get(word, {}) | values for word, values in given.items()}
+        if self.run:
+            joined["until"] = joined["until"] or None
+        return {**self.run, **of_case, **joined}
+
+    def refuse_run_options(self, title: str) -> None:
+        """Raise InputError where one is given that a prescribed motion would ignore."""
+        given = [
+            "--quantity" if name == "quantities" else f"--{name.replace('_', '-')}"
+            for name, value in self.run.items()
+            if value not in (None, [], _OF_RUNS[name].default)
+        ]
+        if given:
+            raise InputError(
+                f"{title}: drivers prescribe the motion, and nothing is integrated, so "
+                f"{', '.join(given)} would be ignored. Leave out what a simulation takes."
+            )
+
+
+_KINDS: dict[str, Any] = {
+    "number": float | None, "seconds": float | None, "count": int | None, "text": str | None,
+    "names": list[str] | None, "conditions": list[str] | None,
+}  # fmt: skip
+_LOOKS: dict[str, dict[str, Any]] = {
+    "quantities": {
+        "names": ("--quantity",), "metavar": "SERIES", "autocompletion": completion.quantities,
+        "text": "With --accuracy: a series whose error counts; all coordinates and velocities "
+        "unless given.",
+    },
+    "until": {
+        "metavar": "CONDITION",
+        "text": '"NAME: SERIES > VALUE", or with <: the run ends where this begins to hold; again '
+        "for more.",
+    },
+    "method": {"metavar": "METHOD", "autocompletion": completion.methods},
+    "formulation": {"metavar": "FORM", "autocompletion": completion.formulations},
+    "correction": {"metavar": "WAY", "autocompletion": completion.corrections},
+    "max_steps": {"min": 1},
+}  # fmt: skip
+
+
+def _parameter(of: SimulationOption) -> Parameter:
+    """An option of a simulation as Typer takes it."""
+    look = {"text": of.about, "names": (), **_LOOKS.get(of.name, {})}
+    kind = str if of.default is not None else _KINDS[of.kind]
+    annotated: Any = Annotated
+    return Parameter(
+        of.name, Parameter.KEYWORD_ONLY, default=of.default,
+        annotation=annotated[kind, integration(look.pop("text"), *look.pop("names"), **look)],
+    )  # fmt: skip
+
+
+_OF_RUNS = {one.name: one for one in map(_parameter, (o for o in OPTIONS if o.of_commands))}
+
+
+def with_request(
+    *, simulates: bool = False, without: tuple[str, ...] = ()
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """A decorator: the command with the options of its `Request`, and of a simulation.
+
+    Those that the command has itself, and those `without`, are left out.
+    """
+
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        _, *own = signature(command).parameters.values()
+        left_out = {*without, "run", *(parameter.name for parameter in own)}
+        of_runs = {k: p for k, p in _OF_RUNS.items() if simulates and k not in left_out}
+        of_request = [p for p in signature(Request).parameters.values() if p.name not in left_out]
+        first, *rest = (p.replace(kind=Parameter.KEYWORD_ONLY) for p in of_request)
+
+        @wraps(command)
+        def taking(**options: Any) -> None:
+            run = {name: options.pop(name) for name in of_runs}
+            words = {f.name: options.pop(f.name) for f in fields(Request) if f.name in options}
+            command(Request(**words, run=run), **options)
+
+        taken = [first, *own, *rest, *of_runs.values()]
+        taken = [p.replace(kind=Parameter.KEYWORD_ONLY) for p in taken]
+        about: Any = taking
+        about.__signature__ = signature(command).replace(parameters=taken)
+        about.__annotations__ = {p.name: p.annotation for p in taken}
+        return taking
+
+    return decorate
+
+
 def assigned(option: str, texts: list[str] | None, problems: list[str]) -> dict[str, float]:
     """The values of an option that takes NAME=VALUE; what is wrong joins the problems."""
     values = dict[str, float]()
@@ -115,3 +326,24 @@ def parameters(settings: list[str] | None) -> dict[str, float]:
     if problems:
         raise ParameterError(problems)
     return values
+
+
+def _conditions(texts: Iterable[str], problems: list[str]) -> dict[str, tuple[str, str, float]]:
+    """Conditions that end a run, of the form ``home: body.x > 3``."""
+    found = dict[str, tuple[str, str, float]]()
+    for text in texts:
+        name, _, condition = text.partition(":")
+        name = name.strip()
+        try:
+            series, sign, number = read_condition(condition if name else "")
+            value = float(number)
+        except ValueError:
+            problems.append(
+                f'--until "{text}": write "NAME: SERIES > VALUE", or with <, such as '
+                '"home: body.x > 3": a name, a series of the result and a number.'
+            )
+            continue
+        if name in found:
+            problems.append(f'--until "{text}": {name!r} names another condition already.')
+        found[name] = series, sign, value
+    return found

@@ -15,6 +15,7 @@ from linkwright.cli.options import (
     MotionStart,
     OptionalTEnd,
     Points,
+    Request,
     examples,
     formulation,
     integration,
@@ -24,18 +25,17 @@ from linkwright.cli.options import (
     series,
     study,
     time,
+    with_request,
 )
 from linkwright.cli.output import print_json, write_line
-from linkwright.cli.request import Request, with_request, words
 
 app = typer.Typer()
 command = partial(app.command, rich_help_panel="Study")
 quantity_of_study = partial(series, panel="Study")
-study = partial(study)
 
 
 @command(epilog=examples("linkwright accuracy four_bar.py --scene swing --t-end 1 --quick"))
-@partial(with_request, without=("accuracy", "quantities", "rtol", "correction"))
+@with_request(simulates=True, without=("accuracy", "quantities", "rtol", "correction"))
 def accuracy(
     request: Request,
     quantity: Annotated[
@@ -74,7 +74,6 @@ def accuracy(
     out: Annotated[
         Path | None, output("Folder for the picture and the runs as JSON lines.")
     ] = None,
-    **run: Any,
 ) -> None:  # fmt: skip
     """What each digit costs: digits against time, by method, formulation and modelling choice."""
     from runtime.integrate.method import METHODS
@@ -89,8 +88,7 @@ def accuracy(
             methods=tuple(method or METHODS), formulations=tuple(formulation or FORMULATIONS),
             points=points, reference=reference, modelling=modelling, beside=tuple(beside or ()),
             building=building, quick=quick, limit=limit, generated=request.generated,
-            progress=write_line,
-            **words(run, request.values()),
+            progress=write_line, **request.words(),
         ),
     )  # fmt: skip
     if not request.as_json:
@@ -106,7 +104,7 @@ def accuracy(
         "linkwright matters four_bar.py --scene swing --t-end 2 --quantity max:rocker.phi"
     )
 )
-@partial(with_request, without=("accuracy", "quantities"))
+@with_request(simulates=True, without=("accuracy", "quantities"))
 def matters(
     request: Request,
     quantity: Annotated[
@@ -138,7 +136,6 @@ def matters(
         int | None, study("Timed runs of each scene; the least time counts.")
     ] = None,
     out: Annotated[Path | None, output("Picture: .png, .svg or .pdf.")] = None,
-    **run: Any,
 ) -> None:  # fmt: skip
     """Which effects a quantity needs: its change without each of them, and the time that saves."""
     from codegen.presentation import check_picture
@@ -151,8 +148,7 @@ def matters(
             *request.source(), asked=quantity, t_end=t_end, t_start=t_start, error=error,
             analysis=analysis, fidelities=fidelities, method=method, formulation=formulation,
             rtol=rtol, points=points, rounds=rounds, generated=request.generated,
-            progress=write_line,
-            **words(run, request.values()),
+            progress=write_line, **request.words(),
         ),
     )  # fmt: skip
     if not request.as_json:
@@ -184,7 +180,7 @@ def _carry_out(
         "linkwright sweep four_bar.py --t-end 2 --over AB=0.06:0.1:9 --quantity C.fx --out s.zarr"
     )
 )
-@partial(with_request, without=("quantities",))
+@with_request(simulates=True, without=("quantities",))
 def sweep(
     request: Request,
     over: Annotated[
@@ -231,7 +227,6 @@ def sweep(
         Path | None,
         output("Picture of the first quantity: .png, .svg or .pdf."),
     ] = None,
-    **run: Any,
 ) -> None:  # fmt: skip
     """Run a scene for many values of its parameters, into a Zarr store; it can be resumed."""
     from codegen.presentation import check_picture, save_picture
@@ -239,32 +234,25 @@ def sweep(
 
     if picture is not None:
         check_picture(picture)
-    if points is None:
-        _refuse_listed_instants(request)
-    keep_results()
-    varied = {text.partition("=")[0].strip() for text in over}
-    values = request.values(varied=varied)
-    study = make(
-        *request.source(), over=over, quantities=quantity, out=out, t_end=t_end, t_start=t_start,
-        sample=sample, count=count, seed=seed, keep=tuple(keep or ()), points=points or 501,
-        analysis=analysis, workers=workers, scheduler=scheduler, resume=resume,
-        generated=request.generated, **words(run, values),
-    )  # fmt: skip
-    good = study.complete and "OK" in study.outcomes
-    for line in repr(study).splitlines():
-        write_line(line)
-    if picture is not None and study.complete:
-        save_picture(study.plot(), picture)
-        write_line(f"  Saved: {picture}")
-    if request.as_json:
-        print_json({"ok": good, **study.facts()})
-    raise typer.Exit(0 if good else 1)
-
-
-def _refuse_listed_instants(request: Request) -> None:
-    """Raise InputError where a case lists instants, in the place of which others would be taken."""
-    if request.case is not None and isinstance(request.case.run.get("t_eval"), list | str):
+    if points is None and request.case and isinstance(request.case.run.get("t_eval"), list | str):
         raise InputError(
             f"{request.case.path}: run.t_eval lists output instants, and a sweep takes so many at "
             "equal distances; give their number, in the case or by --points."
         )
+    keep_results()
+    varied = {text.partition("=")[0].strip() for text in over}
+    done = make(
+        *request.source(), over=over, quantities=quantity, out=out, t_end=t_end, t_start=t_start,
+        sample=sample, count=count, seed=seed, keep=tuple(keep or ()), points=points or 501,
+        analysis=analysis, workers=workers, scheduler=scheduler, resume=resume,
+        generated=request.generated, **request.words(varied=varied),
+    )  # fmt: skip
+    good = done.complete and "OK" in done.outcomes
+    for line in repr(done).splitlines():
+        write_line(line)
+    if picture is not None and done.complete:
+        save_picture(done.plot(), picture)
+        write_line(f"  Saved: {picture}")
+    if request.as_json:
+        print_json({"ok": good, **done.facts()})
+    raise typer.Exit(0 if good else 1)

@@ -20,7 +20,6 @@ import numpy.typing as npt
 from numba import types
 
 from codegen.files.library_folders import LIBRARY, methods_folder
-from codegen.machine_code import compiled_functions
 from codegen.machine_code.compiled_functions import (
     address_of,
     compiled_function,
@@ -106,13 +105,6 @@ def at(function_type: types.FunctionType, slot: int) -> Callable[[Any], Any]:
     Nothing checks that it has the type; a table and its slots are defined side by side.
     """
     return cast(Callable[[Any], Any], function_at(function_type, slot))
-
-
-def compile_functions(module: str) -> None:
-    """Compile or load the functions of a module that wait to be needed."""
-    for function in [*compiled_functions.functions]:
-        if function.__module__ == module:
-            prepare(function)
 
 
 def _made(

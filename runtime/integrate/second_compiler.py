@@ -1,9 +1,9 @@
-"""A second process that compiles the loop beside the first run, on another core.
+"""Other processes that compile beside this one, each on a core of its own.
 
 From nothing, one core compiles the loop for a quarter of a minute. While the first run compiles its
-parts from the first to the last, this process compiles them from the last to the first; each takes
-what the other has compiled from the cache, and waits for what the other is compiling. The result
-is the same with one process and with two.
+parts from the first to the last, a second process compiles them from the last to the first; each
+takes what the other has compiled from the cache, and waits for what the other is compiling. The
+result is the same with one process and with several.
 """
 
 import atexit
@@ -24,12 +24,12 @@ from runtime.processors import available_cores
 
 PROGRAM = """
 import json, sys
-sys.path[:], functions = json.loads(sys.argv[1])
+sys.path[:], call = json.loads(sys.argv[1])
 import linkwright
-from runtime.integrate.second_compiler import compile_until_parent_ends
-compile_until_parent_ends(functions)
+from runtime.integrate.second_compiler import call_until_parent_ends
+call_until_parent_ends(*call)
 """
-"""Its argument holds the path of modules, and (module, name) of each function.
+"""Its argument holds the path of modules, and a function's module, name and arguments.
 
 `linkwright` finds our packages, also where the user's folder has a file `runtime.py`.
 """
@@ -48,31 +48,42 @@ def can_start() -> bool:
 
 def compile_beside(functions: Sequence[Any]) -> None:
     """Have one other process compile functions, from the last to the first, if there is a core."""
-    if not can_start() or any(process.poll() is None for process in _running):
+    if not any(process.poll() is None for process in _running):
+        names = [(function.__module__, function.__name__) for function in reversed(functions)]
+        call_beside(__name__, "compile_named", names)
+
+
+def compile_named(*names: tuple[str, str]) -> None:
+    """Compile functions by (module, name)."""
+    for module, name in names:
+        prepare(getattr(import_module(module), name))
+
+
+def call_beside(module: str, name: str, arguments: Sequence[Any]) -> None:
+    """Call a function in another process, which ends with this one, if there is a core."""
+    if not can_start():
         return
-    names = [(function.__module__, function.__name__) for function in reversed(functions)]
     entries: list[Any] = sys.path  # other entries than texts mean nothing to Python
     path = [entry for entry in entries if isinstance(entry, str)]
     group: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
-    quiet = subprocess.DEVNULL
+    quiet, argument = subprocess.DEVNULL, json.dumps([path, (module, name, arguments)])
     with contextlib.suppress(OSError):  # no process can be started: one compiles alone
         _running.append(
             subprocess.Popen(
-                [sys.executable, "-P", "-c", PROGRAM, json.dumps([path, names])],
+                [sys.executable, "-P", "-c", PROGRAM, argument],
                 stdin=subprocess.PIPE, stdout=quiet, stderr=quiet, **group,
             )
         )  # fmt: skip
 
 
-def compile_until_parent_ends(functions: Sequence[tuple[str, str]]) -> None:
-    """Compile functions by (module, name), until the process that started this one has ended.
+def call_until_parent_ends(module: str, name: str, arguments: Sequence[Any]) -> None:
+    """Call a function, until the process that started this one has ended.
 
     Nothing looks for garbage meanwhile: that took a tenth of the time, and the end frees all.
     """
     gc.disable()
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    for module, name in functions:
-        prepare(getattr(import_module(module), name))
+    getattr(import_module(module), name)(*arguments)
     os._exit(0)  # nobody waits until Python has freed every object
 
 

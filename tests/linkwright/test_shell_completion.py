@@ -12,7 +12,7 @@ from codegen.elements.registry import kinds_of_elements
 from codegen.reading.model_file import read_model
 from linkwright.cli import completion
 from linkwright.cli.application import app
-from linkwright.cli.model_text import models_in, read_model_text
+from linkwright.cli.model_listing import models_in, read_model_text
 from runtime.integrate.method import METHODS
 
 MODEL = '''"""A stone.

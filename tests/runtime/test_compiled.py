@@ -19,7 +19,6 @@ from runtime.core.jit import (
     addressed,
     addresses,
     at,
-    compile_functions,
     compiled,
     inner,
 )
@@ -127,14 +126,6 @@ def test_threads_that_call_a_function_at_once_compile_it_once() -> None:
         thread.join()
     assert answers == [-1.0] * 8
     assert len(function.overloads) == 1
-
-
-def test_the_functions_of_a_module_are_compiled_together() -> None:
-    mine, other = (compiled(F8(F8))(_negative) for _ in range(2))
-    other.__module__ = "elsewhere"
-    compile_functions(__name__)
-    assert mine.overloads  # type: ignore[attr-defined]
-    assert not other.overloads  # type: ignore[attr-defined]
 
 
 def test_every_file_with_compiled_code_counts_in_the_stamp() -> None:

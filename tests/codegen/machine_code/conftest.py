@@ -30,8 +30,8 @@ def translated(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     names: list[str] = []
     translate = kernels._translation
 
-    def recorded(found: Any, *arguments: Any) -> bytes:
-        code = translate(found, *arguments)
+    def recorded(text: str, found: Any, *arguments: Any) -> bytes:
+        code = translate(text, found, *arguments)
         names.extend(kernel.py_func.__name__ for kernel in found)
         return code
 

@@ -89,9 +89,9 @@ def test_other_arguments_are_refused(module: ModuleType, arguments: tuple[object
 
 
 def test_what_was_given_is_named(module: ModuleType) -> None:
-    with pytest.raises(TypeError, match=r"with \(array\(float32, 1d, A\), str\)\.$"):
+    with pytest.raises(TypeError, match=r"with \(array\(float32, 1d, A\), unicode_type\)\.$"):
         module.number(np.zeros(4, np.float32)[::2], "1")
-    with pytest.raises(TypeError, match="float64, 1d, C, not in the machine's order of bytes"):
+    with pytest.raises(TypeError, match=r"with \(>f8, float64\)"):
         module.number(np.ones(2, np.dtype(float).newbyteorder()), 1.0)
     with pytest.raises(TypeError, match=r"with \(nothing\)\.$"):
         module.number()

@@ -73,8 +73,8 @@ def kernel(t, q, modes, out):
         total += q[PLACES[k]] * (k + 1)
         if total > 1e3 and x > LIMIT or not x < 7.0:
             total = 1.0
-    for k in range(1, 3):
-        out[k + 3] = total * k
+    for k in range(2):
+        out[k + 4] = total * (k + 1)
     w = math.nan if -1.0 <= x <= LIMIT else 2
     z = 3 if x > y else 4
     out[6] = w
@@ -186,7 +186,8 @@ PLACES = np.array((2, 0, 1), dtype=np.uint32)
 
 @numba.njit("f8(i8[::1], f8[::1])", **OPTIONS)
 def kernel(modes, out):
-    for k in range(-3, 3):
+    for n in range(6):
+        k = n - 3
         out[k] = out[k] + TABLE[-1, k] * TABLE[modes[0], -2]
         out[k - PLACES[1]] = out[k] - 0.25 * k
     out[-1] = PLACES[-2] * out[-2]
@@ -237,9 +238,10 @@ def test_the_library_is_translated(root: Path, monkeypatch: pytest.MonkeyPatch) 
     assert len(paths) > 20
     for path in paths:
         found, names = declared(path)
-        text = kernels._translation(found, [one.__name__ for one in found], names).decode()
-        for one in found:
-            assert text.count(f'define i32 @"{one.__name__}"(') == 1
+        symbols = [one.__name__ for one in found]
+        text = kernels._translation(path.read_text(), found, symbols, names).decode()
+        for symbol in symbols:
+            assert text.count(f'define i32 @"{symbol}"(') == 1
 
 
 @pytest.mark.parametrize("name", ["slider_crank__compressor", "pendulum__bar__tangents"])

@@ -11,7 +11,7 @@ import pytest
 
 from codegen.errors import InputError
 from codegen.readers.quantities import FORM, read_condition
-from linkwright.cli import request
+from linkwright.cli.options import Request
 from runtime import load_case
 
 
@@ -176,7 +176,7 @@ def test_conditions_of_many_spaces_are_read_at_once(read: Callable[..., str]) ->
         )
         assert not re.search(FORM, text)
         with pytest.raises(InputError, match="--until"):
-            request.words({"until": [f"{gap}a{gap}:{text}"]}, {})
+            Request("x", run={"until": [f"{gap}a{gap}:{text}"]}).words()
     assert read_condition(f"{gap}a b{gap}<{gap}3 mm{gap}") == ("a b", "<", "3 mm")
 
 

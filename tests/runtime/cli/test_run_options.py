@@ -10,7 +10,7 @@ from typer.testing import CliRunner, Result
 
 from codegen.errors import AnalysisError, InputError
 from linkwright.cli.application import app
-from linkwright.cli.request import Request
+from linkwright.cli.options import Request
 from runtime import accuracy, load, matters
 from runtime.machine_facade import Machine
 
@@ -216,7 +216,7 @@ def test_a_ranking_takes_formulation_folder_and_the_long_name(rod: Path) -> None
 
 def test_a_value_given_twice_is_refused() -> None:
     with pytest.raises(InputError) as caught:
-        Request("x", settings=["m=2", "m=3"], start=["a=1", "a = 2"]).values()
+        Request("x", settings=["m=2", "m=3"], start=["a=1", "a = 2"]).words()
     assert caught.value.problems == (
         "--set m is given twice; give one value.",
         "--start a is given twice; give one value.",

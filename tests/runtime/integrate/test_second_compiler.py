@@ -39,8 +39,8 @@ def test_what_the_other_process_compiles_is_taken_from_the_cache(tmp_path, root)
 
 
 def test_it_ends_with_the_process_that_started_it(tmp_path):
-    names = [(advance.__module__, advance.__name__)]
-    argument = json.dumps([sys.path, names])
+    call = second_compiler.__name__, "compile_named", [(advance.__module__, advance.__name__)]
+    argument = json.dumps([sys.path, call])
     process = subprocess.Popen(
         [sys.executable, "-P", "-c", second_compiler.PROGRAM, argument],
         env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}, stdin=subprocess.PIPE,
