@@ -138,10 +138,11 @@ class KernelModule:
         place: Any = None,
     ) -> None:  # fmt: skip
         tree = self._tree(kernel)
+        is_declared = kernel.declared is not None
         if kernel.options != self._options or len(tree.args.args) != len(values):
             raise UntranslatableError(f"{tree.name} is not declared as the others")
         parameters = dict(zip((one.arg for one in tree.args.args), values, strict=True))
-        FunctionTranslation(self, function, results, place).run(tree, parameters)
+        FunctionTranslation(self, function, results, place, is_declared).run(tree, parameters)
 
     def _add_entry_from_c(self, function: Any, kinds: Sequence[Any], result: Any) -> None:
         """A function that calls a kernel and returns what it stores; an array is a structure."""
@@ -201,13 +202,16 @@ class FunctionTranslation(ExpressionTranslation):
         Kinds of what it returns.
     place
         Where a kernel stores that: it returns that all went well. None for what kernels call.
+    is_declared
+        Whether the kinds are those of a signature, into which it converts what it returns.
     """
 
     def __init__(
-        self, module: "KernelModule", function: Any, results: Sequence[Any], place: Any = None
-    ) -> None:
+        self, module: KernelModule, function: Any, results: Sequence[Any], place: Any,
+        is_declared: bool,
+    ) -> None:  # fmt: skip
         super().__init__(module, function)
-        self.results, self.place = results, place
+        self.results, self.place, self.is_declared = results, place, is_declared
         self._changing: frozenset[str] = frozenset()
 
     def run(self, tree: ast.FunctionDef, parameters: Mapping[str, Value]) -> None:
@@ -330,7 +334,8 @@ class FunctionTranslation(ExpressionTranslation):
     def _return(self, expression: ast.expr | None) -> None:
         value = () if expression is None else self._value(expression)
         given = value if isinstance(value, tuple) else (number_of(value),)
-        if len(given) != len(self.results):
+        as_is = self.is_declared or all(number.type == DOUBLE for number in given)
+        if len(given) != len(self.results) or not as_is:
             raise UntranslatableError(f"a return of {len(given)} numbers")
         numbers = [*map(self._as, self.results, given)]
         if len(numbers) == 1:

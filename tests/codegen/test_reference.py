@@ -17,10 +17,17 @@ from codegen.declare.symbols import given
 from codegen.derive.constraint_terms import constraint_terms
 from codegen.elements.joints.weld import Weld
 from codegen.elements.registry import kinds_of_elements
-from codegen.reference.abbreviations import MEANINGS, Abbreviations, lettered
-from codegen.reference.examples import Pair, example_of
-from codegen.reference.latex import WIDTH, aligned, latex, symbol, width
-from codegen.reference.pages import markdown, page, slug, write
+from codegen.reference.latex import (
+    MEANINGS,
+    WIDTH,
+    Abbreviations,
+    aligned,
+    latex,
+    lettered,
+    symbol,
+    width,
+)
+from codegen.reference.pages import Pair, example_of, markdown, page, slug, write
 from linkwright.cli.application import app
 from tests.codegen.elements.drum import StringOnDrum, winch
 

@@ -13,7 +13,7 @@ from codegen import Body, Model, ModelError, Point, element
 from codegen.declare.element import Constraint, Effect
 from codegen.elements import registry
 from codegen.elements.registry import kinds_of_elements
-from codegen.reference.examples import example_of
+from codegen.reference.pages import example_of
 from tests.codegen.elements.drum import StringOnDrum
 
 LIBRARY = {name: kind for name, kind in kinds_of_elements().items() if not kind.is_user_defined}

@@ -17,7 +17,7 @@ EXECUTES = {
 PERMITTED = {
     "codegen/files/generated_modules.py": {"compile"},  # generated modules
     "codegen/machine_code/kernels.py": {"eval"},  # a kernel's signature, of a generated module
-    "codegen/reference/examples.py": {"exec"},  # the examples of elements, from their classes
+    "codegen/reference/pages.py": {"exec"},  # the examples of elements, from their classes
     "runtime/results/saved_result.py": {"np.load"},  # with allow_pickle=False
     # of processes that the sweep has started, of the sweep itself, and of the scheduler
     "runtime/sweeps/workers.py": {"pickle.load", "pickle.loads"},

@@ -16,7 +16,7 @@ from codegen.elements.registry import kinds_of_elements
 from codegen.errors import ModelError
 from codegen.picture_at_start import picture_at_start
 from codegen.reading.model_file import read_model
-from codegen.reference.examples import example_of
+from codegen.reference.pages import example_of
 from tests.codegen.elements.turned_body import TurnedBody
 
 OF_KIND = {

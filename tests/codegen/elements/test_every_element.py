@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from codegen.declare.element import Constraint, Frame, JointReaction
 from codegen.declare.symbols import Parameter
 from codegen.elements.registry import kinds_of_elements
-from codegen.reference.examples import Example, example_of
+from codegen.reference.pages import Example, example_of
 from tests.codegen.elements.drum import StringOnDrum, winch
 from tests.codegen.workbench import Interpreted, State, along, complex_gamma, complex_step
 

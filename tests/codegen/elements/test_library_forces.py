@@ -11,7 +11,7 @@ from pint import get_application_registry
 
 from codegen import Model, t
 from codegen.declare.body import Body
-from codegen.reference.examples import example_of
+from codegen.reference.pages import example_of
 from tests.codegen.workbench import A, B, Interpreted, State, complex_step, library_kinds
 
 TOLERANCE = {"rtol": 1e-11, "atol": 1e-12}

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from pint import get_application_registry
 
 from codegen import Body, Model, Point
-from codegen.reference.examples import example_of
+from codegen.reference.pages import example_of
 from tests.codegen.elements.hand.joints import (
     ANGLE,
     JOINTS,

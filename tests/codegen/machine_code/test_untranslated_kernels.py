@@ -7,6 +7,9 @@ import pytest
 
 from tests.codegen.machine_code.kernel_texts import EXACT, plain, python_only
 
+VECTORS = '@numba.njit("void(f8[::1], f8[::1])", **OPTIONS)\ndef kernel(q, out):\n    {}\n'
+OF_X = '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    {}\n'
+
 
 @pytest.mark.parametrize(
     "line",
@@ -24,9 +27,8 @@ from tests.codegen.machine_code.kernel_texts import EXACT, plain, python_only
 def test_numba_compiles_what_is_not_translated(
     line: str, imported: Any, translated: list[str]
 ) -> None:
-    text = f'@numba.njit("void(f8[::1], f8[::1])", **OPTIONS)\ndef kernel(q, out):\n    {line}\n'
-    module, out, expected = imported(EXACT, text), np.zeros(2), np.zeros(2)
-    module.kernel(np.array([1.25, 3.0]), out)
+    text, out, expected = VECTORS.format(line), np.zeros(2), np.zeros(2)
+    imported(EXACT, text).kernel(np.array([1.25, 3.0]), out)
     python_only(text)["kernel"](np.array([1.25, 3.0]), expected)
     assert translated == []
     np.testing.assert_array_equal(out, expected)
@@ -41,9 +43,7 @@ def difference(a, b):
     return a - b
 
 
-@numba.njit("void(f8[::1], f8[::1])", **OPTIONS)
-def kernel(q, out):
-    """
+"""
 
 
 @pytest.mark.parametrize(
@@ -61,84 +61,48 @@ def kernel(q, out):
 def test_numba_calculates_with_entries_without_sign(
     line: str, imported: Any, translated: list[str]
 ) -> None:
-    text = f"{ENTRIES}{line}\n"
-    module, out, expected = imported(EXACT, text), np.zeros(2), np.zeros(2)
-    assert translated == []
-    module.kernel(np.array([1.25, 3.0]), out)
+    text, out, expected = ENTRIES + VECTORS.format(line), np.zeros(2), np.zeros(2)
+    imported(EXACT, text).kernel(np.array([1.25, 3.0]), out)
     plain(EXACT, text)["kernel"](np.array([1.25, 3.0]), expected)
+    assert translated == []
     np.testing.assert_array_equal(out, expected)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(λ):\n    ω = 2.0 * λ\n    return ω\n',
-        (
-            "μ = np.array((2.0, 3.0))\n\n\n"
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return μ[0] * x\n'
-        ),
-        (
-            "@numba.njit(**OPTIONS)\ndef zweifach_für(x):\n    return 2.0 * x\n\n\n"
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return zweifach_für(x)\n'
-        ),
-    ],
-)
-def test_names_that_are_no_ascii(text: str, imported: Any, translated: list[str]) -> None:
+def test_names_that_are_no_ascii(imported: Any, translated: list[str]) -> None:
+    twice = "@numba.njit(**OPTIONS)\ndef zweifach_für(x):\n    return μ[0] * x\n\n\n"
+    body = "ω = zweifach_für(λ)\n    return ω"
+    text = f"μ = np.array((2.0, 3.0))\n\n\n{twice}{OF_X.format(body).replace('(x)', '(λ)')}"
     assert imported(EXACT, text).kernel(1.25) == 2.5
     assert translated == ["kernel"]
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("before", "body"),
     [
-        (
-            "sqrt = np.array((2.0, 3.0))\n\n\n"
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return sqrt[0] * math.sqrt(x)\n'
-        ),
-        (
-            '@numba.njit("i8(i8)", **OPTIONS)\ndef twice(n):\n    return 2 * n\n\n\n'
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return 1.0 * twice(2) + x\n'
-        ),
-        (
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef half(x):\n    return x / 2 * 1e9 * x\n\n\n'
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return half(4000000000) + x\n'
-        ),
-        '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    y = 1.0\n# here\n    return x + y\n',
-        '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    """Two\nlines."""\n    return x\n',
-        (
-            "def abs(x):\n    return -10.0 * x\n\n\n"
-            'abs = numba.njit(abs)\n\n\n@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n'
-            "    return abs(x)\n"
-        ),
-        (
-            "T = np.array(((1.0, 2.0), (3.0, 5.0)))\n\n\n"
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return T[1, -1] * x\n'
-        ),
-        (
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    y = x\n    y = 0\n'
-            "    return math.atan2(-y, -1.0)\n"
-        ),
-        (
-            '@numba.njit("i8(f8)", **OPTIONS)\ndef f(x):\n    return math.floor(x * 1.5)\n\n\n'
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return f(x) * 1.0\n'
-        ),
-        (
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef f(x):\n    return 0\n\n\n'
-            '@numba.njit("f8(f8)", **OPTIONS)\n'
-            "def kernel(x):\n    return math.atan2(-f(x), -1.0)\n"
-        ),
-        (
-            "@numba.njit(**OPTIONS)\ndef neg(n):\n    return -n\n\n\n"
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef first(x):\n    return neg(x) + len((1, 2))\n\n\n'
-            '@numba.njit("f8(f8)", **OPTIONS)\n'
-            "def kernel(x):\n    return math.atan2(neg(0), -1.0)\n"
-        ),
-        (
-            '@numba.njit("f8(f8)", fastmath=True, error_model="numpy")\n'
-            "def f(x):\n    return (x + 1e300) - 1e300\n\n\n"
-            '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    return f(x)\n'
-        ),
+        ("sqrt = np.array((2.0, 3.0))", "return sqrt[0] * math.sqrt(x)"),
+        ('@numba.njit("i8(i8)", **OPTIONS)\ndef twice(n):\n    return 2 * n',
+         "return 1.0 * twice(2) + x"),
+        ('@numba.njit("f8(f8)", **OPTIONS)\ndef half(x):\n    return x / 2 * 1e9 * x',
+         "return half(4000000000) + x"),
+        ("", "y = 1.0\n# here\n    return x + y"),
+        ("", '"""Two\nlines."""\n    return x'),
+        ("def abs(x):\n    return -10.0 * x\n\n\nabs = numba.njit(abs)", "return abs(x)"),
+        ("T = np.array(((1.0, 2.0), (3.0, 5.0)))", "return T[1, -1] * x"),
+        ("", "y = x\n    y = 0\n    return math.atan2(-y, -1.0)"),
+        ('@numba.njit("i8(f8)", **OPTIONS)\ndef f(x):\n    return math.floor(x * 1.5)',
+         "return f(x) * 1.0"),
+        ('@numba.njit("f8(f8)", **OPTIONS)\ndef f(x):\n    return 0',
+         "return math.atan2(-f(x), -1.0)"),
+        (("@numba.njit(**OPTIONS)\ndef neg(n):\n    return -n\n\n\n"
+         '@numba.njit("f8(f8)", **OPTIONS)\ndef first(x):\n    return neg(x) + len((1, 2))'),
+         "return math.atan2(neg(0), -1.0)"),
+        (('@numba.njit("f8(f8)", fastmath=True, error_model="numpy")\n'
+         "def f(x):\n    return (x + 1e300) - 1e300"), "return f(x)"),
+        ("@numba.njit(**OPTIONS)\ndef whole(n):\n    return 0",
+         "return math.atan2(-whole(x), -1.0)"),
+        ("", "math = x\n    return math"),
     ],
-)
-def test_unusual_texts_compute_what_numba_does(text: str, imported: Any) -> None:
+)  # fmt: skip
+def test_unusual_texts_compute_what_numba_does(before: str, body: str, imported: Any) -> None:
+    text = f"{before}\n\n\n{OF_X.format(body)}"
     assert imported(EXACT, text).kernel(9.0) == plain(EXACT, text)["kernel"](9.0)
