@@ -24,6 +24,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit, types
 
+from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations
 from codegen.emit.kernel_docstrings import Arguments
 from codegen.emit.module import Origin, assemble_module
@@ -167,14 +168,6 @@ def _outputs(
         return {}
 
 
-class Run(NamedTuple):
-    """The costs of a run, effect → number of its events, and the states along it: t, q, v."""
-
-    costs: RunCosts
-    events: Counter[str]
-    samples: Any
-
-
 class Measured(NamedTuple):
     """Times of one scene, ns."""
 
@@ -195,26 +188,32 @@ def with_times(
     the model of a file.
     """
     whole = programs[-1]
-    equations = whole.scene.equations
-    scene, parts, run = equations.scene, ledger.parts, None
+    equations, run = whole.scene.equations, None
+    events, states = Counter[str](), about_the_start(whole)
     if file is not None and t_end is not None:
-        if scene.analysis != "dynamics":
-            raise InputError(
-                f"--run: scene '{scene.name}' is for {scene.analysis}, so "
-                "there is no run under forces; leave --run out."
-            )
         progress(f"{ledger.title}: running")
-        run = _simulate(file, scene.name, t_end)
+        run, events, samples = _simulate(file, equations.scene, t_end)
+        states = at(whole, *samples[:3])
     progress(f"{ledger.title}: measuring")
-    states = about_the_start(whole) if run is None else at(whole, *run.samples[:3])
     measured = measure(equations, timing_stages(programs), states)
-    if measured is not None:
-        parts = tuple(_timed(part, measured.parts) for part in parts)
-        ledger = replace(ledger, nanoseconds=measured.whole)
-    if run is not None:
-        parts = tuple(_share_of_run(part, run) for part in parts)
-        ledger = replace(ledger, run=run.costs)
-    return replace(ledger, parts=parts)
+
+    def priced(part: Part) -> Part:
+        """The part with its time: zero where it adds no operation, none where it does not act."""
+        if not part.acts or part.role == "fidelity":
+            return part
+        free = None if part.solving else 0.0
+        time = None if measured is None else measured.parts.get(part.name, free)
+        if run is None:
+            return replace(part, nanoseconds=time)
+        retakes = run.retakes * events[part.name] / run.events if run.events else 0.0
+        spent = None if time is None else time * 1e-9 * run.evaluations
+        return replace(
+            part, nanoseconds=time, run_events=events[part.name], run_retakes=retakes,
+            run_seconds=spent,
+        )  # fmt: skip
+
+    parts, nanoseconds = tuple(map(priced, ledger.parts)), measured and measured.whole
+    return replace(ledger, parts=parts, nanoseconds=nanoseconds, run=run)
 
 
 def measure(
@@ -245,19 +244,19 @@ def _stage_kernel(equations: Equations, program: Program, path: Path) -> Timed:
     return Timed(module.accelerations, p, max(slots, len(equations.coordinates)))
 
 
-def _timed(part: Part, times: dict[str, float]) -> Part:
-    """The part with its time: zero where it adds no operation, none where it does not act."""
-    if part.name in times:
-        return replace(part, nanoseconds=times[part.name])
-    inside = part.acts and part.role != "fidelity"
-    return replace(part, nanoseconds=0.0) if inside and not part.solving else part
+def _simulate(model: Path, scene: Scene, t_end: float) -> tuple[RunCosts, Counter[str], Any]:
+    """Simulate a declared scene `MEASURED` times; InputError if it does not reach its end.
 
-
-def _simulate(model: Path, scene: str, t_end: float) -> Run:
-    """Simulate a declared scene `MEASURED` times; InputError if it does not reach its end."""
+    Returns its costs, effect → number of its events, and the states along it: t, q, v.
+    """
     from runtime import load
 
-    machine = load(model, scene)
+    if scene.analysis != "dynamics":
+        raise InputError(
+            f"--run: scene '{scene.name}' is for {scene.analysis}, so there is no run under "
+            "forces; leave --run out."
+        )
+    machine = load(model, scene.name)
     instants = np.linspace(0.0, t_end, COUNT)
     results = [machine.simulate(t_end, instants, progress=False) for _ in range(MEASURED)]
     first = results[0]
@@ -269,13 +268,4 @@ def _simulate(model: Path, scene: str, t_end: float) -> Run:
         int(first.stats[name]) for name in ("rhs_evaluations", "steps", "rejected", "retakes")
     )
     costs = RunCosts(t_end, evaluations, steps, rejected, retakes, events.total(), seconds)
-    return Run(costs, events, first.samples)
-
-
-def _share_of_run(part: Part, run: Run) -> Part:
-    if not part.acts or part.role == "fidelity":
-        return part
-    costs, events = run.costs, run.events[part.name]
-    spent = None if part.nanoseconds is None else part.nanoseconds * 1e-9 * costs.evaluations
-    retakes = costs.retakes * events / costs.events if costs.events else 0.0
-    return replace(part, run_events=events, run_retakes=retakes, run_seconds=spent)
+    return costs, events, first.samples

@@ -6,11 +6,10 @@ references are counted it counts them with atomic instructions, about 20 ns a sl
 whole stage of a small mechanism.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import reduce
 from typing import Any
 
-import numba
 import numpy as np
 from numba import extending, types
 from numba.extending import intrinsic
@@ -18,7 +17,6 @@ from numba.extending import intrinsic
 from codegen.machine_code.undocumented_names import PLAIN, AttributeTemplate
 
 _extending: Any = extending  # numba leaves its names untyped
-_numba: Any = numba
 _types: Any = types
 
 ADDRESSES = _types.Array(types.int64, 1, "C")
@@ -28,57 +26,56 @@ Lengths = Sequence[tuple[int, int | None]]
 """Of an array, a factor and the slot that holds the other; or None, where that is 1."""
 
 
-def function_value(context: Any, builder: Any, kind: Any, address: Any) -> Any:
-    """The function at an address, in generated code; nothing checks that it has this type."""
-    pointer = builder.inttoptr(address, context.get_value_type(types.voidptr))
-    function = context.make_helper(builder, kind)
-    function.jit_addr = pointer
-    function.c_addr = pointer
-    return function._getvalue()
+def _taken(result: Any, read: Callable[[Any, Any, Any], Any]) -> Any:
+    """What an intrinsic takes out of a table, by generated code."""
+
+    def fetch(typing_context: Any, table: Any) -> Any:
+        def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            return read(context, builder, arguments)
+
+        return result(ADDRESSES), codegen
+
+    return fetch
 
 
 def function_at(kind: Any, slot: int) -> Any:
     """What takes the function at an address out of a table."""
 
-    def fetch(typing_context: Any, table: Any) -> Any:
-        def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            return function_value(context, builder, kind, _word(context, builder, arguments, slot))
+    def read(context: Any, builder: Any, arguments: Any) -> Any:
+        """Nothing checks that it has this type."""
+        address = _word(context, builder, arguments, slot)
+        function = context.make_helper(builder, kind)
+        function.jit_addr = builder.inttoptr(address, context.get_value_type(types.voidptr))
+        function.c_addr = function.jit_addr
+        return function._getvalue()
 
-        return kind(ADDRESSES), codegen
-
-    return intrinsic(fetch)
+    return intrinsic(_taken(kind, read))
 
 
 def record_at(record: Any, slot: int) -> Any:
     """What takes a record out of a table."""
 
-    def fetch(typing_context: Any, table: Any) -> Any:
-        def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            address = _word(context, builder, arguments, slot)
-            return builder.inttoptr(address, context.get_value_type(record))
+    def read(context: Any, builder: Any, arguments: Any) -> Any:
+        address = _word(context, builder, arguments, slot)
+        return builder.inttoptr(address, context.get_value_type(record))
 
-        return record(ADDRESSES), codegen
-
-    return intrinsic(fetch)
+    return intrinsic(_taken(record, read))
 
 
 def array_at(
     slot: int, item: Any, lengths: Lengths, flat: bool, attributes: Sequence[str] = ()
 ) -> Any:
     """What takes an array out of a table, which may also be an attribute of tables."""
+    result = _types.Array(item, 1 if flat else len(lengths), "C")
 
-    def fetch(typing_context: Any, table: Any) -> Any:
-        result = _types.Array(item, 1 if flat else len(lengths), "C")
+    def read(context: Any, builder: Any, arguments: Any) -> Any:
+        shape = [_length(context, builder, arguments, *length) for length in lengths]
+        if flat:
+            shape = [reduce(builder.mul, shape)]
+        data = _pointer(context, builder, arguments, slot, item)
+        return _borrowed(context, builder, result, data, shape)
 
-        def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            shape = [_length(context, builder, arguments, *length) for length in lengths]
-            if flat:
-                shape = [reduce(builder.mul, shape)]
-            data = _pointer(context, builder, arguments, slot, item)
-            return _borrowed(context, builder, result, data, shape)
-
-        return result(table), codegen
-
+    fetch = _taken(result, read)
     for name in attributes:
         _declare_attribute(name, fetch)
     return intrinsic(fetch)

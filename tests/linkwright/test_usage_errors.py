@@ -61,10 +61,7 @@ def test_an_example_is_a_line_of_its_command(name: str, line: str) -> None:
         ("new", "error: Missing argument 'NAME'."),
         ("simulate a b --t-end 1", "error: Got unexpected extra argument"),
         ("simulate a --t-end 1 --points 1", "error: Invalid value for '--points': "),
-        (
-            "build a --unroll some",
-            "error: Invalid value for '--unroll': Value error, ",
-        ),
+        ("build a --unroll some", "error: Invalid value for '--unroll': Value error, "),
     ],
 )
 def test_wrong_words_are_answered_as_other_errors_are(words: str, sentence: str) -> None:
@@ -80,20 +77,20 @@ def test_wrong_words_are_answered_as_other_errors_are(words: str, sentence: str)
         ]
 
 
-def test_wrong_words_with_json_are_one_object() -> None:
-    done = run("simulate", "a", "--json")
-    assert json.loads(done.stdout) == {
-        "ok": False,
-        "status": 2,
-        "problems": ["Missing option '--t-end'."],
-    }
-
-
-def test_wrong_input_of_the_compiler_with_json_is_one_object(tmp_path: Any) -> None:
-    done = run("build", str(tmp_path / "nothing.py"), "--json")
+@pytest.mark.parametrize(
+    ("words", "problem"),
+    [
+        ("simulate a --json", "Missing option '--t-end'."),
+        ("build nothing.py --json", "There is no model 'nothing.py'"),
+    ],
+)
+def test_what_is_wrong_with_json_is_one_object(words: str, problem: str) -> None:
+    done = run(*words.split())
     answer = json.loads(done.stdout)
-    assert (done.exit_code, answer["ok"], answer["status"]) == (2, False, 2)
-    assert "nothing.py" in answer["problems"][0]
+    assert (done.exit_code, answer.pop("ok"), answer.pop("status")) == (2, False, 2)
+    (told,) = answer.pop("problems")
+    assert told.startswith(problem)
+    assert not answer
 
 
 def test_no_words_are_answered_with_the_help() -> None:
@@ -102,28 +99,23 @@ def test_no_words_are_answered_with_the_help() -> None:
     assert "Which effects a quantity needs" in done.stdout
 
 
-class TestOnlyModel:
-    """A model that is not given is the only one of the working folder."""
-
-    def test_it_is_taken(self, tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.chdir(tmp_path)
-        (tmp_path / "stone.py").write_text('from linkwright import Model\nmodel = Model("stone")\n')
-        (tmp_path / "plot.py").write_text("print()\n")
-        done = run("build")
-        assert done.exit_code == 2
-        assert "error: model 'stone' has no body" in done.stderr
-
-    def test_there_is_none(self, tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.chdir(tmp_path)
-        done = run("simulate", "--t-end", "1", "--json")
-        assert done.exit_code == 2
-        assert "no model is given, and this folder has none" in done.stderr
-        assert json.loads(done.stdout)["ok"] is False
-
-    def test_there_are_several(self, tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.chdir(tmp_path)
-        for name in ("a", "b"):
-            (tmp_path / f"{name}.py").write_text("Model()")
-        done = run("simulate", "--t-end", "1")
-        assert done.exit_code == 2
-        assert "this folder has several: a.py, b.py. Give one of them." in done.stderr
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        ({"stone": 'from linkwright import Model\nmodel = Model("stone")\n', "plot": "print()\n"},
+         "error: model 'stone' has no body"),
+        ({}, "no model is given, and this folder has none"),
+        ({"a": "Model()", "b": "Model()"},
+         "this folder has several: a.py, b.py. Give one of them."),
+    ],
+)  # fmt: skip
+def test_a_model_that_is_not_given_is_the_only_one_of_the_folder(
+    files: dict[str, str], message: str, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name, text in files.items():
+        (tmp_path / f"{name}.py").write_text(text)
+    done = run("simulate", "--t-end", "1", "--json")
+    assert done.exit_code == 2
+    assert message in done.stderr
+    assert json.loads(done.stdout)["ok"] is False

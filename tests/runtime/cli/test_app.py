@@ -1,33 +1,19 @@
 """The command line: exit statuses, streams, JSON, files."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner, Result
+import typer.testing
 
-from linkwright.cli.application import app
 from runtime.machine_facade import Machine
-from runtime.results.result import Result as AnalysisResult
+from runtime.results.result import Result
+
+Run = Callable[..., typer.testing.Result]
 
 
-@pytest.fixture
-def run(
-    driven: Machine,
-    free: Machine,
-    pendulum: Machine,
-    workshop: Path,
-    monkeypatch: pytest.MonkeyPatch,
-):  # type: ignore[no-untyped-def]
-    monkeypatch.chdir(workshop)
-
-    def call(*arguments: str | Path) -> Result:
-        return CliRunner().invoke(app, [str(argument) for argument in arguments])
-
-    return call
-
-
-def test_kinematics_to_a_file(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_kinematics_to_a_file(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     done = run("kinematics", "sc_driven", "--t-end", "1", "--points", "11", "--out", path)
     assert done.exit_code == 0
@@ -36,7 +22,7 @@ def test_kinematics_to_a_file(run, tmp_path: Path) -> None:  # type: ignore[no-u
     assert "slider.x     4.61577568 m\n" in done.stdout
 
 
-def test_json_is_one_object_and_alone(run) -> None:  # type: ignore[no-untyped-def]
+def test_json_is_one_object_and_alone(run: Run) -> None:
     done = run("inverse", "sc_driven", "--t-end", "0.5", "--set", "J1=900", "--json")
     assert done.exit_code == 0
     answer = json.loads(done.stdout)
@@ -50,7 +36,7 @@ def test_json_is_one_object_and_alone(run) -> None:  # type: ignore[no-untyped-d
     assert "sc_driven/driven, inverse dynamics" in done.stderr
 
 
-def test_simulate_with_a_model_by_path(run) -> None:  # type: ignore[no-untyped-def]
+def test_simulate_with_a_model_by_path(run: Run) -> None:
     done = run(
         "simulate", "models/rod_pendulum.py", "--scene", "swing", "--t-end", "0.5",
         "--rtol", "1e-6", "--atol", "1e-6", "--method", "dopri5", "--start", "bar.phi=0.1",
@@ -63,15 +49,7 @@ def test_simulate_with_a_model_by_path(run) -> None:  # type: ignore[no-untyped-
     assert answer["q"]["bar.phi"] < 0.1
 
 
-def test_steps_of_ones_own_end_a_run(run) -> None:  # type: ignore[no-untyped-def]
-    done = run("simulate", "rod_pendulum", "--scene", "swing", "--t-end", "0.5",
-               "--max-steps", "3", "--json")  # fmt: skip
-    answer = json.loads(done.stdout)
-    assert answer["outcome"] == "MAX_STEPS"
-    assert answer["stats"]["steps"] == 3
-
-
-def test_equilibrium(run) -> None:  # type: ignore[no-untyped-def]
+def test_equilibrium(run: Run) -> None:
     done = run("equilibrium", "rod_pendulum", "--method", "settling", "--json")
     assert done.exit_code == 0
     answer = json.loads(done.stdout)
@@ -80,7 +58,7 @@ def test_equilibrium(run) -> None:  # type: ignore[no-untyped-def]
     assert answer["q"]["bar.y"] == pytest.approx(-1.0)
 
 
-def test_failed_run_saves_and_says_so(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_failed_run_saves_and_says_so(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "locked.csv"
     command = ("kinematics", "sc_driven", "--t-end", "1", "--points", "1001", "--set", "l=1.9")
     done = run(*command, "--out", path, "--json")
@@ -110,7 +88,7 @@ def test_failed_run_saves_and_says_so(run, tmp_path: Path) -> None:  # type: ign
         (("equilibrium", "sc_driven"), "0 degrees of freedom"),
     ],
 )
-def test_wrong_input_ends_with_two(run, arguments: tuple[str, ...], message: str) -> None:  # type: ignore[no-untyped-def]
+def test_wrong_input_ends_with_two(run: Run, arguments: tuple[str, ...], message: str) -> None:
     done = run(*arguments, "--json")
     assert done.exit_code == 2
     assert "error: " in done.stderr
@@ -121,7 +99,7 @@ def test_wrong_input_ends_with_two(run, arguments: tuple[str, ...], message: str
     assert any(message in problem for problem in answer["problems"])
 
 
-def test_simulate_from_a_later_instant(run) -> None:  # type: ignore[no-untyped-def]
+def test_simulate_from_a_later_instant(run: Run) -> None:
     done = run("simulate", "rod_pendulum", "--t-start", "2", "--t-end", "2.5", "--json")
     answer = json.loads(done.stdout)
     assert answer["t"] == [2.0, 2.5]
@@ -130,8 +108,8 @@ def test_simulate_from_a_later_instant(run) -> None:  # type: ignore[no-untyped-
 
 
 def test_place_that_cannot_be_written_is_refused_before_the_run(
-    run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:  # type: ignore[no-untyped-def]
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def forbidden(*_: object, **__: object) -> None:
         raise AssertionError("the analysis ran")
 
@@ -156,25 +134,26 @@ def test_place_that_cannot_be_written_is_refused_before_the_run(
 
 
 def test_unwritable_file_ends_with_one(
-    run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:  # type: ignore[no-untyped-def]
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def fail(*_: object) -> None:
         raise OSError("disk full")
 
-    monkeypatch.setattr(AnalysisResult, "save", fail)
+    monkeypatch.setattr(Result, "save", fail)
     done = run("kinematics", "sc_driven", "--t-end", "1", "--out", tmp_path / "run.csv")
     assert done.exit_code == 1
     assert done.stderr == "error: disk full\n"
 
 
-def test_events_are_told_and_listed() -> None:
+def test_events_are_told_and_listed(run: Run, root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(root)
     ball = ("simulate", "hard/bouncing_ball", "--t-end", "3")
-    done = CliRunner().invoke(app, list(ball))
+    done = run(*ball)
     assert done.exit_code == 0
     assert "t = 0.451523641    plate touches\n" in done.stderr
     assert "5 more events" in done.stderr
     assert "plate rests" in done.stderr
-    answer = json.loads(CliRunner().invoke(app, [*ball, "--json"]).stdout)["events"]
+    answer = json.loads(run(*ball, "--json").stdout)["events"]
     assert len(answer) == 17
     assert (answer[-1]["what"], answer[-1]["word"]) == ("holds", "rests")
     assert answer[-1]["t"] == pytest.approx(1.35457092, abs=1e-8)

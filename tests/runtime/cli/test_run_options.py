@@ -1,6 +1,7 @@
 """Commands that simulate take one set of options, and find what `build --out` wrote."""
 
 import json
+from collections.abc import Callable
 from inspect import signature
 from pathlib import Path
 
@@ -17,16 +18,7 @@ from runtime.machine_facade import Machine
 IN_ANOTHER_FORM = {"t_end", "t_eval", "parameters", "max_bytes", "progress", "self"}
 IN_ANOTHER_FORM |= {"controllers"}  # functions
 """Words of `Machine.simulate` that no option gives, or one of another name."""
-
-
-@pytest.fixture
-def run(free: Machine, pendulum: Machine, workshop: Path, monkeypatch: pytest.MonkeyPatch):  # type: ignore[no-untyped-def]
-    monkeypatch.chdir(workshop)
-
-    def call(*arguments: str | Path) -> Result:
-        return CliRunner().invoke(app, [str(argument) for argument in arguments])
-
-    return call
+Run = Callable[..., Result]
 
 
 def names(command: str) -> set[str]:
@@ -80,7 +72,7 @@ def test_all_analyses_take_values_and_the_folder_of_modules() -> None:
         assert {"model", "scene", "settings", "guess", "generated", "as_json"} <= names(command)
 
 
-def test_options_reach_the_run(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_options_reach_the_run(run: Run, tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     options = ("--method", "dopri5", "--rtol", "1e-5", "--atol", "1e-5", "--max-step", "0.01",
                "--first-step", "0.001", "--max-steps", "7", "--t-start", "1", "--t-end", "2",
@@ -94,7 +86,7 @@ def test_options_reach_the_run(run, tmp_path: Path) -> None:  # type: ignore[no-
     assert page.is_file()
 
 
-def test_a_condition_ends_a_run(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_a_condition_ends_a_run(run: Run, tmp_path: Path) -> None:
     words = ("rod_pendulum", "--t-end", "3", "--json")
     until = ("--until", "low: bar.phi < -0.5", "--until", "never:total>1e6")
     page = tmp_path / "page.html"
@@ -121,21 +113,14 @@ def test_a_condition_ends_a_run(run, tmp_path: Path) -> None:  # type: ignore[no
         (["low: bar.fi < 3"], "'bar.fi'"),
     ],
 )
-def test_what_is_no_condition(run, until: list[str], message: str) -> None:  # type: ignore[no-untyped-def]
+def test_what_is_no_condition(run: Run, until: list[str], message: str) -> None:
     options = [word for text in until for word in ("--until", text)]
     done = run("simulate", "rod_pendulum", "--t-end", "1", *options)
     assert done.exit_code == 2
     assert message in done.stderr
 
 
-def test_a_driven_report_has_no_end_by_a_condition(run, driven: Machine, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
-    words = ("report", "sc_driven", "--t-end", "1", "--out", tmp_path / "page.html")
-    done = run(*words, "--until", "a: crank.phi > 1")
-    assert done.exit_code == 2
-    assert "--until would be ignored" in done.stderr
-
-
-def test_a_start_value_holds(run) -> None:  # type: ignore[no-untyped-def]
+def test_a_start_value_holds(run: Run) -> None:
     words = ("simulate", "rod_pendulum", "--t-end", "0", "--start", "bar.phi=0.25")
     answer = json.loads(run(*words, "--json").stdout)
     assert answer["q"]["bar.phi"] == pytest.approx(0.25)
@@ -145,22 +130,24 @@ def test_a_start_value_holds(run) -> None:  # type: ignore[no-untyped-def]
     assert "--start bar.phi: write NAME=VALUE with a number." in done.stderr
 
 
-def test_a_report_to_an_accuracy(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_a_report_to_an_accuracy(run: Run, tmp_path: Path) -> None:
     words = ("report", "rod_pendulum", "--t-end", "1", "--accuracy", "1e-5", "--quantity",
              "bar.phi", "--out", tmp_path / "page.html", "--json")  # fmt: skip
     assert json.loads(run(*words).stdout)["accuracy"]["asked"] == 1e-5
 
 
-def test_a_driven_report_refuses_what_it_would_ignore(run, driven: Machine, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_a_driven_report_refuses_what_it_would_ignore(run: Run, tmp_path: Path) -> None:
     words = ("report", "sc_driven", "--t-end", "1", "--out", tmp_path / "page.html")
-    done = run(*words, "--rtol", "1e-5", "--method", "bdf")
-    assert done.exit_code == 2
-    assert "--method, --rtol would be ignored" in done.stderr
+    for given, named in (("--rtol 1e-5 --method bdf", "--method, --rtol"),
+                         ("--until a:crank.phi>1", "--until")):  # fmt: skip
+        done = run(*words, *given.split())
+        assert done.exit_code == 2
+        assert f"{named} would be ignored" in done.stderr
     assert run(*words, "--start", "crank.phi=1").exit_code == 2
     assert run(*words).exit_code == 0
 
 
-def test_inverse_dynamics_has_either_name(run, driven: Machine) -> None:  # type: ignore[no-untyped-def]
+def test_inverse_dynamics_has_either_name(run: Run) -> None:
     answers = [
         json.loads(run(word, "sc_driven", "--t-end", "0.5", "--json").stdout)
         for word in ("inverse", "inverse-dynamics")
