@@ -75,9 +75,11 @@ def new(
     except OSError as error:
         raise GeneratedFileError(f"{path} cannot be written: {error.strerror or error}.") from error
     typer.echo(f"{path}: a {kind} to start from. Next:")
-    for line in text.splitlines():
-        if line.startswith("    linkwright "):
-            typer.echo(line.removeprefix("  "))
+    lines = [line.strip() for line in text.splitlines() if line.startswith("    linkwright ")]
+    commands = [line.partition("  ") for line in lines]
+    widest = max(len(one) for one, _, _ in commands)
+    for one, _, question in commands:
+        typer.echo(f"  {one:<{widest}}  {question.strip()}")
 
 
 def template(kind: str) -> str:

@@ -64,18 +64,18 @@ def test_everything_declared_is_in_or_out_for_a_reason() -> None:
     scene = model.scene("slide").without("load")
     (ledger,) = explain(model, scene)
     told = {name: (part.acts, part.why) for name, part in the(ledger).items()}
-    assert told["guide"] == (True, "its bodies take part")
-    assert told["pin"] == (False, "unreachable: body 'load' takes no part")
-    assert told["soft"] == (True, "named by the scene")
-    assert told["hard"] == (False, "'weak' of 'spring' is chosen")
-    assert told["wear"] == (False, "unreachable: body 'load' takes no part")
-    assert told["motor"] == (False, "unreachable: body 'load' takes no part")
-    assert told["crane"] == (False, "unreachable: body 'load' takes no part")
-    assert told["gravity"] == (False, "the scene does not name it")
-    assert told["rub: sticking"] == (True, "as declared")
-    assert told["rub: regularised"] == (False, "'sticking' is chosen")
-    assert told["spring: weak"] == (True, "as declared")
-    assert told["spring: strong"] == (False, "'weak' is chosen")
+    unreachable = (False, "unreachable: body 'load' takes no part")
+    assert {
+        "guide": (True, "its bodies take part"),
+        **dict.fromkeys(("pin", "wear", "motor", "crane"), unreachable),
+        "soft": (True, "named by the scene"),
+        "hard": (False, "'weak' of 'spring' is chosen"),
+        "gravity": (False, "the scene does not name it"),
+        "rub: sticking": (True, "as declared"),
+        "rub: regularised": (False, "'sticking' is chosen"),
+        "spring: weak": (True, "as declared"),
+        "spring: strong": (False, "'weak' is chosen"),
+    }.items() <= told.items()
     assert {*model.joints, *model.drivers, *model.effects} <= set(told)
 
 
@@ -85,11 +85,13 @@ def test_reasons_follow_the_scene() -> None:
     rough = base.with_(fidelity={"rub": "regularised", "spring": "strong"}).with_("crane")
     (ledger,) = explain(model, rough)
     told = {name: (part.acts, part.why) for name, part in the(ledger).items()}
-    assert told["rub"] == (True, "named by the scene, as 'regularised'")
-    assert told["rub: regularised"] == (True, "chosen by the scene")
-    assert told["hard"] == (True, "'strong' of 'spring' is chosen")
-    assert told["soft"] == (False, "'strong' of 'spring' is chosen")
-    assert told["crane"] == (True, "named by the scene")
+    assert {
+        "rub": (True, "named by the scene, as 'regularised'"),
+        "rub: regularised": (True, "chosen by the scene"),
+        "hard": (True, "'strong' of 'spring' is chosen"),
+        "soft": (False, "'strong' of 'spring' is chosen"),
+        "crane": (True, "named by the scene"),
+    }.items() <= told.items()
     (ledger,) = explain(model, base.with_(fidelity={"rub": "none"}))
     assert the(ledger)["rub"].why == "the fidelity 'none' is chosen"
     assert the(ledger)["rub: sticking"].why == "'rub' does not act"
@@ -201,11 +203,8 @@ def test_two_scenes_side_by_side(root: Path) -> None:
     assert rows["sums"].acts == (True, None)
     for side in (0, 1):
         assert sum(row.operations[side] for row in beside.rows) == beside.total.operations[side]
-    answer = CliRunner().invoke(
-        app,
-        ["explain", str(path), "--compare", "shaper", "kinematics", "--no-measure", "--json"],
-    )
-    told = json.loads(answer.stdout)
+    words = ["--compare", "shaper", "kinematics", "--no-measure", "--json"]
+    told = json.loads(CliRunner().invoke(app, ["explain", str(path), *words]).stdout)
     assert [scene["scene"] for scene in told["scenes"]] == ["shaper", "kinematics"]
     assert told["differences"][-1]["operations"] == list(beside.total.operations)
 
