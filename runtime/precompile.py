@@ -15,7 +15,7 @@ from codegen.errors import InputError
 from codegen.files.library_folders import LIBRARY
 from codegen.machine_code.compiled_functions import functions
 from codegen.termination_signals import take_over
-from runtime.core.jit import prepare
+from runtime.core.jit import prepare, sources
 from runtime.integrate.method import GENERATED, METHODS, REGISTER, find_method
 from runtime.integrate.second_compiler import call_beside
 from runtime.processors import available_cores
@@ -34,7 +34,7 @@ def precompile(*methods: str, told: Callable[[str], None] | None = None) -> None
         raise InputError(f"no such method: {names}; there are {', '.join(METHODS)}")
     count = min(_PROCESSES, available_cores())
     for place in range(1, count):
-        call_beside(__name__, "compile_part", [place, count, *methods])
+        call_beside("runtime.precompile", "compile_part", [place, count, *methods])
     waiting = declared_functions(methods)
     left = Counter(map(_room, waiting))  # room → functions that are not compiled yet
     for function in waiting:
@@ -54,9 +54,10 @@ def compile_part(place: int, count: int, *methods: str) -> None:
 
 def declared_functions(methods: tuple[str, ...]) -> list[Any]:
     """What runs with these methods call, each function behind those that it calls."""
-    for path in sorted((LIBRARY / "runtime").rglob("*.py")):
-        if b"from runtime.core.jit" in path.read_bytes() and "implicit" not in path.parts:
-            import_module(".".join(path.relative_to(LIBRARY).with_suffix("").parts))
+    for path in sources():
+        name = ".".join(path.relative_to(LIBRARY).with_suffix("").parts)
+        if name.startswith("runtime.") and ".implicit." not in name:
+            import_module(name)
     for name in methods or METHODS:
         for one in filter(None, (REGISTER[name].begins_with, name)):
             find_method(one)
