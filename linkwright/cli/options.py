@@ -16,7 +16,7 @@ from codegen.errors import InputError, ParameterError
 from codegen.files.library_folders import model_names
 from codegen.readers.quantities import read_condition
 from linkwright.cli import completion
-from runtime.integrate.problem import OPTIONS, SimulationOption
+from runtime.integrate.simulation_options import OPTIONS, SimulationOption
 
 if TYPE_CHECKING:
     import codegen

@@ -31,7 +31,7 @@ from codegen.readers.quantities import (
 from codegen.readers.values import shown
 from runtime.cases.document import Document, Place
 from runtime.core.kinds import ANALYSES
-from runtime.integrate.problem import OPTIONS
+from runtime.integrate.simulation_options import OPTIONS
 from runtime.mechanism.table_rows import unknown
 
 FORMAT = "linkwright case 1"

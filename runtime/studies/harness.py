@@ -19,7 +19,7 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics.connected_simulation import simulate
 from runtime.dynamics.output_conditions import read_conditions, simulate_until
 from runtime.integrate.method import IMPLICIT
-from runtime.integrate.problem import OPTIONS
+from runtime.integrate.simulation_options import OPTIONS
 from runtime.machine_facade import Machine
 from runtime.machine_loading import load
 from runtime.mechanism.dense_equations import FloatArray

@@ -9,7 +9,7 @@ import pytest
 
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
-from runtime.integrate.problem import OPTIONS
+from runtime.integrate.simulation_options import OPTIONS
 from runtime.machine_facade import Machine
 from runtime.studies.effect_ranking import matters
 from runtime.studies.harness import takes_simulation_arguments
