@@ -1,5 +1,6 @@
 """The runs of a sweep are handed to a pool in tasks until all are made, or the user stops it."""
 
+import math
 import time
 from collections import Counter, deque
 from collections.abc import Iterator, Sequence
@@ -18,6 +19,10 @@ from runtime.sweeps.request import KILLED, Request, Rows, rows_without_runs
 from runtime.sweeps.store import Integers, Store
 from runtime.sweeps.workers import TRIES, Pool
 
+TASK_SECONDS = 3.0  # measured: of runs in a task, beside which handing out and writing is little
+CHUNK_BYTES = 64 << 20  # safety: of rows in a file, which a process has in memory twice
+MOST_CHUNKS = 10_000  # safety: files of a column
+TASKS_A_WORKER = 8  # measured: at least, so that the last ones end together
 _MOST_LOSSES = 100  # safety: workers that may end one after the other without a row between them
 _SIGNALS = 0.2  # layout: s between looks for a signal to stop
 
@@ -28,6 +33,19 @@ class Execution(NamedTuple):
     runs: int  # made in this session
     seconds: float  # of the wall clock
     lost: int  # workers that were replaced
+
+
+def file_sizes(runs: int, seconds: float, workers: int, row: int) -> tuple[int, int]:
+    """Runs of a task, and of a file, which has one task or more.
+
+    A task takes seconds, each worker gets several, and its rows fit in memory; `seconds` is the
+    time of a run, `row` the bytes of its row. Of many slow runs a file has several tasks.
+    """
+    by_time = TASK_SECONDS / max(seconds, 1e-6)
+    by_share = runs / (TASKS_A_WORKER * max(workers, 1))
+    most = max(1, min(runs, CHUNK_BYTES // max(row, 1)))
+    size = max(1, min(most, math.ceil(min(by_time, by_share))))
+    return size, min(most, max(size, math.ceil(runs / MOST_CHUNKS)))
 
 
 def tasks_of(runs: Integers, chunk: int, size: int) -> list[range]:

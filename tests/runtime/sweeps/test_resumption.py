@@ -49,7 +49,7 @@ def test_an_interrupt_keeps_what_is_done(
     request_of: dict[str, Any], whole: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
     chunks: int,
 ) -> None:  # fmt: skip
-    monkeypatch.setattr(in_sweep, "MOST_CHUNKS", chunks)
+    monkeypatch.setattr("runtime.sweeps.execution.MOST_CHUNKS", chunks)
     with monkeypatch.context() as patch:
         before = counted_runs(patch, last=12)
         half = sweep(out=tmp_path / "s.zarr", **request_of)

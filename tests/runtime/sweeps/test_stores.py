@@ -11,10 +11,9 @@ import pytest
 
 from codegen.errors import InputError
 from runtime import load_study
-from runtime.sweeps.execution import tasks_of
+from runtime.sweeps.execution import CHUNK_BYTES, MOST_CHUNKS, file_sizes, tasks_of
 from runtime.sweeps.store import name_problems
 from runtime.sweeps.study import Study
-from runtime.sweeps.sweep import CHUNK_BYTES, MOST_CHUNKS, file_sizes
 
 
 @pytest.fixture
