@@ -50,18 +50,21 @@ if TYPE_CHECKING:
     from runtime.integrate.problem import Formulation
 
 
+Answer = TypeVar("Answer")
 Over = Mapping[str, Any] | Sequence[str]
 _NAMES = readers.texts('("max:B.fx",)')
+_LEAST_SECONDS = 1.5  # measured: of runs, below which processes would take longer to start
+_TRIAL_SECONDS = 0.5  # measured: s of the processor after which a mean time of runs is known
+_TRIALS = 5  # measured: members that are run beforehand
+_SLOW_SECONDS = 10.0  # measured: s of a first run, beside which loading and compiling is little
 
 
 def _over(value: Any) -> Any:
     """A mapping, texts, or a dataset of points."""
     if isinstance(value, str):
         return (value,)
-    if isinstance(value, Mapping) and all(isinstance(name, str) for name in value):
+    if isinstance(value, Mapping | list | tuple) and all(isinstance(x, str) for x in value):
         return value
-    if isinstance(value, list | tuple) and all(isinstance(text, str) for text in value):
-        return tuple(value)
     raise KindError(
         'it must be factors by name, such as {"J1": "200:1000:81"}, or an xarray.Dataset of points.'
     )
@@ -83,9 +86,6 @@ def _quantities(value: Any) -> dict[str, str | Function]:
     ):
         return dict(value)
     raise KindError('it must be quantities, such as ["max:B.fx"] or {"peak": function}.')
-
-
-LEAST_SECONDS = 1.5  # measured: of runs, below which processes would take longer to start
 
 
 @readers.reads(
@@ -240,7 +240,7 @@ def _study(
     pool = Pool(machine, request)
     if scheduler is not None:
         pool = ClusterWorkers(pickled_job(machine, request), scheduler)
-    elif tasks and cores and (workers or seconds * len(todo) > LEAST_SECONDS):
+    elif tasks and cores and (workers or seconds * len(todo) > _LEAST_SECONDS):
         pool = LocalWorkers(pickled_job(machine, request), min(cores, len(tasks)))
     with closing(pool):
         if store is None:
@@ -250,12 +250,6 @@ def _study(
         title = f"sweep of {machine.mechanism.title}"
         execution = execute(pool, store, points, tried, tasks, title, progress)
     return Study(path, machine, request, execution)
-
-
-Answer = TypeVar("Answer")
-_TRIAL_SECONDS = 0.5  # measured: s of the processor after which a mean time of runs is known
-_TRIALS = 5  # measured: members that are run beforehand
-_SLOW_SECONDS = 10.0  # measured: s of a first run, beside which loading and compiling is little
 
 
 def plan_request(
