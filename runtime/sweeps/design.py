@@ -104,7 +104,7 @@ def read_design(
         raise InputError("A dataset of points is the design: leave out sample and count.")
     is_list = any(factor.is_column for factor in factors)
     kind = GIVEN if is_list else sample or GRID
-    problems = [] if is_list else _misfits(factors, sample, count)
+    problems = [] if is_list else _misfits(factors, kind, count)
     for factor in factors:
         try:
             declared = unit_of(factor.name)
@@ -135,46 +135,31 @@ def read_design(
     return Design(kind=kind, factors=words, axes=axes, seed=drawn), np.stack(columns, axis=1)
 
 
-def _misfits(factors: Sequence[Factor], sample: str | None, count: int | None) -> list[str]:
+def _misfits(factors: Sequence[Factor], kind: str, count: int | None) -> list[str]:
     """Sentences about factors, sample and count that do not fit together."""
-    drawn = [factor for factor in factors if factor.distribution]
-    if sample is None and drawn:
-        names = ", ".join(factor.name for factor in drawn)
-        text = (
-            f"{names}: an interval or a distribution is sampled. Say how, by sample and count "
-            "(lhs, 1000), or give values, NAME=FIRST:LAST:COUNT."
-        )
-        return [text]
-    if sample in {None, GRID}:
-        problems = [
-            f"{factor.name} is {factor.text}, which a grid cannot take; give values, "
-            "NAME=FIRST:LAST:COUNT, or the sample lhs."
-            for factor in drawn
-        ]
+    if kind not in {GRID, *SAMPLES}:
+        return [f"There is no sample {kind!r}; there are {GRID}, {', '.join(SAMPLES)}."]
+    problems = [
+        f"{factor.name} is {factor.text}, which the {kind} cannot take; give values, "
+        "NAME=FIRST:LAST:COUNT, to a grid, and an interval, NAME=LOW:HIGH, or a distribution, "
+        "NAME=normal:MEAN:SD, to a sample, by sample and count (lhs, 1000)."
+        for factor in factors
+        if bool(factor.distribution) == (kind == GRID)
+    ]
+    runs = (count or 0) * (len(factors) + 2 if kind == SALTELLI else 1)
+    if kind == GRID:
+        runs = math.prod(len(factor.values) for factor in factors)
         if count is not None:
             problems.append(f"count is {count}, but a grid has all combinations of its values.")
-        total = math.prod(len(factor.values) for factor in factors)
-        if total > MOST_RUNS:
-            problems.append(f"The grid has {total:g} runs; {MOST_RUNS:g} are permitted.")
-        return problems
-    if sample not in SAMPLES:
-        return [f"There is no sample {sample!r}; there are {GRID}, {', '.join(SAMPLES)}."]
-    problems = [
-        f"{factor.name} has {factor.text}, but {sample} draws from intervals; give NAME=LOW:HIGH, "
-        "NAME=normal:MEAN:SD, or leave out the sample."
-        for factor in factors
-        if not factor.distribution
-    ]
-    most = MOST_RUNS // (len(factors) + 2 if sample == SALTELLI else 1)
-    if count is None:
-        problems.append(f"The sample {sample} needs the number of its points, count.")
-    elif not 1 <= count <= most:
-        problems.append(f"count is {count}; it must lie from 1 to {most:g}.")
-    elif sample == SALTELLI and count & (count - 1):  # of which Sobol's sequence is balanced
+    elif count is None:
+        problems.append(f"The sample {kind} needs the number of its points, count.")
+    elif kind == SALTELLI and count & (count - 1):  # of which Sobol's sequence is balanced
         near = 2 ** max(round(np.log2(count)), 1)
         problems.append(
             f"count is {count}; of the sample saltelli it must be a power of 2, such as {near}."
         )
+    if runs > MOST_RUNS:
+        problems.append(f"The {kind} has {runs:g} runs; {MOST_RUNS:g} are permitted.")
     return problems
 
 
@@ -226,6 +211,7 @@ def _factors_of(points: Any) -> tuple[Factor, ...]:
     InputError
         If there are no numbers, or a point is repeated; all problems at once.
     """
+    import pandas as pd
     import xarray as xr
 
     names = [str(name) for name in (*points.data_vars, *points.coords)]
@@ -253,13 +239,11 @@ def _factors_of(points: Any) -> tuple[Factor, ...]:
     for name, column in zip(names, table.T, strict=True):
         wrong = np.flatnonzero(~np.isfinite(column))
         problems += [f"{name}: point {wrong[0]} is not a finite number."] if len(wrong) else []
-    _, first, number = np.unique(table, axis=0, return_inverse=True, return_index=True)[:3]
-    earlier = first[np.ravel(number)]
-    again = np.flatnonzero(earlier != np.arange(len(table)))
+    again = np.flatnonzero(pd.DataFrame(table).duplicated())
     if len(again) and not problems:
         problems.append(
-            f"Point {again[0]} of {', '.join(names)} is that of {earlier[again[0]]}; the same "
-            f"run would be made twice. Leave {counted(len(again), 'point')} out."
+            f"Point {again[0]} of {', '.join(names)} is that of an earlier one; the same run would "
+            f"be made twice. Leave {counted(len(again), 'point')} out."
         )
     if problems:
         raise InputError(problems)
