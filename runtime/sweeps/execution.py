@@ -1,7 +1,6 @@
 """The runs of a sweep are handed to a pool in tasks until all are made, or the user stops it."""
 
 import math
-import time
 from collections import Counter, deque
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
@@ -59,15 +58,17 @@ def tasks_of(runs: Integers, chunk: int, size: int) -> list[range]:
 def execute(
     pool: Pool, store: Store, points: FloatArray, tried: Sequence[tuple[Integers, Rows]],
     tasks: Sequence[range], title: str, progress: bool,
-) -> Execution:  # fmt: skip
+) -> tuple[int, int]:  # fmt: skip
     """Have a pool make the runs of tasks, and write rows as they come, those beforehand first.
+
+    Returns the number of runs that were made, and of workers that were lost.
 
     Raises
     ------
     LinkwrightError
         If the workers cannot go on, or the store cannot be written; what is done stays.
     """
-    began, made, runs, lost = time.perf_counter(), 0, store.about.runs, Counter[range]()
+    made, runs, lost = 0, store.about.runs, Counter[range]()
     total = sum(map(len, tasks)) + sum(len(runs) for runs, _ in tried)
     try:
         with SignalDeferral(computing=True) as signals, bar(title, progress) as report:
@@ -88,7 +89,7 @@ def execute(
             "Go on with the same command and --resume (resume=True)."
         )
         raise LinkwrightError((*problems, kept)) from error
-    return Execution(made, time.perf_counter() - began, lost.total())
+    return made, lost.total()
 
 
 def _made_rows(

@@ -30,7 +30,7 @@ from runtime.studies.harness import (
 )
 from runtime.studies.quantity import Function, declared_unit
 from runtime.sweeps.design import Design, FloatArray, read_design
-from runtime.sweeps.execution import execute, file_sizes, tasks_of
+from runtime.sweeps.execution import Execution, execute, file_sizes, tasks_of
 from runtime.sweeps.request import Request, Rows, companion_texts, differences, evaluate_members
 from runtime.sweeps.store import (
     Integers,
@@ -218,7 +218,7 @@ def _study(
     workers: int | None, scheduler: str | None, *, progress: bool,
 ) -> Study:  # fmt: skip
     """The study of a request: its store, which is created or goes on, and the runs it lacks."""
-    todo, seconds, tried = np.arange(len(points)), None, []
+    began, todo, seconds, tried = time.perf_counter(), np.arange(len(points)), None, []
     store = open_store(path, "r+") if path.exists() else None
     if store is not None:
         changes = [*differences(store.about.facts, request.facts(points))]
@@ -248,8 +248,8 @@ def _study(
             create_store(path, request, design, points, units, chunk, seconds)
             store = open_store(path, "r+")
         title = f"sweep of {machine.mechanism.title}"
-        execution = execute(pool, store, points, tried, tasks, title, progress)
-    return Study(path, machine, request, execution)
+        made, lost = execute(pool, store, points, tried, tasks, title, progress)
+    return Study(path, machine, request, Execution(made, time.perf_counter() - began, lost))
 
 
 def plan_request(
