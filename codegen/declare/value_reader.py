@@ -98,27 +98,23 @@ class Reader:
             self.symbols.append((where, frozenset(read.free_symbols)))
         return read
 
-    def vector(
-        self, value: Any, units: tuple[str, ...], where: str, like: str, stand_in: Any = None
-    ) -> tuple[Any, ...]:
-        """As many values as `units`; anything else is noted, and read as the stand-in or zeros."""
+    def vector(self, value: Any, units: tuple[str, ...], where: str, word: str) -> tuple[Any, ...]:
+        """As many values as `units`; anything else is noted, and read as (1, 0, ...)."""
+        like = (1, *(0,) * (len(units) - 1))
         try:
             given = members(value, len(units))
         except KindError:
-            self.note(f"{where}: {shown(value)} {like}.")
-            given = list(stand_in or (0,) * len(units))
+            self.note(f"{where}: {shown(value)} is not {len(units)} values; write {word}={like}.")
+            given = [*like]
         return tuple(self.value(v, unit, where) for v, unit in zip(given, units, strict=True))
 
-    def pair(
-        self, value: Any, unit: str, where: str, like: str = "two values, (1, 0)"
-    ) -> tuple[Any, Any]:
-        """Two values; anything else is noted as a problem and read as (1, 0)."""
-        x, y = self.vector(value, (unit, unit), where, f"is no pair; write {like}", (1, 0))
-        return x, y
-
-    def axis(self, value: Any, name: str) -> tuple[sympy.Expr, sympy.Expr]:
-        """The components of an axis, m; anything but a pair is noted and read as (1, 0)."""
-        return self.pair(value, "m", f"axis of '{name}'", "axis=(1, 0)")
+    def pairs(self, value: Any, where: str, word: str) -> list[list[Any]]:
+        """The pairs of a list; anything else is noted, and read as an empty one."""
+        try:
+            return [members(pair, 2) for pair in members(value)]
+        except KindError:
+            self.note(f"{where}: {word}={shown(value)} is no list; write [(x, y), ...].")
+            return []
 
     def gated(self, value: Any, unit: str, where: str, when: Any, label: str = "") -> Any:
         """A value while the condition `when` holds, else zero; None holds always.

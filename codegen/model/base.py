@@ -14,6 +14,7 @@ import sympy
 from codegen.declare import symbols as sy
 from codegen.declare.body import Body, Ground, Particle, Point
 from codegen.declare.element import Constraint, Effect
+from codegen.declare.element_conditions import Condition
 from codegen.declare.element_fields import Quantity
 from codegen.declare.returned_values import own_coordinates
 from codegen.declare.scene import Scene
@@ -193,6 +194,12 @@ class Declarations:
         if declared is not None and declared.sign != "positive":
             self.parameters[declared.name] = replace(declared, sign=sign)
 
+    def _note_violated(self, where: str, *conditions: Condition) -> None:
+        """Note what numbers violate, whatever the parameters."""
+        for condition in conditions:
+            for problem in condition.problems(where, {}) if condition.known else ():
+                self._note(problem)
+
     def kind(self, name: str) -> str:
         """The role of a declared name: ``"body"``, ``"joint"``, ``"driver"`` and so on."""
         return self._kinds.get(name, "element")
@@ -277,9 +284,7 @@ class Declarations:
         if value is None and NoneType in get_args(one.type):
             return None
         if isinstance(unit, tuple):
-            like = (1, *(0,) * (len(unit) - 1))
-            text = f"is not {len(unit)} values; write {word}={like}"
-            return self._read.vector(value, unit, place, text, like)
+            return self._read.vector(value, unit, place, word)
         if read.function_of and callable(value) and not isinstance(value, sympy.Basic):
             return self._read.result_of(value, read.function_of(before), unit, place)
         if read.is_law:
@@ -324,9 +329,6 @@ class Declarations:
         label = f"Point of '{body.body.name}'" if isinstance(body, Point) else shown(body)
         self._note(f"{where}: {label} is no body; give a body as a whole.")
         return self.ground
-
-    def _pair(self, name: str, i: Any, j: Any) -> Ends:
-        return self._point(name, i), self._point(name, j)
 
     def _coordinates(self) -> tuple[sy.Coordinate, ...]:
         """Those of all bodies, and those that joints bring."""

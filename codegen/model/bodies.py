@@ -82,7 +82,7 @@ class Bodies(Constraints):
         """
         span = self._value(length, "m", f"length of '{name}'")
         rod = self.body(name, mass, inertia)
-        ends = self._pair(name, i, j)
+        ends = self._point(name, i), self._point(name, j)
         self.revolute(f"{name}_i", ends[0], Point(rod, -span / 2, 0))
         self.revolute(f"{name}_j", Point(rod, span / 2, 0), ends[1])
         self.revolute_revolute(f"{name}_link", *ends, span, instead_of=rod)

@@ -13,7 +13,7 @@ from codegen.declare.symbols import alpha
 from codegen.elements.joints.cams import CamFlatFollower, CamFollower, PointFollower
 from codegen.model.base import Declarations, Pair, Place
 from codegen.object_display import counted
-from codegen.readers.values import KindError, members, shown
+from codegen.readers.values import shown
 from codegen.tables.cubic_spline import fit
 from codegen.tables.table_function import FEWEST, TableFunction
 
@@ -78,20 +78,11 @@ class Cams(Declarations):
         before = len(self.problems)
         on = self._body(where, body)
         closed = self._read.flag(closed, f"{where}: closed", True)
-        rows = []
-        try:
-            given = members(points)
-        except KindError:
-            self._note(f"{where}: points={shown(points)} is no list; write [(x, y), ...].")
-            given = []
-        for k, point in enumerate(given):
-            place = f"{where}, point {k}"
-            try:
-                pair = members(point, 2)
-            except KindError:
-                self._note(f"{place}: {shown(point)} is no pair; write two values, (1, 0).")
-                pair = [1, 0]
-            rows.append([self._read.finite(c, "m", place) for c in pair])
+        given = self._read.pairs(points, where, "points")
+        rows = [
+            [self._read.finite(c, "m", f"{where}, point {k}") for c in pair]
+            for k, pair in enumerate(given)
+        ]
         if closed and len(rows) > 1:
             size = max(abs(c) for row in rows for c in row)
             if all(abs(a - b) <= ROUNDING * size for a, b in zip(rows[0], rows[-1], strict=True)):

@@ -128,12 +128,9 @@ class Contacts(Declarations):
         if restitution is None:
             return self._declare(yielding)
         low, high = yielding.lower, yielding.upper
-        limits = (c for c in limit_conditions(low, high) if c.known)
-        for problem in (
-            *stop_problems(where, s, low, high),
-            *(problem for c in limits for problem in c.problems(where, {})),
-        ):
+        for problem in stop_problems(where, s, low, high):
             self._note(problem)
+        self._note_violated(where, *limit_conditions(low, high))
         rigid: RigidContact = self._element(
             RigidContact, gap=_gap_of_both(s, low, high), restitution=restitution,
             typical_force=typical_force, limits=yielding.gaps, **words,
@@ -317,7 +314,7 @@ class Contacts(Declarations):
         self, where: str, word: str, vector: Any
     ) -> tuple[sympy.Expr, sympy.Expr] | None:
         """Two components that are not both zero."""
-        ux, uy = self._read.pair(vector, "", f"{word} of {where}")
+        ux, uy = self._read.vector(vector, ("", ""), f"{word} of {where}", word)
         if ux == 0 and uy == 0:
             self._note(f"{where}: the {word} (0, 0) points nowhere; give another.")
             return None
@@ -327,8 +324,8 @@ class Contacts(Declarations):
         """Two points and their bodies; one that is missing is noted, and the ground."""
         if i is None or j is None:
             self._note(missing)
-        ends = self._pair(name, *(self.ground if end is None else end for end in (i, j)))
-        return ends, tuple(end.body for end in ends)
+        one, other = (self._point(name, self.ground if end is None else end) for end in (i, j))
+        return (one, other), (one.body, other.body)
 
     def _gap(
         self, name: str, i: Any, j: Any, free_length: Any, direction: Any, gap: Any

@@ -140,8 +140,12 @@ class Outputs(Declarations):
         return None
 
 
-class SceneParts(Fidelities, Connections):
-    """What takes part in a scene because of what else does."""
+DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
+"""Keywords of a scene that an extension inherits unless it names them."""
+
+
+class SceneRequests(Outputs, Fidelities, Connections):
+    """What a modeller writes of a scene, read into its request, and what follows from it."""
 
     def _rubbing_in(
         self, effects: Iterable[str], joints: set[str], how: Mapping[str, str]
@@ -155,15 +159,6 @@ class SceneParts(Fidelities, Connections):
                 law = friction_law(effect)
                 found |= {name} if law and law.joint in joints else set()
         return found
-
-    @staticmethod
-    def _values_without(request: Request, joints: set[str], effects: set[str]) -> dict[str, Any]:
-        """Outputs and start values but for those of joints and effects that do not act."""
-        outputs, gone = request.outputs, joints | effects
-        if outputs is not None and gone:
-            outputs = tuple(w for w in outputs if w.partition("(")[2].rstrip(")") not in gone)
-        start = tuple(pair for pair in request.start if pair[0].rpartition(".")[0] not in joints)
-        return {"outputs": outputs, "start": start}
 
     def _states_of(self, scene: Scene, named: tuple[str, ...]) -> tuple[str, ...]:
         """The states that are `named` or that something which acts contains."""
@@ -190,14 +185,6 @@ class SceneParts(Fidelities, Connections):
         if not symbols or not isinstance(effects, tuple | list):
             return effects
         return [symbols.get(e, e) if isinstance(e, Velocity) else e for e in effects]
-
-
-DEFAULTS = {"frozen": False, "analysis": "dynamics", "outputs": None}
-"""Keywords of a scene that an extension inherits unless it names them."""
-
-
-class SceneRequests(SceneParts, Outputs):
-    """What a modeller writes of a scene, read into its request."""
 
     def _read_request(
         self, read: Reader, where: str, effects: Names, drivers: Names, **words: Any

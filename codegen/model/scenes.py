@@ -1,6 +1,6 @@
 """The scenes of a declaration."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any, cast
@@ -17,12 +17,27 @@ from codegen.errors import ModelError
 from codegen.model.bodies import Form
 from codegen.model.connections import MOST
 from codegen.model.fidelities import NONE
-from codegen.model.scene_requests import DEFAULTS, ONE, SceneRequests
+from codegen.model.scene_requests import ONE, SceneRequests
 from codegen.readers.names import name_problem, nearest
 from codegen.readers.values import shown
 
-UNCHANGED = ("start", "parameters", "until", *DEFAULTS)
+UNCHANGED = ("parameters", "until", "frozen", "analysis")
 """Fields that a scene takes from its request as they are."""
+
+
+def without_values_of(request: Request, gone: Set[str], renewed: Set[str] = frozenset()) -> Request:
+    """The request without outputs, start values and guesses of what is gone, but for `renewed`."""
+
+    def fits(values: NamedValues) -> NamedValues:
+        owned = ((*pair, pair[0].rpartition(".")[0] or pair[0]) for pair in values)
+        return tuple((n, x) for n, x, owner in owned if n in renewed or owner not in gone)
+
+    asked = ((word, ONE.match(word)) for word in request.outputs or ())
+    outputs = tuple(word for word, one in asked if one is None or one[2] not in gone)
+    return replace(
+        request, start=fits(request.start), guess=fits(request.guess),
+        outputs=None if request.outputs is None else outputs,
+    )  # fmt: skip
 
 
 class Scenes(SceneRequests):
@@ -174,20 +189,11 @@ class Scenes(SceneRequests):
     def _drop_unused(self, merged: Request, mine: Request) -> Request:
         """Drop inherited start values and outputs of elements that no longer take part."""
         scratch = self._compose(Reader(), "scratch", merged)
-        present = {*scratch.bodies, *scratch.states, *self.joints}
-        present -= {*scratch.inactive_joints, *merged.without}
-        acting, outputs = {*present, *scratch.effects, *scratch.drivers}, merged.outputs
-        if outputs is not None and mine.outputs is None:
-            asked = ((word, ONE.match(word)) for word in outputs)
-            outputs = tuple(word for word, one in asked if one is None or one[2] in acting)
-        renewed = {name for name, _ in (*mine.start, *mine.guess)}
-
-        def fits(values: NamedValues) -> NamedValues:
-            owned = ((*pair, pair[0].rpartition(".")[0]) for pair in values)
-            return tuple((n, x) for n, x, owner in owned if n in renewed or owner in present)
-
-        start, guess = fits(merged.start), fits(merged.guess)
-        return replace(merged, start=start, guess=guess, outputs=outputs)
+        acting = {*scratch.bodies, *scratch.states, *scratch.effects, *scratch.drivers}
+        acting |= {*self.joints} - {*scratch.inactive_joints, *merged.without}
+        known = {*self.elements} - acting
+        fewer = without_values_of(merged, known, {n for n, _ in (*mine.start, *mine.guess)})
+        return fewer if mine.outputs is None else replace(fewer, outputs=merged.outputs)
 
     def _compose(self, read: Reader, name: str, request: Request, **about: Any) -> Scene:
         """Resolve a request to its scene."""
@@ -212,6 +218,7 @@ class Scenes(SceneRequests):
             for e in how
             if e in self.effects and e not in (*acting, *idle)
         ]
+        kept = without_values_of(request, gone | rubbing)
         driving = ({*request.drivers} | {*included}) - {*request.without}
         scene = Scene(
             name=name,
@@ -221,15 +228,12 @@ class Scenes(SceneRequests):
             connected=connected,
             inactive_joints=tuple(n for n in dict.fromkeys(absent) if n in self.joints),
             fidelity=tuple((n, w) for n, w in how.items() if n in acting or n not in self.effects),
-            guess=self._locate_contacts(
-                request.start,
-                absent,
-                tuple(x for x in request.guess if x[0].rpartition(".")[0] not in gone),
-            ),
+            start=kept.start,
+            guess=self._locate_contacts(request.start, absent, kept.guess),
+            outputs=kept.outputs,
             request=request,
             owner=cast(Owner, self),
-            **{key: getattr(request, key) for key in UNCHANGED}
-            | self._values_without(request, gone, rubbing),
+            **{key: getattr(request, key) for key in UNCHANGED},
             **about,
         )
         return replace(scene, states=self._states_of(scene, named)) if self.states else scene

@@ -5,6 +5,7 @@ from typing import Any
 
 import sympy
 
+from codegen.declare.element_conditions import sign_conditions
 from codegen.declare.state import Clock, State, Trigger
 from codegen.declare.symbols import Velocity
 from codegen.declare.units import is_si_unit
@@ -104,19 +105,14 @@ class States(Declarations):
             indicator = self._read.gated(sympy.S.One, "", where, when)
             declared = self._declare_state(name, where, start, unit, nominal)
             sample = self._expression(ZERO if value is None else value, declared, unit, where)
-            return self._renewed(declared, (Trigger(indicator, sample),))
+            return self._complete(declared, triggers=(Trigger(indicator, sample),))
         period = self._value(every, "s", f"period of {where}", "positive")
         wait = self._value(delay, "s", f"delay of {where}", "nonnegative")
-        if period.is_nonpositive or (period.is_number and not period > 0):
-            self._note(f"period of {where} is {period} s; give a positive time.")
-        if wait.is_number and not wait >= 0:
-            self._note(f"delay of {where} is {wait} s; give none, or a positive time.")
+        self._note_violated(where, *sign_conditions(("period", period, "s"), positive=True))
+        self._note_violated(where, *sign_conditions(("delay", wait, "s")))
         declared = self._declare_state(name, where, start, unit, nominal)
         sample = self._expression(value, declared, unit, where)
-        declared = replace(declared, clock=Clock(period, wait), sample=sample, given=True)
-        if declared.name in self.states:
-            self.states[declared.name] = declared
-        return declared.symbol
+        return self._complete(declared, clock=Clock(period, wait), sample=sample)
 
     def latch(self, name: str, when: Any, reset: Any = None) -> sympy.Basic:
         """A condition with a memory: once `when` has held, it holds, until `reset` begins to hold.
@@ -139,12 +135,12 @@ class States(Declarations):
             for condition, value in both
         )
         declared = self._declare_state(name, where, 0, "", 1)
-        return self._renewed(declared, triggers) > sympy.Rational(1, 2)
+        return self._complete(declared, triggers=triggers) > sympy.Rational(1, 2)
 
-    def _renewed(self, declared: State, triggers: tuple[Trigger, ...]) -> Velocity:
-        """Declare what conditions renew."""
+    def _complete(self, declared: State, **how: Any) -> Velocity:
+        """Say how a declared state changes; its symbol."""
         if declared.name in self.states:
-            self.states[declared.name] = replace(declared, triggers=triggers, given=True)
+            self.states[declared.name] = replace(declared, given=True, **how)
         return declared.symbol
 
     def _declare_state(self, name: str, where: str, start: Any, unit: str, nominal: Any) -> State:
@@ -166,9 +162,7 @@ class States(Declarations):
 
     def _set_rate(self, declared: State, rate: Any, where: str) -> None:
         unit = f"{declared.unit or '1'}/s"
-        value = self._expression(rate, declared, unit, f"rate of {where}")
-        if declared.name in self.states:
-            self.states[declared.name] = replace(declared, rate=value, given=True)
+        self._complete(declared, rate=self._expression(rate, declared, unit, f"rate of {where}"))
 
     def _expression(self, value: Any, declared: State, unit: str, where: str) -> Any:
         """An expression, or what a function of the state answers."""

@@ -15,8 +15,6 @@ from tests.codegen.workbench import (
     B,
     Interpreted,
     State,
-    complex_gamma,
-    complex_step,
     python_functions,
 )
 
@@ -119,22 +117,6 @@ def test_point_follower_is_haugs_in_the_axes_of_the_curve() -> None:
         assert_allclose(machine.jacobian(s), np.array(rows) / PACE, **TOLERANCE)
         expected = np.array([c1 @ d, left @ c1 @ d]) / PACE
         assert_allclose(machine.vector("constraints", s), expected, **TOLERANCE)
-
-
-@pytest.mark.parametrize("kind", JOINTS)
-def test_jacobian_and_gamma_by_complex_steps(kind: str) -> None:
-    machine = Interpreted(JOINTS[kind]())
-    import cmath
-
-    for seed in range(5):
-        s = machine.state(seed)
-
-        def phi(q: np.ndarray, s: State = s) -> np.ndarray:
-            return machine.vector("constraints", State(t=s.t, q=q, v=s.v), cmath)
-
-        assert_allclose(machine.jacobian(s), complex_step(phi, s.q), **TOLERANCE)
-        gamma = machine.vector("acceleration_rhs", s)
-        assert_allclose(gamma, complex_gamma(machine, s), rtol=1e-11, atol=1e-12)
 
 
 def on_the_constraints(machine: Interpreted, seed: int) -> State:

@@ -1,7 +1,5 @@
 """The library's drivers against Haug's formulas by hand; what they exert, and the power of it."""
 
-import cmath
-
 import numpy as np
 import pytest
 import sympy
@@ -22,14 +20,7 @@ from tests.codegen.elements.hand.pair import (
     reactions,
     span,
 )
-from tests.codegen.workbench import (
-    A,
-    Interpreted,
-    State,
-    complex_gamma,
-    complex_step,
-    library_kinds,
-)
+from tests.codegen.workbench import A, Interpreted, State, library_kinds
 
 TOLERANCE = {"rtol": 1e-12, "atol": 1e-12}
 TWO_BODIES = [kind for kind in DRIVERS if not kind.startswith("point")]
@@ -94,20 +85,6 @@ def test_driver_is_haugs(kind: str, ground: bool) -> None:
         assert_allclose(machine.vector("velocity_rhs", s), [rate], **TOLERANCE)
         expected = np.ravel(gamma) + bend
         assert_allclose(machine.vector("acceleration_rhs", s), expected, **TOLERANCE)
-
-
-@pytest.mark.parametrize("kind", DRIVERS)
-def test_derivatives_are_those_of_the_compiled_constraint(kind: str) -> None:
-    machine = pair(kind)
-    for seed in range(3):
-        s = machine.state(seed)
-
-        def phi(q: np.ndarray, s: State = s) -> np.ndarray:
-            return machine.vector("constraints", State(t=s.t, q=q, v=s.v), cmath)
-
-        assert_allclose(machine.jacobian(s), complex_step(phi, s.q), **TOLERANCE)
-        gamma = machine.vector("acceleration_rhs", s)
-        assert_allclose(gamma, complex_gamma(machine, s), **TOLERANCE)
 
 
 def direction(kind: str, s: State) -> np.ndarray:

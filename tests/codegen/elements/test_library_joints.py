@@ -1,6 +1,5 @@
 """The library's joints against Haug's formulas by hand, and their reactions against mechanics."""
 
-import cmath
 from collections.abc import Callable
 from pathlib import Path
 
@@ -32,14 +31,7 @@ from tests.codegen.elements.hand.pair import (
     reactions,
     span,
 )
-from tests.codegen.workbench import (
-    A,
-    Interpreted,
-    State,
-    complex_gamma,
-    complex_step,
-    library_kinds,
-)
+from tests.codegen.workbench import A, Interpreted, State, library_kinds
 
 TOLERANCE = {"rtol": 1e-12, "atol": 1e-12}
 GLOBAL = ("relative_x", "relative_y")
@@ -79,6 +71,12 @@ DECLARATIONS: dict[str, tuple[Declare, Angle]] = {
     "relative_y": relative("y"),
     "relative_phi": relative("phi"),
     "distance": (lambda m, *pair: m.distance(*pair, LENGTH), of_span),
+    "revolute_revolute": (lambda m, *pair: m.revolute_revolute(*pair, LENGTH), of_span),
+    "revolute": (lambda m, *pair: m.revolute(*pair), lambda s: s.body(0)[1]),
+    "translational": (
+        lambda m, *pair: m.translational(*pair, axis=tuple(AXIS), angle=ANGLE),
+        of_axis,
+    ),
     "revolute_translational": (
         lambda m, *pair: m.revolute_translational(*pair, axis=tuple(AXIS), distance=VALUE),
         of_axis,
@@ -95,13 +93,13 @@ DECLARATIONS: dict[str, tuple[Declare, Angle]] = {
 
 
 ELSEWHERE = {
-    **dict.fromkeys(("absolute", "constraint", "revolute"), "test_constraints"),
-    **dict.fromkeys(("revolute-revolute", "translational"), "test_constraints"),
+    **dict.fromkeys(("absolute", "constraint"), "test_constraints"),
+    **dict.fromkeys(("revolute", "revolute-revolute", "translational"), "test_library_joints"),
     **dict.fromkeys(("cam and flat-faced follower", "cam and follower"), "test_cams"),
     "point follower": "test_cams",
     **dict.fromkeys(("belt", "rolling disc", "screw"), "test_transmissions"),
 }
-"""Kinds whose formulas stand in another file of this folder, which may simulate them, too."""
+"""Kinds that a file of this folder has formulas or machines for."""
 
 
 def test_every_formula_has_a_declaration() -> None:
@@ -149,40 +147,6 @@ def test_joint_is_haugs(kind: str, ground: str) -> None:
         assert_allclose(machine.jacobian(s), np.hstack(sides), **TOLERANCE)
         assert_allclose(machine.vector("acceleration_rhs", s), gamma, **TOLERANCE)
         assert_allclose(machine.vector("velocity_rhs", s), 0 * gamma, atol=0)
-
-
-def everything() -> Interpreted:
-    """A joint of every kind, with parameters for what may be one."""
-    model = Model("everything")
-    bodies = [model.body(f"b{k}", mass=1.0, inertia=1.0) for k in range(8)]
-    one = model.parameter("one", 1.3, unit="m", sign="positive")
-    turn = model.parameter("turn", 0.3, unit="rad")
-    a = [body.at(0.2 * k, one / 3) for k, body in enumerate(bodies)]
-    model.relative("reach", a[0], a[1], "x", one)
-    model.relative("lift", a[1], a[2], "y", -one)
-    model.relative("turned", a[2], a[3], "phi", turn)
-    model.distance("rope", model.ground.at(one, 2), a[3], 2 * one)
-    model.revolute_translational("slot", a[3], a[4], axis=(one, -2), distance=one / 2)
-    model.weld("seam", a[4], a[5], angle=turn)
-    model.gear("outer", a[5], a[6], one, 2 * one**2, line=turn)
-    model.gear("inner", a[0], a[6], one, -3 * one, line=2 * turn)
-    model.rack_and_pinion("rack", a[6], a[7], one, axis=(1, one), offset=one)
-    return Interpreted(model)
-
-
-def test_derivatives_are_those_of_the_compiled_constraints() -> None:
-    machine = everything()
-    rows = [formula(machine.state(0), 0, 1)[0] for formula in JOINTS.values()]
-    assert machine.m == sum(map(len, rows)), "everything() lacks a kind, or has one twice"
-    for seed in range(3):
-        s = machine.state(seed)
-
-        def phi(q: np.ndarray, s: State = s) -> np.ndarray:
-            return machine.vector("constraints", State(t=s.t, q=q, v=s.v), cmath)
-
-        assert_allclose(machine.jacobian(s), complex_step(phi, s.q), **TOLERANCE)
-        gamma = machine.vector("acceleration_rhs", s)
-        assert_allclose(gamma, complex_gamma(machine, s), **TOLERANCE)
 
 
 # -- reactions -----------------------------------------------------------------------------------

@@ -63,6 +63,17 @@ def revolute_translational(s: State, i: int | None, j: int | None) -> Rows:
     return np.array([phi - VALUE]), on_i[None], on_j[None], np.array([gamma])
 
 
+def translational(s: State, i: int | None, j: int | None) -> Rows:
+    phi, on_i, on_j, gamma = component(s, i, j, NORMAL, SI, SJ)
+    turned, one = s.body(j)[1] - s.body(i)[1], np.array([0.0, 0, 1])
+    rows = np.array([on_i, -one]), np.array([on_j, one])
+    return np.array([phi, turned - ANGLE]), *rows, np.array([gamma, 0])
+
+
+def revolute(s: State, i: int | None, j: int | None) -> Rows:
+    return tuple(part[:2] for part in weld(s, i, j))  # type: ignore[return-value]
+
+
 def weld(s: State, i: int | None, j: int | None) -> Rows:
     d, _, quadratic = span(s, i, j)
     (_, pi, _, _), (_, pj, _, _) = s.body(i), s.body(j)
@@ -116,6 +127,9 @@ JOINTS: dict[str, Formula] = {
     "relative_y": relative(1),
     "relative_phi": relative_phi,
     "distance": distance,
+    "revolute_revolute": distance,
+    "revolute": revolute,
+    "translational": translational,
     "revolute_translational": revolute_translational,
     "weld": weld,
     "gear": gear("gear"),
