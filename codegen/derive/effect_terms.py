@@ -24,7 +24,7 @@ from codegen.declare.watched_conditions import WatchedCondition
 from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import kinks_as_pieces, tables_by_branches
 from codegen.derive.power_continuation import continue_powers
-from codegen.elements.forces.scalar_measures import is_angle, is_length
+from codegen.elements.scalar_measures import is_angle, is_length
 
 Measure = el.Measure
 

@@ -18,7 +18,7 @@ from codegen.elements.forces.contacts import (
     stop_problems,
 )
 from codegen.elements.forces.friction import JOINTS, DryFriction, JointFriction, joint_coordinate
-from codegen.elements.forces.scalar_measures import unit_of
+from codegen.elements.scalar_measures import unit_of
 from codegen.model.base import Declarations, Ends, Pair, Place, declares
 from codegen.readers.values import shown
 

@@ -9,13 +9,13 @@ from codegen.declare.element import Effect, Measure, Pulls, label
 from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import Coordinate, Velocity, kinds
 from codegen.drawing import shapes
-from codegen.elements.forces.scalar_measures import (
+from codegen.elements.registry import element
+from codegen.elements.scalar_measures import (
     SpanMeasures,
     distance_and_rate,
     line_problems,
     same_body,
 )
-from codegen.elements.registry import element
 
 
 @element

@@ -10,8 +10,8 @@ from codegen.declare.element_conditions import Condition
 from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import SPEED, Coordinate, rate
 from codegen.drawing import shapes
-from codegen.elements.forces.scalar_measures import distance, same_body, span
 from codegen.elements.registry import element
+from codegen.elements.scalar_measures import distance, same_body, span
 
 
 def _stiffness_unit(joint: Any) -> str:

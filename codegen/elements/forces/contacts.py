@@ -8,7 +8,8 @@ from codegen.declare.element_conditions import Condition, hold_conditions
 from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import SPEED, Coordinate, Time, Velocity, kinds, side
 from codegen.drawing import shapes
-from codegen.elements.forces.scalar_measures import (
+from codegen.elements.registry import element
+from codegen.elements.scalar_measures import (
     WORDS,
     along_scalar,
     distance,
@@ -16,7 +17,6 @@ from codegen.elements.forces.scalar_measures import (
     is_constant,
     same_body,
 )
-from codegen.elements.registry import element
 
 
 def gap_between(

@@ -10,16 +10,16 @@ from codegen.declare.element import Effect, Measure, Reported, Sticking, label
 from codegen.declare.element_conditions import static_condition
 from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import Coordinate, Velocity, kinds, rate, side
-from codegen.elements.forces.scalar_measures import (
+from codegen.elements.joints.guides import RevoluteTranslational, Translational
+from codegen.elements.joints.links import Revolute
+from codegen.elements.registry import element
+from codegen.elements.scalar_measures import (
     angle_problems,
     is_constant,
     relative_angle,
     same_body,
     span,
 )
-from codegen.elements.joints.guides import RevoluteTranslational, Translational
-from codegen.elements.joints.links import Revolute
-from codegen.elements.registry import element
 from codegen.readers.values import shown
 
 

@@ -10,7 +10,7 @@ from codegen.declare.element_conditions import Condition, sign_conditions
 from codegen.declare.element_fields import quantity
 from codegen.declare.symbols import SPEED
 from codegen.drawing import shapes
-from codegen.elements.forces import scalar_measures as measures
+from codegen.elements import scalar_measures as measures
 from codegen.elements.registry import element
 
 OTHER = ", and write other characteristics with {}="

@@ -8,11 +8,11 @@ from codegen.declare.element_conditions import Condition
 from codegen.declare.element_fields import ground_unless_given, quantity
 from codegen.declare.symbols import SPEED, rate, side
 from codegen.drawing import shapes
-from codegen.elements.forces import scalar_measures as measures
+from codegen.elements import scalar_measures as measures
 from codegen.elements.forces.contacts import GapSprings
-from codegen.elements.forces.scalar_measures import rim_travel
 from codegen.elements.joints.wheels import Pulleys, WheelPair, toothed_wheels
 from codegen.elements.registry import element
+from codegen.elements.scalar_measures import rim_travel
 
 
 @element

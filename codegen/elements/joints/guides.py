@@ -24,6 +24,7 @@ from codegen.declare.element_fields import Axis, direction, quantity
 from codegen.declare.symbols import given
 from codegen.drawing import shapes
 from codegen.elements.registry import element
+from codegen.elements.scalar_measures import angle_problems, same_body
 
 AXIS = sympy.Matrix([given("i_ux"), given("i_uy")])
 NORMAL = sympy.Matrix([-AXIS[1], AXIS[0]])
@@ -225,14 +226,8 @@ class Screw(Constraint):
     def problems(self) -> list[str]:
         """Bodies that are no screw."""
         frame, nut = self.frame.body, self.nut.body
-        problems = [
-            f"{label(self)} needs the angle of '{body.name}', which has none; use a body with an "
-            "angle."
-            for body in (frame, self.spindle)
-            if body.angle is None or not body.turns
-        ]
-        if frame is nut:
-            problems.append(f"{label(self)} is between body '{nut.name}' and itself; give two.")
+        problems = angle_problems(self, frame, self.spindle)
+        problems += same_body(label(self), (frame, nut))
         if self.spindle is frame:
             problems.append(
                 f"{label(self)}: the spindle '{frame.name}' is the frame in which it turns; give "

@@ -22,6 +22,7 @@ from codegen.declare.symbols import given
 from codegen.drawing import shapes
 from codegen.elements.joints.links import SPAN, Revolute
 from codegen.elements.registry import element
+from codegen.elements.scalar_measures import angle_problems, same_body
 
 ROUNDING = 1e-6
 """accuracy: relative difference of centre distance and radii that rounded inputs explain."""
@@ -164,15 +165,10 @@ class WheelPair:
 
     def problems(self) -> list[str]:
         """Wheels without an angle, a wheel for its own carrier, other bearings."""
-        where, bodies = label(self), (self.i, self.j, self.carrier)
-        problems = [
-            f"{where} needs the angle of '{body.name}', which has none; use a body with an angle."
-            for body in bodies
-            if body.angle is None or not body.turns
-        ]
-        i, j, carrier = bodies
+        where, (i, j, carrier) = label(self), (self.i, self.j, self.carrier)
+        problems = angle_problems(self, i, j, carrier)
         if i is j:
-            problems.append(f"{where} is between body '{i.name}' and itself; give two.")
+            problems += same_body(where, (i, j))
         elif isinstance(carrier, Ground) and (carrier is i or carrier is j):
             problems.append(
                 f"{where}: the ground is one of its wheels and, as no carrier is given, carries "
