@@ -190,13 +190,6 @@ class WheelPair:
         return problems
 
 
-def pulleys_and_belt(pair: WheelPair, crossed: bool) -> tuple[shapes.Shape, ...]:
-    """What a belt drive looks like."""
-    i, j, radius_i, radius_j = pair.i, pair.j, pair.radius_i, pair.radius_j
-    belt = shapes.Belt(i, j, radius_i, radius_j, crossed)
-    return shapes.Wheel(i, radius_i), shapes.Wheel(j, radius_j), belt
-
-
 def _carriers(i: Body, j: Body, joints: Mapping[str, Constraint]) -> list[Body]:
     """The bodies that revolute joints show to carry both wheels, coaxial bodies included."""
     pins = [pin for pin in joints.values() if isinstance(pin, Revolute)]
