@@ -4,13 +4,14 @@ Names come from the text of the model file that stands on the line, without exec
 """
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 
 import typer
 
 from codegen.files.library_folders import LIBRARY, model_names, models_folder
 from linkwright.cli.model_listing import ModelText, find_model_text
+from runtime.integrate.method import METHODS
 
 MODELS_TO_START_FROM = ("four-bar", "slider-crank", "pendulum", "cam-follower")
 """Kinds of models that `new` writes: each is a file of `linkwright/templates`."""
@@ -56,33 +57,23 @@ def quantities(ctx: typer.Context, incomplete: str) -> list[str]:
     return [f"{prefix}{colon}{one}" for one in series if one.startswith(rest)]
 
 
-def one_of(names: Callable[[], Iterable[str]]) -> Callable[[str], list[str]]:
-    """A completion by the names that a function returns."""
-
-    def complete(incomplete: str) -> list[str]:
-        return sorted(name for name in set(names()) if name.startswith(incomplete))
-
-    return complete
+def one_of(*names: str) -> Callable[[str], list[str]]:
+    """A completion by some names."""
+    return lambda incomplete: sorted(name for name in names if name.startswith(incomplete))
 
 
-def _methods() -> Iterable[str]:
-    from runtime.integrate.method import METHODS
-
-    return METHODS
-
-
-def _kinds() -> Iterable[str]:
+def kinds(incomplete: str) -> list[str]:
     """Kinds of elements of the library, with hyphens between their words."""
     files = (LIBRARY / "codegen" / "elements").rglob("*.py")
-    found = (kind for path in files for kind in _KIND.findall(path.read_text(encoding="utf-8")))
-    return (kind.replace(" ", "-") for kind in found)
+    found = {kind for path in files for kind in _KIND.findall(path.read_text(encoding="utf-8"))}
+    return one_of(*(kind.replace(" ", "-") for kind in found))(incomplete)
 
 
-methods, kinds = one_of(_methods), one_of(_kinds)
-models_to_start_from = one_of(lambda: MODELS_TO_START_FROM)
-corrections = one_of(lambda: ("step", "stage", "projection", "baumgarte", "hybrid"))
-formulations = one_of(lambda: ("cartesian", "reduced"))
-analyses = one_of(lambda: ("simulate", "kinematics", "inverse-dynamics", "equilibrium"))
+methods = one_of(*METHODS)
+models_to_start_from = one_of(*MODELS_TO_START_FROM)
+corrections = one_of("step", "stage", "projection", "baumgarte", "hybrid")
+formulations = one_of("cartesian", "reduced")
+analyses = one_of("simulate", "kinematics", "inverse-dynamics", "equilibrium")
 
 
 def _model(ctx: typer.Context) -> ModelText:

@@ -6,6 +6,7 @@ where a section `Scenes` names and describes them.
 """
 
 import ast
+import os
 import re
 import warnings
 from dataclasses import dataclass, field
@@ -135,11 +136,7 @@ def found_models(folder: Path | None) -> list[tuple[str, list[ModelText]]]:
         places = folders_of_models()
     else:
         places = [(one_line(folder), folder)]
-        try:
-            is_folder = folder.is_dir()
-        except OSError:  # a name that is too long
-            is_folder = False
-        if not is_folder:
+        if not os.path.isdir(folder):  # noqa: PTH112 (nor is a name that is too long)
             raise InputError(
                 f"{shown(str(folder))} is no folder; give the folder of some model files."
             )
