@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from runtime.machine_loading import load
     from runtime.result_loading import load_result
     from runtime.results.assembled_state import Assembly
-    from runtime.results.event_records import Event
     from runtime.results.result import Result
+    from runtime.results.run_records import Event
     from runtime.show.animation.animation import Animation, animate
     from runtime.statics.equilibrium import Equilibrium
     from runtime.studies.effect_ranking import matters
@@ -30,7 +30,7 @@ _HOMES = {
     "Assembly": "runtime.results.assembled_state",
     "Case": "runtime.cases.case",
     "Equilibrium": "runtime.statics.equilibrium",
-    "Event": "runtime.results.event_records",
+    "Event": "runtime.results.run_records",
     "Machine": "runtime.machine_facade",
     "Outcome": "runtime.core.outcomes",
     "Result": "runtime.results.result",

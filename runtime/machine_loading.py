@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING
 from weakref import WeakSet
 
 from codegen import __version__
-from codegen.errors import ModelFileError, SupersededError
+from codegen.errors import SupersededError
 from codegen.files.generated_modules import (
     FIRST_KERNEL,
     check_signature,
-    import_generated,
     read_generated,
     text_hash,
 )
@@ -64,31 +63,25 @@ def load(
     """
     here = (Path(folder) if folder is not None else Path.cwd()).resolve()
     for attempt in range(_ATTEMPTS):
+        source: Path | Model
         if isinstance(model, str | os.PathLike):
-            file, modules = _locate(os.fspath(model), here)
+            source, modules = _locate(os.fspath(model), here)
             modules = modules if generated is None else here / generated
-            path, digest = _fresh_module(file, modules, scene)
+            path, digest = _fresh_module(source, modules, scene)
         else:
+            source = model
             path, digest = _build(model, scene, here / (generated or "generated"))
         try:
             with compilation_shown():
-                module = import_generated(path, digest)
+                from runtime.machine_facade import Machine
+                from runtime.mechanism.mechanism import read_mechanism
+
+                declared = None if isinstance(scene, str) else scene
+                mechanism = read_mechanism(path, digest, source, declared)
             break
         except SupersededError:
             if attempt == _ATTEMPTS - 1:
                 raise
-    with compilation_shown():
-        from runtime.core.kernel_abi import gather
-        from runtime.machine_facade import Machine
-        from runtime.mechanism.companion_modules import Origin
-        from runtime.mechanism.mechanism import Mechanism
-        from runtime.mechanism.module_tables import describe
-
-    description = describe(module)
-    declared = None if scene is None or isinstance(scene, str) else scene
-    source = file if isinstance(model, str | os.PathLike) else model
-    origin = Origin(source, declared or description.scene, path, digest)
-    mechanism = Mechanism(description, gather(module), path, origin)
     LOADED.add(mechanism)
     return Machine(mechanism)
 
@@ -128,12 +121,8 @@ def _first_scene(model: Path) -> str | None:
     """Name of the first scene if the model file says it literally at its top level, else None."""
     try:
         tree = ast.parse(model.read_bytes())
-    except OSError as error:
-        raise ModelFileError(f"{model} cannot be read: {error.strerror}.") from error
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        line = f", line {error.lineno}" if isinstance(error, SyntaxError) and error.lineno else ""
-        fault = error.msg if isinstance(error, SyntaxError) else str(error) or type(error).__name__
-        raise ModelFileError(f"{model}{line}: {fault}. Correct the model file.") from error
+    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
+        return None  # the build says what is wrong
     for statement in tree.body:
         calls = [node for node in ast.walk(statement) if isinstance(node, ast.Call)]
         scenes = [c for c in calls if isinstance(c.func, ast.Attribute) and c.func.attr == "scene"]
@@ -152,14 +141,15 @@ def _sources_match(path: Path, text: str, model: Path) -> bool:
     assigned = {ast.unparse(s.targets[0]): s.value for s in head.body if isinstance(s, ast.Assign)}
     if not {"GENERATOR", "SOURCES"} <= assigned.keys():
         return False
+    generator, sources = (ast.literal_eval(assigned[name]) for name in ("GENERATOR", "SOURCES"))
     root = path.resolve().parent.parent
-    sources = {root / name: digest for name, digest in ast.literal_eval(assigned["SOURCES"])}
+    files = [(root / name, digest) for name, digest in sources]
     return (
-        ast.literal_eval(assigned["GENERATOR"]) == f"linkwright {__version__}"
-        and bool(sources)
-        and next(iter(sources)).resolve() == model.resolve()
+        generator == f"linkwright {__version__}"
+        and bool(files)
+        and files[0][0].resolve() == model.resolve()
         and all(
             source.is_file() and hashlib.sha256(source.read_bytes()).hexdigest() == digest
-            for source, digest in sources.items()
+            for source, digest in files
         )
     )

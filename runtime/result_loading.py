@@ -6,7 +6,6 @@ or one that this process has loaded.
 
 import os
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,35 +14,45 @@ import numpy as np
 from codegen.errors import FAILURES, InputError, LinkwrightError
 from codegen.files.generated_modules import content_hash
 from codegen.readers import arguments as readers
-from codegen.readers.values import KindError, one_line
+from codegen.readers.values import one_line
+from runtime.assembly.assemble import assemble
+from runtime.assembly.substitute_kernels import suited_equations
+from runtime.core.outcomes import Outcome
+from runtime.dynamics.connected_simulation import joined
+from runtime.dynamics.formulations import formulate
+from runtime.dynamics.motion_at_instants import SimulatedMotion
+from runtime.dynamics.output_quantities import evaluate
+from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.dynamics.prescribed_motion import DrivenMotionAtInstants
+from runtime.integrate.checkpoints import Checkpoints
+from runtime.integrate.clocks import queue_length, read_clocks
+from runtime.integrate.problem import Discrete, Options
+from runtime.machine_loading import LOADED
+from runtime.mechanism.dense_equations import Equations
+from runtime.mechanism.mechanism import Mechanism, sibling, sibling_named
+from runtime.results.assembled_state import Assembly, State
+from runtime.results.export import require_libraries
+from runtime.results.motion_at_instants import Motion, keep
+from runtime.results.result import Result
 from runtime.results.saved_result import (
+    FACTS,
     GROUP,
     KINDS,
+    OF_ONE_RUN,
     events_of,
     floats,
     partitions_of,
     samples_of,
     unpack,
 )
+from runtime.results.zarr_store import read_content
+from runtime.validation.parameters import parameter_values
 
 if TYPE_CHECKING:
-    from runtime.integrate.problem import Discrete
     from runtime.machine_facade import Machine
     from runtime.mechanism.dense_equations import FloatArray
-    from runtime.mechanism.mechanism import Mechanism
-    from runtime.results.assembled_state import Assembly
-    from runtime.results.motion_at_instants import Motion
-    from runtime.results.result import Result
 
-_LIBRARIES = {".nc": "netCDF4", ".zarr": "zarr"}
-
-
-def _machine(value: Any) -> Any:
-    from runtime.machine_facade import Machine
-
-    if not isinstance(value, Machine):
-        raise KindError("it must be a machine, as load() makes it.")
-    return value
+_machine = readers.instance("runtime.machine_facade", "Machine", "a machine, as load() makes it")
 
 
 @readers.reads(path=readers.path, machine=readers.optional(_machine))
@@ -71,104 +80,63 @@ def load_result(path: str | os.PathLike[str], machine: "Machine | None" = None) 
         one than it was, or if `machine` is not given and none of the result's scene is loaded.
     """
     place = Path(path)
-    saved = _content(place)
-    mechanism = _mechanism_of(place, saved, None if machine is None else machine.mechanism)
     try:
-        return _result(mechanism, saved)
+        saved = unpack(_content(place), [*KINDS, Discrete])
+        return _result(_mechanism_of(place, saved, machine), saved)
     except LinkwrightError:
         raise
     except FAILURES as error:
-        raise _unreadable(place, error) from error
+        raise InputError(
+            f"{place} was not written by this version of Result.save, or is damaged "
+            f"({type(error).__name__}). Read the numbers alone with xarray."
+        ) from error
 
 
-def _content(path: Path) -> dict[str, Any]:
+def _content(path: Path) -> bytes:
     """What `Result.save` wrote beside the series."""
-    from runtime.integrate.problem import Discrete
-
     ending = path.suffix.lower()
-    if ending not in _LIBRARIES:
+    if ending not in (".nc", ".zarr"):
         raise InputError(
             f"{path}: results come back from .nc files and .zarr stores alone, as Result.save "
             "writes them."
         )
     if not path.exists():
         raise InputError(f"{path}: there is no such file.")
-    try:
-        import_module(_LIBRARIES[ending])
-    except ImportError as error:
-        raise InputError(
-            f"{path}: reading {path.suffix} needs the library {_LIBRARIES[ending]}, which cannot "
-            f"be imported ({error}). Run pip install 'linkwright[files]', in the checkout pip "
-            "install '.[files]'."
-        ) from error
-    try:
-        content = _read_netcdf(path) if ending == ".nc" else _read_zarr(path)
-        saved: dict[str, Any] = unpack(content, [*KINDS, Discrete])
-        _ = saved["title"].partition, _source(saved)
-    except InputError:
-        raise
-    except FAILURES as error:
-        raise _unreadable(path, error) from error
-    return saved
-
-
-def _read_netcdf(path: Path) -> bytes:
+    require_libraries(path, "reading")
+    if ending == ".zarr":
+        return read_content(path)
     import netCDF4
 
     with netCDF4.Dataset(path) as file:
         return np.asarray(file.groups[GROUP].variables[GROUP][:], np.uint8).tobytes()
 
 
-def _read_zarr(path: Path) -> bytes:
-    from runtime.results.zarr_store import read_content
-
-    return read_content(path)
-
-
-def _unreadable(path: Path, error: BaseException) -> InputError:
-    return InputError(
-        f"{path} was not written by this version of Result.save, or is damaged "
-        f"({type(error).__name__}). Read the numbers alone with xarray."
-    )
-
-
-def _source(saved: dict[str, Any]) -> dict[str, str] | None:
-    """Where the machine of a saved result comes from; KeyError where a field is missing."""
-    source = saved["motion"] and saved["motion"]["source"]
-    return source and {name: source[name] for name in ("model", "scene", "content")}
-
-
-def _mechanism_of(path: Path, saved: dict[str, Any], given: "Mechanism | None") -> "Mechanism":
+def _mechanism_of(path: Path, saved: dict[str, Any], machine: "Machine | None") -> Mechanism:
     """The mechanism of a result: of the machine that is given, or of one that is loaded."""
-    from runtime.machine_loading import LOADED
-    from runtime.mechanism.sibling_scenes import sibling_named
-
-    title, source = saved["title"], _source(saved)
+    source = saved["motion"] and saved["motion"]["source"]
+    content, file = (source["content"], source["model"]) if source else (None, "")
+    title, known = saved["title"], [*LOADED] if machine is None else [machine.mechanism]
     model, _, scene = title.partition("/")
-    known = [*LOADED] if given is None else [given]
     near = [one for one in known if one.description.model == model]
     found = [one for one in (sibling_named(one, scene) for one in near) if one is not None]
-    if given is not None and not found:
+    if machine is not None and not found:
         raise InputError(
-            f"{path} has a result of {title}, and the machine is {given.description.title}."
+            f"{path} has a result of {title}, and the machine is {machine.description.title}."
         )
     if not found:
-        file = one_line(source["model"]) if source and source["model"] else "the model"
         raise InputError(
             f"{path} has a result of {one_line(title)}, whose machine is not loaded. Load it "
-            f"({file}, scene {one_line(scene)}) and give it: load_result(path, "
-            "machine=load(...)); or read the numbers alone with xarray."
+            f"({one_line(file or 'the model')}, scene {one_line(scene)}) and give it: "
+            "load_result(path, machine=load(...)); or read the numbers alone with xarray."
         )
-    if given is None and source is None:  # nothing tells whether a loaded machine is that one
+    if machine is None and content is None:  # nothing tells whether a loaded machine is that one
         raise InputError(
             f"{path} does not say from which text the machine of {one_line(title)} came, as that "
             "of an equilibrium does not. Give it: load_result(path, machine=load(...))."
         )
     for one in found:
         origin = one.origin
-        if source is None or origin is None:
-            return one
-        if source["content"] == content_hash(origin.path, origin.digest):
+        if origin is None or content in (None, content_hash(origin.path, origin.digest)):
             return one
     raise InputError(
         f"{path}: the model of {title}, or the generator, has changed since the result was saved, "
@@ -177,16 +145,8 @@ def _mechanism_of(path: Path, saved: dict[str, Any], given: "Mechanism | None") 
     )
 
 
-def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
+def _result(mechanism: Mechanism, saved: dict[str, Any]) -> Result:
     """The result of a machine that was saved."""
-    from runtime.assembly.assemble import assemble
-    from runtime.core.outcomes import Outcome
-    from runtime.dynamics.output_quantities import evaluate
-    from runtime.mechanism.dense_equations import Equations
-    from runtime.results.assembled_state import State
-    from runtime.results.result import Result
-    from runtime.validation.parameters import parameter_values
-
     kept, parameters = saved["motion"], saved["parameters"]
     if kept is not None and "parts" in kept:
         return _joined(mechanism, saved)
@@ -198,61 +158,40 @@ def _result(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
         start = assemble(Equations(mechanism, p), state.t, start_at=state)
         start = replace(start, q=q, v=v)
         make = _simulated if saved["analysis"] == "simulation" else _driven
-        variant, motion = make(mechanism, start, saved)
-    samples = evaluate(Equations(variant, p), **states)
-    result = Result(
-        mechanism.description, samples, p, analysis=saved["analysis"],
-        outcome=Outcome[saved["outcome"]], message=saved["message"], stats=saved["stats"],
-        events=events_of(saved["events"]), partitions=partitions_of(saved["partitions"]),
-        not_unique=saved["not_unique"], singular=saved["singular"],
+        variant, motion = make(mechanism, p, start, saved)
+    return Result(
+        mechanism.description, evaluate(Equations(variant, p), **states), p,
+        outcome=Outcome[saved["outcome"]], events=events_of(saved["events"]),
+        partitions=partitions_of(saved["partitions"]), singular=tuple(saved["singular"]),
+        site=saved.get("site", ""),  # of older files unknown
+        _until=tuple(saved["until"]), _motion=motion, _mechanism=mechanism,
+        **{name: saved[name] for name in (*FACTS, *OF_ONE_RUN)},
     )  # fmt: skip
-    result.works, result.accuracy = saved["works"], saved["accuracy"]
-    result.contradiction, result._motion = saved["contradiction"], motion
-    result._mechanism = mechanism
-    result.ended_by, result.work_at_end = saved["ended_by"], saved["work_at_end"]
-    result.site = saved.get("site", "")  # of older files unknown
-    result._until = tuple(saved["until"])
-    return result
 
 
-def _joined(mechanism: "Mechanism", saved: dict[str, Any]) -> "Result":
+def _joined(mechanism: Mechanism, saved: dict[str, Any]) -> Result:
     """The result of several runs, with other joints each."""
-    from runtime.core.outcomes import Outcome
-    from runtime.dynamics.connected_simulation import joined
-    from runtime.mechanism.sibling_scenes import sibling
-    from runtime.results.motion_at_instants import keep
-
-    results, changes = [], saved["motion"]["changes"]
-    for part, change in zip(saved["motion"]["parts"], [None, *changes], strict=True):
+    kept, outcome = saved["motion"], Outcome[saved["outcome"]]
+    results, changes, since = [], kept["changes"], kept["since"]
+    for part, change in zip(kept["parts"], [None, *changes], strict=True):
         if change is not None:
-            watched = next(
-                row
-                for row in mechanism.description.watched
-                if (row.target, row.action) == (change.joint, change.action)
-            )
-            mechanism = sibling(mechanism, watched)
+            of_joint = {(row.target, row.action): row for row in mechanism.description.watched}
+            mechanism = sibling(mechanism, of_joint[change.joint, change.action])
         results.append(_result(mechanism, part))
-    found, times = joined(results, changes, saved["motion"]["since"]), saved["t"]
-    found.outcome, found.message = Outcome[saved["outcome"]], saved["message"]
+    found, times = joined(results, changes, since), saved["t"]
+    found.outcome, found.site, found._until = outcome, saved.get("site", ""), tuple(saved["until"])
+    for name in FACTS:
+        setattr(found, name, saved[name])
     if len(times) < len(found.t):
-        last = times[-1] if found.outcome is Outcome.INACCURATE else np.inf
-        keep(found, np.isin(found.t, times), saved["motion"]["since"], last)
-    found.accuracy, found.ended_by = saved["accuracy"], saved["ended_by"]
-    found.site = saved.get("site", "")
-    found._until = tuple(saved["until"])
+        last = times[-1] if outcome is Outcome.INACCURATE else np.inf
+        keep(found, np.isin(found.t, times), since, last)
     return found
 
 
 def _simulated(
-    mechanism: "Mechanism", start: "Assembly", saved: dict[str, Any]
-) -> "tuple[Mechanism, Motion]":
+    mechanism: Mechanism, p: "FloatArray", start: Assembly, saved: dict[str, Any]
+) -> tuple[Mechanism, Motion]:
     """The run of a simulation, and the mechanism with the kernels that it took."""
-    from runtime.dynamics.formulations import formulate
-    from runtime.dynamics.motion_at_instants import SimulatedMotion
-    from runtime.dynamics.prepared_simulation import PreparedSimulation
-    from runtime.integrate.checkpoints import Checkpoints
-    from runtime.integrate.problem import Options
-    from runtime.validation.parameters import parameter_values
 
     def missing(*_: Any) -> float:
         raise InputError(
@@ -260,8 +199,8 @@ def _simulated(
             "it cannot be taken again. Simulate anew."
         )
 
-    kept, p = saved["motion"], parameter_values(mechanism, saved["parameters"])
-    length = kept["length"]
+    kept = saved["motion"]
+    length = kept["length"] if "length" in kept else kept["handover"]  # of older files
     ready = PreparedSimulation(
         mechanism, kept["t_end"], t_start=start.t, parameters=saved["parameters"], guess=None,
         start=start, controllers=dict.fromkeys(mechanism.description.controllers, missing),
@@ -276,11 +215,8 @@ def _simulated(
     return coordinates.equations.mechanism, motion
 
 
-def _discrete(mechanism: "Mechanism", p: "FloatArray", stand: Any) -> "Discrete | None":
+def _discrete(mechanism: Mechanism, p: "FloatArray", stand: Any) -> Discrete | None:
     """Where clocks and conditions stand, by the tables of the machine; InputError if by others."""
-    from runtime.integrate.clocks import queue_length, read_clocks
-    from runtime.integrate.problem import Discrete
-
     if stand is None:
         return None
     clocks = read_clocks(mechanism.system, p)
@@ -295,15 +231,10 @@ def _discrete(mechanism: "Mechanism", p: "FloatArray", stand: Any) -> "Discrete 
 
 
 def _driven(
-    mechanism: "Mechanism", start: "Assembly", saved: dict[str, Any]
-) -> "tuple[Mechanism, Motion]":
+    mechanism: Mechanism, p: "FloatArray", start: Assembly, saved: dict[str, Any]
+) -> tuple[Mechanism, Motion]:
     """The motion that drivers prescribe, and the mechanism with the kernels that it took."""
-    from runtime.assembly.substitute_kernels import suited_equations
-    from runtime.dynamics.prescribed_motion import DrivenMotionAtInstants
-    from runtime.mechanism.dense_equations import Equations
-    from runtime.validation.parameters import parameter_values
-
-    kept, p = saved["motion"], parameter_values(mechanism, saved["parameters"])
+    kept = saved["motion"]
     suited = suited_equations(Equations(mechanism, p), start).mechanism
     preferred: FloatArray = floats(kept["preferred"], start.q.shape, "preferred")
     times = floats(kept["times"], (-1,), "times")

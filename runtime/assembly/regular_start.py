@@ -31,8 +31,15 @@ from runtime.linalg.orthogonal_factors import (
 from runtime.linalg.rank_policy import LOST, NO_PIVOT
 from runtime.linalg.vectors import copy_vector, dot, is_finite, largest_magnitude
 from runtime.mechanism.dense_equations import Equations
-from runtime.mechanism.start_table import LEAD, LEADING, StartTable, lead_of
-from runtime.mechanism.typical_sizes import measure_size, write_row_scale, write_scale
+from runtime.mechanism.typical_sizes import (
+    LEAD,
+    LEADING,
+    StartTable,
+    lead_of,
+    measure_size,
+    write_row_scale,
+    write_scale,
+)
 
 IRREGULAR, REGULAR, FAR = 0, 1, 2
 """What a start is: far from closed joints, where nothing leads to them."""

@@ -35,7 +35,7 @@ from runtime.core.outcomes import Outcome
 from runtime.mechanism.dense_equations import Equations, FloatArray, row_lengths
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly
-from runtime.results.event_records import Kind, SingularPosition
+from runtime.results.run_records import Kind, SingularPosition
 from runtime.singularity.motion_polynomial import taylor
 from runtime.singularity.singular_position_near_motion import Singularity, SingularPositions
 

@@ -30,7 +30,7 @@ from runtime.linalg.rank_policy import REDUNDANT
 from runtime.linalg.vectors import axpy, copy_vector, largest_ratio
 from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.results.assembled_state import Assembly
-from runtime.results.event_records import SingularPosition
+from runtime.results.run_records import SingularPosition
 
 if TYPE_CHECKING:
     from runtime.continuation.bifurcation_branches import Zone

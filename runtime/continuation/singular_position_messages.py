@@ -15,7 +15,7 @@ from runtime.continuation.bifurcation_branches import SOLVED, Branch, RankDefici
 from runtime.integrate.trajectory import Crossing
 from runtime.linalg.rank_policy import LOST
 from runtime.mechanism.dense_equations import Equations, FloatArray, row_lengths
-from runtime.results.event_records import Kind, SingularPosition
+from runtime.results.run_records import Kind, SingularPosition
 
 # measured: part of the largest share in a rank deficiency; constraints above it are named
 _PART = 0.05

@@ -133,7 +133,6 @@ def sources() -> dict[Path, bytes]:
 ROOMS = ("core", "linalg", "constraints", "singularity", "hybrid", "integrate")
 _OF_CONSTANTS = (
     "assembly/joint_closing.py",
-    "mechanism/start_table.py",
     "sweeps/ensemble_arrays.py",
 )
 _FOLDER = own_folder(LIBRARY / "runtime", [*sources().values()])

@@ -21,10 +21,9 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics.motion_at_instants import Found, SimulatedMotion, resumed
 from runtime.dynamics.simulation import simulate_joints
 from runtime.mechanism.dense_equations import Equations, FloatArray
-from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism, Values, sibling, sibling_named
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.one_sided_impact import Contradiction, impact
-from runtime.mechanism.sibling_scenes import sibling, sibling_named
 from runtime.results.assembled_state import Assembly, DiscreteState, State
 from runtime.results.motion_at_instants import Motion, keep
 from runtime.results.result import Result
@@ -273,17 +272,16 @@ def joined(
         description, samples, np.array([values[row.name] for row in description.parameters]),
         analysis=last.analysis, outcome=last.outcome,
         message=" ".join(filter(None, (sentences(passed), end))), stats=stats,
-        events=[event for one in results for event in one.events],
-        partitions=[choice for one in results for choice in one.partitions],
+        events=tuple(event for one in results for event in one.events),
+        partitions=tuple(choice for one in results for choice in one.partitions),
         not_unique=tuple(dict.fromkeys(name for one in results for name in one.not_unique)),
-        singular=[position for one in results for position in one.singular],
+        singular=tuple(position for one in results for position in one.singular),
+        contradiction=" ".join(filter(None, (one.contradiction for one in results))),
+        reconnections=tuple(passed), ended_by=last.ended_by, site=last.site, works=works,
+        _mechanism=results[0]._mechanism,
     )  # fmt: skip
-    result.contradiction = " ".join(filter(None, (one.contradiction for one in results)))
-    result.reconnections, result._mechanism = tuple(passed), results[0]._mechanism
-    result.ended_by, result.site = last.ended_by, last.site
     if all(one._motion is not None for one in results):
         result._motion = JoinedMotion(tuple(results), tuple(changes), description, since)
-    result.works.update(works)
     if since > -np.inf:
         keep(result, result.t >= since, since, np.inf)
     return result

@@ -39,8 +39,7 @@ from runtime.linalg.vectors import largest_magnitude
 from runtime.mechanism.dense_equations import KEPT, Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
-from runtime.mechanism.start_table import start_table
-from runtime.mechanism.typical_sizes import measure_length, write_scale
+from runtime.mechanism.typical_sizes import measure_length, start_table, write_scale
 from runtime.results.result import Result
 from runtime.results.samples import Samples
 

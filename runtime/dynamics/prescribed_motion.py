@@ -34,8 +34,8 @@ from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
-from runtime.results.event_records import Event
 from runtime.results.result import Result
+from runtime.results.run_records import Event
 from runtime.validation.masses import require_masses
 from runtime.validation.output_instants import instants
 from runtime.validation.parameters import parameter_values
@@ -81,7 +81,7 @@ def kinematics(
     result = Result(
         mechanism.description, samples, p, analysis=analysis, outcome=motion.outcome,
         message=message + start_note(mechanism, begin, guess, start) + redundancy_note(begin),
-        stats=motion.stats, events=sorted([*crossed, *kinks], key=lambda event: event.time),
+        stats=motion.stats, events=tuple(sorted([*crossed, *kinks], key=lambda event: event.time)),
         not_unique=begin.not_unique, singular=motion.singular,
     )  # fmt: skip
     result._mechanism = mechanism

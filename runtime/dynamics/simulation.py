@@ -48,9 +48,8 @@ from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import State
-from runtime.results.event_records import Event, event_words
 from runtime.results.result import Result
-from runtime.results.run_records import Ending
+from runtime.results.run_records import Ending, Event, event_words
 from runtime.results.samples import Partition, Samples, require_memory, sample_bytes, state_bytes
 from runtime.validation.finite_equations import describe_infinite
 from runtime.validation.output_instants import POINTS
@@ -217,7 +216,7 @@ def _result(
     result = Result(
         description, samples, ready.p, analysis="simulation", outcome=run.outcome,
         message=_message(equations, run) + redundancy_note(begin) + ready.note, stats=stats,
-        events=events, partitions=partitions, not_unique=begin.not_unique,
+        events=tuple(events), partitions=tuple(partitions), not_unique=begin.not_unique,
     )  # fmt: skip
     subject = ""  # the condition, joint or driver that the outcome concerns
     if run.index >= 0 and run.outcome.of_switch:

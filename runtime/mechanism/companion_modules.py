@@ -1,14 +1,17 @@
 """Companion modules of a scene: located, checked, and built if missing or stale.
 
-Exact derivatives and reduced equations are generated into files of their own next to the scene's. A
-companion belongs to one text of that file, whose SHA-256 it names: with any other the slots of
-``p`` might differ, and it is built again.
+Exact derivatives, reduced equations and the picture are generated into files of their own next to
+the scene's. A companion belongs to one text of that file, whose SHA-256 it names: with any other
+the slots of ``p`` might differ, and it is built again.
 """
 
 import re
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
 
 from codegen.errors import AnalysisError, SupersededError
 from codegen.files.generated_modules import (
@@ -21,7 +24,10 @@ from codegen.files.generated_modules import (
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
+    from codegen.drawing.layout import Layout
+    from runtime.mechanism.mechanism import Mechanism
 
+FloatArray = npt.NDArray[np.float64]
 Kind = Literal["tangents", "reduced", "picture"]
 
 _BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
@@ -60,7 +66,11 @@ def load_companion(origin: Origin | None, kind: Kind, title: str, path: Path) ->
         return import_generated(place, text_hash(text))
     from codegen import build
 
-    folder, wanted = origin.path.parent, {kind: True, "unroll": _unroll(origin.path)}
+    # kernels in loops, or not, as the header of the scene's file says
+    unroll = (
+        _UNROLL.search(read_generated(origin.path)[:_HEADER]) if origin.path.is_file() else None
+    )
+    folder, wanted = origin.path.parent, {kind: True, "unroll": unroll[1] if unroll else "auto"}
     (report,) = build(origin.model, origin.scene, folder, compile=False, **wanted).scenes  # type: ignore[arg-type]
     companion = getattr(report, kind)
     if report.digest != origin.digest or companion is None:
@@ -87,22 +97,12 @@ def _text(origin: Origin, kind: Kind) -> str | None:
     text = read_generated(place)
     belongs = _BELONGS.search(text)
     current = belongs is not None and belongs.group(1) == origin.digest
-    return text if current and _required_text(kind) in text else None
-
-
-def _unroll(path: Path) -> str:
-    """Whether the kernels of a scene's file are in loops, as its header says."""
-    chosen = _UNROLL.search(read_generated(path)[:_HEADER]) if path.is_file() else None
-    return "auto" if chosen is None else chosen[1]
-
-
-def _required_text(kind: Kind) -> str:
-    """What the file of a companion has to contain: without it, another generator wrote it."""
+    has = {"tangents": "def accelerations_tangent(", "reduced": "def reduced_mass("}
     if kind == "picture":
         from codegen.drawing.layout import VERSION
 
-        return f'LAYOUT = "{VERSION}"'
-    return {"tangents": "def accelerations_tangent(", "reduced": "def reduced_mass("}[kind]
+        has["picture"] = f'LAYOUT = "{VERSION}"'
+    return text if current and has[kind] in text else None  # else another generator wrote it
 
 
 def _command(origin: Origin, kind: Kind) -> str:
@@ -113,3 +113,43 @@ def _command(origin: Origin, kind: Kind) -> str:
         f"linkwright build {origin.model} --scene {origin.scene} "
         f"--out {origin.path.parent} --{kind}"
     )
+
+
+class Geometry(NamedTuple):
+    """What a mechanism looks like at k instants."""
+
+    layout: "Layout"
+    numbers: FloatArray  # those that the layout's slots stand for, (k, slots)
+    curves: tuple[FloatArray, ...]  # of each curve the points, m, (SAMPLES, 2)
+
+
+def geometry(
+    mechanism: "Mechanism", p: FloatArray, t: FloatArray, q: FloatArray, v: FloatArray
+) -> Geometry:
+    """The geometry at states.
+
+    Parameters
+    ----------
+    mechanism
+        Its companion module is built where it is missing.
+    p : (np,)
+        Parameters, with or without the constants behind them.
+    t, q, v : (k,), (k, n), (k, n)
+        Instants in s, coordinates and velocities.
+    """
+    from codegen.drawing.layout import SAMPLES, BodyLayout, Layout, ShapeLayout
+
+    module = load_companion(mechanism.origin, "picture", mechanism.title, mechanism.path)
+    bodies = tuple(BodyLayout(*row) for row in module.BODIES)
+    rows = tuple(ShapeLayout(*row) for row in module.SHAPES)
+    count = sum(what == "curve" for row in rows for what, _ in row.fields)
+    layout = Layout(mechanism.title.replace("/", ", "), bodies, rows, count)
+    numbers = np.zeros((len(t), layout.size))
+    q, v = np.ascontiguousarray(q, dtype=float), np.ascontiguousarray(v, dtype=float)
+    for k in range(len(t)):
+        module.picture(float(t[k]), q[k], v[k], p, numbers[k])
+    points = np.zeros((SAMPLES, 2 * count))
+    if count:
+        for k, alpha in enumerate(np.linspace(0.0, 2.0 * np.pi, SAMPLES)):
+            module.curves(alpha, p, points[k])
+    return Geometry(layout, numbers, tuple(points[:, 2 * k : 2 * k + 2] for k in range(count)))

@@ -15,8 +15,7 @@ from runtime.core.arrays import Kernel
 from runtime.core.kinds import MIXED, SLIDING
 from runtime.linalg.least_norm import SPARSE_FROM
 from runtime.mechanism.mechanism import Mechanism
-from runtime.mechanism.start_table import StartTable, start_table
-from runtime.mechanism.typical_sizes import measure, measure_rows
+from runtime.mechanism.typical_sizes import StartTable, measure, measure_rows, start_table
 from runtime.singularity.scaled_constraints import ScaledConstraints
 
 FloatArray = npt.NDArray[np.float64]
@@ -103,12 +102,11 @@ class Equations:
     def forces(self, t: float, q: FloatArray, v: FloatArray, modes: IntArray) -> FloatArray:
         """Q, shape (n,); of a condition in mode 2 the mean of both sides, here as below."""
         kernel = self.kernels.applied_forces
-        mean: FloatArray = self._mean_of_sides(
-            modes, lambda m: _filled(self.n, kernel, t, q, v, self.p, m)
-        )
-        return mean
+        return self._mean_of_sides(modes, lambda m: _filled(self.n, kernel, t, q, v, self.p, m))
 
-    def _mean_of_sides(self, modes: IntArray, values: Callable[[IntArray], Any]) -> Any:
+    def _mean_of_sides(
+        self, modes: IntArray, values: Callable[[IntArray], FloatArray]
+    ) -> FloatArray:
         """Values by modes 0 and 1; of a balanced condition in mode 2 the mean of those of both."""
         balanced = (modes == SLIDING) & (self.boundaries != MIXED)
         plain = np.where(balanced, 0, modes)
@@ -122,15 +120,12 @@ class Equations:
     def potential(self, t: float, q: FloatArray, modes: IntArray) -> float:
         """V in J."""
         kernel = self.kernels.potential
-        return float(self._mean_of_sides(modes, lambda m: np.float64(kernel(t, q, self.p, m))))
+        return float(self._mean_of_sides(modes, lambda m: np.array(kernel(t, q, self.p, m))))
 
     def potential_gradient(self, t: float, q: FloatArray, modes: IntArray) -> FloatArray:
         """∂V/∂q, shape (n,)."""
         kernel = self.kernels.potential_gradient
-        mean: FloatArray = self._mean_of_sides(
-            modes, lambda m: _filled(self.n, kernel, t, q, self.p, m)
-        )
-        return mean
+        return self._mean_of_sides(modes, lambda m: _filled(self.n, kernel, t, q, self.p, m))
 
     def motion(
         self, t: float, q: FloatArray, v: FloatArray, modes: IntArray
@@ -174,31 +169,14 @@ class Equations:
         self.kernels.switched_reactions(t, q, v, self.p, modes, lam, out)
         return out
 
-    def length_rows(self, slopes: FloatArray) -> npt.NDArray[np.bool_]:
-        """Constraints that are lengths, shape (m,): lengths enter them, or nothing does, at Φ_q."""
-        used, count = self.description.jacobian_rows[slopes != 0.0], self.m
-        of_length = self._enter_lengths & (slopes != 0.0)
-        lengths = np.bincount(self.description.jacobian_rows[of_length], minlength=count) > 0
-        rows: npt.NDArray[np.bool_] = lengths | (np.bincount(used, minlength=count) == 0)
-        return rows
-
-    @property
-    def _enter_lengths(self) -> npt.NDArray[np.bool_]:
-        """Whether the coordinate of each non-zero of Φ_q is a length, (nnz,)."""
-        enter: npt.NDArray[np.bool_] = self.description.is_length[self.description.jacobian_columns]
-        return enter
-
     def row_units(self, slopes: FloatArray) -> list[str]:
-        """Unit of each constraint: m where a length enters, else that of its coordinates."""
+        """Unit of each constraint: m where a length enters, or nothing, else its coordinates'."""
         units = [row.unit for row in self.description.coordinates]
         found: list[set[str]] = [set() for _ in range(self.m)]
         rows, columns = self.description.jacobian_rows, self.description.jacobian_columns
         for e in np.flatnonzero(slopes != 0.0):
             found[rows[e]].add(units[columns[e]])
-        return [
-            "m" if is_length else of.pop() if len(of) == 1 else "1"
-            for is_length, of in zip(self.length_rows(slopes), found, strict=True)
-        ]
+        return ["m" if "m" in of or not of else of.pop() if len(of) == 1 else "1" for of in found]
 
     def size(self, t: float, q: FloatArray) -> float:
         """A length typical of the mechanism, in m, from how angles enter lengths; 1 if none do."""
@@ -257,9 +235,8 @@ class Equations:
 
     def scale(self, size: float) -> FloatArray:
         """Typical changes of coordinates, (n,): `size` for lengths, 1 for angles, a state's own."""
-        typical: FloatArray = np.where(self.description.is_length, size, 1.0)
-        for state in self.description.states:
-            typical[state.column] = state.nominal
+        shape = self.mechanism.shape
+        typical: FloatArray = np.where(shape["scaled_by_length"] != 0, size, shape["typical"])
         return typical
 
 

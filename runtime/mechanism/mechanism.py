@@ -1,17 +1,27 @@
-"""The data of a mechanism in one scene, which all analyses take: tables, kernels, origin."""
+"""The data of a mechanism in one scene, which all analyses take: tables, kernels, origin.
+
+A run goes on in another scene once other joints act: that is found beside the scene's module, or
+built.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import AnalysisError
-from runtime.core.kernel_abi import Kernels
+from codegen.files.generated_modules import (
+    check_signature,
+    import_generated,
+    read_generated,
+    text_hash,
+)
+from runtime.core.kernel_abi import Kernels, gather
 from runtime.core.system import System
 from runtime.mechanism.companion_modules import (
     Kind,
@@ -19,9 +29,18 @@ from runtime.mechanism.companion_modules import (
     has_companion,
     load_companion,
 )
-from runtime.mechanism.module_tables import Description
-from runtime.mechanism.reduced_kernels import Reduced, gather_reduced
-from runtime.mechanism.system import Tangents, common_system, gather_tangents
+from runtime.mechanism.module_tables import Description, describe
+from runtime.mechanism.system import (
+    Reduced,
+    Tangents,
+    common_system,
+    gather_tangents,
+)
+from runtime.mechanism.table_rows import Watched
+
+if TYPE_CHECKING:
+    from codegen import Model, Scene
+
 
 Values = Mapping[str, float]
 
@@ -99,7 +118,7 @@ class Mechanism:
             stiction=tuple((k, parameters + i) for i, k in enumerate(description.stiction)),
             shares=tuple((k, shares + i) for i, k in enumerate(description.shares)),
             superposes=description.superposes,
-            linear_reactions=description.has_linear_reactions,
+            linear_reactions=not any(row.kind == "friction" for row in description.effects),
             independent=self.independent,
         )
 
@@ -126,11 +145,21 @@ class Mechanism:
     def reduced(self) -> Reduced:
         """The equations in reduced coordinates; their file is built where it is missing."""
         module = load_companion(self.origin, "reduced", self.title, self.path)
-        return gather_reduced(module, self.description)
+        return Reduced(module, self.description)
 
     def has_companion(self, kind: Kind) -> bool:
         """Whether a companion of the generated module, "tangents" or "reduced", is built."""
         return kind in self.__dict__ or has_companion(self.origin, kind)
+
+
+def read_mechanism(
+    path: Path, digest: str, model: "Path | Model", scene: "str | Scene | None" = None
+) -> Mechanism:
+    """The mechanism of a generated file, whose text has this SHA-256."""
+    module = import_generated(path, digest)
+    description = describe(module)
+    origin = Origin(model, scene or description.scene, path, digest)
+    return Mechanism(description, gather(module), path, origin)
 
 
 def _depend_on_multipliers(description: Description, kernels: Kernels) -> bool:
@@ -157,3 +186,65 @@ def _depend_on_multipliers(description: Description, kernels: Kernels) -> bool:
         if np.any(np.isnan(given) & ~np.isnan(without)):
             return True
     return False
+
+
+def sibling(mechanism: Mechanism, watched: Watched) -> Mechanism:
+    """The mechanism with the joints that act behind a condition of WATCHED."""
+    known = mechanism.siblings
+    if watched.scene not in known:
+        found = _built(mechanism, watched)
+        known[watched.scene] = found
+        found.__dict__["siblings"] = known  # which all of them share
+    return known[watched.scene]
+
+
+def sibling_named(mechanism: Mechanism, scene: str) -> Mechanism | None:
+    """The mechanism, or one into which it may turn as joints come and go, by its scene's name."""
+    own = mechanism.description.scene
+    if scene == own or _root(scene) != _root(own):
+        return mechanism if scene == own else None
+    found, names = [mechanism], {own}
+    for known in found:  # which grows meanwhile
+        ways = [row for row in known.description.watched if row.reconnects]
+        for watched in ways:  # before any other sibling is built
+            if watched.scene == scene:
+                return sibling(known, watched)
+        for watched in ways:
+            if watched.scene not in names:
+                names.add(watched.scene)
+                found.append(sibling(known, watched))
+    return None
+
+
+def _root(scene: str) -> str:
+    """What the names of all siblings begin with."""
+    return scene.partition("_without_")[0].partition("_with_")[0]
+
+
+def _built(mechanism: Mechanism, watched: Watched) -> Mechanism:
+    """The sibling's module, loaded where it is there and of the same sources, else built."""
+    origin, scene = mechanism.origin, watched.scene
+    if origin is None:
+        raise AnalysisError(
+            f"{mechanism.title} was put together without its model, so scene '{scene}', in which "
+            f"the run goes on, cannot be found. Load it by linkwright.load."
+        )
+    own = origin.path.stem.partition("__")[0]
+    place = origin.path.with_name(f"{own}__{scene}.py")
+    if isinstance(origin.model, Path) and isinstance(origin.scene, str) and place.is_file():
+        text = read_generated(place)
+        check_signature(place, text, f"linkwright build {origin.model} --scene {scene}")
+        found = read_mechanism(place, text_hash(text), origin.model, scene)
+        same = ("generator", "sources")
+        if all(getattr(found.description, n) == getattr(mechanism.description, n) for n in same):
+            return found
+    from codegen import build
+
+    wanted: str | Scene = scene
+    if not isinstance(origin.scene, str):
+        owner = origin.scene.owner
+        assert owner is not None
+        after = {*origin.scene.connected} ^ {watched.target}
+        wanted = owner.reconnected(origin.scene, tuple(after))
+    (report,) = build(origin.model, wanted, origin.path.parent, compile=False).scenes
+    return read_mechanism(report.path, report.digest, origin.model, wanted)

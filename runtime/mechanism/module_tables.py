@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
+from enum import IntEnum
 from functools import cached_property
 from types import ModuleType
 from typing import Any, get_args, get_origin
@@ -18,6 +19,7 @@ from runtime.mechanism.table_rows import (
     Coordinate,
     Effect,
     Parameter,
+    Power,
     ReactionRow,
     RigidContact,
     StartValue,
@@ -39,7 +41,6 @@ class Description:
     generator: str
     model: str
     scene: str
-    formulation: str
     sources: tuple[tuple[str, str], ...]
     bodies: tuple[str, ...]
     coordinates: Table[Coordinate]
@@ -51,10 +52,7 @@ class Description:
     drivers: tuple[str, ...]
     switches: Table[Switch]
     reactions: Table[ReactionRow]
-    # (source, kind): an "effect" or "driver"; the "nonconservative" forces of an effect that has a
-    # potential; ``power(NAME)``, of kind "power", of all its forces; ``work(NAME)``, of kind
-    # "work", the same to be integrated
-    powers: Table[Effect]
+    powers: Table[Power]
     start: Table[StartValue]
     jacobian_rows: Indices
     jacobian_columns: Indices
@@ -112,20 +110,18 @@ class Description:
             f"body a mass and an inertia{instead}."
         )
 
+    @cached_property
+    def asked(self) -> tuple[str, ...]:
+        """The outputs that the scene names, in addition to the motion."""
+        return ("reactions", "energy", "powers") if self.outputs is None else self.outputs
+
     def suggest_output(self, output: str) -> str:
         """Sentence on an output that the scene does not ask for, and how to have it."""
-        before = ("reactions", "energy", "powers") if self.outputs is None else self.outputs
-        outputs = ", ".join(map(repr, (*before, output)))
+        outputs = ", ".join(map(repr, (*self.asked, output)))
         return (
             f"{self.title} does not compute {output}, which its outputs do not name; declare the "
             f"scene with outputs=[{outputs}], or load scene.with_(outputs=[{outputs}])."
         )
-
-    def leaves_out(self, output: str, *elements: str) -> bool:
-        """Whether a scene that names its outputs names neither `output` nor those of elements."""
-        if self.outputs is None or f"{output}s" in self.outputs or output in self.outputs:
-            return False
-        return not any(f"{output}({element})" in self.outputs for element in elements)
 
     @cached_property
     def tracked(self) -> tuple[str, ...]:
@@ -141,40 +137,34 @@ class Description:
     @cached_property
     def boundaries(self) -> npt.NDArray[np.int64]:
         """Of each switch what holds where its function stays at zero, a `Boundary`."""
-        kinds = {one.name.lower(): one for one in Boundary}
-        words = (row.kind.partition(" ")[0] for row in self.switches)
-        return np.array([kinds.get(word, Boundary.OPEN) for word in words], np.int64)
+        return np.array(self._numbers_of_switches(Boundary), np.int64)
 
     @cached_property
     def table_parts(self) -> tuple[int, ...]:
         """Of each switch what it says of a table, a `TablePart`."""
-        parts = {part.name.lower(): int(part) for part in TablePart}
-        return tuple(parts.get(row.kind.partition(" ")[0], 0) for row in self.switches)
+        return tuple(self._numbers_of_switches(TablePart))
+
+    def _numbers_of_switches(self, kinds: type[IntEnum]) -> list[int]:
+        """Of each switch the number that the first word of its kind means, 0 if none."""
+        numbers = {one.name.lower(): int(one) for one in kinds}
+        return [numbers.get(row.kind.partition(" ")[0], 0) for row in self.switches]
 
     @cached_property
     def work_rows(self) -> dict[str, int]:
         """Effect or driver → the row of the power of which its work is the integral."""
-        rows = enumerate(self.powers)
-        return {row.name[len("work(") : -1]: k for k, row in rows if row.kind == "work"}
+        return {row.source: k for k, row in enumerate(self.powers) if row.kind == "work"}
 
     @cached_property
     def balanced_rows(self) -> int:
         """Number of the first powers, which with the energies make a balance; -1: not all."""
-        outputs = self.outputs
-        known = outputs is None or {"energy", "powers"} <= {*outputs}
         balanced = sum(row.kind not in ("power", "work") for row in self.powers)
-        return balanced if known and self.has_masses else -1
+        return balanced if self.has_masses and {"energy", "powers"} <= {*self.asked} else -1
 
     @cached_property
     def whole_powers(self) -> dict[str, int]:
         """Effect or driver → the row of the power of all that it exerts."""
-        rows = {}
-        for k, row in enumerate(self.powers):
-            if row.kind in ("effect", "driver"):
-                rows[row.name] = k
-            elif row.kind in ("power", "work"):
-                rows[row.name[len(f"{row.kind}(") : -1]] = k
-        return rows
+        rows = enumerate(self.powers)
+        return {row.source: k for k, row in rows if row.kind != "nonconservative"}
 
     @cached_property
     def driver_rows(self) -> npt.NDArray[np.bool_]:
@@ -197,11 +187,6 @@ class Description:
         """Whether forces that keep functions at zero add up: no friction beside them follows."""
         rubbing = sum(row.kind == "friction" for row in self.effects)
         return not self.shares and (not self.stiction or rubbing < 2)
-
-    @cached_property
-    def has_linear_reactions(self) -> bool:
-        """Whether reactions are linear in multipliers: no friction follows from them."""
-        return not any(row.kind == "friction" for row in self.effects)
 
     @cached_property
     def is_length(self) -> npt.NDArray[np.bool_]:
@@ -242,21 +227,19 @@ def describe(module: ModuleType) -> Description:
     names = {name: name.upper() for name in kinds}
     literals = {k: getattr(module, name) for k, name in names.items() if hasattr(module, name)}
     for name, kind in kinds.items():
-        if get_origin(kind) is Table:
-            (row,) = get_args(kind)
-            literals[name] = Table(row(*entry) for entry in literals.get(name, ()))
+        row = (*get_args(kind), None)[0]
+        if hasattr(row, "_fields") and row is not TimeFunction:
+            make = Table if get_origin(kind) is Table else tuple
+            literals[name] = make(row(*entry) for entry in literals.get(name, ()))
         elif kind == Indices:
             literals[name] = np.array(literals.get(name, ()), dtype=np.int64)
     literals["coordinates"] = _with_units_of_states(literals["coordinates"], literals["states"])
-    literals["conditions"] = tuple(map(ConditionRow._make, literals.get("conditions", ())))
-    literals["profiles"] = tuple(map(ProfileRow._make, literals.get("profiles", ())))
     for name in ("stiction", "shares"):
         literals[name] = tuple(switch for _, switch in literals.get(name, ()))
     literals["time_functions"] = tuple(
         TimeFunction(*function[:3], *_programs_with_tables(module, function[3:]))
         for function in literals.get("time_functions", ())
     )
-    literals["table_ranges"] = tuple(map(TableRange._make, literals.get("table_ranges", ())))
     return Description(
         **literals, has_masses=hasattr(module, "mass"), kernels=frozenset(vars(module))
     )

@@ -164,6 +164,21 @@ class Effect(NamedTuple):
     kind: str
 
 
+class Power(NamedTuple):
+    """A power on the machine, of an effect or a driver."""
+
+    # the source, ``power(NAME)`` or ``work(NAME)``
+    name: str
+    # an "effect" or "driver"; the "nonconservative" forces of an effect that has a potential;
+    # "power": of all its forces; "work": the same to be integrated
+    kind: str
+
+    @property
+    def source(self) -> str:
+        """The effect or driver."""
+        return self.name.removeprefix(f"{self.kind}(").removesuffix(")")
+
+
 class Switch(NamedTuple):
     """A condition on which an effect depends; it holds where its function is positive."""
 

@@ -11,16 +11,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from codegen.errors import InputError
 from codegen.files.whole_files import require_replaceable, whole_file, whole_folder
 from runtime.results.dataset import dataset
 from runtime.results.result import Result
+from runtime.results.samples import FloatArray
 from runtime.results.saved_result import GROUP, saved_result
 from runtime.results.zarr_store import write_store
-
-FloatArray = npt.NDArray[np.float64]
 
 _LONGEST = 63  # layout: characters of a name in MATLAB (namelengthmax)
 _KEYWORDS = {
@@ -54,15 +52,21 @@ def check_place(path: Path) -> None:
             f"{path}: nothing can be written in the folder {folder} ({error.strerror}). "
             f"Choose another one."
         ) from error
-    extra = _FORMATS[ending].extra
-    for library in _FORMATS[ending].libraries:
+    require_libraries(path, "writing", ", or save as .csv")
+
+
+def require_libraries(path: Path, doing: str, otherwise: str = "") -> None:
+    """Refuse a file whose format needs a library that is not installed."""
+    ending = path.suffix.lower()
+    _, libraries, extra = _FORMATS[ending]
+    for library in libraries:
         try:
             import_module(library)
         except ImportError as error:
             raise InputError(
-                f"{path}: writing {ending} needs the library {library}, which cannot be "
+                f"{path}: {doing} {ending} needs the library {library}, which cannot be "
                 f"imported ({error}). Run pip install 'linkwright[{extra}]', in the checkout "
-                f"pip install '.[{extra}]', or save as .csv."
+                f"pip install '.[{extra}]'{otherwise}."
             ) from error
 
 
@@ -75,58 +79,42 @@ def save(result: Result, path: Path) -> Path:
     return path
 
 
-class Column(NamedTuple):
-    """A series of a table."""
-
-    name: str
-    unit: str  # empty of residuals, whose rows have several
-    values: FloatArray  # (k,)
-
-    @property
-    def heading(self) -> str:
-        """The name with the unit in brackets."""
-        return f"{self.name} [{self.unit}]" if self.unit else self.name
-
-
-_NAMES = {"power": "power({})", "nonconservative power": "nonconservative power({})"}
-"""Kind of a series → its name in a table, where that is not its own."""
-
-
-def columns(result: Result) -> Iterator[Column]:
-    """The result as columns over time."""
-    yield Column("time", "s", result.t)
+def columns(result: Result) -> Iterator[tuple[str, str, FloatArray]]:
+    """The result as columns over time, (k,): name, unit (residuals have none) and values."""
+    yield "time", "s", result.t
     for row in result.description.series:
         known = row.kind != "work" or row.element in result.works
         if known and row.kind not in ("bookkeeping", "rate of state", "energy"):
-            name = _NAMES.get(row.kind, "{}").format(row.name)
-            yield Column(name, row.unit, result.column(row))
+            name = f"{row.kind}({row.name})" if row.kind.endswith("power") else row.name
+            yield name, row.unit, result.column(row)
     energy, residual = result.samples.energy.T, result.samples.residual.T
     if result.description.has_masses:  # not a number where the scene leaves them out
-        yield Column("kinetic energy", "J", energy[0])
-        yield Column("potential energy", "J", energy[1])
-    yield Column("constraint residual", "", residual[0])
-    yield Column("velocity residual", "", residual[1])
+        yield "kinetic energy", "J", energy[0]
+        yield "potential energy", "J", energy[1]
+    yield "constraint residual", "", residual[0]
+    yield "velocity residual", "", residual[1]
 
 
-def _table(result: Result) -> dict[str, FloatArray]:
-    return {column.heading: column.values for column in columns(result)}
+def table(result: Result) -> dict[str, FloatArray]:
+    """The columns by their headings, with the unit in brackets."""
+    return {f"{name} [{unit}]" if unit else name: x for name, unit, x in columns(result)}
 
 
 def _write_csv(result: Result, path: Path) -> None:
     import pandas as pd
 
     with path.open("wb") as file:
-        table = pd.DataFrame(_table(result), copy=False)
-        table.to_csv(file, index=False, na_rep="nan", lineterminator="\r\n")
+        frame = pd.DataFrame(table(result), copy=False)
+        frame.to_csv(file, index=False, na_rep="nan", lineterminator="\r\n")
 
 
 def _write_parquet(result: Result, path: Path) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    table = pa.table(_table(result)).replace_schema_metadata(result.about())
+    written = pa.table(table(result)).replace_schema_metadata(result.about())
     with path.open("wb") as file:  # closed also where the disk is full
-        pq.write_table(table, file)
+        pq.write_table(written, file)
 
 
 def _write_netcdf(result: Result, path: Path) -> None:

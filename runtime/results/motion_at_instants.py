@@ -10,12 +10,11 @@ from codegen.errors import InputError
 from codegen.readers.values import shown
 from runtime.core.arrays import EPS
 from runtime.results.assembled_state import DiscreteState, State
-from runtime.results.samples import Samples
+from runtime.results.samples import FloatArray, Samples
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
 
-FloatArray = npt.NDArray[np.float64]
 Side = Literal["before", "after"]
 
 # accuracy: units of rounding of a run's times; the two sides of a kink are 32 of them apart
@@ -34,7 +33,7 @@ class Sampling(NamedTuple):
 
 
 class Motion(Protocol):
-    """What a result asks for its motion at other instants than its own."""
+    """What a result asks for its motion at other instants than its own; by default drivers'."""
 
     @property
     def span(self) -> tuple[float, float]:
@@ -43,6 +42,7 @@ class Motion(Protocol):
     @property
     def t_end(self) -> float:
         """The end that was asked for, s, which a run may not have reached."""
+        return self.span[1]
 
     def scene(self, t: float) -> str:
         """The scene whose joints act at an instant of the span, s."""
@@ -52,31 +52,32 @@ class Motion(Protocol):
 
         The first says whether clocks have renewed what is due in the state there.
         """
+        return False, None
 
     def at(self, result: Any, times: FloatArray) -> tuple[Samples, dict[str, FloatArray]]:
         """Samples, and works by name, at ascending instants, (k,), s."""
 
     def saved(self) -> dict[str, Any]:
-        """What a file keeps of it, as `packed_values` takes it."""
+        """What a file keeps of it, as `pack` takes it."""
 
     def resumed(
         self, result: Any, t_end: Any, t_eval: Any, max_steps: int | None, progress: bool
     ) -> Any:
-        """The result of going on to another end; see `Result.resume`."""
+        """The result of going on to another end, see `Result.resume`; None where none goes on."""
+        return None
 
 
-def at(result: "Result", motion: Motion | None, t: Any, side: Any) -> "Result":
+def at(result: "Result", t: Any, side: Any) -> "Result":
     """See `Result.at`."""
-    title = result.description.title
+    title, motion = result.description.title, result._motion
     if motion is None:
         raise InputError(
             f"{title}: at() needs the motion behind the result, and this is one of "
             f"{result.analysis}. Ask a result of simulate, kinematics or inverse_dynamics."
         )
-    if not (side is None or (isinstance(side, str) and side in ("before", "after"))):
+    if side not in (None, "before", "after"):
         raise InputError(f'{title}: side is {shown(side)}; it must be "before" or "after".')
-    times = _instants(title, t)
-    first, last = _span(result, motion)
+    times, (first, last) = _instants(title, t), _span(result, motion)
     outside = times[(times < first) | (times > last)]
     if len(outside):
         named = ", ".join(f"{x:.9g}" for x in outside[:_SHOWN])
@@ -88,8 +89,7 @@ def at(result: "Result", motion: Motion | None, t: Any, side: Any) -> "Result":
             f"{title}: t = {named}{more} s lies outside of the result, which goes from "
             f"t = {first:.9g} to {last:.9g} s. {advice}"
         )
-    moved = _on_side(result, motion, times, side)
-    return _sampled(result, motion, times, np.clip(moved, first, last))
+    return _sampled(result, motion, times, _on_side(result, motion, times, side))
 
 
 def for_curves(result: "Result") -> "Result":
@@ -117,16 +117,16 @@ def resampled(result: "Result", how: Sampling, besides: FloatArray | None = None
     moved = np.concatenate([between, *sides])
     order = np.argsort(moved, kind="stable")
     times = np.concatenate([between, events, events])[order]
-    return _sampled(result, motion, times, np.clip(moved[order], first, last))
+    return _sampled(result, motion, times, moved[order])
 
 
 def _sampled(result: "Result", motion: Motion, times: FloatArray, moved: FloatArray) -> "Result":
     """The result with other instants, (k,) s; its motion is taken where they are moved to."""
-    unique, place = np.unique(moved, return_inverse=True)
+    unique, place = np.unique(np.clip(moved, *_span(result, motion)), return_inverse=True)
     samples, works = _taken(result, motion, unique)
     found = copy(result)
     vars(found).pop("data", None)
-    found.samples = Samples._make(array[place] for array in samples)._replace(t=times)
+    found.samples = samples.at(place)._replace(t=times)
     found._chosen = True
     found.works = {name: work[place] for name, work in works.items()}
     return found
@@ -136,17 +136,14 @@ def _taken(
     result: "Result", motion: Motion, times: FloatArray
 ) -> tuple[Samples, dict[str, FloatArray]]:
     """At ascending instants; that at which an analysis failed is the last sample itself."""
-    known = result.failed and len(result.t) and times[-1] == result.t[-1]
-    asked = times[:-1] if known else times
-    if not known:
-        return motion.at(result, asked)
-    row = Samples._make(array[-1:] for array in result.samples)
-    works = {name: work[-1:] for name, work in result.works.items()}
-    if not len(asked):
-        return row, works
-    samples, before = motion.at(result, asked)
-    joined = Samples._make(map(np.concatenate, zip(samples, row, strict=True)))
-    return joined, {name: np.concatenate([before[name], works[name]]) for name in works}
+    known = int(result.failed and len(result.t) > 0 and times[-1] == result.t[-1])
+    asked = times[: len(times) - known]
+    pieces = [motion.at(result, asked)] if len(asked) else []
+    if known:
+        works = {name: work[-1:] for name, work in result.works.items()}
+        pieces.append((result.samples.at(slice(-1, None)), works))
+    samples = Samples.joined([samples for samples, _ in pieces])
+    return samples, {n: np.concatenate([works[n] for _, works in pieces]) for n in result.works}
 
 
 def _span(result: "Result", motion: Motion) -> tuple[float, float]:
@@ -159,9 +156,7 @@ def _instants(title: str, t: Any) -> FloatArray:
     """Finite instants in any order, (k,)."""
     try:
         given = np.asarray(None if np.ma.is_masked(t) else t)
-    except KeyboardInterrupt:
-        raise
-    except BaseException:
+    except (TypeError, ValueError):
         given = np.asarray(None)
     fits = given.dtype.kind in "iuf" and given.ndim < 2 and given.size > 0
     if not fits or not np.isfinite(given).all():
@@ -198,7 +193,7 @@ def state(result: "Result", t: float | None, side: Side | None) -> State:
         times = _instants(title, t)
         if len(times) != 1:
             raise InputError(f"{title}: a state is that of one instant; t has {len(times)}.")
-        result = at(result, motion, t, side)
+        result = at(result, t, side)
     elif not len(result.t):
         raise InputError(f"{title}: the result has no sample, and no state to start from.")
     q, v, now = result.samples.q[-1].copy(), result.samples.v[-1].copy(), float(result.t[-1])
@@ -208,31 +203,19 @@ def state(result: "Result", t: float | None, side: Side | None) -> State:
     return State(now, q, v, result.description.coordinates, *clocks, scene)
 
 
-def resume(
-    result: "Result", motion: Motion | None, t_end: Any, t_eval: Any, max_steps: int | None,
-    progress: bool,
-) -> "Result":  # fmt: skip
-    """See `Result.resume`."""
-    if motion is None:
-        raise InputError(
-            f"{result.description.title}: a simulation goes on, and this is a result of "
-            f"{result.analysis}. Simulate from it, start=result."
-        )
-    found: Result = motion.resumed(result, t_end, t_eval, max_steps, progress)
-    return found
-
-
 def keep(result: "Result", rows: npt.NDArray[np.bool_], first: float, last: float) -> None:
     """Keep these rows, (k,), and what happened behind `first` and up to `last`, s.
 
     Of the partitions the one in force at `first` is kept from there on.
     """
-    result.samples = Samples._make(array[rows] for array in result.samples)
+    result.samples = result.samples.at(rows)
     result.works = {name: work[rows] for name, work in result.works.items()}
-    result.events = tuple(event for event in result.events if first < event.time <= last)
-    result.singular = tuple(one for one in result.singular if first < one.time <= last)
-    changes = (one for one in result.reconnections if first < one.time <= last)
-    result.reconnections = tuple(changes)
+
+    def within(rows: tuple[Any, ...]) -> tuple[Any, ...]:
+        return tuple(row for row in rows if first < row.time <= last)
+
+    result.events, result.singular = within(result.events), within(result.singular)
+    result.reconnections = within(result.reconnections)
     sets = [one for one in result.partitions if one.time <= last]
     before = [one._replace(time=first) for one in sets if one.time <= first][-1:]
     result.partitions = (*before, *(one for one in sets if one.time > first))

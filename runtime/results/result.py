@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, InitVar, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -18,10 +18,15 @@ from codegen.readers.calls import checked_class, named_attributes
 from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
 from runtime.results.assembled_state import State
-from runtime.results.event_records import Event, SingularPosition
-from runtime.results.motion_at_instants import Motion, at, resume, state
-from runtime.results.run_records import Ending, ReachedAccuracy, Reconnection
-from runtime.results.samples import Partition, Samples, plain
+from runtime.results.motion_at_instants import Motion, at, state
+from runtime.results.run_records import (
+    Ending,
+    Event,
+    ReachedAccuracy,
+    Reconnection,
+    SingularPosition,
+)
+from runtime.results.samples import FloatArray, Partition, Samples, plain
 from runtime.results.series_lookup import TimeSeries
 
 if TYPE_CHECKING:
@@ -32,11 +37,9 @@ if TYPE_CHECKING:
     from runtime.show.animation.animation import Animation
 
 
-FloatArray = npt.NDArray[np.float64]
-
-
 @named_attributes
 @checked_class
+@dataclass(eq=False, repr=False)
 class Result(TimeSeries):
     """Motion of a machine at the instants `t`.
 
@@ -83,44 +86,35 @@ class Result(TimeSeries):
         Works at the end of a run, J, which may lie behind the last instant.
     """
 
+    description: Description
+    samples: Samples
+    p: InitVar[FloatArray]  # values of the parameters, and of the constants behind them
+    _: KW_ONLY
+    analysis: str
     outcome: Outcome
     message: str
-    site: str
-    contradiction: str
-    stats: dict[str, float]
-    events: tuple[Event, ...]
-    partitions: tuple[Partition, ...]
-    not_unique: tuple[str, ...]
-    singular: tuple[SingularPosition, ...]
-    accuracy: ReachedAccuracy | None
-    parameters: dict[str, float]
-    ended_by: str
-    reconnections: tuple[Reconnection, ...]
-    reconnection: Ending | None
-    work_at_end: dict[str, float]
-    _until: tuple[tuple[str, str, float, float], ...]  # conditions on outputs that may end a run
-    _chosen: bool  # whether the samples are at instants that `at` was asked for
-    _motion: Motion | None  # behind the samples; None: of an analysis without one
-    _mechanism: "Mechanism | None"  # that moves; None: it is not known
+    stats: dict[str, float] = field(default_factory=dict)
+    site: str = ""
+    contradiction: str = ""
+    events: tuple[Event, ...] = ()
+    partitions: tuple[Partition, ...] = ()
+    works: dict[str, FloatArray] = field(default_factory=dict)
+    work_at_end: dict[str, float] = field(default_factory=dict)
+    not_unique: tuple[str, ...] = ()
+    singular: tuple[SingularPosition, ...] = ()
+    accuracy: ReachedAccuracy | None = None
+    ended_by: str = ""
+    reconnections: tuple[Reconnection, ...] = ()
+    reconnection: Ending | None = None
+    parameters: dict[str, float] = field(init=False)
+    # conditions on outputs that may end a run
+    _until: tuple[tuple[str, str, float, float], ...] = ()
+    _chosen: bool = False  # whether the samples are at instants that `at` was asked for
+    _motion: Motion | None = None  # behind the samples; None: of an analysis without one
+    _mechanism: "Mechanism | None" = None  # that moves; None: it is not known
 
-    def __init__(
-        self, description: Description, samples: Samples, p: FloatArray, *, analysis: str,
-        outcome: Outcome, message: str, stats: Mapping[str, float], events: Sequence[Event] = (),
-        partitions: Sequence[Partition] = (), not_unique: Sequence[str] = (),
-        singular: Sequence[SingularPosition] = ()
-    ) -> None:  # fmt: skip
-        self.description, self.samples = description, samples
-        self.analysis, self.outcome, self.message = analysis, outcome, message
-        self.stats = dict(stats)
-        self.events, self.partitions = tuple(events), tuple(partitions)
-        self.not_unique, self.singular = tuple(not_unique), tuple(singular)
-        self.works, self.accuracy, self.contradiction, self.site = {}, None, "", ""
-        self._motion, self._mechanism, self._chosen = None, None, False
-        self.ended_by, self.reconnections, self.reconnection = "", (), None
-        self.work_at_end, self._until = {}, ()
-        self.parameters = {
-            row.name: float(value) for row, value in zip(description.parameters, p, strict=False)
-        }
+    def __post_init__(self, p: FloatArray) -> None:
+        self.parameters = dict(zip(self.description.parameters.names, p.tolist(), strict=False))
 
     @property
     def failed(self) -> bool:
@@ -185,7 +179,7 @@ class Result(TimeSeries):
         InputError
             If `t` are no instants of the result, or it is that of an equilibrium.
         """
-        return at(self, self._motion, t, side)
+        return at(self, t, side)
 
     def state(
         self, t: float | None = None, side: Literal["before", "after"] | None = None
@@ -236,7 +230,17 @@ class Result(TimeSeries):
         AnalysisError
             If the run ended where no motion goes on.
         """
-        return resume(self, self._motion, t_end, t_eval, max_steps, progress)
+        motion, found = self._motion, None
+        if motion is not None:
+            found = motion.resumed(self, t_end, t_eval, max_steps, progress)
+        if found is None:
+            raise InputError(
+                f"{self.description.title}: a simulation goes on from where it stopped, and this "
+                f"is a result of {self.analysis}. Ask for that up to a later instant, or simulate "
+                "from it, start=result."
+            )
+        result: Result = found
+        return result
 
     def plot(self, *names: str) -> "Figure":
         """Draw series over time, those of one unit in one panel, as `at` has them.

@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -41,6 +41,15 @@ class Samples(NamedTuple):
     modes: npt.NDArray[np.int64]
     share: FloatArray  # Filippov's share α where the mode is 2, (k, s); else NaN
 
+    def at(self, rows: Any) -> "Samples":
+        """Those of some rows, an index."""
+        return Samples._make(array[rows] for array in self)
+
+    @staticmethod
+    def joined(pieces: Sequence["Samples"]) -> "Samples":
+        """One after the other."""
+        return Samples._make(map(np.concatenate, zip(*pieces, strict=True)))
+
 
 class Partition(NamedTuple):
     """A choice of independent coordinates."""
@@ -60,11 +69,18 @@ def plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
+def empty_samples(description: Description, count: int) -> Samples:
+    """Samples of a scene at so many instants, all zero."""
+    n, s, rows = len(description.coordinates), len(description.switches), description.reactions
+    widths = n, n, n, len(description.constraints), len(rows), len(description.powers), 2, 2
+    floats = [np.zeros((count, width)) for width in widths]
+    modes, share = np.zeros((count, s), np.int64), np.zeros((count, s))
+    return Samples._make([np.zeros(count), *floats, modes, share])
+
+
 def sample_bytes(description: Description) -> int:
     """Bytes of all quantities of a result at one instant."""
-    n, switches = len(description.coordinates), len(description.switches)
-    rows = len(description.constraints) + len(description.reactions) + len(description.powers)
-    return _NUMBER * (3 * n + rows + 2 * switches + 5)
+    return sum(array.nbytes for array in empty_samples(description, 1))
 
 
 def state_bytes(description: Description) -> int:

@@ -16,9 +16,15 @@ import numpy.typing as npt
 
 from codegen.errors import InputError
 from runtime.mechanism.module_tables import Description
-from runtime.results.event_records import Event, SingularPosition
 from runtime.results.result import Result
-from runtime.results.run_records import Estimate, ReachedAccuracy, Reconnection, Trial
+from runtime.results.run_records import (
+    Estimate,
+    Event,
+    ReachedAccuracy,
+    Reconnection,
+    SingularPosition,
+    Trial,
+)
 from runtime.results.samples import Partition
 
 GROUP = "linkwright"
@@ -27,18 +33,33 @@ KINDS = (Estimate, ReachedAccuracy, Trial, SingularPosition, Reconnection)
 """Records of a result that are packed as they are."""
 _LEFT_OUT = ("Checkpoint", "Crossing", "RunsSnapshot", "Snapshot")
 """Records of checkpoints in files of older versions: they are not read."""
-_JSON = "json"
-_HIGHEST_MODE = 2  # of a switching function that stays at zero
 
 
 def pack(value: Any) -> bytes:
     """Bytes of nested mappings, sequences, named tuples, data classes, arrays and numbers."""
-    arrays: list[np.ndarray] = []
-    text = json.dumps(_written(value, arrays))
-    file = io.BytesIO()
-    named: dict[str, Any] = {f"a{k}": array for k, array in enumerate(arrays)}
-    named[_JSON] = np.frombuffer(text.encode(), np.uint8)
-    np.savez_compressed(file, **named)
+    arrays = dict[str, Any]()
+
+    def marked(value: Any) -> Any:
+        """The value with marks for what JSON does not tell apart."""
+        if isinstance(value, np.ndarray):
+            arrays[f"a{len(arrays)}"] = value
+            return {"array": len(arrays) - 1}
+        if isinstance(value, np.generic):
+            return value.item()
+        if isinstance(value, dict):
+            return {"dict": [[key, marked(part)] for key, part in value.items()]}
+        if isinstance(value, list):
+            return [*map(marked, value)]
+        if is_dataclass(value):
+            parts = [marked(getattr(value, field.name)) for field in fields(value)]
+            return {"kind": type(value).__name__, "of": parts}
+        if isinstance(value, tuple):
+            parts, is_named = [*map(marked, value)], hasattr(value, "_fields")
+            return {"kind": type(value).__name__, "of": parts} if is_named else {"tuple": parts}
+        return value
+
+    text, file = json.dumps(marked(value)), io.BytesIO()
+    np.savez_compressed(file, **arrays, json=np.frombuffer(text.encode(), np.uint8))
     return file.getvalue()
 
 
@@ -49,49 +70,26 @@ def unpack(content: bytes, kinds: Sequence[type[Any]]) -> Any:
     """
     known: dict[str, Any] = {kind.__name__: kind for kind in kinds}
     known |= dict.fromkeys(_LEFT_OUT, lambda *_: None)
+    known["Handover"] = lambda _, length: length  # of older versions
+
+    def read(marked: dict[str, Any]) -> Any:
+        match marked:
+            case {"array": number}:
+                return file[f"a{number}"]
+            case {"tuple": parts}:
+                return tuple(parts)
+            case {"dict": pairs}:
+                return dict(pairs)
+        return known[marked["kind"]](*marked["of"])
+
     with np.load(io.BytesIO(content), allow_pickle=False) as file:
-        arrays = [file[f"a{k}"] for k in range(len(file.files) - 1)]
-        return _read(json.loads(file[_JSON].tobytes().decode()), arrays, known)
+        return json.loads(file["json"].tobytes().decode(), object_hook=read)
 
 
-def _written(value: Any, arrays: list[np.ndarray]) -> Any:
-    def listed(values: Any) -> list[Any]:
-        return [_written(part, arrays) for part in values]
-
-    if isinstance(value, np.ndarray):
-        arrays.append(value)
-        return {"array": len(arrays) - 1}
-    if isinstance(value, np.generic):
-        return value.item()
-    if is_dataclass(value):
-        return {
-            "kind": type(value).__name__,
-            "of": listed(getattr(value, field.name) for field in fields(value)),
-        }
-    if isinstance(value, tuple):
-        named = hasattr(value, "_fields")
-        return {"kind": type(value).__name__, "of": listed(value)} if named else {
-            "tuple": listed(value)
-        }  # fmt: skip
-    if isinstance(value, list):
-        return listed(value)
-    if isinstance(value, dict):
-        return {"dict": [[key, _written(part, arrays)] for key, part in value.items()]}
-    return value
-
-
-def _read(value: Any, arrays: list[np.ndarray], known: dict[str, Any]) -> Any:
-    if isinstance(value, list):
-        return [_read(part, arrays, known) for part in value]
-    if not isinstance(value, dict):
-        return value
-    if "array" in value:
-        return arrays[value["array"]]
-    if "tuple" in value:
-        return tuple(_read(part, arrays, known) for part in value["tuple"])
-    if "dict" in value:
-        return {key: _read(part, arrays, known) for key, part in value["dict"]}
-    return known[value["kind"]](*(_read(part, arrays, known) for part in value["of"]))
+FACTS = "analysis", "message", "accuracy", "ended_by"
+"""Attributes of a result that are kept as they are."""
+OF_ONE_RUN = "contradiction", "stats", "works", "work_at_end", "not_unique"
+"""Those that a run with other joints in each part has of its parts."""
 
 
 def saved_result(result: Result) -> bytes:
@@ -106,30 +104,23 @@ def saved_fields(result: Result) -> dict[str, Any]:
     """
     samples, motion = result.samples, result._motion
     kept = None if motion is None else motion.saved()
-    about = {
+    has_parts = kept is not None and "parts" in kept
+    found = {
         "title": result.description.title,
-        "analysis": result.analysis,
         "outcome": result.outcome.name,
-        "message": result.message,
-        "site": result.site,
         "parameters": result.parameters,
-        "accuracy": result.accuracy,
-        "ended_by": result.ended_by,
+        "site": result.site,
         "until": [tuple(one) for one in result._until],
         "motion": kept,
     }
-    if kept is not None and "parts" in kept:
-        return {**about, "t": result.t}
+    found |= {name: getattr(result, name) for name in (*FACTS, *(() if has_parts else OF_ONE_RUN))}
+    if has_parts:
+        return {**found, "t": result.t}
     return {
-        **about,
-        "contradiction": result.contradiction,
-        "stats": result.stats,
+        **found,
         "samples": {name: getattr(samples, name) for name in ("t", "q", "v", "modes")},
-        "works": result.works,
-        "work_at_end": result.work_at_end,
         "events": _event_columns(result.events),
         "partitions": _partition_columns(result.partitions),
-        "not_unique": result.not_unique,
         "singular": list(result.singular),
     }
 
@@ -143,27 +134,19 @@ def _numbered(values: Sequence[Any]) -> tuple[list[Any], npt.NDArray[np.int64]]:
 def _event_columns(events: Sequence[Event]) -> dict[str, Any]:
     """Many events in few arrays; they have states of the same shape."""
     names, numbers = _numbered([event.name for event in events])
+    arrays = ("time", "direction", "q", "v")
     return {
-        "names": names,
-        "name": numbers,
-        "time": np.array([event.time for event in events]),
-        "direction": np.array([event.direction for event in events], np.int64),
-        "words": [event.word for event in events],
-        "q": np.array([event.q for event in events]),
-        "v": np.array([event.v for event in events]),
-    }
+        "names": names, "name": numbers, "words": [event.word for event in events],
+        **{name: np.array([getattr(event, name) for event in events]) for name in arrays},
+    }  # fmt: skip
 
 
-def events_of(columns: dict[str, Any]) -> list[Event]:
+def events_of(columns: dict[str, Any]) -> tuple[Event, ...]:
     """The events again."""
     names = [columns["names"][k] for k in columns["name"]]
     times, directions = columns["time"].tolist(), columns["direction"].tolist()
-    return [
-        Event(*row)
-        for row in zip(
-            names, times, directions, columns["q"], columns["v"], columns["words"], strict=True
-        )
-    ]
+    rows = zip(names, times, directions, columns["q"], columns["v"], columns["words"], strict=True)
+    return tuple(map(Event._make, rows))
 
 
 def _partition_columns(partitions: Sequence[Partition]) -> dict[str, Any]:
@@ -172,10 +155,10 @@ def _partition_columns(partitions: Sequence[Partition]) -> dict[str, Any]:
     return {"sets": sets, "set": numbers, "time": np.array([one.time for one in partitions])}
 
 
-def partitions_of(columns: dict[str, Any]) -> list[Partition]:
+def partitions_of(columns: dict[str, Any]) -> tuple[Partition, ...]:
     """The partitions again."""
-    times = columns["time"].tolist()
-    return [Partition(t, columns["sets"][k]) for t, k in zip(times, columns["set"], strict=True)]
+    rows = zip(columns["time"].tolist(), columns["set"], strict=True)
+    return tuple(Partition(time, columns["sets"][k]) for time, k in rows)
 
 
 def samples_of(kept: Mapping[str, Any], description: Description) -> dict[str, Any]:
@@ -185,16 +168,11 @@ def samples_of(kept: Mapping[str, Any], description: Description) -> dict[str, A
     """
     n, switches = len(description.coordinates), len(description.switches)
     t, modes = floats(kept["t"], (-1,), "t"), np.asarray(kept["modes"])
-    if modes.shape != (len(t), switches) or modes.dtype.kind not in "iu" or not (
-        (modes >= 0) & (modes <= _HIGHEST_MODE)
-    ).all():  # fmt: skip
+    is_whole = modes.dtype.kind in "iu" and modes.shape == (len(t), switches)
+    if not is_whole or not np.isin(modes, (0, 1, 2)).all():
         raise _misfit("modes", modes, (len(t), switches))
-    return {
-        "t": t,
-        "q": floats(kept["q"], (len(t), n), "q"),
-        "v": floats(kept["v"], (len(t), n), "v"),
-        "modes": modes.astype(np.int64),
-    }
+    states = {name: floats(kept[name], (len(t), n), name) for name in "qv"}
+    return {"t": t, **states, "modes": modes.astype(np.int64)}
 
 
 def floats(value: Any, shape: tuple[int, ...], name: str) -> npt.NDArray[np.float64]:

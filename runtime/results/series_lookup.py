@@ -1,5 +1,7 @@
 """Series of a result by name: motion, reactions, quantities of effects, energies, powers, works."""
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -7,9 +9,7 @@ from codegen.errors import InputError
 from codegen.readers.calls import checked_class
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.series_table import Series
-from runtime.results.samples import Samples
-
-FloatArray = npt.NDArray[np.float64]
+from runtime.results.samples import FloatArray, Samples
 
 
 @checked_class
@@ -37,7 +37,7 @@ class TimeSeries:
         (k,) float64
             In the coordinate's unit, m or rad.
         """
-        return self.samples.q[:, self.description.series.coordinate(name, velocity=False)]
+        return self._called("q", name)
 
     def v(self, name: str) -> FloatArray:
         """A velocity over time.
@@ -52,7 +52,7 @@ class TimeSeries:
         (k,) float64
             In m/s or rad/s.
         """
-        return self.samples.v[:, self.description.series.coordinate(name, velocity=True)]
+        return self._called("v", name)
 
     def a(self, name: str) -> FloatArray:
         """An acceleration over time.
@@ -68,7 +68,7 @@ class TimeSeries:
             In m/s² or rad/s², or the unit of a state per second; not a number in singular
             configurations.
         """
-        return self.samples.a[:, self.description.series.coordinate(name, velocity=True)]
+        return self._called("a", name)
 
     def y(self, name: str) -> FloatArray:
         """A first-order state, a sampled value or a latch over time.
@@ -88,7 +88,7 @@ class TimeSeries:
         InputError
             If the scene has no such state.
         """
-        return self.column(self.description.series.state(name))
+        return self._called("y", name)
 
     def point(self, name: str, component: str = "") -> FloatArray:
         """Place of a tracked point over time, in global axes.
@@ -110,8 +110,8 @@ class TimeSeries:
             If there is no such point or component, or the scene leaves it out.
         """
         if component:
-            return self.column(self.description.series.point(name, component))
-        return np.column_stack([self.point(name, axis) for axis in "xy"])
+            return self._called("point", name, component)
+        return np.column_stack([self._called("point", name, axis) for axis in "xy"])
 
     def reaction(self, joint: str, component: str) -> FloatArray:
         """Force or torque that the first body of a joint exerts on the second, in joint axes.
@@ -135,7 +135,7 @@ class TimeSeries:
         InputError
             If there is no such joint or component, or the scene was declared without it.
         """
-        return self.column(self.description.series.reaction(joint, component))
+        return self._called("reaction", joint, component)
 
     def mode(self, condition: str) -> npt.NDArray[np.int64]:
         """Mode of a switching condition over time.
@@ -152,7 +152,7 @@ class TimeSeries:
             1 where the condition held, 0 where it did not, 2 where its function stayed at zero: the
             motion slid on the switching surface, friction stuck, or a rigid contact was closed.
         """
-        return self.samples.modes[:, self.description.series.switch(condition)]
+        return self._called("mode", condition)
 
     def share(self, condition: str) -> FloatArray:
         """Filippov's share α of a condition over time, where its mode is 2.
@@ -170,7 +170,7 @@ class TimeSeries:
         (k,) float64
             From 0 to 1; not a number where the mode is 0 or 1.
         """
-        return self.samples.share[:, self.description.series.switch(condition)]
+        return self._called("share", condition)
 
     def energy(self, part: str = "total") -> FloatArray:
         """Energy over time.
@@ -190,7 +190,7 @@ class TimeSeries:
         InputError
             If there is no such part, bodies have no mass, or the scene was declared without it.
         """
-        return self.column(self.description.series.energy(part))
+        return self._called("energy", part)
 
     def force(self, effect: str, component: str = "") -> FloatArray:
         """Force of an effect over time, an output ``force(NAME)`` of the scene.
@@ -220,7 +220,7 @@ class TimeSeries:
         InputError
             If there is no such effect or component, or the scene was declared without it.
         """
-        return self._quantity("force", effect, component)
+        return self._called("force", effect, component)
 
     def torque(self, effect: str, component: str = "") -> FloatArray:
         """Torque of an effect over time, an output ``torque(NAME)`` of the scene.
@@ -231,22 +231,22 @@ class TimeSeries:
         away from the limit, positive; of an effect without a torque of its own the
         generalized forces on angles, "bob.phi". Arguments and errors are those of `force`; in N m.
         """
-        return self._quantity("torque", effect, component)
+        return self._called("torque", effect, component)
 
     def length(self, effect: str) -> FloatArray:
         """Length of a spring or damper over time, in m; an output ``length(NAME)``."""
-        return self._quantity("length", effect)
+        return self._called("length", effect)
 
     def angle(self, effect: str) -> FloatArray:
         """Angle φ_j - φ_i of a torsion spring over time, in rad; an output ``angle(NAME)``."""
-        return self._quantity("angle", effect)
+        return self._called("angle", effect)
 
     def rate(self, effect: str, component: str = "") -> FloatArray:
         """Rate of a length, an angle or a gap, or the slip of a friction, in m/s or rad/s.
 
         An output ``rate(NAME)`` of the scene. A bushing has the components "x", "y" and "phi".
         """
-        return self._quantity("rate", effect, component)
+        return self._called("rate", effect, component)
 
     def deflection(self, effect: str, component: str = "") -> FloatArray:
         """Length less free length of a spring, or angle less free angle, in m or rad.
@@ -254,22 +254,22 @@ class TimeSeries:
         An output ``deflection(NAME)`` of the scene. A bushing has the components "x", "y" and
         "phi", in the axes of its first body.
         """
-        return self._quantity("deflection", effect, component)
+        return self._called("deflection", effect, component)
 
     def gap(self, effect: str, component: str = "") -> FloatArray:
         """Gap of a contact over time, in m, negative where it is penetrated; ``gap(NAME)``.
 
         Gears with backlash and elastic belts have two, "first" and "second".
         """
-        return self._quantity("gap", effect, component)
+        return self._called("gap", effect, component)
 
     def penetration(self, effect: str, component: str = "") -> FloatArray:
         """Penetration of a contact that yields, in m, 0 where it is open; ``penetration(NAME)``."""
-        return self._quantity("penetration", effect, component)
+        return self._called("penetration", effect, component)
 
     def potential(self, effect: str) -> FloatArray:
         """Potential energy of an effect over time, in J; an output ``potential(NAME)``."""
-        return self._quantity("potential", effect)
+        return self._called("potential", effect)
 
     def power(self, source: str, part: str = "whole") -> FloatArray:
         """Power of an effect or driver on the machine.
@@ -293,7 +293,7 @@ class TimeSeries:
         InputError
             If there is no such effect or driver, or the scene was declared without its power.
         """
-        return self.column(self.description.series.power(source, part))
+        return self._called("power", source, part)
 
     def work(self, source: str) -> FloatArray:
         """Work of an effect or driver on the machine since the start of a simulation.
@@ -317,7 +317,7 @@ class TimeSeries:
             If there is no such effect or driver, the scene was declared without its work, or the
             analysis was no simulation.
         """
-        return self.column(self.description.series.work(source))
+        return self._called("work", source)
 
     def series(self, name: str) -> tuple[FloatArray, str]:
         """A column by any of its names, and its unit.
@@ -337,7 +337,7 @@ class TimeSeries:
         row = self.description.series.find(name)
         return self.column(row), row.unit
 
-    def column(self, row: Series) -> FloatArray:
+    def column(self, row: Series) -> npt.NDArray[Any]:
         """The values of a series of `Description.series`, (k,)."""
         if row.array == "works":
             if row.element not in self.works:
@@ -347,8 +347,8 @@ class TimeSeries:
                     f"for power({row.element})."
                 )
             return self.works[row.element]
-        array: FloatArray = getattr(self.samples, row.array)
+        array: npt.NDArray[Any] = getattr(self.samples, row.array)
         return array.sum(axis=1) if row.column < 0 else array[:, row.column]
 
-    def _quantity(self, quantity: str, effect: str, component: str = "") -> FloatArray:
-        return self.column(self.description.series.of_effect(quantity, effect, component))
+    def _called(self, word: str, name: str, component: str = "") -> npt.NDArray[Any]:
+        return self.column(self.description.series.call(word, name, component))

@@ -25,13 +25,12 @@ from runtime.core.outcomes import Outcome
 from runtime.mechanism.module_tables import Description
 from runtime.results.dataset import dataset
 from runtime.results.result import Result
-from runtime.results.samples import Samples, sample_bytes
+from runtime.results.samples import FloatArray, Samples, empty_samples, sample_bytes
 from runtime.results.saved_result import GROUP, saved_result
 
 if TYPE_CHECKING:
     import xarray as xr
 
-FloatArray = npt.NDArray[np.float64]
 
 RUNNING = "RUNNING"
 """The outcome of a store whose run has not ended, or was killed."""
@@ -67,17 +66,18 @@ def write_dataset(data: "xr.Dataset", folder: Path, rows: int | None = None) -> 
 
     Variables over time are in chunks of so many `rows`, where these are given.
     """
-    plain = data.copy()
+    texts = {
+        name: (labels.dims, labels.values.astype(np.dtypes.StringDType()), labels.attrs)
+        for name, labels in data.coords.items() if labels.dtype.kind == "U"
+    }  # fmt: skip
+    encoding: dict[Any, Any] = {
+        name: {"_FillValue": None} for name in data.variables if name not in texts
+    }
     for name, variable in data.variables.items():
-        if variable.dtype.kind == "U":
-            texts = variable.values.astype(np.dtypes.StringDType())
-            plain = plain.assign({name: (variable.dims, texts, variable.attrs)})
-        else:
-            plain[name].encoding["_FillValue"] = None
         if rows is not None and variable.dims[:1] == ("time",):
-            plain[name].encoding["chunks"] = rows, *(max(1, size) for size in variable.shape[1:])
-    labels = [name for name in plain.data_vars if name in data.coords]
-    plain.set_coords(labels).to_zarr(folder, mode="w", zarr_format=3, consolidated=False)
+            encoding[name]["chunks"] = rows, *(max(1, size) for size in variable.shape[1:])
+    plain = data.assign_coords(texts)
+    plain.to_zarr(folder, mode="w", zarr_format=3, consolidated=False, encoding=encoding)
 
 
 def read_content(folder: Path) -> bytes:
@@ -94,26 +94,21 @@ def require_plain(folder: Path) -> None:
 
     Call it before a library opens a store that comes from elsewhere.
     """
-    found, old = list[Path](), list[Path]()
-    for path in _files(folder):
-        if path.name == _METADATA:
-            found.append(path)
-        elif path.name in _FORMAT_2:
-            old.append(path)
-    if old:
+    files = sorted(_files(folder))
+    if old := [path for path in files if path.name in _FORMAT_2]:
         raise InputError(
-            f"{folder}: {min(old).relative_to(folder)} is of Zarr's format 2, whose codecs may "
+            f"{folder}: {old[0].relative_to(folder)} is of Zarr's format 2, whose codecs may "
             "execute code. Results are stores of format 3."
         )
+    found = [path for path in files if path.name == _METADATA]
     if not found:
         raise InputError(f"{folder} has no {_METADATA}, and is no store of Zarr's format 3.")
-    for path in sorted(found):
+    for path in found:
         place = path.relative_to(folder)
         try:
             if path.stat().st_size > MOST_METADATA:
                 raise ValueError(f"it has more than {MOST_METADATA} bytes")
-            about = json.loads(path.read_text(encoding="utf-8"))
-            strange = sorted(set(_extensions(about)))
+            strange = sorted({*_extensions(json.loads(path.read_text(encoding="utf-8")))})
         except (OSError, ValueError, RecursionError, KeyError, TypeError, AttributeError) as error:
             raise InputError(f"{folder}: {place} cannot be read ({error}).") from error
         if strange:
@@ -192,7 +187,7 @@ class ResultStore:
             file.write(np.ascontiguousarray(column).data)
         block = Result(
             self.description, samples, self.p, analysis="simulation", outcome=Outcome.OK,
-            message="the run has not ended", stats={},
+            message="the run has not ended",
         )  # fmt: skip
         data = dataset(block)
         if self.count == 0:
@@ -201,19 +196,16 @@ class ResultStore:
                 write_dataset(data, folder, rows=self.rows)
                 _write_root(folder, data.attrs)
         else:
-            self._extend({str(name): variable for name, variable in data.variables.items()})
+            self._extend(data)
         self.count += len(samples.t)
 
-    def _extend(self, variables: Mapping[str, Any]) -> None:
+    def _extend(self, data: "xr.Dataset") -> None:
         import zarr
 
         group: Any = zarr.open_group(self.path, mode="r+", use_consolidated=False)
-        for name, variable in variables.items():
+        for name, variable in data.variables.items():
             if "time" in variable.dims:
-                values = variable.values
-                array = group[name]
-                array.resize((self.count + len(values), *values.shape[1:]))
-                array[self.count :] = values
+                group[name].append(variable.values)
         _write_root(self.path, dict(group.attrs))
 
     def finish(self, facts: Mapping[str, str]) -> None:
@@ -230,14 +222,9 @@ class ResultStore:
 
     def mapped(self) -> Samples:
         """All rows so far, in memory that the files back; the store takes no more rows."""
-        description = self.description
-        n, s = len(description.coordinates), len(description.switches)
-        m, effects = len(description.constraints), len(description.powers)
-        widths = 0, n, n, n, m, len(description.reactions), effects, 2, 2, s, s
         columns = list[npt.NDArray[Any]]()
-        for name, file, width in zip(Samples._fields, self._columns, widths, strict=True):
-            kind = np.int64 if name == "modes" else np.float64
-            shape = (self.count, width) if name != "t" else (self.count,)
+        for file, of_one in zip(self._columns, empty_samples(self.description, 1), strict=True):
+            shape, kind = (self.count, *of_one.shape[1:]), of_one.dtype
             file.flush()
             if 0 in shape:
                 columns.append(np.zeros(shape, kind))

@@ -11,9 +11,8 @@ import numpy.typing as npt
 from codegen.drawing.body_outlines import complete_picture
 from codegen.drawing.picture import MovingPicture, Symbol
 from codegen.errors import InputError
-from runtime.mechanism.geometry import Geometry, geometry
-from runtime.mechanism.mechanism import Mechanism
-from runtime.mechanism.sibling_scenes import sibling_named
+from runtime.mechanism.companion_modules import Geometry, geometry
+from runtime.mechanism.mechanism import Mechanism, sibling_named
 
 if TYPE_CHECKING:
     from runtime.results.result import Result

@@ -7,9 +7,8 @@ import numpy.typing as npt
 
 from codegen.drawing.body_outlines import complete_picture
 from codegen.drawing.matplotlib_painter import figure
-from runtime.mechanism.geometry import geometry
-from runtime.mechanism.mechanism import Mechanism
-from runtime.mechanism.sibling_scenes import sibling_named
+from runtime.mechanism.companion_modules import geometry
+from runtime.mechanism.mechanism import Mechanism, sibling_named
 from runtime.show.moving_picture import moving_picture, moving_picture_of_part
 
 if TYPE_CHECKING:

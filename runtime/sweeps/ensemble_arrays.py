@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -35,10 +35,10 @@ from runtime.integrate.run import Run
 from runtime.integrate.wiring import Wiring
 from runtime.linalg.least_norm import SPARSE_FROM
 from runtime.mechanism.mechanism import Mechanism
-from runtime.mechanism.start_table import StartTable, start_table
 from runtime.mechanism.table_rows import unknown
+from runtime.mechanism.typical_sizes import StartTable, start_table
 from runtime.results.result import Result
-from runtime.results.samples import Samples
+from runtime.results.samples import Samples, empty_samples
 from runtime.validation.scene_support import driven_note
 
 FloatArray = npt.NDArray[np.float64]
@@ -253,10 +253,7 @@ class Preparation(NamedTuple):
         run.recording.make_room_for_events(self.event_rows + 3 * s)
         wiring, e = run.state.wiring, self.event_rows + 3 * s
         record = wiring.arrays["record"].view(np.int64)
-        widths = n, n, n, m, len(description.reactions), len(description.powers), 2, 2
-        floats = (np.zeros((k, width)) for width in widths)
-        fields = np.zeros(k), *floats, np.zeros((k, s), np.int64), np.zeros((k, s))
-        samples = Samples(*cast(Any, fields))
+        samples = empty_samples(description, k)
         mixing = wire_mixing(mechanism, run.state.p)
         numbers = sum(row.shown for row in description.conditions)
         q, v, sizes, mobility, inertia = np.zeros((5, n))

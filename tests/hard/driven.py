@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from runtime import Result, load
 from runtime.machine_facade import Machine
-from runtime.results.event_records import SingularPosition
+from runtime.results.run_records import SingularPosition
 
 FloatArray = npt.NDArray[np.float64]
 OMEGA = 2.0 * np.pi

@@ -59,7 +59,7 @@ def test_results_hold_modes_and_shares(ball: Machine, tmp_path: Path) -> None:
     # The typical force is the weight: nothing of it is left to the free fall.
     np.testing.assert_allclose(run.share("plate")[-3:], 0.0, atol=1e-12)
     assert run.mode(name).tolist() == run.data["mode"].values[:, 0].tolist()
-    with pytest.raises(InputError, match=r"no condition 'plato'; there are: plate: ball_y"):
+    with pytest.raises(InputError, match=r"no condition 'plato'; nearest: plate"):
         run.share("plato")
     page = run.save(tmp_path / "ball.html").read_text()
     assert "plate touches" in page

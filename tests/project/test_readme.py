@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from typer.main import get_command
 
 from linkwright.cli.application import app
-from runtime.results.export import columns
+from runtime.results.export import table
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PAGES = [
@@ -80,7 +80,7 @@ def test_the_page_of_results_names_the_columns(run: dict[str, Any]) -> None:
     named = {
         name for line in page.splitlines() for name in re.findall(r"`([^`]*? \[[^`]*\])`", line)
     }
-    there = {column.heading for column in columns(run["r"])}
+    there = {*table(run["r"])}
     ours = {name for name in named if "bob" in name or "hinge" in name or "damper" in name}
     assert len(ours) >= 6
     assert "work(damper) [J]" in ours  # of scenes whose outputs name it

@@ -75,6 +75,12 @@ def make(mechanisms: ModuleType, workshop: Path) -> Callable[..., Machine]:
     return made
 
 
+@pytest.fixture
+def often(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Checkpoints between all chunks of steps, so that short runs have some too."""
+    monkeypatch.setattr(checkpoints, "_SPACING", 0.0)
+
+
 @pytest.fixture(scope="session")
 def pendulum(make: Callable[..., Machine]) -> Machine:
     """A bar hanging from one end."""
@@ -97,9 +103,3 @@ def driven(make: Callable[..., Machine]) -> Machine:
 def gas(make: Callable[..., Machine]) -> Machine:
     """The slider-crank with a force that acts while the slider moves outwards."""
     return make("slider_crank", "gas", gas=True)
-
-
-@pytest.fixture
-def often(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Checkpoints between all chunks of steps, so that short runs have some too."""
-    monkeypatch.setattr(checkpoints, "_SPACING", 0.0)

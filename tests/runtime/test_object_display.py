@@ -9,7 +9,7 @@ from codegen import Model
 from codegen.declare.symbols import Velocity
 from runtime import load, matters
 from runtime.machine_facade import Machine
-from runtime.results.event_records import Event, SingularPosition
+from runtime.results.run_records import Event, SingularPosition
 
 
 def test_result(driven: Machine) -> None:

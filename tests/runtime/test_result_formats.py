@@ -1,7 +1,8 @@
-"""Results in Zarr stores and MATLAB files: names, units and the same bits."""
+"""Results in files: names, units and the same bits; what is missing is told."""
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,8 +11,10 @@ from codegen import Model
 from codegen.errors import InputError
 from runtime import load, load_result
 from runtime.machine_facade import Machine
+from runtime.results import export
 from runtime.results.export import field_names
 from runtime.results.result import Result
+from runtime.results.saved_result import pack, saved_fields
 
 
 @pytest.fixture(scope="module")
@@ -43,11 +46,13 @@ def test_a_result_comes_back_with_equal_bits(
     np.testing.assert_array_equal(found.resume(1.2).q("bob.phi"), result.resume(1.2).q("bob.phi"))
 
 
-def test_a_store_is_read_by_xarray(result: Result, tmp_path: Path) -> None:
+@pytest.mark.parametrize("ending", [".nc", ".zarr"])
+def test_a_file_is_read_by_xarray(result: Result, tmp_path: Path, ending: str) -> None:
     import xarray as xr
 
-    path = result.save(tmp_path / "run.zarr")
-    with xr.open_zarr(path, consolidated=False) as read:
+    path = result.save(tmp_path / f"run{ending}")
+    opened = xr.open_dataset(path) if ending == ".nc" else xr.open_zarr(path, consolidated=False)
+    with opened as read:
         found, data = read.load(), result.data
         assert found.attrs["message"] == result.message
         assert {*found.variables} == {*data.variables}
@@ -76,24 +81,27 @@ def test_a_store_is_replaced_and_no_other_folder(result: Result, tmp_path: Path)
     assert (mine / "notes.txt").read_text() == "mine"
 
 
-def test_a_store_that_fails_leaves_the_old_one(
-    result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("ending", [".csv", ".zarr"])
+def test_a_write_that_fails_leaves_the_old_file(
+    result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ending: str
 ) -> None:
-    from runtime.results import export
+    def content() -> list[bytes | str]:
+        return [p.read_bytes() if p.is_file() else p.name for p in sorted(tmp_path.rglob("*"))]
 
-    place = result.save(tmp_path / "run.zarr")
-    before = sorted(path.name for path in place.rglob("*"))
+    place = result.save(tmp_path / f"run{ending}")
+    before = content()
 
     def fail(result: Result, path: Path) -> None:
-        path.mkdir()
-        (path / "zarr.json").write_text("{")
+        if ending == ".zarr":
+            path.mkdir()
+            path /= "zarr.json"
+        path.write_text("{")
         raise OSError("disk full")
 
-    monkeypatch.setitem(export._FORMATS, ".zarr", export._Format(fail))
-    with pytest.raises(InputError, match=r"cannot write .*run\.zarr: disk full"):
+    monkeypatch.setitem(export._FORMATS, ending, export._Format(fail))
+    with pytest.raises(InputError, match=rf"cannot write .*run\{ending}: disk full"):
         result.save(place)
-    assert sorted(path.name for path in place.rglob("*")) == before
-    assert [path.name for path in tmp_path.iterdir()] == ["run.zarr"]
+    assert content() == before
 
 
 def test_a_replacement_that_a_process_did_not_finish_is_finished_by_the_next(
@@ -147,7 +155,13 @@ def test_names_that_matlab_accepts() -> None:
 
 @pytest.mark.parametrize(
     ("ending", "library"),
-    [(".zarr", "zarr"), (".mat", "scipy.io"), (".nc", "netCDF4"), (".html", "bokeh")],
+    [
+        (".zarr", "zarr"),
+        (".mat", "scipy.io"),
+        (".nc", "netCDF4"),
+        (".html", "bokeh"),
+        (".parquet", "pyarrow"),
+    ],
 )
 def test_a_missing_library_is_named(
     result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ending: str, library: str
@@ -156,3 +170,36 @@ def test_a_missing_library_is_named(
     with pytest.raises(InputError, match=rf"needs the library {library}.*save as \.csv"):
         result.save(tmp_path / f"run{ending}")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def dropped(workshop: Path) -> Machine:
+    model = Model("older_file", gravity=(0, -9.81))
+    ball = model.particle("ball", 1.0)
+    rail = model.absolute("rail", ball, "x", 0.0)
+    model.release(rail, when=ball.y < -0.1)
+    model.scene("falls", ["gravity"], start={ball.y: 0.0, ball.vy: 0.0})
+    return load(model, folder=workshop)
+
+
+@pytest.mark.parametrize("t_end", [0.1, 0.5])  # before the release, and behind it
+@pytest.mark.parametrize(
+    "missing", [("until",), ("motion", "source", "content"), ("motion",), ("title",)]
+)
+def test_a_file_that_lacks_a_field(
+    dropped: Machine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, t_end: float,
+    missing: tuple[str, ...],
+) -> None:  # fmt: skip
+    def older(result: Result) -> bytes:
+        place: dict[str, Any] = saved_fields(result)
+        whole = place
+        for name in missing[:-1]:
+            place = place[name]
+        del place[missing[-1]]
+        return pack(whole)
+
+    r = dropped.simulate(t_end)
+    assert len(r.reconnections) == (t_end == 0.5)
+    monkeypatch.setattr(export, "saved_result", older)
+    with pytest.raises(InputError, match="not written by this version of Result"):
+        load_result(r.save(tmp_path / "older.nc"), dropped)

@@ -64,7 +64,7 @@ def test_states_by_name(drive: Machine, run: Result) -> None:
     assert run.state(0.2)["current"] == run.at(0.2).y("current")[0]
     with pytest.raises(InputError, match="no state 'curent'; nearest: current"):
         run.y("curent")
-    with pytest.raises(InputError, match=r"it is a state; ask for y\('current'\)"):
+    with pytest.raises(InputError, match=r"no coordinate 'current'; ask for y\('current'\)"):
         run.q("current")
 
 
