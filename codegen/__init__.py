@@ -25,7 +25,7 @@ from codegen.errors import (
 
 TYPE_CHECKING = False  # type checkers take it as true; importing typing would load modules
 if TYPE_CHECKING:
-    from codegen.declare.body import Body, Curve, Point
+    from codegen.declare.body import Body, Curve, Point, disc, rectangle
     from codegen.declare.element import (
         ConjugateReaction,
         Constraint,
@@ -36,27 +36,25 @@ if TYPE_CHECKING:
         Measure,
         Statement,
     )
-    from codegen.declare.outline import disc, rectangle
     from codegen.declare.scene import Scene
     from codegen.declare.symbols import SPEED, Coordinate, alpha, coordinate, given, t
     from codegen.driver import build
     from codegen.elements.registry import element
-    from codegen.generated_files.build_report import BuildReport
+    from codegen.generated_files.generated_file import BuildReport
     from codegen.model import Model
 
 __version__ = "0.1.0"
 
 _ROOMS = {
     "codegen.model": ("Model",),
-    "codegen.declare.body": ("Body", "Curve", "Point"),
+    "codegen.declare.body": ("Body", "Curve", "Point", "disc", "rectangle"),
     "codegen.declare.element": (
         *("ConjugateReaction", "Constraint", "Effect", "I", "J", "JointReaction", "Measure"),
         "Statement",
     ),
-    "codegen.declare.outline": ("disc", "rectangle"),
     "codegen.declare.scene": ("Scene",),
     "codegen.declare.symbols": ("SPEED", "Coordinate", "alpha", "coordinate", "given", "t"),
-    "codegen.generated_files.build_report": ("BuildReport",),
+    "codegen.generated_files.generated_file": ("BuildReport",),
     "codegen.driver": ("build",),
     "codegen.elements.registry": ("element",),
 }

@@ -4,7 +4,7 @@ read      model file            → Model                   (codegen.reading.mod
 check     Model, Scene          → problems, all at once   (codegen.check.declaration)
 derive    Model, Scene          → Equations               (codegen.derive)
 lower     Equations             → Lowered program         (codegen.lower)
-examine   Equations, Lowered    → redundant constraints   (codegen.check.redundancy)
+examine   Equations, Lowered    → redundant constraints   (codegen.check.kinematics)
 emit      Lowered               → text                    (codegen.emit)
 accompany Lowered               → text of derivatives, of reduced equations
                                      (codegen.generated_files.companions), if asked for
@@ -18,27 +18,29 @@ from time import perf_counter
 from typing import get_args
 
 import codegen
-from codegen.check.redundancy import Findings, examine
+from codegen.check.kinematics import Findings, examine
 from codegen.declare.returned_kinds import memoize_methods
 from codegen.declare.scene import Scene
 from codegen.derive.equations import Equations, derive
 from codegen.emit.module import module_text, operation_table
 from codegen.emit.unrolling import Unroll
-from codegen.errors import (
-    InputError,
-    LinkwrightError,
-    ModelError,
-)
+from codegen.errors import LinkwrightError, ModelError
+from codegen.files.generated_modules import text_hash
 from codegen.garbage_collection import collection_paused
-from codegen.generated_files.build_report import BuildReport, report
 from codegen.generated_files.companions import COMPANIONS
-from codegen.generated_files.generated_file import Clock, File, Progress, compile_modules
+from codegen.generated_files.generated_file import (
+    BuildReport,
+    Clock,
+    FileReport,
+    Progress,
+    SceneReport,
+    compile_modules,
+)
 from codegen.generated_files.provenance import default_folder, file_name, origin
 from codegen.lower.lowered_scene import Lowered, lower
 from codegen.model import Model
 from codegen.readers import arguments as readers
-from codegen.readers.failures import unreadable
-from codegen.readers.values import shown
+from codegen.readers.calls import unreadable
 from codegen.reading.model_file import ModelFile, read_model
 from codegen.reading.scene_selection import valid_scenes, with_settings, without_overridden
 
@@ -49,7 +51,7 @@ GENERATOR = f"linkwright {codegen.__version__}"
 @readers.reads(
     model=readers.model, scene=readers.optional(readers.scenes),
     out=readers.optional(readers.path), settings=readers.optional(readers.values('{"J1": 900.0}')),
-    progress=readers.reporter, unroll=readers.text("give 'auto', 'always' or 'never'."),
+    progress=readers.reporter, unroll=readers.word(*get_args(Unroll)),
     **dict.fromkeys(("tangents", "reduced", "picture", "check", "compile"), readers.flag),
 )  # fmt: skip
 def build(
@@ -102,9 +104,7 @@ def build(
         have no derivatives or reduced equations although they are requested.
     """
     requested = {"tangents": tangents, "reduced": reduced, "picture": picture}
-    return _build(
-        model, scene, out, settings or {}, requested, check, compile, progress, unroll
-    )  # fmt: skip
+    return _build(model, scene, out, settings or {}, requested, check, compile, progress, unroll)
 
 
 @collection_paused()
@@ -114,8 +114,6 @@ def _build(
     check: bool, compiled: bool, progress: Progress, unroll: Unroll,
 ) -> BuildReport:  # fmt: skip
     """All stages, from the file that is read to the machine code."""
-    if unroll not in get_args(Unroll):
-        raise InputError(f"unroll is {shown(unroll)}; give 'auto', 'always' or 'never'.")
     progress("reading the model")
     started = perf_counter()
     file = read_model(model)
@@ -130,42 +128,51 @@ def _build(
     for kind in COMPANIONS:
         if requested[kind.name]:
             kind.refuse(declared.name, [e for e, *_ in prepared], named=scene is not None)
-    files = [
-        _emit(file, equations, lowered, clock, folder, settings, requested, unroll)
-        for equations, lowered, _, clock in prepared
+    written = [
+        _emit(file, folder, settings, requested, unroll, *translated) for translated in prepared
     ]
-    every = [f for main in files for f in (main, *main.companions.values())]
-    for f in every:
-        f.bring_up_to_date(check)
+    every = [pair for files in written for pair in files]
+    for report, text in every:
+        report.bring_up_to_date(text, check)
     if compiled and not check:
         progress(f"{declared.name}: compile")
-        for f, seconds in zip(every, compile_modules([f.path for f in every]), strict=True):
-            f.clock.seconds["compile"] = seconds
-    reports = (
-        report(equations, lowered.strategy, findings, written)
-        for (equations, lowered, findings, _), written in zip(prepared, files, strict=True)
-    )
-    return BuildReport(tuple(reports), tuple(f.path for f in every if check and f.changed))
+        times = compile_modules([report.path for report, _ in every])
+        for (report, _), seconds in zip(every, times, strict=True):
+            report.seconds["compile"] = seconds
+    stale = tuple(report.path for report, _ in every if check and report.changed)
+    return BuildReport(tuple(r for r, _ in every if isinstance(r, SceneReport)), stale)
 
 
 def _emit(
-    file: ModelFile, equations: Equations, lowered: Lowered, clock: Clock, folder: Path,
-    settings: Mapping[str, float], requested: Mapping[str, bool], unroll: Unroll,
-) -> File:  # fmt: skip
-    """The file of a scene, with those companions that are requested or exist."""
+    file: ModelFile, folder: Path, settings: Mapping[str, float], requested: Mapping[str, bool],
+    unroll: Unroll, equations: Equations, lowered: Lowered, findings: Findings, clock: Clock,
+) -> list[tuple[FileReport, str]]:  # fmt: skip
+    """The file of a scene and its text, then those companions that are requested or exist."""
     path = folder / file_name(file.stem, equations, settings)
     with clock("emit"):
-        text = module_text(
-            lowered, origin(GENERATOR, file, equations, path, settings, unroll=unroll)
-        )
-    main = File(path, text, clock, dict(operation_table(lowered.program)))
+        provenance = origin(GENERATOR, file, equations, path, settings, unroll=unroll)
+        text = module_text(lowered, provenance)
+    n = len(equations.coordinates) - len(equations.states)
+    scene = SceneReport(
+        path=path, digest=text_hash(text), operations=dict(operation_table(lowered.program)),
+        seconds=clock.seconds, model=equations.model, scene=equations.scene.name,
+        bodies=equations.bodies, coordinates=n,
+        constraints=sum(len(c.statement.rows) for c in equations.constraints),
+        degrees_of_freedom=n - findings.independent, strategy=lowered.strategy,
+        notes=findings.notes, states=tuple(state.name for state in equations.states),
+        effects=tuple(e.name for e in equations.effects),
+        left_out=tuple(name for name, _ in equations.left_out),
+    )  # fmt: skip
+    files: list[tuple[FileReport, str]] = [(scene, text)]
     for kind in COMPANIONS:
         if kind.is_due(equations, path, requested[kind.name]):
             provenance = origin(
                 GENERATOR, file, equations, path, settings, f" --{kind.name}", unroll
             )
-            main.companions[kind.name] = kind.file(lowered, provenance, main)
-    return main
+            companion, text = kind.file(lowered, provenance, scene, clock)
+            setattr(scene, kind.name, companion)
+            files.append((companion, text))
+    return files
 
 
 def translate(model: Model, scene: Scene, clock: Clock) -> tuple[Equations, Lowered, Findings]:

@@ -1,6 +1,5 @@
 """The picture of a declared mechanism before anything is built, at its start or its guesses."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -73,23 +72,18 @@ def picture_at_start(
     closed = poses.start() if assembled else None
     q = poses.guess if closed is None else closed[0]
     picture = lower_picture(lowered)
-    values = [value for _, value, *_ in lowered.description.parameters]
-    still: dict[str, Any] = {"q": q.tolist(), "v": [0.0] * len(q), "p": values}
-    numbers = evaluate(picture.program, NAME, {"t": 0.0, **still}, failures=FAILURES)["out"]
-    flat = np.array([_real(numbers[k]) for k in range(len(numbers))])
+    defaults = [value for _, value, *_ in lowered.description.parameters]
+    still: dict[str, Any] = {"q": q.tolist(), "v": [0.0] * len(q), "p": defaults}
+
+    def values(name: str, t: float) -> FloatArray:
+        out = evaluate(picture.program, name, {"t": t, **still}, failures=FAILURES)["out"]
+        numbers = np.array([out[k] for k in range(len(out))], complex)
+        return np.where(numbers.imag == 0.0, numbers.real, np.nan)
+
     curves = np.zeros((picture.layout.curves, SAMPLES, 2))
     for k, alpha in enumerate(np.linspace(0.0, 2.0 * np.pi, SAMPLES) if len(curves) else ()):
-        inputs = {"t": float(alpha), **still}
-        points = evaluate(picture.program, CURVES, inputs, failures=FAILURES)["out"]
-        row = np.array([_real(points[slot]) for slot in range(len(points))])
-        curves[:, k, :] = row.reshape(-1, 2)
-    drawn = picture.layout.picture(flat, list[FloatArray](curves))
+        curves[:, k, :] = values(CURVES, float(alpha)).reshape(-1, 2)
+    drawn = picture.layout.picture(values(NAME, 0.0), list[FloatArray](curves))
     if assembled and closed is None:
         drawn = replace(drawn, title=f"{drawn.title}: its joints do not close from these guesses")
     return complete_picture(drawn)
-
-
-def _real(number: complex) -> float:
-    """A number of a picture; not a number where it is not real."""
-    value = complex(number)
-    return value.real if value.imag == 0.0 else math.nan

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 NARROW, WIDE, UNKNOWN = 80, 140, 120
 """Least and largest width of a table in columns; width where the terminal does not report one."""
+_RESOLUTION = 110  # layout: dots per inch of a notebook, 700 to 1000 of them across a page
 PICTURES = (".png", ".svg", ".pdf")
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem;
@@ -38,12 +39,21 @@ def terminal_width() -> int:
 def new_figure(purpose: str, width: float, height: float, **options: Any) -> "Figure":
     """An empty figure for a "plot", "picture" or "report", sizes in inches."""
     try:
-        from codegen.notebook_figure import NotebookFigure
+        from matplotlib.figure import Figure
     except ImportError as error:
         raise InputError(
             f"A {purpose} needs matplotlib, which is not installed. Run pip install "
             "'linkwright[plot]', in the checkout pip install '.[plot]'."
         ) from error
+
+    class NotebookFigure(Figure):
+        """A figure that a notebook shows as a picture, whichever backend is in force."""
+
+        def _repr_png_(self) -> bytes:
+            stream = io.BytesIO()
+            self.savefig(stream, format="png", dpi=_RESOLUTION)
+            return stream.getvalue()
+
     return NotebookFigure(figsize=(width, height), layout="constrained", **options)
 
 

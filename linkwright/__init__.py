@@ -50,7 +50,7 @@ def __getattr__(name: str) -> object:
             return value
     if name.startswith("_"):  # which Python itself asks for
         raise AttributeError(f"module 'linkwright' has no attribute {name!r}")
-    from codegen.readers.names import nearest
+    from codegen.readers.values import nearest
 
     raise AttributeError(f"module 'linkwright' has no attribute {name!r}; {nearest(name, __all__)}")
 

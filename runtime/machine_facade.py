@@ -14,8 +14,7 @@ from runtime.machine_states import MachineStates
 from runtime.mechanism.mechanism import Values
 from runtime.processors import available_cores
 from runtime.progress_bar import bar, shows_compilation
-from runtime.validation.arguments import check
-from runtime.validation.output_instants import instants_of_motion
+from runtime.validation.arguments import check, instants_of_motion
 from runtime.validation.scene_support import refuse_states, require_energy, require_motion
 
 if TYPE_CHECKING:
@@ -225,7 +224,7 @@ class Machine(MachineStates):
         >>> m.ensemble(10.0, 101, parameters={"length": np.linspace(0.5, 2.0, 1000)})
         """
         from runtime.sweeps.ensemble import run_ensemble
-        from runtime.validation.output_instants import uniform
+        from runtime.validation.arguments import uniform
 
         require_motion(self.mechanism, "ensemble")
         given = check(

@@ -1,31 +1,40 @@
-"""Checks of a model and a scene before their equations are derived.
+"""Checks of a model and its bodies before the equations of its scenes are derived.
 
 Each finding is a sentence that names the element, shows the numbers and says what to do. All of
 them are reported together.
 """
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
 from itertools import chain
+from typing import Any
 
 import sympy
 
-from codegen.check.elements import body_problems, effect_problems, element_problems, unknown
-from codegen.check.potential_steps import step_problems
-from codegen.check.requested_outputs import output_problems
-from codegen.check.set_valued_forces import contact_problems
+from codegen.check.elements import element_problems, unknown
 from codegen.declare import element as el
-from codegen.declare.cam_profile_checks import profile_problems
-from codegen.declare.returned_kinds import name_errors
-from codegen.declare.returned_terms import effect_expressions, friction_law
-from codegen.declare.returned_values import closed_curves, own_coordinates
-from codegen.declare.scene import Scene
-from codegen.declare.symbols import Coordinate, Parameter, Velocity, alpha, kinds, t
-from codegen.derive.equations import acting_elements, active_joints
-from codegen.derive.parameter_conditions import element_conditions
+from codegen.declare.body import Body
+from codegen.declare.expression_rules import expression_problem
+from codegen.declare.returned_kinds import (
+    by_coordinate,
+    check_attribute,
+    expression,
+    name_errors,
+    named,
+    one_of,
+    refusal,
+    rows,
+    words,
+)
+from codegen.declare.returned_values import (
+    own_coordinates,
+)
+from codegen.declare.symbols import t
 from codegen.errors import ModelError
 from codegen.model import Model
-from codegen.readers.failures import errors_at
-from codegen.readers.values import one_line
+from codegen.readers.arguments import optional
+from codegen.readers.expressions import constant_value
+from codegen.readers.values import KindError, one_line, shown
 
 LONGEST = 2000  # layout: characters of a sentence
 
@@ -35,7 +44,7 @@ def check_model(model: Model) -> list[str]:
     problems = [*model.problems]
     if not model.bodies:
         problems.append(f"model '{model.name}' has no body; declare one with model.body(...).")
-    known = _known_symbols(model)
+    known = known_symbols(model)
     masses = {name: [*body_problems(model, b, known)] for name, b in model.bodies.items()}
     sound = tuple(body for name, body in model.bodies.items() if not masses[name])
     for name, element in _all_elements(model):
@@ -43,8 +52,6 @@ def check_model(model: Model) -> list[str]:
             continue
         try:
             with name_errors(element):
-                if element.name != name:
-                    problems.append(f"{el.label(element)} was declared as '{name}'; keep its name.")
                 problems += element_problems(model, element, sound, known)
         except ModelError as error:
             problems += error.problems
@@ -72,95 +79,6 @@ def _lost_symbols(
                 yield sentence
 
 
-def check_scene(model: Model, scene: Scene) -> list[str]:
-    """Problems of one scene of a sound model."""
-    with errors_at(f"scene '{scene.name}'"):
-        return [one_line(p, LONGEST) for p in _scene_problems(model, scene)]
-
-
-def _scene_problems(model: Model, scene: Scene) -> list[str]:
-    where = f"scene '{scene.name}'"
-    joints = active_joints(model, scene)
-    owners = {*scene.bodies, *joints, *scene.states}
-    problems = []
-    if not scene.bodies:
-        problems.append(
-            f"{where}: no body takes part, so there is no coordinate to compute; leave one of "
-            f"{', '.join(model.bodies)} in."
-        )
-    if scene.analysis != "kinematics":
-        for body in (model.bodies[name] for name in scene.bodies):
-            words = ("mass", "inertia") if body.turns else ("mass",)
-            if missing := [word for word in words if getattr(body, word) is None]:
-                arguments = ", ".join(f"{word}=..." for word in words)
-                problems.append(
-                    f"{where}: body '{body.name}' has no {' and no '.join(missing)}; give it in "
-                    f"model.{'body' if body.turns else 'particle'}('{body.name}', {arguments}), or "
-                    "declare the scene with analysis='kinematics'."
-                )
-    for kind, names in (("effect", scene.effects), ("driver", scene.drivers)):
-        for name in names:
-            problems += [
-                f"{where}: {kind} '{name}' needs {model.kind(owner)} '{owner}', which takes no "
-                f"part; leave '{name}' out, or take '{owner}' in."
-                for owner in _needed(model, scene, name)
-                if owner not in owners
-            ]
-    for name, _ in (*scene.start, *scene.guess):
-        owner = name.rpartition(".")[0] or name  # a state is its own
-        if owner not in owners:
-            problems.append(
-                f"{where}: {name} has a start value, but its {model.kind(owner)} takes no part."
-            )
-    problems += [
-        f"{where}: guess names '{name}', but a state is not searched for; give it in start=."
-        for name, _ in scene.guess
-        if name in scene.states
-    ]
-    problems += _problems_in_scene(model, scene, joints)
-    problems += [*output_problems(model, scene), *contact_problems(model, scene)]
-    problems += _violated_conditions(model, scene)
-    values = (model.parameters[name].problem(value) for name, value in scene.parameters)
-    problems += [f"{where}: {problem}" for problem in values if problem]
-    return problems or list(step_problems(model, scene))
-
-
-def _problems_in_scene(
-    model: Model, scene: Scene, joints: dict[str, el.Constraint]
-) -> Iterator[str]:
-    """What elements return for the bodies and values of a scene, where these are other ones."""
-    known = (*scene.guess, *scene.start)
-    for joint in joints.values():
-        with name_errors(joint):
-            if own_coordinates(joint):
-                model.place_of(joint, known)  # ModelError where it fails
-    if scene.bodies != tuple(model.bodies):
-        symbols = _known_symbols(model)
-        bodies = tuple(model.bodies[name] for name in scene.bodies)
-        for name, effect in model.acting(scene).items():
-            if name in scene.states:  # whose rate no body changes
-                continue
-            with name_errors(effect):
-                yield from effect_problems(model, effect, bodies, symbols)
-
-
-def _violated_conditions(model: Model, scene: Scene) -> Iterator[str]:
-    """Conditions and shapes that the scene's values of parameters break."""
-    numbers = model.defaults | {Parameter(k, real=True): value for k, value in scene.parameters}
-    bodies = tuple(model.bodies[name] for name in scene.bodies)
-    for element in acting_elements(model, scene):
-        where = f"scene '{scene.name}': "
-        with name_errors(element):
-            for one in element_conditions(element, bodies):
-                yield from one.condition.problems(where + one.element, numbers)
-            for where_it_is, curve, convex in closed_curves(element) if scene.parameters else ():
-                shape = curve.at(alpha).subs(numbers)
-                yield from (
-                    f"{where}{where_it_is}: {problem}"
-                    for problem in profile_problems(shape, closed=True, convex=convex)
-                )
-
-
 def _all_elements(model: Model) -> Iterator[tuple[str, el.Constraint | el.Effect]]:
     """Joints, drivers, and effects in every fidelity that their declaration has the numbers for."""
     yield from (*model.joints.items(), *model.drivers.items())
@@ -171,20 +89,7 @@ def _all_elements(model: Model) -> Iterator[tuple[str, el.Constraint | el.Effect
                 yield name, form
 
 
-def _needed(model: Model, scene: Scene, name: str) -> list[str]:
-    """The bodies, and joints with coordinates, that an effect or driver acts on or looks at."""
-    element: el.Constraint | el.Effect = model.drivers.get(name) or model.acting(scene)[name]
-    needed = [body.name for body in element.bodies if not body.fixed]
-    if isinstance(element, el.Effect):
-        if law := friction_law(element):
-            needed.append(law.joint)
-        bodies = tuple(model.bodies[b] for b in scene.bodies)
-        for expression in effect_expressions(element, bodies):
-            needed += [s.name.rpartition("_")[0] for s in kinds(expression, Coordinate, Velocity)]
-    return list(dict.fromkeys(needed))
-
-
-def _known_symbols(model: Model) -> frozenset[sympy.Symbol]:
+def known_symbols(model: Model) -> frozenset[sympy.Symbol]:
     """Parameters, the time, and the coordinates and velocities of bodies and joints."""
     coordinates = [q for body in model.bodies.values() for q in body.coordinates]
     coordinates += [q for joint in model.joints.values() for q in own_coordinates(joint)]
@@ -204,3 +109,93 @@ def _collisions(model: Model) -> Iterator[str]:
     for name in model.parameters:
         if name in owners:
             yield f"parameter '{name}' has the name of {owners[name]}; rename it."
+
+
+def body_problems(model: Model, body: Body, known: frozenset[sympy.Symbol]) -> Iterator[str]:
+    """Problems of a body: of what an own class returns, of its mass and inertia."""
+    if not type(body).__module__.startswith("codegen."):
+        try:
+            _check_returned(body, known)
+        except ModelError as error:
+            yield from error.problems
+            return
+    yield from _mass_problems(model, body)
+
+
+def _check_returned(body: Body, known: frozenset[sympy.Symbol]) -> None:
+    """Ask a body of a modeller's own everything that is asked of bodies; ModelError if wrong.
+
+    Its expressions consist of the `known` symbols.
+    """
+
+    def sound(value: Any) -> sympy.Expr:
+        checked = expression(value)
+        if problem := expression_problem(checked):
+            raise KindError(f"is wrong: {problem}")
+        if unknown := sorted(s.name for s in checked.free_symbols - known):
+            raise KindError(
+                f"has the symbol {shown(unknown[0])}, which is none of the model; write it in "
+                "coordinates, velocities, parameters and t."
+            )
+        return checked
+
+    def scalar(value: Any) -> sympy.Expr:
+        return sound(one_of(sympy.Expr, needed="an expression of SymPy")(value))
+
+    def pair(value: Any) -> None:
+        if not isinstance(value, tuple | list) or len(value) != 2:
+            raise refusal(value, "two expressions")
+        for entry in value:
+            sound(entry)
+
+    def forces(value: Any) -> None:
+        for force in by_coordinate(value).values():
+            sound(force)
+
+    def block(value: Any) -> None:
+        pairs = {(a, b) for a in body.coordinates for b in body.coordinates}
+        if not isinstance(value, Mapping) or not {*value} <= pairs:
+            raise refusal(value, "a dictionary, pair of coordinates: expression")
+        for entry in value.values():
+            optional(sound)(entry)
+
+    for word in ("angle", "mass", "inertia"):
+        check_attribute(body, word, optional(scalar))
+    check_attribute(body, "angular_velocity", scalar)
+    for word in ("position", "velocity", "mass_centre", "rotation"):
+        check_attribute(body, word, pair)
+    for word in ("fixed", "turns"):
+        check_attribute(body, word, one_of(bool, needed="True or False"))
+    check_attribute(body, "mass_matrix", block)
+    check_attribute(body, "inertia_force", forces)
+    check_attribute(body, "equations", rows("pairs (word, expression)", words, sound))
+    with named(body, "torque()"):
+        forces(body.torque(sympy.S.One))
+
+
+def _mass_problems(model: Model, body: Body) -> Iterator[str]:
+    for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
+        value = getattr(body, word)
+        if value is None:
+            continue
+        if problem := expression_problem(value):  # of a body that a modeller made by hand
+            yield f"{word} of body '{body.name}': {problem}"
+            continue
+        symbols = value.free_symbols
+        if unknown := sorted(s.name for s in symbols if s not in model.defaults):
+            yield (
+                f"{word} of body '{body.name}': unknown symbol {', '.join(map(repr, unknown))}; "
+                "a mass is a number or an expression of parameters."
+            )
+            continue
+        number = value.subs(model.defaults) if symbols else value
+        try:
+            size = constant_value(number)
+        except (TypeError, ValueError, ArithmeticError):  # it is complex, or zoo
+            size = math.nan
+        if not 0.0 < size < math.inf:
+            shown = one_line(number) if math.isnan(size) else f"{size:g}"
+            yield (
+                f"{word} of body '{body.name}' is {shown} {unit}; it must be positive and "
+                "finite (leave it out where the scene is kinematic)."
+            )

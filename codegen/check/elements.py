@@ -1,30 +1,25 @@
-"""Checks of one joint, driver or effect, its text, bodies and symbols; and of one body."""
+"""Checks of one joint, driver or effect: its text, bodies and symbols, and what it consists of."""
 
-import math
 from collections.abc import Iterable, Iterator
+from functools import lru_cache
+from typing import Any
 
 import sympy
+from sympy.core.relational import Relational
 
-from codegen.check.expressions import all_problems, constraint_problems
 from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.declare.cam_profile_checks import profile_problems
-from codegen.declare.expression_rules import expression_problem
+from codegen.declare.element_conditions import profile_problems
+from codegen.declare.expression_rules import compile_problem
 from codegen.declare.returned_kinds import WORDS
-from codegen.declare.returned_terms import (
+from codegen.declare.returned_values import (
+    closed_curves,
+    conditions_of,
     effect_expressions,
     measures_of,
     optional_terms,
     potential_of,
-)
-from codegen.declare.returned_values import (
-    bound_symbols,
-    check_body,
-    closed_curves,
-    conditions_of,
-    moving_frame_problem,
     problems_of,
-    reaction_components,
     replaced_body,
     statement_of,
 )
@@ -34,17 +29,21 @@ from codegen.declare.symbols import (
     Given,
     Side,
     Speed,
+    Time,
     Velocity,
     alpha,
     kinds,
     side,
+    symbols_in,
 )
+from codegen.derive.piecewise_conditions import KINKED, STEPS, is_known_beforehand
 from codegen.errors import ModelError
 from codegen.model import Model
-from codegen.readers.expressions import constant_value, plain_expression
-from codegen.readers.names import nearest
-from codegen.readers.values import one_line, shown
+from codegen.readers.expressions import distinct_nodes, plain_expression
+from codegen.readers.values import nearest, shown
 from codegen.tables.table_function import Interpolant
+
+_KEPT = 1000  # measured: expressions whose flaws are known; a machine has fewer different ones
 
 
 def element_problems(
@@ -103,9 +102,12 @@ def _law_problems(model: Model, effect: el.Effect, law: el.FrictionLaw) -> Itera
         yield f"{where} rubs in '{law.joint}', which is no joint of '{model.name}'; name one."
         return
     try:
-        components = reaction_components(statement_of(joint))
+        reaction = statement_of(joint).reaction
     except ModelError:  # reported where the joint is checked
         return
+    components = ["fx", "fy", "torque"] if reaction else []
+    if isinstance(reaction, el.ConjugateReaction):
+        components = [component for component, _ in reaction.components]
     named = (c for load in law.contacts for entry in load for c, _ in entry)
     for component in dict.fromkeys(c for c in named if c not in components):
         yield (
@@ -158,9 +160,14 @@ def _statement_problems(
     """Check the form of a statement, its texts in the generated module, and its expressions."""
     where, statement = el.label(constraint), statement_of(constraint)
     expressions: tuple[sympy.Expr, ...] = statement.phi
-    if problem := moving_frame_problem(constraint, statement):
-        yield problem
-    elif isinstance(reaction := statement.reaction, el.JointReaction):
+    reaction = statement.reaction
+    if isinstance(reaction, el.JointReaction) and reaction.on.x not in statement.bindings:
+        frame = reaction.on.name
+        yield (
+            f"{where}: its reaction acts on frame {frame}, which its bindings bind to no body; add "
+            f"{frame.upper()}.bind(point), or return a ConjugateReaction."
+        )
+    elif isinstance(reaction, el.JointReaction):
         on, direction = reaction.on, tuple(map(plain_expression, reaction.direction))
         arm = None if reaction.arm is None else tuple(map(plain_expression, reaction.arm))
         size = sympy.Add(*(c**2 for c in direction))
@@ -172,7 +179,7 @@ def _statement_problems(
         if arm is not None and len(arm) != 2:
             yield f"{where}: the arm of its reaction is {arm}; give two components, in m."
         expressions = (*expressions, *direction, *((on.phi, *on.s) if arm is None else arm))
-    symbols = bound_symbols(statement, (*expressions, *statement.bindings.values()))
+    symbols = _bound_symbols(statement, (*expressions, *statement.bindings.values()))
     bodies = {body.name for body in constraint.bodies}
     for q in sorted((s for s in symbols if isinstance(s, Coordinate)), key=str):
         if q.owner in model.bodies and q.owner not in bodies:
@@ -180,15 +187,46 @@ def _statement_problems(
                 f"{where} uses {q}, but '{q.owner}' is none of its bodies, with which it takes "
                 "part in a scene; name it there, too."
             )
-    others = [*_strangers(model, constraint, symbols, known), *constraint_problems(constraint)]
+    yield from _own_coordinates(constraint, statement)
+    others = [*_unknown_symbols(model, constraint, symbols, known), *_equation_problems(constraint)]
     others += _orientations(constraint)
     yield from others or _constant_equations(where, statement)
+
+
+def _own_coordinates(constraint: el.Constraint, statement: el.Statement) -> Iterator[str]:
+    """Coordinates that are not the joint's own, or that their row does not determine."""
+    where = el.label(constraint)
+    for row, own in statement.own:
+        if own.owner != constraint.name:
+            yield (
+                f"{where}: its own coordinate {own} belongs to '{own.owner}'; bring "
+                f"coordinate('{constraint.name}', '{own.letter}')."
+            )
+        elif own not in _bound_symbols(
+            statement,
+            [e for e, name in zip(statement.phi, statement.rows, strict=True) if name == row],
+        ):
+            yield (
+                f"{where}: its own coordinate {own} does not occur in the equation '{row}', which "
+                "is to determine it; name the row that does."
+            )
+
+
+def _bound_symbols(statement: el.Statement, expressions: Iterable[sympy.Basic]) -> set[Any]:
+    """The symbols of expressions whose placeholders are bound."""
+    symbols: set[Any] = set().union(*map(symbols_in, expressions))
+    meanings: set[Any] = set()
+    for place, value in statement.bindings.items():
+        if places := symbols_in(place) & symbols:
+            symbols -= places
+            meanings |= symbols_in(value)
+    return symbols | meanings
 
 
 def _constant_equations(where: str, statement: el.Statement) -> Iterator[str]:
     """Equations without coordinates."""
     for row, phi in zip(statement.rows, statement.phi, strict=True):
-        if not any(isinstance(s, Coordinate) for s in bound_symbols(statement, (phi,))):
+        if not any(isinstance(s, Coordinate) for s in _bound_symbols(statement, [phi])):
             yield (
                 f"{where}: its equation '{row}', {shown(phi.xreplace(statement.bindings))} = 0, "
                 "has no coordinate of the machine, and no motion meets or violates it; leave it "
@@ -226,18 +264,9 @@ def _unknown_symbols(
     known: frozenset[sympy.Symbol],
 ) -> Iterator[str]:  # fmt: skip
     """Symbols in expressions that mean nothing in the model."""
-    symbols = set().union(*(e.free_symbols for e in expressions))
-    yield from _strangers(model, element, symbols, known)
-
-
-def _strangers(
-    model: Model, element: el.Constraint | el.Effect, symbols: Iterable[sympy.Symbol],
-    known: frozenset[sympy.Symbol],
-) -> Iterator[str]:  # fmt: skip
-    """Symbols that mean nothing in the model."""
-    strange = [symbol for symbol in symbols if symbol not in known]
+    strange = set().union(*map(symbols_in, expressions)) - known
     own = {s for b in element.bodies for q in b.coordinates for s in (q, q.rate)}
-    for symbol in sorted({*strange} - own, key=lambda s: s.name):
+    for symbol in sorted(strange - own, key=lambda s: s.name):
         # velocities in constraints are reported as such
         if not (isinstance(element, el.Constraint) and isinstance(symbol, Velocity)):
             yield unknown(model, el.label(element), symbol)
@@ -276,40 +305,83 @@ def unknown(model: Model, where: str, symbol: sympy.Symbol) -> str:
     )
 
 
-def body_problems(model: Model, body: Body, known: frozenset[sympy.Symbol]) -> Iterator[str]:
-    """Problems of a body: of what an own class returns, of its mass and inertia."""
-    if not type(body).__module__.startswith("codegen."):
-        try:
-            check_body(body, known)
-        except ModelError as error:
-            yield from error.problems
-            return
-    yield from _mass_problems(model, body)
+def _equation_problems(constraint: el.Constraint) -> Iterator[str]:
+    """Problems of a constraint: its equations contain coordinates, parameters and time only."""
+    where, statement = el.label(constraint), statement_of(constraint)
+    fixed = {k: v for k, v in statement.bindings.items() if isinstance(k, Given)}
+    expressions = (*statement.phi, *fixed.values())
+    yield from all_problems(where, expressions, may_switch=False)
+    others = [v for k, v in statement.bindings.items() if k not in fixed]
+    yield from all_problems(where, others, may_switch=True)
+    for expression in expressions:
+        for symbol in kinds(expression, Velocity):
+            yield (
+                f"{where}: {expression} contains the velocity {symbol}; constraints are equations "
+                "of coordinates, parameters and t."
+            )
+    for meaning in fixed.values():
+        moving = [str(s) for s in kinds(meaning, Time, Coordinate)]
+        if moving:
+            yield (
+                f"{where}: {meaning} depends on {', '.join(moving)}, but points, axes, lengths and "
+                "angles are fixed: give numbers or expressions of parameters, or write the "
+                "equations with model.constraint(...)."
+            )
 
 
-def _mass_problems(model: Model, body: Body) -> Iterator[str]:
-    for word, unit in (("mass", "kg"), ("inertia", "kg m^2")):
-        value = getattr(body, word)
-        if value is None:
-            continue
-        if problem := expression_problem(value):  # of a body that a modeller made by hand
-            yield f"{word} of body '{body.name}': {problem}"
-            continue
-        symbols = value.free_symbols
-        if unknown := sorted(s.name for s in symbols if s not in model.defaults):
-            yield (
-                f"{word} of body '{body.name}': unknown symbol {', '.join(map(repr, unknown))}; "
-                "a mass is a number or an expression of parameters."
-            )
-            continue
-        number = value.subs(model.defaults) if symbols else value
-        try:
-            size = constant_value(number)
-        except (TypeError, ValueError, ArithmeticError):  # it is complex, or zoo
-            size = math.nan
-        if not 0.0 < size < math.inf:
-            shown = one_line(number) if math.isnan(size) else f"{size:g}"
-            yield (
-                f"{word} of body '{body.name}' is {shown} {unit}; it must be positive and "
-                "finite (leave it out where the scene is kinematic)."
-            )
+def all_problems(where: str, expressions: Iterable[sympy.Basic], may_switch: bool) -> list[str]:
+    """Parts of expressions without smooth pieces, or unknown to the compiler."""
+    parts = [e for e in expressions if not e.is_Symbol]
+    return [f"{where}: {flaw}" for e in parts for flaw in _flaws(e, may_switch)]
+
+
+@lru_cache(_KEPT)
+def _flaws(expression: sympy.Basic, may_switch: bool) -> tuple[str, ...]:
+    """What is wrong with an expression; joints of one kind state the same one."""
+    return tuple(_find_flaws(expression, may_switch))
+
+
+def _find_flaws(expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
+    if problem := compile_problem(expression):
+        yield problem
+    for node in distinct_nodes(expression):
+        if isinstance(node, sympy.Piecewise):
+            for _, condition in node.args:
+                if condition.is_Symbol:
+                    yield f"{condition} is no condition; compare it with something."
+        elif isinstance(node, Relational):
+            yield from _condition_problems(node, may_switch)
+        elif node.func in KINKED and not (may_switch or is_known_beforehand(node)):
+            yield f"{node} has a kink; constraints are smooth in coordinates."
+        elif node.func in STEPS and not is_known_beforehand(node):
+            yield f"{node} jumps where coordinates say; only the time and parameters may."
+        elif isinstance(node, Interpolant) and not may_switch:
+            yield from _table_problems(node)
+
+
+def _table_problems(node: Interpolant) -> Iterator[str]:
+    """What a table lacks where accelerations need its second derivative, and nothing switches."""
+    table = node.table
+    if is_known_beforehand(node.at) or (table.smooth >= 2 and table.held is None):
+        return
+    if table.smooth < 2:
+        fault, remedy = f"of kind '{table.kind}'", "give it kind='spline'"
+    else:
+        fault, remedy = "with beyond='hold'", "give it points further out"
+    yield (
+        f"table '{table.name}' {fault} is taken at {node.at}, where accelerations need "
+        f"continuous second derivatives; {remedy}."
+    )
+
+
+def _condition_problems(node: Relational, may_switch: bool) -> Iterable[str]:
+    if isinstance(node, sympy.Eq | sympy.Ne):
+        yield (
+            f"the condition {node} is an equality, which no motion meets for a time; "
+            "use an inequality."
+        )
+    elif not (may_switch or is_known_beforehand(node)):
+        yield (
+            f"the condition {node} stands where nothing may switch; the pieces of "
+            "constraints and motions are chosen by the time and parameters alone."
+        )

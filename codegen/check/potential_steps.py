@@ -1,26 +1,25 @@
 """Potentials whose pieces do not meet: a step in V exerts no force, and the energy would jump.
 
-A point is sought on each surface at which an expression changes its piece, along random lines, and
-then where the pieces differ (`codegen.check.boundary_points`); there both sides are compared at
-distances that shrink to the rounding of the point. A step stays, a kink does not. Scalars along
-which forces act, such as gaps, are looked at alike.
+The jump at a surface on which an expression changes its piece is the difference of the smooth
+pieces on both sides, an expression of its own for each choice of the other conditions. Gauss-Newton
+steps look for points of the surface at which these hold, however small the region; a step stays as
+such a point is approached, a kink does not. Scalars along which forces act, such as gaps, are
+looked at alike.
 """
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from itertools import pairwise
-from typing import NamedTuple
+from itertools import islice, product
+from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import sympy
-from sympy.core.relational import Relational
 
-from codegen.check.boundary_points import differs, jumps, points, sizes, vanishes
 from codegen.declare.body import Body
 from codegen.declare.element import Effect, label
 from codegen.declare.returned_kinds import name_errors
-from codegen.declare.returned_terms import optional_terms, potential_of
+from codegen.declare.returned_values import optional_terms, potential_of
 from codegen.declare.scene import Scene
 from codegen.declare.symbols import Coordinate, Parameter, Time, kinds
 from codegen.derive.piecewise_conditions import (
@@ -32,28 +31,21 @@ from codegen.derive.piecewise_conditions import (
 from codegen.elements.forces.contacts import GapSprings
 from codegen.model import Model
 from codegen.readers.values import shown
-from codegen.tables.table_function import Interpolant
+from codegen.tables.table_function import plain_function
 
-_LINES = 24  # safety: random lines along which a surface is sought, of sizes from 1e-3 to 1e3
-_FOUND = 6  # safety: points of a surface that are looked at
-# accuracy: of the terms on both sides; a step below it is the rounding of numbers in the pieces
-_ROUNDED = 1e-9
-_APART = 1e-14  # accuracy: of a line's size; the least distance of both sides
-_FURTHER = 1e3  # accuracy: times that distance; a step is much larger than the change up to there
-_BISECTIONS = 100  # safety: until two neighbouring numbers are reached, from any bracket
-_SECANTS = 20  # safety: steps towards a surface that is far away
+Vector = npt.NDArray[np.float64]
+Numbers = dict[sympy.Symbol, float]
 
-Scalar = Callable[[float], float]
-
-
-@dataclass(frozen=True)
-class _Line:
-    """Functions of the place along a straight line of the coordinates."""
-
-    value: Scalar  # of the expression
-    terms: Scalar  # the sum of the sizes of its terms, as if nothing cancelled
-    g: Scalar
-    size: float
+_CHOICES = 32  # safety: choices of the other conditions that are looked at for a surface
+_STARTS = (0.0, 1.0, 30.0)  # safety: sizes of the region in which a search begins
+# accuracy: distances by which conditions are met, in parts of 1 m or 1 rad
+_MARGINS = (0.1, 1e-3, 1e-5, 1e-7)
+_ROUNDED = 1e-15  # accuracy: a step of a search in parts of the place, which is rounding
+_STEPS = 15  # safety: Gauss-Newton steps of a search
+_DIGITS = 30  # accuracy: of differences of pieces that are below the smallest float
+# accuracy: of the terms of a difference; less is the rounding of numbers in the pieces
+_ZERO = 1e-9
+_NEAR, _FAR = 1e-11, 1e-8  # accuracy: distances from a surface, in parts of the place
 
 
 def step_problems(model: Model, scene: Scene) -> Iterator[str]:
@@ -70,24 +62,19 @@ def step_problems(model: Model, scene: Scene) -> Iterator[str]:
 
 
 def _steps_of(
-    effect: Effect, bodies: tuple[Body, ...], defaults: dict[sympy.Symbol, float],
-    known: dict[str, float],
-) -> Iterator[str]:  # fmt: skip
+    effect: Effect, bodies: tuple[Body, ...], defaults: Numbers, known: dict[str, float]
+) -> Iterator[str]:
     """The first step of what has to be continuous in an effect."""
     for word, unit, expression in _continuous(effect, bodies):
         numbers = {**defaults}
         for q in kinds(expression, Coordinate):
             numbers[q] = float(known.get(f"{q.owner}.{q.letter}", q.measure.neutral))
         if found := find_step(expression, numbers):
-            place, below, above, change = found
-            size = f"{abs(above - below):.4g} {unit} where {place} changes, from {below:.4g} to "
-            size += f"{above:.4g} {unit} at one such place"
-            if change is not None:
-                size = f"{shown(change)} where {place} changes"
+            condition, size, change = found
             yield (
-                f"the {word} of {label(effect)} jumps by {size}; a step "
-                "exerts no force, and energy would come from nowhere: make the pieces meet, or "
-                "write a force."
+                f"the {word} of {label(effect)} jumps by {size:.4g} {unit} where {condition} "
+                f"changes, at one such place, and by {shown(change)} in general; a step exerts no "
+                "force, and energy would come from nowhere: make the pieces meet, or write a force."
             )
             return
 
@@ -107,146 +94,156 @@ def _continuous(effect: Effect, bodies: tuple[Body, ...]) -> Iterator[tuple[str,
 
 
 class Step(NamedTuple):
-    """A step: the condition that changes there, the values on both sides, or their difference."""
+    """A step: the condition that changes there, its size at a place, and as an expression."""
 
-    place: str
-    below: float
-    above: float
-    change: sympy.Expr | None = None
+    condition: str
+    size: float
+    change: sympy.Expr
 
 
-def find_step(expression: sympy.Expr, numbers: dict[sympy.Symbol, float]) -> Step | None:
+class _Jump(NamedTuple):
+    """A surface, what an expression changes by across it, and what has to hold beside it."""
+
+    condition: str
+    g: sympy.Expr
+    change: sympy.Expr
+    others: tuple[tuple[sympy.Expr, int], ...]  # (g, sign that it must have)
+
+
+def find_step(expression: sympy.Expr, numbers: Numbers) -> Step | None:
     """A step of an expression; None where none is found.
 
     `numbers` has the parameters and, of the coordinates, the values about which is looked.
     """
-    return _on_lines(expression, numbers) or _in_regions(expression, numbers)
+    moving = kinds(expression, Coordinate, Time)
+    start = np.array([numbers.get(s, 1.0) for s in moving])
+    others = {s: sympy.Float(numbers.get(s, 1.0)) for s in expression.free_symbols - {*moving}}
+    for jump in _jumps(without_marks(expression)):
+        if kinds(jump.g, Coordinate):
+            surfaces = [g.xreplace(others) for g in (jump.g, *(s * g for g, s in jump.others))]
+            sizes_at = _sizes_at(jump.change.xreplace(others), moving)
+            for point, normal in _points(surfaces, moving, start):
+                size = _step(sizes_at, point, normal)
+                if size is not None:
+                    return Step(jump.condition, size, jump.change)
+    return None
 
 
-def _in_regions(expression: sympy.Expr, numbers: dict[sympy.Symbol, float]) -> Step | None:
-    """A step where the pieces on both sides of a surface differ, and their conditions hold."""
-    if not expression.has(Relational):
-        return None
-    symbols = kinds(expression, Coordinate, Time)
-    start = np.array([numbers.get(s, 1.0) for s in symbols])
-    others = sorted(expression.free_symbols - {*symbols}, key=str)
-    known = {s: numbers.get(s, 1.0) for s in others}
-    everything = (*symbols, *others)
-    rest = tuple(known.values())
-    functions = [_function(e, everything) for e in (expression, sizes(expression))]
-    for jump in jumps(expression):
-        if not kinds(jump.g, Coordinate) or vanishes(jump, known):
+def _jumps(expression: sympy.Expr) -> Iterator[_Jump]:
+    """The surfaces of an expression at which its pieces may not meet."""
+    sides: dict[sympy.Symbol, sympy.Expr] = {}  # symbol that says whether g > 0 → g
+    texts: dict[sympy.Symbol, str] = {}
+    choices: dict[sympy.Basic, sympy.Basic] = {}
+    beside: dict[sympy.Symbol, tuple[tuple[sympy.Expr, int], ...]] = {}
+    known: dict[sympy.Expr, sympy.Symbol] = {}
+    for relation in conditions([expression]):
+        g = switching_function(relation)
+        if -g in known:
+            choices[relation] = sympy.Not(known[-g])
             continue
-        for point, normal in points(jump, symbols, rest, everything, start, _function):
-            value, terms = (
-                lambda s, f=f, o=point, a=normal: f(*(o + s * a), *rest) for f in functions
-            )
-            line = _Line(value, terms, value, float(np.abs(point).max(initial=1e-3)))
-            if sides := _step(line, 0.0):
-                return Step(jump.condition, *sides)
-            if differs(jump.change, symbols, known, point, normal):
-                return Step(jump.condition, 0.0, 0.0, jump.change)
-    return None
+        symbol = known.setdefault(g, sympy.Symbol(f"side {len(known)}"))
+        choices[relation], sides[symbol] = symbol, g
+        texts.setdefault(symbol, str(relation))
+    for angle in sorted(expression.atoms(sympy.atan2), key=str):
+        (y, x), symbol = angle.args, sympy.Symbol(f"side of {angle}")
+        size = sympy.atan2(sympy.Abs(y), x)
+        choices[angle] = sympy.Piecewise((size, symbol), (-size, True))
+        sides[symbol], beside[symbol] = y, ((x, -1),)
+        texts[symbol] = f"the sign of {angle} at ±π"
+    chosen = expression.xreplace(choices)
+    for symbol, g in sides.items():
+        above, below = (chosen.xreplace({symbol: side}) for side in (sympy.true, sympy.false))
+        change = above - below
+        others = [s for s in sides if s in change.free_symbols]
+        for signs in islice(product((1, -1), repeat=len(others)), _CHOICES):
+            bound = {s: sympy.sympify(sign > 0) for s, sign in zip(others, signs, strict=True)}
+            if (smooth := change.xreplace(bound)) != 0:
+                signed = zip((sides[s] for s in others), signs, strict=True)
+                yield _Jump(texts[symbol], g, smooth, (*signed, *beside.get(symbol, ())))
 
 
-def _on_lines(expression: sympy.Expr, numbers: dict[sympy.Symbol, float]) -> Step | None:
-    """A step that a random line meets."""
-    random = np.random.default_rng(0)
-    for text, g in _surfaces(expression):
-        moving = kinds(sympy.Tuple(expression, g), Coordinate)
-        rest = sorted(sympy.Tuple(expression, g).free_symbols - {*moving}, key=str)
-        start = np.array([numbers.get(s, 1.0) for s in moving])
-        functions = [_function(e, (*moving, *rest)) for e in (expression, sizes(expression), g)]
-        found = 0
-        for _ in range(_LINES):
-            size = 10.0 ** random.uniform(-3, 3)
-            origin, along = start + size * random.standard_normal((2, len(moving)))
-            along = along - start
-            others = [numbers.get(s, random.uniform(0.5, 2.0)) for s in rest]
-            value, terms, g_along = (
-                lambda s, f=f, o=origin, a=along, r=others: f(*(o + s * a), *r) for f in functions
-            )
-            reach = float(np.abs(origin).max(initial=1e-3)) / size
-            line = _Line(value, terms, g_along, reach)
-            at = _root(line)
-            if at is None:
-                continue
-            if sides := _step(line, at):
-                return Step(text, *sides)
-            found += 1
-            if found == _FOUND:
-                break
-    return None
+def _sizes_at(change: sympy.Expr, moving: list[sympy.Symbol]) -> Callable[[Vector], list[Any]]:
+    """At a place, the size of a difference and of its terms; nan where it has no real value."""
+    expressions = change, _sizes(change)
+    numbers = plain_function(moving, expressions)
 
-
-def _surfaces(expression: sympy.Expr) -> Iterator[tuple[str, sympy.Expr]]:
-    """(condition, g) of the surfaces g = 0 at which an expression may have a step."""
-    seen: list[sympy.Expr] = []
-    found = [(str(c), switching_function(c)) for c in conditions([expression])]
-    cuts = sorted(expression.atoms(sympy.atan2), key=str)
-    for text, g in (*found, *((f"the sign of {a} at ±π", a.args[0]) for a in cuts)):
-        if kinds(g, Coordinate) and g not in seen and -g not in seen:
-            seen.append(g)
-            yield text, g
-
-
-def _function(expression: sympy.Expr, symbols: tuple[sympy.Symbol, ...]) -> Callable[..., float]:
-    """The expression as a function of plain numbers, nan where it has no real value."""
-    expression = without_marks(expression)
-    tables: dict[str, Callable[[float], float]] = {}
-    for k, node in enumerate(sorted(expression.atoms(Interpolant), key=str)):
-        name, table, order = f"table_{k}", node.table, node.order
-        tables[name] = lambda x, table=table, order=order: float(table(x, order))  # type: ignore[misc]
-        expression = expression.xreplace({node: sympy.Function(name)(node.at)})
-    compiled = sympy.lambdify(symbols, expression, [tables, "math"])
-
-    def evaluated(*numbers: float) -> float:
+    def exact(expression: sympy.Expr, place: Vector) -> Any:
+        values = dict(zip(moving, map(sympy.Float, place), strict=True))
         try:
-            value = compiled(*map(float, numbers))
-        except (ArithmeticError, ValueError, TypeError):
+            value = expression.evalf(_DIGITS, subs=values)
+            return abs(value) if value.is_real and value.is_finite else math.nan
+        except (TypeError, ValueError, ArithmeticError, AttributeError):
             return math.nan
-        return math.nan if isinstance(value, complex) else float(value)
 
-    return evaluated
+    def at(place: Vector) -> list[Any]:
+        found = np.abs(numbers(place))
+        return [exact(e, place) for e in expressions] if found[1] == 0.0 else found.tolist()
 
-
-def _root(line: _Line) -> float | None:
-    """A place s at which g changes its sign along a line, to the last digit."""
-    places = [float(s) for s in np.linspace(-3.0, 3.0, 13)]
-    signs = [line.g(s) > 0 for s in places]
-    low, high = next(
-        (pair for k, pair in enumerate(pairwise(places)) if signs[k] != signs[k + 1]),
-        _far_bracket(line, places[0], places[-1]),
-    )
-    side = line.g(low) > 0
-    if side == (line.g(high) > 0):
-        return None
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        if middle in (low, high):
-            break
-        low, high = (middle, high) if (line.g(middle) > 0) == side else (low, middle)
-    return low
+    return at
 
 
-def _far_bracket(line: _Line, a: float, b: float) -> tuple[float, float]:
-    """An interval about the place where the secants through g end."""
-    for _ in range(_SECANTS):
-        one, other = line.g(a), line.g(b)
-        if not math.isfinite(one + other) or one == other:
-            break
-        a, b = b, b - other * (b - a) / (other - one)
-    wide = 1e-3 * (1.0 + abs(b))
-    return b - wide, b + wide
+def _step(sizes_at: Callable[[Vector], list[Any]], point: Vector, normal: Vector) -> float | None:
+    """By how much two pieces differ at a point of their surface; None where they meet there."""
+    found = []
+    for side in (-1.0, 1.0):
+        unit = side * (1.0 + np.abs(point).max()) * normal
+        (near, terms), (far, _) = (sizes_at(point + d * unit) for d in (_NEAR, _FAR))
+        if near == near and far == far:  # noqa: PLR0124 (both are numbers)
+            if not (near > _ZERO * terms and near > far / 2):
+                return None
+            found.append(float(near))
+    return max(found, default=None)
 
 
-def _step(line: _Line, at: float) -> tuple[float, float] | None:
-    """The values on both sides where they stay apart; None where they meet."""
-    least = max(_APART, 16.0 * np.finfo(float).eps * max(1.0, line.size, abs(at)))
-    near, far = ([line.value(at + sign * d) for sign in (-1, 1)] for d in (least, _FURTHER * least))
-    if not np.isfinite((*far, *near)).all():
-        return None
-    change = abs(near[1] - near[0])
-    size = max(line.terms(at + sign * least) for sign in (-1, 1))
-    course = max(abs(far[k] - near[k]) for k in (0, 1))
-    return (near[0], near[1]) if change > max(0.5 * course, _ROUNDED * size) else None
+def _points(
+    surfaces: list[sympy.Expr], moving: list[sympy.Symbol], start: Vector
+) -> Iterator[tuple[Vector, Vector]]:
+    """(point, unit normal) of the first surface where the others are positive, one a start."""
+    values = plain_function(moving, surfaces)
+    slopes = plain_function(moving, [[sympy.diff(g, q) for q in moving] for g in surfaces])
+
+    def scaled(place: Vector) -> tuple[Vector, Vector]:
+        """The distances from all surfaces, nearly, and their gradients."""
+        g, gradients = values(place), slopes(place)
+        sizes = np.maximum(np.linalg.norm(gradients, axis=-1), 1e-300)
+        return g / sizes, gradients / sizes[..., None]
+
+    random = np.random.default_rng(0)
+    for size in _STARTS:
+        begin = start + size * random.standard_normal(len(moving))
+        for margin in _MARGINS:
+            place = _search(scaled, begin, margin)
+            if place is not None:
+                yield place, scaled(place)[1][0]
+                break
+
+
+def _search(
+    scaled: Callable[[Vector], tuple[Vector, Vector]], place: Vector, margin: float
+) -> Vector | None:
+    """A point where the first function vanishes and the others are positive; None without one."""
+    for all_of_them in (True, False):  # then back onto the surface alone
+        for _ in range(_STEPS):
+            g, gradients = scaled(place)
+            if not (np.isfinite(g).all() and np.isfinite(gradients).all()):
+                return None
+            short = np.where((g < margin) & all_of_them, g - margin, 0.0)
+            short[0] = g[0]
+            change = np.linalg.lstsq(gradients * (short != 0.0)[:, None], short, rcond=1e-12)[0]
+            place = place - change
+            if np.abs(change).max() <= _ROUNDED * (1.0 + np.abs(place).max()):
+                break
+    g = scaled(place)[0]
+    close = abs(g[0]) <= 1e3 * _ROUNDED * (1.0 + np.abs(place).max())
+    return place if close and np.all(g[1:] > 0.0) else None
+
+
+def _sizes(node: sympy.Basic) -> sympy.Basic:
+    """The expression with the sizes of all terms added up."""
+    if isinstance(node, sympy.Piecewise):
+        return sympy.Piecewise(*((_sizes(e), c) for e, c in node.args), evaluate=False)
+    if node.is_Add or node.is_Mul:
+        return node.func(*map(_sizes, node.args))
+    if node.is_Pow and node.exp.is_nonnegative:
+        return sympy.Pow(_sizes(node.base), node.exp)
+    return sympy.Abs(node)

@@ -1,4 +1,4 @@
-"""Bodies, and the points and curves on them that joints and forces take hold of.
+"""Bodies, and the points, curves and outlines on them.
 
 A body answers its coordinates, where a point and an axis of it are (r + A s'), its mass block and
 inertia force, and equations between its coordinates. One whose orientation is not an angle answers
@@ -7,15 +7,16 @@ inertia force, and equations between its coordinates. One whose orientation is n
 """
 
 from dataclasses import dataclass, field
+from math import cos, pi, sin
 from typing import Any, ClassVar
 
 import sympy
 
 from codegen.declare.symbols import Coordinate, Velocity, alpha, own_coordinate, rate
-from codegen.declare.units import in_unit, metres
 from codegen.errors import ModelError
-from codegen.readers.calls import declaring_class, named_attributes
+from codegen.readers.calls import declaring, declaring_class, named_attributes
 from codegen.readers.expressions import plain_expression
+from codegen.readers.quantities import in_unit, metres
 from codegen.readers.values import KindError, members, shown
 
 
@@ -153,13 +154,7 @@ class Body(Pose):
 
     def torque(self, value: sympy.Expr) -> dict[Coordinate, sympy.Expr]:
         """Generalized forces of a torque: value ∂ω/∂q̇."""
-        try:
-            exerted = plain_expression(value)
-        except KindError:
-            raise ModelError(
-                f"body.torque of '{self.name}': {shown(value)} is no torque; give a number or an "
-                "expression in N m."
-            ) from None
+        (exerted,) = expressions_in("N m", f"torque of body '{self.name}'", value)
         turning = plain_expression(self.angular_velocity)
         slopes = {q: sympy.diff(turning, q.rate) for q in self.coordinates}
         return {q: exerted * slope for q, slope in slopes.items() if slope != 0}
@@ -174,12 +169,12 @@ class Body(Pose):
 
     def circle(self, radius: Any, center: tuple[Any, Any] = (0, 0)) -> "Curve":
         """A circle in this body, m, run through counter-clockwise."""
-        try:
-            x, y = map(_length, members(center, 2))
-        except KindError:  # reported with its joint
+        try:  # what is no length is reported with its joint
+            x, y = (plain_expression(in_unit(v, "m")) for v in members(center, 2))
+        except KindError:
             return Curve(self, center, center)
         try:
-            r = _length(radius)
+            r = plain_expression(in_unit(radius, "m"))
         except KindError:
             return Curve(self, radius, y)
         return Curve(self, x + r * sympy.cos(alpha), y + r * sympy.sin(alpha))
@@ -241,7 +236,8 @@ class Point:
     @property
     def place(self) -> tuple[sympy.Expr, sympy.Expr]:
         """(sx, sy) as expressions, m; ModelError where they are none."""
-        return _lengths("point", self.body, self.sx, self.sy)
+        x, y = expressions_in("m", f"point of {_named(self.body)}", self.sx, self.sy)
+        return x, y
 
 
 @named_attributes
@@ -263,32 +259,25 @@ class Curve:
 
     def at(self, parameter: sympy.Expr) -> sympy.Matrix:
         """The point of the curve at a parameter, in the body's frame, 2 × 1."""
-        try:
-            at = plain_expression(parameter)
-        except KindError:
-            raise ModelError(
-                f"curve.at({shown(parameter)}): the parameter α is a number or an expression."
-            ) from None
-        x, y = _lengths("curve", self.body, self.x, self.y)
+        (at,) = expressions_in("rad", "curve.at", parameter)
+        x, y = expressions_in("m", f"curve of {_named(self.body)}", self.x, self.y)
         return sympy.Matrix([x.subs(alpha, at), y.subs(alpha, at)])
 
 
-def _length(value: Any) -> sympy.Expr:
-    """A length as an expression, m; KindError for any other quantity, as one in rad or %."""
-    return plain_expression(in_unit(value, "m"))
-
-
-def _lengths(word: str, body: object, x: Any, y: Any) -> tuple[sympy.Expr, sympy.Expr]:
-    """Two lengths of a point or curve as expressions; ModelError where it has none."""
-    if not isinstance(body, Body):
-        raise ModelError(f"{word} of {shown(body)}, which is no body; write body.at(x, y).")
+def expressions_in(unit: str, where: str, *values: Any) -> list[sympy.Expr]:
+    """Values in a unit as expressions; ModelError where one is none."""
     try:
-        return _length(x), _length(y)
+        return [plain_expression(in_unit(value, unit)) for value in values]
     except KindError:
-        raise ModelError(
-            f"{word} of body '{body.name}': ({shown(x)}, {shown(y)}) are no lengths; give two "
-            "numbers or expressions in m."
-        ) from None
+        given = ", ".join(map(shown, values))
+        raise ModelError(f"{where}: {given}: give numbers or expressions in {unit}.") from None
+
+
+def _named(body: object) -> str:
+    """A body in messages; ModelError where it is none."""
+    if not isinstance(body, Body):
+        raise ModelError(f"{shown(body)} is no body; write body.at(x, y).")
+    return f"body '{body.name}'"
 
 
 class Particle(Body):
@@ -316,3 +305,51 @@ class Ground(Body):
     coordinates = masses = ()
     position = velocity = (sympy.S.Zero, sympy.S.Zero)
     angle = angular_velocity = sympy.S.Zero
+
+
+CORNERS = 48  # layout: of the polygon that is drawn for a disc
+
+Outline = tuple[tuple[Any, Any], ...]
+"""Corners (x', y') of a closed polygon in the frame of its body, m."""
+
+
+@declaring("disc")
+def disc(radius: Any, center: tuple[Any, Any] = (0, 0)) -> Outline:
+    """The outline of a disc, for ``draw=`` of `Model.body`.
+
+    Parameters
+    ----------
+    radius
+        In m: a number, a parameter, or an expression of them.
+    center
+        (x', y') in the body's frame, m.
+
+    Returns
+    -------
+    tuple of (x', y')
+        The corners of a polygon with 48 sides.
+    """
+    x, y = center
+    angles = (2.0 * pi * k / CORNERS for k in range(CORNERS))
+    return tuple((x + radius * cos(angle), y + radius * sin(angle)) for angle in angles)
+
+
+@declaring("rectangle")
+def rectangle(width: Any, height: Any, center: tuple[Any, Any] = (0, 0)) -> Outline:
+    """The outline of a rectangle, for ``draw=`` of `Model.body`.
+
+    Parameters
+    ----------
+    width, height
+        Along x' and y', m: numbers, parameters, or expressions of them.
+    center
+        (x', y') in the body's frame, m.
+
+    Returns
+    -------
+    tuple of (x', y')
+        The four corners.
+    """
+    x, y = center
+    a, b = width / 2, height / 2
+    return (x - a, y - b), (x + a, y - b), (x + a, y + b), (x - a, y + b)

@@ -1,8 +1,7 @@
 """The protocols of joints, drivers and forces, the same for the library's and a user's elements."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import wraps
+from functools import cached_property
 from inspect import Parameter, Signature
 from itertools import chain
 from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
@@ -10,25 +9,11 @@ from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
 import sympy
 
 from codegen.declare.body import Body, Curve, Point, Pose
-from codegen.declare.symbols import KINDS, Coordinate, given
+from codegen.declare.symbols import Coordinate, coordinate, given
 from codegen.errors import ModelError
 from codegen.readers.calls import declaring_class, readable_class
 from codegen.readers.expressions import plain_expression
-from codegen.readers.values import KindError, one_line, shown
-
-
-def _formed_once(formula: Callable[["Frame"], sympy.Matrix]) -> Callable[["Frame"], sympy.Matrix]:
-    """A matrix that a frame forms once and keeps; each caller may change his own copy."""
-    name = f"_{formula.__name__}"
-
-    @wraps(formula)
-    def matrix(frame: "Frame") -> sympy.Matrix:
-        kept = vars(frame)
-        if name not in kept:
-            kept[name] = formula(frame)
-        return kept[name].copy()
-
-    return matrix
+from codegen.readers.values import KindError, shown
 
 
 @declaring_class("Frame")
@@ -38,44 +23,34 @@ class Frame(Pose):
 
     name: str
 
-    @property
-    @_formed_once
-    def r(self) -> sympy.Matrix:
+    @cached_property
+    def r(self) -> sympy.ImmutableMatrix:
         """Position of the origin, 2 × 1."""
-        return sympy.Matrix([self.x, self.y])
+        return sympy.ImmutableMatrix([self.x, self.y])
 
-    @property
-    @_formed_once
-    def A(self) -> sympy.Matrix:
+    @cached_property
+    def A(self) -> sympy.ImmutableMatrix:
         """Rotation matrix from the body's frame to the global one, 2 × 2 (Haug 2.4.4)."""
         c, s = sympy.cos(self.phi), sympy.sin(self.phi)
-        return sympy.Matrix([[c, -s], [s, c]])
+        return sympy.ImmutableMatrix([[c, -s], [s, c]])
 
-    @property
-    @_formed_once
-    def s(self) -> sympy.Matrix:
+    @cached_property
+    def s(self) -> sympy.ImmutableMatrix:
         """Placeholder for a point s' of the body, 2 × 1."""
-        return sympy.Matrix([given(f"{self.name}_sx"), given(f"{self.name}_sy")])
+        return sympy.ImmutableMatrix([given(f"{self.name}_sx"), given(f"{self.name}_sy")])
 
-    @property
-    @_formed_once
-    def arm(self) -> sympy.Matrix:
+    @cached_property
+    def arm(self) -> sympy.ImmutableMatrix:
         """From the origin to the point, in global axes: A s'."""
         return self.A * self.s
 
-    @property
-    @_formed_once
-    def point(self) -> sympy.Matrix:
+    @cached_property
+    def point(self) -> sympy.ImmutableMatrix:
         """Global position of the point: r + A s'."""
         return self.r + self.arm
 
     def bind(self, point: Point) -> dict[sympy.Symbol, sympy.Expr]:
         """Placeholders of this frame → their values for a point of a body in a model."""
-        given_point: object = point
-        if not isinstance(given_point, Point):
-            raise ModelError(
-                f"frame.bind({shown(point)}): give a point of a body, as body.at(0, 0)."
-            )
         body, sx, sy = point.body, given(f"{self.name}_sx"), given(f"{self.name}_sy")
         bindings = {self.x: body.position[0], self.y: body.position[1]}
         if body.angle is None:  # a statement that asks for the angle itself is refused
@@ -124,11 +99,7 @@ class ConjugateReaction:
     @classmethod
     def along(cls, letter: str) -> "ConjugateReaction":
         """The force or torque along a coordinate of that letter."""
-        given: object = letter
-        if not isinstance(given, str) or given not in KINDS:
-            known = ", ".join(KINDS)
-            raise ModelError(f"ConjugateReaction.along({shown(letter)}): give one of {known}.")
-        kind = KINDS[letter]
+        kind = coordinate("", letter).measure
         name = f"f{letter}" if kind.unit == "m" else "torque" if kind.unit == "rad" else "force"
         return cls(((name, kind.force_unit),))
 
@@ -163,18 +134,13 @@ class Statement:
 
     def __post_init__(self) -> None:
         bindings = {}
-        given: object = self.bindings
-        if not isinstance(given, Mapping) or not all(isinstance(p, sympy.Expr) for p in given):
-            raise ModelError(
-                f"Statement: bindings is {shown(given)}; give a dictionary, placeholder: value."
-            )
         for place, value in self.bindings.items():
             try:
-                bindings[place] = plain_expression(value)
+                bindings[plain_expression(place)] = plain_expression(value)
             except KindError:
                 raise ModelError(
-                    f"Statement: the placeholder '{one_line(place)}' is bound to {shown(value)}; "
-                    "give a number or an expression."
+                    f"Statement: the placeholder {shown(place)} is bound to {shown(value)}; bind "
+                    "placeholders to numbers or expressions."
                 ) from None
         object.__setattr__(self, "bindings", bindings)
 

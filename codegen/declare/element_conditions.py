@@ -1,18 +1,24 @@
-"""Conditions of elements on the numbers that they are given: signs, ranges, sizes that fit.
+"""Conditions of elements on the numbers that they are given: signs, ranges, shapes of cams.
 
-One list serves twice. The build judges it for numbers and for the parameters' defaults; what
-depends on parameters goes on into the generated module, and is judged before each run.
+One list of conditions serves twice. The build judges it for numbers and for the parameters'
+defaults; what depends on parameters goes on into the generated module, and is judged before each
+run. So are profiles: whether they are closed, smooth, and convex where a follower needs it.
 """
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+import numpy.typing as npt
 import sympy
 
+from codegen.declare.body import Curve
 from codegen.declare.element import Hold, OneWay, Rigid, Sticking
-from codegen.declare.symbols import Parameter, ParameterDeclaration, kinds
-from codegen.parameter_conditions import ConditionRow, violated_conditions
+from codegen.declare.symbols import Parameter, ParameterDeclaration, alpha, kinds
+from codegen.parameter_conditions import ALPHAS, ConditionRow, shape_problems, violated_conditions
 from codegen.readers.expressions import constant_value
+from codegen.tables.table_function import plain_function
 
 Numbers = Mapping[sympy.Symbol, float]
 # accuracy: difference of two ratios of friction coefficients that rounding explains
@@ -128,3 +134,80 @@ def _number(value: sympy.Expr) -> float:
 def _shown(value: sympy.Expr) -> str:
     """An expression of parameters, after a blank; nothing for a number."""
     return "" if value.is_number else f" {value}".replace("{", "{{").replace("}", "}}")
+
+
+Samples = npt.NDArray[np.float64]
+
+
+def profile_problems(profile: sympy.Matrix, closed: bool, convex: bool) -> Iterator[str]:
+    """Problems of x'(α), y'(α), m, with parameters at their default values.
+
+    Only a closed curve has a range of α that is known, and is looked at along all of it.
+    """
+    strangers = profile.free_symbols - {alpha}
+    if strangers:
+        names = ", ".join(sorted(repr(s.name) for s in strangers))
+        yield f"unknown symbol {names}; a profile is written in alpha and parameters."
+        return
+    if profile.diff(alpha).is_zero_matrix:
+        yield f"{tuple(profile)} is a point, not a curve; write it in alpha."
+        return
+    if not closed:
+        tangent = profile.diff(alpha)
+        if any(a.has(alpha) for a in sympy.sqrt(tangent.dot(tangent)).atoms(sympy.Abs)):
+            yield (
+                f"the tangent {tuple(tangent)} of the profile {tuple(profile)} vanishes and turns "
+                "round; write the line so that it goes one way, such as (1, alpha)."
+            )
+        return
+    yield from shape_problems(_sampled(derivatives(profile)), convex)
+
+
+def derivatives(profile: sympy.Matrix) -> tuple[sympy.Expr, ...]:
+    """x, y and their first and second derivatives by α."""
+    return (*profile, *profile.diff(alpha), *profile.diff(alpha, 2))
+
+
+def pace(profile: sympy.Matrix) -> float:
+    """|c'(0)|, m per rad, to three digits, for a curve written in alpha and numbers; else 1."""
+    size = math.hypot(*_sampled(tuple(profile.diff(alpha)), at=(0.0,))[0])
+    return float(f"{size:.3g}") if 0.0 < size < math.inf else 1.0
+
+
+def places(profile: sympy.Matrix) -> Samples:
+    """Points of a curve that is written in alpha and numbers, at `ALPHAS`, samples × 2."""
+    return _sampled(tuple(profile))
+
+
+def in_ground(curve: Curve, numbers: Mapping[sympy.Symbol, float]) -> Samples:
+    """Points of a curve in the global frame for coordinates and parameters, samples × 2."""
+    x, y = (float(a.subs(numbers)) for a in curve.body.position)
+    c, s = (float(a.subs(numbers)) for a in curve.body.rotation)
+    rotated = places(curve.at(alpha).subs(numbers)) @ np.array([[c, s], [-s, c]])
+    points: Samples = rotated + np.array([x, y])
+    return points
+
+
+def compared(lengths: Samples) -> Samples:
+    """Lengths without the digits, m, that rounding leaves to chance."""
+    with np.errstate(over="ignore"):  # from 1e299 m on
+        rounded: Samples = np.round(lengths, 9)
+    return rounded
+
+
+def outward(points: Samples) -> Samples:
+    """Unit normals of a closed curve at its points, pointing out of it, samples × 2."""
+    points = np.ldexp(points, -np.frexp(np.abs(points).max())[1])  # no square leaves the floats
+    tangent = np.gradient(points, axis=0)
+    tangent[0] = tangent[-1] = points[1] - points[-2]
+    x, y = points.T
+    turn = np.sign(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
+    normal = turn * np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
+    normals: Samples = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    return normals
+
+
+def _sampled(expressions: tuple[sympy.Expr, ...], at: tuple[float, ...] = ALPHAS) -> Samples:
+    """Values at parameters of the curve, samples × expressions."""
+    function = plain_function([alpha], expressions)
+    return np.array([function([value]) for value in at])

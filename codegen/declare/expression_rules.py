@@ -16,8 +16,8 @@ from codegen.declare.symbols import (
     Velocity,
     alpha,
 )
-from codegen.readers.expressions import UNFINISHED, distinct_nodes, number_problem, unreal_part
-from codegen.readers.failures import unreadable
+from codegen.readers.calls import unreadable
+from codegen.readers.expressions import UNFINISHED, distinct_nodes, unreal_part
 from codegen.readers.values import one_line, shown
 from codegen.tables.table_function import Interpolant, TableAtom
 
@@ -68,8 +68,6 @@ def _problem(expression: sympy.Expr, profile: bool) -> str | None:
 def compile_problem(expression: sympy.Basic) -> str | None:
     """Why an expression has no value, or cannot be compiled; None: it can."""
     found = unreal_part(expression)
-    if found is None and (problem := number_problem(expression)):
-        return problem
     unknown = [
         node
         for node in distinct_nodes(expression)

@@ -1,7 +1,8 @@
 """The kinds of values that methods of elements and bodies return, and the error of another kind.
 
-A kind takes a value and returns a plain one, or raises `MisfitError`. Tables of kinds say what
-rows, dictionaries and laws consist of: a modeller's own element may return anything.
+A kind takes a value and returns a plain one, or raises `KindError`, whose text goes on behind
+``its forces()``: a modeller's own element may return anything. An exception, and a value of another
+kind, is a `ModelError` that names the element, the method and the value.
 """
 
 import re
@@ -15,29 +16,19 @@ from typing import Any, TypeVar
 import sympy
 
 from codegen.declare.element import label
-from codegen.declare.symbols import KINDS, Coordinate, Time, Velocity, kinds
-from codegen.declare.units import known_unit
+from codegen.declare.symbols import Coordinate, Time, Velocity, kinds
 from codegen.errors import LinkwrightError, ModelError
+from codegen.readers.calls import errors_at, failure
 from codegen.readers.expressions import plain_expression
-from codegen.readers.failures import errors_at, failure
+from codegen.readers.quantities import known_unit
 from codegen.readers.values import KindError, shown
 
 WORDS = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ ^/.-]*")
 Kind = Callable[[Any], Any]
-Record = TypeVar("Record")
 Function = TypeVar("Function", bound=Callable[..., Any])
 # What methods returned in this build: (element, word, bodies) → (element, bodies, value)
 _Known = dict[tuple[int, str, tuple[int, ...]], tuple[Any, Any, Any]]
 _known: ContextVar[_Known | None] = ContextVar("known", default=None)
-
-
-class MisfitError(Exception):
-    """A value is of another kind than is needed; its text goes on behind ``its forces()``."""
-
-
-def refusal(value: object, needed: str) -> MisfitError:
-    """The misfit of a value that is returned, and what to return in its place."""
-    return MisfitError(f"returns {shown(value)}; return {needed}.")
 
 
 def memoize_methods(function: Function) -> Function:
@@ -66,23 +57,20 @@ def returned(
     known, key = _known.get(), (id(element), word, tuple(map(id, bodies or ())))
     if known is not None and key in known:
         return known[key][-1]
-    what = f"{word}()"
-    with named(element, what):
+    with named(element, f"{word}()"):
         method = getattr(element, word, None)
         value = otherwise
         if method is not None:
-            value = read(element, what, method() if bodies is None else method(bodies), kind)
+            value = kind(method() if bodies is None else method(bodies))
     if known is not None:
         known[key] = element, bodies, value  # which keeps the ids theirs
     return value
 
 
-def read(element: Any, what: str, value: Any, kind: Kind) -> Any:
-    """A value of one kind; ModelError, which names the element, where it is of another."""
-    try:
-        return kind(value)
-    except MisfitError as misfit:
-        raise ModelError(f"{label(element)}: its {what} {misfit}") from None
+def check_attribute(element: Any, word: str, kind: Kind) -> None:
+    """Check an attribute of an element or body, None where there is none."""
+    with named(element, word):
+        kind(getattr(element, word, None))
 
 
 def name_errors(element: Any) -> AbstractContextManager[None]:
@@ -92,14 +80,22 @@ def name_errors(element: Any) -> AbstractContextManager[None]:
 
 @contextmanager
 def named(element: Any, what: str) -> Iterator[None]:
-    """A block that runs a modeller's method: its errors name the element and what fails."""
+    """A block that reads what a modeller's method returns: its errors name both."""
+    where = label(element)
     try:
         yield
+    except KindError as misfit:
+        text, *fields = misfit.args  # of a record, the one that is wrong
+        raise ModelError(f"{where}: its {' of '.join([*fields, what])} {text}") from None
     except LinkwrightError as error:
-        where = label(element)
         raise ModelError(p if where in p else f"{where}: {p}" for p in error.problems) from error
     except Exception as error:
-        raise ModelError(f"{label(element)}: its {what} fails with {failure(error)}.") from error
+        raise ModelError(f"{where}: its {what} fails with {failure(error)}.") from error
+
+
+def refusal(value: object, needed: str) -> KindError:
+    """The misfit of a value that is returned, and what to return in its place."""
+    return KindError(f"returns {shown(value)}; return {needed}.")
 
 
 def expression(value: Any) -> sympy.Expr:
@@ -114,12 +110,12 @@ def position_scalar(value: Any) -> sympy.Expr:
     """A scalar that depends on positions, and on no velocity."""
     scalar = expression(value)
     if speeds := kinds(scalar, Velocity):
-        raise MisfitError(
+        raise KindError(
             f"is {scalar}, with the velocity {speeds[0]}; write it in coordinates, parameters "
             "and t."
         )
     if not kinds(scalar, Coordinate, Time):
-        raise MisfitError(f"is {shown(scalar)}, which nothing moves.")
+        raise KindError(f"is {shown(scalar)}, which nothing moves.")
     return scalar
 
 
@@ -137,11 +133,6 @@ def unit(text: Any) -> str:
     raise refusal(text, "a unit, such as 'N m', where one stands")
 
 
-def optional(kind: Kind) -> Kind:
-    """None, or what `kind` reads."""
-    return lambda value: None if value is None else kind(value)
-
-
 def one_of(*classes: type[Any], needed: str) -> Kind:
     """An object of one of the classes."""
 
@@ -153,13 +144,24 @@ def one_of(*classes: type[Any], needed: str) -> Kind:
     return read_object
 
 
+def choice(*values: Any) -> Kind:
+    """One of a few values."""
+
+    def read_choice(value: Any) -> Any:
+        if value not in values:
+            raise refusal(value, f"one of {', '.join(map(str, values))}")
+        return value
+
+    return read_choice
+
+
 def several(kind: Kind, needed: str, least: int = 0) -> Kind:
     """A tuple or list of what `kind` reads, as a tuple."""
 
     def read_list(value: Any) -> tuple[Any, ...]:
         if not isinstance(value, tuple | list) or len(value) < least:
             raise refusal(value, needed)
-        return tuple(kind(entry) for entry in value)
+        return tuple(map(kind, value))
 
     return read_list
 
@@ -168,9 +170,8 @@ def rows(needed: str, *cells: Kind, unique: Callable[[Any], str] | None = None) 
     """A tuple or list of rows, each with these cells; `unique` gives the name of a row."""
 
     def read_rows(value: Any) -> tuple[tuple[Any, ...], ...]:
-        size = len(cells)
         if not isinstance(value, tuple | list) or not all(
-            isinstance(row, tuple | list) and len(row) == size for row in value
+            isinstance(row, tuple | list) and len(row) == len(cells) for row in value
         ):
             raise refusal(value, needed)
         found = tuple(
@@ -178,25 +179,32 @@ def rows(needed: str, *cells: Kind, unique: Callable[[Any], str] | None = None) 
         )
         names = [unique(row) for row in found] if unique else []
         if twice := next((n for k, n in enumerate(names) if n in names[:k]), None):
-            raise MisfitError(f"has '{twice}' twice; give each a name.")
+            raise KindError(f"has '{twice}' twice; give each a name.")
         return found
 
     return read_rows
 
 
+def record(*classes: type[Any], needed: str, **fields: Kind) -> Kind:
+    """A dataclass of one of the classes, with those of the fields that it has read by kind."""
+
+    def read_record(value: Any) -> Any:
+        if not isinstance(value, classes):
+            raise refusal(value, needed)
+        changes = {}
+        for word, kind in fields.items():
+            if hasattr(value, word):
+                try:
+                    changes[word] = kind(getattr(value, word))
+                except KindError as misfit:
+                    raise KindError(*misfit.args, word) from None
+        return replace(value, **changes)
+
+    return read_record
+
+
 def by_coordinate(value: Any) -> dict[Coordinate, sympy.Expr]:
     """Coordinate → expression."""
-    if not isinstance(value, Mapping) or not all(
-        isinstance(q, Coordinate) and q.letter in KINDS for q in value
-    ):
+    if not isinstance(value, Mapping) or not all(isinstance(q, Coordinate) for q in value):
         raise refusal(value, "a dictionary, coordinate: expression")
     return {q: expression(force) for q, force in value.items()}
-
-
-def with_fields(element: Any, what: str, record: Record, fields: Mapping[str, Kind]) -> Record:
-    """A dataclass that a method returned, with its fields read by their kinds."""
-    changes = {
-        word: read(element, f"{word} of {what}", getattr(record, word), kind)
-        for word, kind in fields.items()
-    }
-    return replace(record, **changes)  # type: ignore[type-var]

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
-from codegen.declare.watched_conditions import WatchedCondition
+from codegen.declare.state import WatchedCondition
 from codegen.errors import SceneError
 from codegen.object_display import html_of, listed
 from codegen.readers.calls import declaring_class, named_attributes

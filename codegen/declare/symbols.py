@@ -75,11 +75,25 @@ class ModelSymbol(sympy.Symbol):  # type: ignore[misc]
         )
 
 
-def _in_notebook(symbol: sympy.Symbol, unit: str, more: str = "") -> str:
-    return f"$\\displaystyle {sympy.latex(symbol)}\\ [\\mathrm{{{unit}}}]{more}$"
+class MeasuredSymbol(ModelSymbol):
+    """A symbol that notebooks show with its unit and rate; expressions show its name alone."""
+
+    __slots__ = ()
+    unit: Any
+    rate: Any = None
+
+    def _repr_latex_(self) -> str:
+        """For notebooks."""
+        more = f"\\quad \\text{{rate }} {sympy.latex(self.rate)}" if self.rate else ""
+        return f"$\\displaystyle {sympy.latex(self)}\\ [\\mathrm{{{self.unit}}}]{more}$"
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        """For a terminal of IPython."""
+        more = f", rate {self.rate.name}" if self.rate else ""
+        printer.text(f"{self.name} ({self.unit}){more}")
 
 
-class Coordinate(ModelSymbol):
+class Coordinate(MeasuredSymbol):
     """A generalized coordinate, ``owner_letter``; `rate` is its velocity."""
 
     __slots__ = ()
@@ -109,27 +123,16 @@ class Coordinate(ModelSymbol):
         """The velocity symbol that belongs to this coordinate (``crank_phi`` → ``crank_omega``)."""
         return _velocity(f"{self.owner}_{self.measure.rate}")
 
-    def _repr_latex_(self) -> str:
-        """With its unit and its velocity, for notebooks; expressions show the name alone."""
-        return _in_notebook(self, self.unit, f"\\quad \\text{{rate }} {sympy.latex(self.rate)}")
 
-    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
-        """The same in a terminal of IPython."""
-        printer.text(f"{self.name} ({self.unit}), rate {self.rate.name}")
-
-
-class Velocity(ModelSymbol):
+class Velocity(MeasuredSymbol):
     """The time derivative of a generalized coordinate; `coordinate` is that coordinate."""
 
     __slots__ = ()
 
-    def _repr_latex_(self) -> str:
-        """With its unit, for notebooks; expressions show the name alone."""
-        return _in_notebook(self, self.coordinate.measure.rate_unit)
-
-    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
-        """The same in a terminal of IPython."""
-        printer.text(f"{self.name} ({self.coordinate.measure.rate_unit})")
+    @property
+    def unit(self) -> str:
+        """Its unit."""
+        return self.coordinate.measure.rate_unit
 
     @property
     def coordinate(self) -> Coordinate:
@@ -210,30 +213,23 @@ SPEED = Speed("s_rate", real=True)  # ṡ, in which a force along a scalar s is 
 alpha = Given("alpha", real=True)  # the parameter in which the profile of a cam is written, rad
 
 
+@lru_cache(KEPT)
 def _coordinate(owner: str, letter: str) -> Coordinate:
-    return _coordinate_called(f"{owner}_{letter}")
+    return Coordinate(f"{owner}_{letter}", real=True)
+
+
+@lru_cache(KEPT)
+def _velocity(name: str) -> Velocity:
+    return Velocity(name, real=True)
 
 
 @declaring("coordinate")
 def coordinate(owner: str, letter: str) -> Coordinate:
     """Coordinate `letter`, one of `KINDS`, of the body or element."""
-    given_words: tuple[object, object] = (owner, letter)
-    if not all(isinstance(word, str) for word in given_words) or letter not in KINDS:
+    if letter not in KINDS:
         known = ", ".join(KINDS)
-        raise ModelError(
-            f"coordinate({shown(owner)}, {shown(letter)}): give a name, and one of {known}."
-        )
+        raise ModelError(f"there is no coordinate {shown(letter)}; give one of {known}.")
     return _coordinate(owner, letter)
-
-
-@lru_cache(KEPT)
-def _coordinate_called(name: str) -> Coordinate:
-    return Coordinate(name, real=True)
-
-
-@lru_cache(KEPT)
-def _velocity(name: str) -> "Velocity":
-    return Velocity(name, real=True)
 
 
 def own_coordinate(letter: str, text: str) -> Coordinate:
@@ -249,9 +245,6 @@ def side(name: str) -> Side:
 @declaring("given")
 def given(name: str) -> Given:
     """Placeholder called `name` for a real number."""
-    text: object = name
-    if not isinstance(text, str):
-        raise ModelError(f"given({shown(name)}): give a name.")
     return Given(name, real=True)
 
 

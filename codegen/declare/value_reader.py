@@ -24,15 +24,16 @@ from codegen.declare.symbols import (
     dotted,
     kinds,
 )
-from codegen.declare.units import UnitError, in_unit
+from codegen.readers.calls import failure
 from codegen.readers.expressions import plain_expression
-from codegen.readers.failures import failure
-from codegen.readers.names import nearest, nearest_quantity
+from codegen.readers.quantities import UnitError, in_unit
 from codegen.readers.values import (
     KindError,
     entries,
     is_flag,
     members,
+    nearest,
+    nearest_quantity,
     one_line,
     plain_float,
     shown,

@@ -11,7 +11,7 @@ from sympy.core.relational import Relational
 
 from codegen.declare import element as el
 from codegen.declare.body import Body
-from codegen.declare.returned_terms import (
+from codegen.declare.returned_values import (
     forces_of,
     measures_of,
     optional_terms,
@@ -19,8 +19,8 @@ from codegen.declare.returned_terms import (
     weights_of,
 )
 from codegen.declare.scene import Scene
+from codegen.declare.state import WatchedCondition
 from codegen.declare.symbols import SPEED, Coordinate, Time, kinds, rate, side, t
-from codegen.declare.watched_conditions import WatchedCondition
 from codegen.derive.fast_derivative import derivative
 from codegen.derive.piecewise_conditions import kinks_as_pieces, tables_by_branches
 from codegen.derive.power_continuation import continue_powers

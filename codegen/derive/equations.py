@@ -11,9 +11,8 @@ from codegen.declare.element import Constraint, Effect, Element, Statement, labe
 from codegen.declare.returned_kinds import name_errors
 from codegen.declare.returned_values import replaced_body
 from codegen.declare.scene import Scene
-from codegen.declare.state import State, states_in
+from codegen.declare.state import WATCHED, State, WatchedCondition, states_in
 from codegen.declare.symbols import Coordinate, Parameter, ParameterDeclaration, Velocity
-from codegen.declare.watched_conditions import WATCHED, WatchedCondition
 from codegen.derive import constraint_terms as cs
 from codegen.derive import switching_functions as sf
 from codegen.derive.effect_terms import EffectTerms, effect_terms, terms_in_scene

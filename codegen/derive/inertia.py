@@ -18,7 +18,7 @@ import sympy
 from codegen.declare.body import Body
 from codegen.declare.state import State
 from codegen.declare.symbols import Coordinate, kinds
-from codegen.readers.failures import errors_at
+from codegen.readers.calls import errors_at
 
 Entries = tuple[tuple[int, int, sympy.Expr], ...]
 

@@ -7,9 +7,8 @@ from typing import cast
 import sympy
 
 from codegen.declare.body import Body
-from codegen.declare.cam_profile_checks import derivatives
 from codegen.declare.element import Constraint, Effect, Element, label
-from codegen.declare.element_conditions import Condition, hold_conditions
+from codegen.declare.element_conditions import Condition, derivatives, hold_conditions
 from codegen.declare.returned_values import closed_curves, conditions_of, statement_of
 from codegen.declare.symbols import Parameter, ParameterDeclaration, alpha, kinds, t
 from codegen.derive.effect_terms import effect_terms

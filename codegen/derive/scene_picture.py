@@ -8,12 +8,13 @@ import sympy
 
 from codegen.declare.body import Body, Curve, Point
 from codegen.declare.element import Element, JointReaction
-from codegen.declare.returned_kinds import name_errors, one_of, optional, returned, several
+from codegen.declare.returned_kinds import name_errors, one_of, returned, several
 from codegen.declare.returned_values import statement_of
 from codegen.declare.symbols import Coordinate, Parameter, Time, kinds, t
 from codegen.derive.fast_derivative import derivative
 from codegen.drawing import shapes
 from codegen.drawing.shapes import Place, Shape
+from codegen.readers.arguments import optional
 from codegen.readers.expressions import plain_expression
 
 _SHAPES = several(one_of(Shape, needed="a tuple of shapes"), "a tuple of shapes")

@@ -18,7 +18,7 @@ from codegen.derive.piecewise_conditions import (
     conditions,
     switching_function,
 )
-from codegen.readers.failures import errors_at
+from codegen.readers.calls import errors_at
 from codegen.tables.table_function import Interpolant
 
 Named = tuple[str, EffectTerms]

@@ -16,8 +16,7 @@ from typing import Any, Literal, TypeVar, dataclass_transform, overload
 from codegen.declare.element import Constraint, Effect
 from codegen.declare.element_fields import direction, ground_unless_given, quantity
 from codegen.errors import ModelError
-from codegen.readers.calls import declaring
-from codegen.readers.failures import failure
+from codegen.readers.calls import declaring, failure
 from codegen.readers.values import is_flag, shown
 
 Role = Literal["joint", "driver", "force"]

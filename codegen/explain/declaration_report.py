@@ -8,9 +8,15 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from codegen.check.assembly import Assembly, Moved, assemble_at_start
-from codegen.check.declaration import check_model, check_scene
-from codegen.check.joint_places import joints_at_one_point, one_joint_bodies
+from codegen.check.declaration import check_model
+from codegen.check.kinematics import (
+    Assembly,
+    Moved,
+    assemble_at_start,
+    joints_at_one_point,
+    one_joint_bodies,
+)
+from codegen.check.scene import check_scene
 from codegen.derive.equations import Equations
 from codegen.driver import translate
 from codegen.errors import LinkwrightError, SceneError

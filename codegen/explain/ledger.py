@@ -6,8 +6,7 @@ from itertools import chain
 from pathlib import Path
 
 from codegen.declare.element import Constraint, Effect
-from codegen.declare.returned_terms import friction_law
-from codegen.declare.returned_values import replaced_body
+from codegen.declare.returned_values import friction_law, replaced_body
 from codegen.declare.scene import Scene
 from codegen.derive.equations import active_joints, derive
 from codegen.emit.kernel_docstrings import Arguments

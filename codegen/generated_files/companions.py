@@ -11,8 +11,8 @@ from codegen.derive.equations import Equations
 from codegen.emit.companion_modules import picture_text, reduced_text, tangents_text
 from codegen.emit.module import Origin, operation_table
 from codegen.errors import SceneError
-from codegen.files.generated_modules import companion_path
-from codegen.generated_files.generated_file import Clock, File
+from codegen.files.generated_modules import companion_path, text_hash
+from codegen.generated_files.generated_file import Clock, CompanionReport, FileReport
 from codegen.lower.differentiation.program_tangents import tangent_program
 from codegen.lower.kernels.picture_kernels import lower_picture
 from codegen.lower.lowered_scene import Lowered
@@ -39,13 +39,18 @@ class Companion:
         due = requested or companion_path(path, self.name).is_file()
         return due and not self.missing(equations)
 
-    def file(self, lowered: Lowered, provenance: Origin, main: File) -> File:
-        """The companion of a scene's own file, `main`."""
-        clock = Clock({}, main.clock.progress, main.clock.title)
-        with clock(self.stage):
+    def file(
+        self, lowered: Lowered, provenance: Origin, main: FileReport, clock: Clock
+    ) -> tuple[CompanionReport, str]:
+        """The companion of a scene's own file, `main`, and its text."""
+        own = Clock({}, clock.progress, clock.title)
+        with own(self.stage):
             program, text = self.emit(lowered, provenance, main.digest)
-        path = companion_path(main.path, self.name)
-        return File(path, text, clock, dict(operation_table(program)))
+        made = CompanionReport(
+            path=companion_path(main.path, self.name), digest=text_hash(text), title=self.title,
+            operations=dict(operation_table(program)), seconds=own.seconds,
+        )  # fmt: skip
+        return made, text
 
     def refuse(self, model: str, scenes: Sequence[Equations], named: bool) -> None:
         """Refuse a request for scenes that can have none.

@@ -1,15 +1,19 @@
-"""A generated file: its text, the time that each stage took, writing and compiling it."""
+"""Generated files: the report of each, with its counts and times, writing and compiling them."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
+from codegen.emit.runge_kutta import module_text
 from codegen.errors import GeneratedFileError
-from codegen.files.generated_modules import alone, import_generated, text_hash
+from codegen.files.generated_modules import alone, import_generated
+from codegen.files.library_folders import methods_folder
 from codegen.files.whole_files import whole_file
+from codegen.readers.calls import readable_class
+from codegen.tableaus import tableaus
 
 Progress = Callable[[str], None]
 
@@ -33,26 +37,84 @@ class Clock:
             self.seconds[stage] = perf_counter() - started
 
 
-@dataclass
-class File:
-    """A generated file."""
+@dataclass(kw_only=True)
+class FileReport:
+    """A generated file.
+
+    Attributes
+    ----------
+    path, changed, digest
+        The file, whether it is new, or in a check differs, and the SHA-256 of its text.
+    operations
+        Kernel → arithmetic operations.
+    seconds
+        Stage → wall time.
+    """
 
     path: Path
-    text: str
-    clock: Clock
-    operations: dict[str, int]  # kernel → arithmetic operations
-    changed: bool = False  # whether its text is new on the disk, or in a check differs from it
-    companions: "dict[str, File]" = field(default_factory=dict)  # kind → companion module
+    changed: bool = False
+    digest: str
+    operations: dict[str, int]
+    seconds: dict[str, float]
+
+    def bring_up_to_date(self, text: str, check: bool) -> None:
+        """Write the file unless it is current or this is a check; note whether it was stale."""
+        stale = not is_current(self.path, text)
+        self.changed = stale if check else write_if_changed(self.path, text)
+
+
+@dataclass(kw_only=True)
+class CompanionReport(FileReport):
+    """A companion module; `title` is its content, for people."""
+
+    title: str
+
+
+@dataclass(kw_only=True)
+class SceneReport(FileReport):
+    """The files of one scene.
+
+    Attributes
+    ----------
+    tangents, reduced, picture
+        Its companion modules, if it has them: exact derivatives, reduced coordinates, geometry.
+    notes
+        Remarks for the modeller: constraints that are redundant near the start values.
+    """
+
+    model: str
+    scene: str
+    bodies: tuple[str, ...]
+    coordinates: int
+    constraints: int
+    degrees_of_freedom: int
+    states: tuple[str, ...]
+    effects: tuple[str, ...]
+    left_out: tuple[str, ...]
+    strategy: str | None
+    tangents: CompanionReport | None = None
+    reduced: CompanionReport | None = None
+    picture: CompanionReport | None = None
+    notes: tuple[str, ...] = ()
 
     @property
-    def digest(self) -> str:
-        """SHA-256 of the text."""
-        return text_hash(self.text)
+    def companions(self) -> tuple[CompanionReport, ...]:
+        """Its companion modules."""
+        return tuple(filter(None, (self.tangents, self.reduced, self.picture)))
 
-    def bring_up_to_date(self, check: bool) -> None:
-        """Write the file unless it is current or this is a check; note whether it was stale."""
-        stale = not is_current(self.path, self.text)
-        self.changed = stale if check else write_if_changed(self.path, self.text)
+
+@readable_class
+@dataclass(frozen=True)
+class BuildReport:
+    """The result of `build`; `stale` lists the files that a check found out of date."""
+
+    scenes: tuple[SceneReport, ...]
+    stale: tuple[Path, ...] = ()
+
+    @property
+    def paths(self) -> tuple[Path, ...]:
+        """The generated files."""
+        return tuple(scene.path for scene in self.scenes)
 
 
 def compile_modules(paths: Sequence[Path]) -> list[float]:
@@ -114,3 +176,10 @@ def write_if_changed(path: Path, text: str) -> bool:
 def is_current(path: Path, text: str) -> bool:
     """Whether `path` holds `text`, with the line ends of any system."""
     return path.is_file() and path.read_text(encoding="utf-8", errors="replace") == text
+
+
+def write_methods(folder: Path | None = None, *, check: bool = False) -> Written:
+    """Write one module a tableau into the library's folder, or into another; as `write_folder`."""
+    folder = folder or methods_folder()
+    texts = {f"{name}.py": module_text(name, tableau) for name, tableau in tableaus().items()}
+    return write_folder(folder, texts, others="[!_]*.py", check=check)

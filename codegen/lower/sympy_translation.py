@@ -28,8 +28,8 @@ from codegen.derive.switching_functions import Switch, find_switch
 from codegen.errors import LinkwrightError, ModelError
 from codegen.lower.graph import Graph
 from codegen.lower.program import ELEMENTARY, Input, Op, dependencies
+from codegen.readers.calls import unreadable
 from codegen.readers.expressions import constant_value, powers_with_number_outside
-from codegen.readers.failures import unreadable
 from codegen.tables.table_function import Interpolant
 
 FUNCTIONS = {getattr(sympy, name): Op(name) for name in ELEMENTARY if name not in ("sqrt", "pow")}

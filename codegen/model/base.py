@@ -18,14 +18,12 @@ from codegen.declare.element_conditions import Condition
 from codegen.declare.element_fields import Quantity
 from codegen.declare.returned_values import own_coordinates
 from codegen.declare.scene import Scene
-from codegen.declare.state import State
+from codegen.declare.state import Connection, State
 from codegen.declare.symbols import Coordinate, dotted
 from codegen.declare.value_reader import Reader, acting_while
-from codegen.declare.watched_conditions import Connection
 from codegen.elements.registry import role
 from codegen.readers.calls import declaring
-from codegen.readers.names import name_problem
-from codegen.readers.values import shown
+from codegen.readers.values import name_problem, shown
 
 
 def units_of(coordinates: Iterable[Coordinate]) -> dict[str, str]:

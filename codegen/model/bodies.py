@@ -10,8 +10,7 @@ from typing import Any, Literal
 import numpy as np
 import sympy
 
-from codegen.declare.body import Body, Particle, Point
-from codegen.declare.outline import Outline
+from codegen.declare.body import Body, Outline, Particle, Point
 from codegen.declare.symbols import Parameter
 from codegen.declare.value_reader import Reader
 from codegen.model.base import Place

@@ -8,13 +8,13 @@ from typing import Any
 import sympy
 
 from codegen.declare.body import Body, Curve
-from codegen.declare.cam_profile_checks import pace, profile_problems
+from codegen.declare.element_conditions import pace, profile_problems
 from codegen.declare.symbols import alpha
 from codegen.elements.joints.cams import CamFlatFollower, CamFollower, PointFollower
 from codegen.model.base import Declarations, Pair, Place
 from codegen.object_display import counted
 from codegen.readers.values import shown
-from codegen.tables.cubic_spline import fit
+from codegen.tables.piecewise_cubic import fit
 from codegen.tables.table_function import FEWEST, TableFunction
 
 # accuracy: first and last point of a path that agree to this part of its size are one

@@ -7,10 +7,9 @@ import sympy
 
 from codegen.declare.element import Constraint
 from codegen.declare.scene import name_of
-from codegen.declare.watched_conditions import Connection
+from codegen.declare.state import Connection
 from codegen.model.base import Declarations
-from codegen.readers.names import nearest
-from codegen.readers.values import shown
+from codegen.readers.values import nearest, shown
 
 MOST = 4  # safety: joints of a scene that come and go; each set of them is a module of its own
 

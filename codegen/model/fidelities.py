@@ -7,8 +7,7 @@ from codegen.declare.element import Effect
 from codegen.declare.scene import Scene, name_of
 from codegen.declare.value_reader import Reader
 from codegen.model.bodies import FORMS, Bodies
-from codegen.readers.names import nearest
-from codegen.readers.values import shown
+from codegen.readers.values import nearest, shown
 
 NONE = "none"  # the fidelity of an effect that a scene does without
 

@@ -7,12 +7,11 @@ from typing import Any, get_args
 from warnings import warn
 
 from codegen.declare.symbols import Parameter, ParameterDeclaration, SignRule
-from codegen.declare.units import is_si_unit, known_unit, si_factor
 from codegen.errors import TableWarning
 from codegen.model.base import Declarations
+from codegen.readers.quantities import is_si_unit, known_unit, si_factor
 from codegen.readers.values import one_line, shown
-from codegen.tables.cubic_spline import Ends, Kind, fit
-from codegen.tables.piecewise_cubic import Beyond, Table, excess
+from codegen.tables.piecewise_cubic import Beyond, Ends, Kind, Table, excess, fit
 from codegen.tables.table_function import FEWEST, TableFunction, point_problems
 
 _EXCESS = 0.05  # safety: of the range of the data; a curve that leaves it by more swings

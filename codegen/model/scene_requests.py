@@ -10,19 +10,17 @@ from sympy import S
 
 from codegen.declare.body import Body, Point
 from codegen.declare.element import EXERTED, QUANTITIES, Effect, Reported, label
-from codegen.declare.returned_terms import effect_expressions, friction_law
+from codegen.declare.returned_values import effect_expressions, friction_law
 from codegen.declare.scene import ANALYSES, Request, Scene
-from codegen.declare.state import states_in
+from codegen.declare.state import WatchedCondition, states_in
 from codegen.declare.symbols import Velocity
 from codegen.declare.value_reader import Names, Reader
-from codegen.declare.watched_conditions import WatchedCondition
 from codegen.drawing import shapes
 from codegen.errors import ModelError
 from codegen.model.base import TRACKED, Declarations, Place, declares
 from codegen.model.connections import Connections
 from codegen.model.fidelities import Fidelities
-from codegen.readers.names import name_problem, nearest
-from codegen.readers.values import KindError, entries, shown
+from codegen.readers.values import KindError, entries, name_problem, nearest, shown
 
 ALL = ("reactions", "energy", "powers")  # outputs of a scene that names none
 GROUPS = (*ALL, "points", "works", *(f"{quantity}s" for quantity in QUANTITIES))

@@ -9,8 +9,7 @@ from typing import Any
 from codegen.declare.scene import Request, Scene, name_of
 from codegen.declare.value_reader import Reader
 from codegen.model.scenes import Scenes
-from codegen.readers.names import nearest
-from codegen.readers.values import KindError, plain_number, shown
+from codegen.readers.values import KindError, nearest, plain_number, shown
 
 WIDEST = 100  # letters of a name, which names a file; a longer one is cut and told apart by a hash
 

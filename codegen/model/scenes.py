@@ -10,16 +10,15 @@ from codegen.declare.element import Constraint
 from codegen.declare.returned_kinds import memoize_methods
 from codegen.declare.returned_values import own_coordinates, place_near
 from codegen.declare.scene import Analysis, Owner, Request, Scene, name_of
+from codegen.declare.state import WatchedCondition
 from codegen.declare.symbols import Coordinate, dotted
 from codegen.declare.value_reader import NamedValues, Names, Reader, Values
-from codegen.declare.watched_conditions import WatchedCondition
 from codegen.errors import ModelError
 from codegen.model.bodies import Form
 from codegen.model.connections import MOST
 from codegen.model.fidelities import NONE
 from codegen.model.scene_requests import ONE, SceneRequests
-from codegen.readers.names import name_problem, nearest
-from codegen.readers.values import shown
+from codegen.readers.values import name_problem, nearest, shown
 
 UNCHANGED = ("parameters", "until", "frozen", "analysis")
 """Fields that a scene takes from its request as they are."""

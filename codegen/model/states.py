@@ -8,8 +8,8 @@ import sympy
 from codegen.declare.element_conditions import sign_conditions
 from codegen.declare.state import Clock, State, Trigger
 from codegen.declare.symbols import Velocity
-from codegen.declare.units import is_si_unit
 from codegen.model.base import Declarations
+from codegen.readers.quantities import is_si_unit
 from codegen.readers.values import shown
 
 ZERO = sympy.S.Zero

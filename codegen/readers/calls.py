@@ -2,17 +2,19 @@
 
 A wrong call names the callable, what it takes and what was given; an attribute that an object does
 not have is answered with those that are spelt alike. Signatures are shown as a person reads them.
+Exceptions that are not ours, of SymPy or of a user's function, are told with what to do.
 """
 
 import re
-from collections.abc import Callable, Mapping
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from difflib import get_close_matches
 from functools import wraps
 from inspect import Parameter, formatannotation, isfunction, signature
 from typing import Any, TypeVar
 
 from codegen.errors import InputError, LinkwrightError, ModelError, NoAttributeError
-from codegen.readers.failures import failure
 from codegen.readers.values import one_line, shown
 
 Class = TypeVar("Class", bound=type[Any])
@@ -91,17 +93,18 @@ def checked_call(function: Callable[..., Any], name: str | None) -> Callable[...
     return _guarded(function, title, InputError, is_ours=False)
 
 
-def checked_class(cls: Class) -> Class:
-    """The class, whose own public methods say what they take."""
-    for word, method in _public_methods(cls):
-        setattr(cls, word, checked_call(method, cls.__name__ if word == "__init__" else None))
+def _with_methods(cls: Class, decorate: Callable[[Any], Any]) -> Class:
+    """The class, with its constructor and its own public methods decorated."""
+    for word, method in list(vars(cls).items()):
+        if isfunction(method) and (word == "__init__" or not word.startswith("_")):
+            setattr(cls, word, decorate(method))
     return cls
 
 
-def _public_methods(cls: type[Any]) -> list[tuple[str, Callable[..., Any]]]:
-    """The constructor of a class and its own public methods."""
-    own = [(word, value) for word, value in vars(cls).items() if isfunction(value)]
-    return [(word, value) for word, value in own if word == "__init__" or not word.startswith("_")]
+def checked_class(cls: Class) -> Class:
+    """The class, whose own public methods say what they take."""
+    name = {"__init__": cls.__name__}
+    return _with_methods(cls, lambda method: checked_call(method, name.get(method.__name__)))
 
 
 def declaring(owner: str) -> Callable[[Function], Function]:
@@ -133,13 +136,7 @@ def declaring(owner: str) -> Callable[[Function], Function]:
 
 def declaring_class(owner: str) -> Callable[[Class], Class]:
     """The same for the constructor of a class and all of its own public methods."""
-
-    def decorate(cls: Class) -> Class:
-        for word, method in _public_methods(cls):
-            setattr(cls, word, declaring(owner)(method))
-        return cls
-
-    return decorate
+    return lambda cls: _with_methods(cls, declaring(owner))
 
 
 def named_attributes(cls: Class) -> Class:
@@ -213,3 +210,102 @@ def readable_class(cls: Class) -> Class:
 
 
 readable_class(LinkwrightError)
+
+
+_CALL = re.compile(r"\b(math|np|numpy)\.(\w+)\(")
+# NumPy names its function, or asks an expression for a method of that name
+_NAMED = re.compile(r"(?:has no callable |ufunc '|object has no attribute ')(\w+)")
+_SAME = (
+    "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh",
+    "atanh", "exp", "log", "sqrt", "sign", "floor", "erf", "gamma", "factorial",
+)  # fmt: skip
+_IN_SYMPY = {
+    **{name: f"sympy.{name}" for name in _SAME},
+    **{f"arc{name[1:]}": f"sympy.{name}" for name in _SAME if name.startswith("a")},
+    **dict.fromkeys(("fabs", "abs", "absolute"), "sympy.Abs"),
+    "maximum": "sympy.Max",
+    "minimum": "sympy.Min",
+    "where": "sympy.Piecewise",
+    "heaviside": "sympy.Heaviside",
+    **dict.fromkeys(("fmod", "mod", "remainder"), "sympy.Mod"),
+    "ceil": "sympy.ceiling",
+    **dict.fromkeys(("pow", "power"), "x**y"),
+    "square": "x**2",
+    "hypot": "sympy.sqrt(x**2 + y**2)",
+    "log10": "sympy.log(x, 10)",
+    "log2": "sympy.log(x, 2)",
+    **dict.fromkeys(("radians", "deg2rad"), "sympy.rad"),
+    **dict.fromkeys(("degrees", "rad2deg"), "sympy.deg"),
+    "clip": "sympy.Max and sympy.Min",
+}
+"""Functions of math and NumPy → what an expression is written with."""
+
+
+def sympy_remedy(error: BaseException) -> str:
+    """A sentence for an exception that an expression of coordinates caused; empty for others.
+
+    SymPy says that it cannot convert an expression to a number, NumPy that an object has no method,
+    and neither says what to write.
+    """
+    text = one_line(error) if type(error) in {AttributeError, TypeError} else ""
+    if "truth value of Relational" in text:
+        return (
+            "Python's if, and, or, max and min need numbers: use sympy.Piecewise, And, Or, Max and "
+            "Min of coordinates and parameters"
+        )
+    named = _NAMED.search(text)
+    if "NoneType" in text or not (named or "Cannot convert" in text):
+        return ""
+    lines = [frame.line or "" for frame in traceback.extract_tb(error.__traceback__)]
+    calls = [call for line in lines for call in _CALL.findall(line)]
+    if named:
+        calls = [call for call in calls if call[1] == named[1]]
+        if not calls and type(error) is AttributeError:
+            return ""
+    package, name = calls[-1] if calls else ("numpy", named[1] if named else "")
+    if name not in _IN_SYMPY:
+        return "math, NumPy and float() need numbers: use functions of sympy, such as sympy.sin"
+    return f"math and NumPy need numbers: use {_IN_SYMPY[name]} in place of {package}.{name}"
+
+
+def failure(error: BaseException) -> str:
+    """An exception of somebody else's in a message."""
+    if isinstance(error, RecursionError):
+        return "RecursionError: functions of functions are too deep for Python's stack"
+    said = f"{type(error).__name__}: {one_line(error)}".removesuffix(": ").rstrip(".")
+    remedy = sympy_remedy(error)
+    return f"{said} ({remedy})" if remedy else said
+
+
+def unreadable(error: BaseException) -> str:
+    """What to do about an expression at which SymPy fails."""
+    if isinstance(error, RecursionError):
+        return (
+            "an expression is too deep for Python's stack: functions of functions, some hundred "
+            "one in another; write it in fewer, or as a table of its values (model.table)."
+        )
+    return (
+        f"an expression is beyond SymPy, which fails with {failure(error)}; write it in another "
+        "form, of powers, sines and the other functions that are compiled."
+    )
+
+
+@contextmanager
+def errors_at(where: str) -> Iterator[None]:
+    """Errors in the block that are not ours say where they come from."""
+    try:
+        yield
+    except LinkwrightError:
+        raise
+    except Exception as error:  # of an expression too deep, of SymPy
+        raise ModelError(f"{where}: {unreadable(error)}") from error
+
+
+@contextmanager
+def note_user_error(what: str) -> Iterator[None]:
+    """A block that calls a user's function: its exception passes on, and says whose it is."""
+    try:
+        yield
+    except BaseException as error:
+        error.add_note(f"{what} raised this: it is the caller's own.")
+        raise

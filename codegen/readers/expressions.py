@@ -1,13 +1,8 @@
-"""Expressions of SymPy: what of them can be a finite real number, and numbers made into them.
-
-Every symbol may have any value, and each operation returns an interval that holds its results,
-rounded outwards: whatever is refused here has no value for any motion and any parameters.
-"""
+"""Expressions of SymPy: what of them is no finite real number, and numbers made into them."""
 
 import math
-import sys
 from fractions import Fraction
-from functools import lru_cache, reduce
+from functools import lru_cache
 from typing import Any
 
 import sympy
@@ -15,22 +10,6 @@ from sympy.concrete.expr_with_limits import ExprWithLimits
 
 from codegen.readers.values import KindError, plain_number
 
-Interval = tuple[float, float]
-ALL: Interval = (-math.inf, math.inf)
-HUGE = sys.float_info.max
-RANGES: dict[Any, Interval] = {
-    sympy.sin: (-1.0, 1.0),
-    sympy.cos: (-1.0, 1.0),
-    sympy.tanh: (-1.0, 1.0),
-    sympy.sign: (-1.0, 1.0),
-    sympy.Heaviside: (0.0, 1.0),
-    sympy.cosh: (1.0, math.inf),
-    sympy.atan: (-1.6, 1.6),
-    sympy.asin: (-1.6, 1.6),
-    sympy.acos: (0.0, 3.2),
-    sympy.atan2: (-3.2, 3.2),
-}
-"""Function → an interval that holds its values."""
 UNFINISHED = (sympy.Limit, sympy.Derivative, sympy.Subs, ExprWithLimits)
 """What stands for an expression that is still to be found."""
 NUMBERLESS = (sympy.I, sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
@@ -111,29 +90,39 @@ def powers_with_number_outside(node: sympy.Basic) -> list[sympy.Expr]:
 
 
 def unreal_part(expression: sympy.Basic) -> tuple[sympy.Basic, str] | None:
-    """A part of an expression that never is a finite real number, and why; None: there is none."""
+    """A part of an expression that is no finite real number, and why; None: there is none."""
     nodes = distinct_nodes(expression)
-    products = [node for node in nodes if powers_with_number_outside(node)]
-    known: dict[sympy.Basic, Interval] = {product.args[0]: ALL for product in products}
+    outside = {node.args[0] for node in nodes if powers_with_number_outside(node)}
+    formulas = {*maximal_numbers(expression)}
     for node in nodes:
-        if not isinstance(node, sympy.Expr) or node in known:
+        if not isinstance(node, sympy.Expr) or node in outside:
             continue
-        verb = "is" if node == expression else "contains"
+        why = None
         if isinstance(node, UNFINISHED):
-            return node, f"{verb} {node}, which is to be written out as by doit()"
-        if node in NUMBERLESS:
-            return node, f"{verb} {node}"
-        if node.is_Symbol or (node.is_Atom and not node.is_number):
-            known[node] = ALL
-            continue
-        interval = _range(node, [known.get(a, ALL) for a in node.args])
-        if interval is None:
-            return node, f"{verb} {node}, which is never a real number"
-        if node.is_number and not (interval[0] < HUGE and interval[1] > -HUGE):
-            return node, f"{verb} a number beyond 1e308"
-        if node.is_Rational and max(abs(node.p), node.q).bit_length() > _DIGITS * math.log2(10):
-            return node, f"{verb} a number of thousands of digits"
-        known[node] = interval
+            why = f"{node}, which is to be written out as by doit()"
+        elif node in NUMBERLESS:
+            why = str(node)
+        elif node.is_Number or node in formulas:
+            why = _number_fault(node)
+        if why:
+            return node, f"{'is' if node == expression else 'contains'} {why}"
+    return None
+
+
+def _number_fault(number: sympy.Expr) -> str | None:
+    """Why an expression without symbols is no number that a float holds and a text shows."""
+    try:
+        value = number.p / number.q if number.is_Rational else constant_value(number)
+    except OverflowError:
+        value = math.inf
+    except (TypeError, ValueError, ArithmeticError):  # it is complex, or not to be told
+        value = math.nan
+    if math.isnan(value):
+        return f"{number}, which is never a real number"
+    if math.isinf(value):
+        return "a number beyond 1e308"
+    if number.is_Rational and max(abs(number.p), number.q).bit_length() > _DIGITS * math.log2(10):
+        return "a number of thousands of digits"
     return None
 
 
@@ -153,95 +142,10 @@ def sympy_float(value: sympy.Basic) -> float:
         return float(value)
     if found := unreal_part(value):
         raise KindError(f"it {found[1]}")
-    both = complex(evaluated(value, 17, 400))
-    if both.imag:
-        raise KindError("it is not real")
-    return both.real
+    return float(evaluated(value, 17, 400))
 
 
 @lru_cache(maxsize=4096)
 def constant_value(number: sympy.Expr) -> float:
     """The float that an expression without symbols is; an error of SymPy's where it is none."""
     return float(evaluated(number))
-
-
-def number_problem(expression: sympy.Basic) -> str | None:
-    """Why a part without symbols is no finite real number that SymPy can tell."""
-    for number in maximal_numbers(expression):
-        try:
-            finite = math.isfinite(constant_value(number))
-        except (TypeError, ValueError, ArithmeticError):  # it is complex, or not to be told
-            finite = False
-        if not finite:
-            return f"{number} is no real number; give finite real numbers."
-    return None
-
-
-def _range(node: sympy.Expr, args: list[Interval]) -> Interval | None:
-    """An interval that holds the values of a node; None where it has none."""
-    if node.is_Number or node.is_NumberSymbol:
-        return _number(node)
-    if node.is_Add:
-        return reduce(lambda a, b: _outwards(a[0] + b[0], a[1] + b[1]), args)
-    if node.is_Mul:
-        return reduce(_product, args)
-    if isinstance(node, sympy.exp):
-        low, high = (_pow(math.e, end) for end in args[0])
-        return max(0.0, _outwards(low, low)[0]), _outwards(high, high)[1]
-    if node.is_Pow:
-        return _power(args[0], node.exp, args[1])
-    if isinstance(node, sympy.Abs):
-        low, high = args[0]
-        return (0.0 if low <= 0 <= high else min(abs(low), abs(high))), max(abs(low), abs(high))
-    if isinstance(node, sympy.log) and args[0][1] <= 0:
-        return None
-    if isinstance(node, sympy.asin | sympy.acos) and (args[0][0] > 1 or args[0][1] < -1):
-        return None
-    return RANGES.get(node.func, ALL)
-
-
-def _number(node: sympy.Expr) -> Interval:
-    try:
-        value = node.p / node.q if node.is_Rational else float(node)
-    except OverflowError:
-        value = math.inf if node > 0 else -math.inf
-    return value, value
-
-
-def _outwards(low: float, high: float) -> Interval:
-    """The interval with its ends rounded outwards; an end that is undefined is open."""
-    low, high = (math.nextafter(low, -math.inf), math.nextafter(high, math.inf))
-    return (-math.inf if math.isnan(low) else low), (math.inf if math.isnan(high) else high)
-
-
-def _product(a: Interval, b: Interval) -> Interval:
-    ends = [0.0 if 0.0 in (x, y) else x * y for x in a for y in b]
-    low, high = min(ends), max(ends)
-    return (low and _outwards(low, low)[0]), (high and _outwards(high, high)[1])
-
-
-def _pow(x: float, exponent: float) -> float:
-    try:
-        return float(abs(x) ** exponent)
-    except (OverflowError, ZeroDivisionError):
-        return math.inf
-
-
-def _power(base: Interval, exponent: sympy.Expr, exponents: Interval) -> Interval | None:
-    """base ** exponent; of a negative base only whole powers are real."""
-    low, high = base
-    if exponent.is_Float and float(exponent).is_integer():
-        exponent = sympy.Integer(int(exponent))  # 2.0 counts as whole
-    if not exponent.is_number or exponent.is_real is not True:
-        return (0.0, math.inf) if low >= 0 else ALL
-    if not exponent.is_integer and high < 0:
-        return None
-    e = exponents[0]
-    ends = sorted(_pow(x, e) for x in base)
-    if exponent.is_integer and exponent.is_odd and low < 0:
-        return (
-            ALL if low < 0 < high or e < 0 else (-_pow(low, e), math.copysign(_pow(high, e), high))
-        )
-    low = 0.0 if base[0] <= 0 <= base[1] and e > 0 else ends[0]
-    high = math.inf if base[0] <= 0 <= base[1] and e < 0 else ends[1]
-    return max(0.0, math.nextafter(low, -math.inf)), math.nextafter(high, math.inf)

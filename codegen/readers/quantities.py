@@ -1,28 +1,45 @@
-"""Units as texts, read with pint; numbers with a unit, and conditions, as texts.
+"""Numbers with units, read with pint: quantities of a declaration, and texts of a file.
 
-``"41450 N m"`` and ``"body.x > 3 mm"``: nothing is run. SymPy is not imported, so that the runtime
-reads values of a file as declarations read quantities.
+``"41450 N m"`` and ``"body.x > 3 mm"``: nothing is run. A number is converted to SI where it is
+given, and nowhere else. SymPy is not imported, so that the runtime reads values of a file as
+declarations read quantities.
 """
 
 import math
 import re
+import sys
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from codegen.errors import ModelError
-from codegen.readers.values import one_line, shown
+from codegen.readers.values import KindError, one_line, plain_float, shown
 
 if TYPE_CHECKING:
     import pint
 
-LONGEST, DEEPEST, STEEPEST = 80, 4, 20  # characters of a unit, brackets in brackets, exponent
-NAME = r"[^\W\d]\w*|%|°"
-EXPONENT = r"[+-]?\d+(?:\.\d+)?"
-PART = re.compile(rf"\s*(?:(\*\*|[\^*/·⋅()])|({NAME})|({EXPONENT}))")
+COHERENT = frozenset(("m", "kg", "s", "rad", "N", "J", "W", "Pa", "Hz"))
+"""SI units whose products of powers have the factor 1: they are known without pint.
+
+To import pint and read its table of units is a sixth of the build of a small scene.
+"""
 QUANTITY = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?", re.ASCII | re.DOTALL
 )
-FRACTION = re.compile(rf"(\^|\*\*)\s*\(\s*({EXPONENT})\s*(?:/\s*(\d{{1,2}})\s*)?\)")
+FORM = r"^\s*[^<>\s][^<>]*[<>]\s*[^<>\s][^<>]*$"
+"""The form of a condition for schemas; no two ways of it fit one text, so it is read in one go."""
+
+_LONGEST = 80  # safety: characters of a unit
+_NAME = r"[^\W\d]\w*|%|°"
+_EXPONENT = r"[+-]?(?:1?\d|20)(?:\.\d{1,4})?"
+_POWER = rf"(?:\^|\*\*) ?(?:{_EXPONENT}|[(] ?{_EXPONENT}(?: ?/ ?0?[1-9]\d?)? ?[)])"
+_TOKENS = re.compile(rf"(?:(?:{_NAME}|\b1\b|[)])(?: ?{_POWER})?(?![\d.]| ?\^| ?\*\*)|[ */·⋅(])+")
+# products of powers on both sides of strokes, what stands below one perhaps in brackets
+_FACTORS = rf"(?:{_NAME}|1)(?: ?{_POWER})?(?:(?: | ?[*·⋅] ?)(?:{_NAME})(?: ?{_POWER})?)*"
+_PLAIN = re.compile(rf"{_FACTORS}(?: ?/ ?(?:{_FACTORS}|[(]{_FACTORS}[)]))*")
+
+
+class UnitError(KindError, ValueError):
+    """A quantity or its text does not fit the unit that is needed; its text says why."""
 
 
 @lru_cache(maxsize=1)
@@ -40,80 +57,164 @@ def registry() -> "pint.UnitRegistry[Any]":
 
 
 def pint_form(unit: str) -> str:
-    """`unit` as pint reads it; ValueError where it is no product of powers of names.
+    """`unit` as pint reads it; ValueError where it has anything but names and small powers.
 
     Products may be written with spaces, ``kg m^2``, and all behind a stroke is divided by, up to
-    the next one: ``N/m s`` is ``N/(m s)``. An exponent is a small number.
+    the next one: ``N/m s`` is ``N/(m s)``. Each side of a stroke gets brackets, and each bracket a
+    second one, so that they bind first.
     """
-    parts: list[str] = []
-    at = 0
-    unit = FRACTION.sub(_decimal, unit[: LONGEST + 1])
-    while unit[at:].strip():
-        found = PART.match(unit, at)
-        if found is None or len(unit) > LONGEST:
-            raise ValueError(unit)
-        parts.append(found.group().strip())
-        at = found.end()
-    form = _quotient(parts, 0)
-    if parts:
+    text = " ".join(unit.split())
+    if not text or len(unit) > _LONGEST or not _TOKENS.fullmatch(text):
         raise ValueError(unit)
-    return form
+    for mark, form in (("·", "*"), ("⋅", "*"), ("(", "(("), (")", "))"), ("/", ")/(")):
+        text = text.replace(mark, form)
+    return f"({text})"
 
 
-def _decimal(exponent: re.Match[str]) -> str:
-    """``^(1/2)`` as ``^0.5``."""
-    power, above, below = exponent.groups()
-    if below and not int(below):
-        raise ValueError(exponent.group())
-    return f"{power}{float(above) / float(below or 1):.4g}"
+def _is_coherent(unit: str) -> bool:
+    """Whether `unit` is a sound product of powers of coherent units alone."""
+    text = " ".join(unit.split())
+    known = COHERENT.issuperset(re.findall(_NAME, text)) and len(text) <= _LONGEST
+    return known and _PLAIN.fullmatch(text) is not None and _TOKENS.fullmatch(text) is not None
 
 
-def _quotient(parts: list[str], depth: int) -> str:
-    """Products between strokes, taken from the front of `parts`."""
-    terms = [_product(parts, depth) if parts and parts[0] != "/" else "1"]
-    while parts and parts[0] == "/":
-        del parts[0]
-        terms.append(f"({_product(parts, depth)})")
-    return "/".join(terms)
+def known_unit(unit: object) -> bool:
+    """Whether `unit` is a unit (the empty text means a pure number)."""
+    if not isinstance(unit, str):
+        return False
+    try:
+        si_factor(unit)
+    except Exception:  # pint raises several kinds, among them tokenizer errors
+        return False
+    return True
 
 
-def _product(parts: list[str], depth: int) -> str:
-    factors = [_power(parts, depth)]
-    while parts and parts[0] not in ("/", ")"):
-        if parts[0] in ("*", "·", "⋅"):
-            del parts[0]
-        factors.append(_power(parts, depth))
-    return "*".join(factors)
+def si_factor(unit: str) -> float:
+    """One `unit` in SI units; 1 for SI units themselves."""
+    if not unit or _is_coherent(unit):
+        return 1.0
+    one, none = (
+        registry().Quantity(size, pint_form(unit)).to_base_units().magnitude for size in (1.0, 0.0)
+    )
+    return float(one) if none == 0.0 else math.nan
 
 
-def _power(parts: list[str], depth: int) -> str:
-    """A name, 1 or a unit in brackets, with its exponent."""
-    base = parts.pop(0) if parts else ""
-    if base == "(" and depth < DEEPEST:
-        base = f"({_quotient(parts, depth + 1)})"
-        if not parts or parts.pop(0) != ")":
-            raise ValueError(base)
-    elif base != "1" and not re.fullmatch(NAME, base):
-        raise ValueError(base)
-    if not parts or parts[0] not in ("^", "**"):
-        return base
-    del parts[0]
-    exponent = parts.pop(0) if parts else ""
-    if not re.fullmatch(r"[+-]?[\d.]{1,6}", exponent) or abs(float(exponent)) > STEEPEST:
-        raise ValueError(exponent)
-    return f"{base}**{exponent}"
+def is_si_unit(unit: object) -> bool:
+    """Whether `unit` is a unit of SI, such as ``"kg m^2"``; the empty text is that of numbers."""
+    return known_unit(unit) and si_factor(str(unit)) == 1.0
 
 
-def cycles_for_radians(value: Any, target: Any, unit: str) -> str | None:
+def same_dimension(one: str, other: str) -> bool:
+    """Whether two units convert into each other; the empty text is that of a pure number."""
+    return bool(_measured(1.0, one).is_compatible_with(_measured(1.0, other)))
+
+
+def is_quantity(value: object) -> bool:
+    """Whether `value` is a pint quantity."""
+    pint = sys.modules.get("pint")
+    return pint is not None and isinstance(value, pint.Quantity)
+
+
+def in_unit(value: Any, unit: str) -> Any:
+    """A number, expression or quantity in the SI unit `unit`, empty for a pure number.
+
+    All but quantities are taken to be in `unit`. Raises `UnitError` for a wrong dimension, and for
+    a frequency in the place of an angular velocity or the other way round.
+    """
+    if not is_quantity(value):
+        if problem := _table_of_another_unit(value, unit):
+            raise UnitError(problem)
+        return value
+    magnitude = _converted(value, unit)
+    return magnitude if hasattr(magnitude, "free_symbols") else plain_float(magnitude)
+
+
+def metres(length: Any) -> Any:
+    """A quantity of a length in m; what is none is returned as it is, and told where it is used."""
+    try:
+        return in_unit(length, "m") if is_quantity(length) else length
+    except KindError:
+        return length
+
+
+def number_in(text: str, unit: str) -> float:
+    """The number of ``"1200 mm"`` in a unit, such as ``"m"``; without a unit, it is in that one.
+
+    The number is the nearest float, and of the same unit it is exactly that of the text. Raises
+    `UnitError`.
+    """
+    parts = QUANTITY.fullmatch(text)
+    if parts is None:
+        raise UnitError(
+            f"{shown(text)} is no number; write 1.2, or a number with its unit, such as "
+            f'"1.2 {unit or "m"}".'
+        )
+    value, given = float(parts[1]), (parts[2] or "").strip()
+    if given and given != unit:
+        value = float(converted(value, given, unit))
+    if not math.isfinite(value):
+        raise UnitError(f"{shown(text)} is not finite.")
+    return value
+
+
+def converted(values: Any, given: str, unit: str) -> Any:
+    """A number or an array of them in a unit, ``"mm"``, in another one, such as ``"m"``.
+
+    Raises `UnitError` where the units do not fit.
+    """
+    if given == unit:
+        return values
+    try:
+        measured = _measured(values, given)
+    except ModelError:
+        raise
+    except Exception as error:  # pint raises several kinds
+        raise UnitError(
+            f"{shown(given)} is no unit; write products of powers, such as kg m^2 or N m/rad."
+        ) from error
+    return _converted(measured, unit)
+
+
+def _measured(values: Any, unit: str) -> Any:
+    """Numbers as a quantity of a unit; the empty text is that of pure numbers."""
+    return registry().Quantity(values, pint_form(unit) if unit else "")
+
+
+def _converted(quantity: Any, unit: str) -> Any:
+    """The magnitude of a quantity in a unit."""
+    target = _measured(1.0, unit).units
+    needed = unit or "a pure number"
+    try:
+        if not quantity.is_compatible_with(target):
+            raise UnitError(
+                f"{quantity} has the dimension {quantity.dimensionality}, but {needed} is needed; "
+                f"give a quantity that converts to {needed}."
+            )
+        if problem := _cycles_for_radians(quantity, target, unit):
+            raise UnitError(f"{quantity} {problem}")
+        return quantity.to(target).magnitude
+    except UnitError:
+        raise
+    except ValueError:
+        raise UnitError(
+            f"{one_line(quantity)} is a quantity of a unit registry of its own; take those of "
+            "pint.get_application_registry()."
+        ) from None
+    except TypeError as error:  # of a text
+        raise KindError(one_line(error)) from error
+
+
+def _cycles_for_radians(value: Any, target: Any, unit: str) -> str | None:
     """Why a quantity that counts cycles does not stand for one that counts radians, or None.
 
     SI calls both 1/s, and pint converts hertz to rad/s by the factor 1, and rpm to hertz by 2π/60.
     """
-    quantity: Any = registry().Quantity
-    given, wanted = (_exponent(q.to_root_units(), "radian") for q in (value, quantity(1, target)))
+    roots = value.to_root_units()
+    given = _exponent(roots, "radian")
+    wanted = _exponent(registry().Quantity(1, target).to_root_units(), "radian")
     counts = any(
         registry().parse_unit_name(name)[0][1] == "hertz" for name, _ in value.unit_items()
-    ) or _exponent(value.to_root_units(), "count")
+    ) or _exponent(roots, "count")
     if wanted and given != wanted and counts:
         return (
             f"counts cycles, but {unit} counts radians, and a cycle is 2π of them; give a quantity "
@@ -132,66 +233,19 @@ def _exponent(quantity: Any, root: str) -> float:
     return float(dict(quantity.unit_items()).get(root, 0))
 
 
-class QuantityError(ValueError):
-    """A text is no number with a unit that fits; its text says why."""
-
-
-def number_in(text: str, unit: str) -> float:
-    """The number of ``"1200 mm"`` in a unit, such as ``"m"``; without a unit, it is in that one.
-
-    The number is the nearest float, and of the same unit it is exactly that of the text. Raises
-    `QuantityError`.
-    """
-    parts = QUANTITY.fullmatch(text)
-    if parts is None:
-        raise QuantityError(
-            f"{shown(text)} is no number; write 1.2, or a number with its unit, such as "
-            f'"1.2 {unit or "m"}".'
-        )
-    value, given = float(parts[1]), (parts[2] or "").strip()
-    if given and given != unit:
-        value = _converted(value, given, unit)
-    if not math.isfinite(value):
-        raise QuantityError(f"{shown(text)} is not finite.")
-    return value
-
-
-def converted(values: Any, given: str, unit: str) -> Any:
-    """An array of numbers in a unit, ``"mm"``, as an array in another one, such as ``"m"``.
-
-    Raises `QuantityError` where the units do not fit.
-    """
-    number_in(f"1 {given}", unit)
-    if given == unit:
-        return values
-    quantity: Any = registry().Quantity
-    wanted = quantity(1.0, pint_form(unit) if unit else "").units
-    return quantity(values, pint_form(given)).to(wanted).magnitude
-
-
-def _converted(value: float, given: str, unit: str) -> float:
-    quantity: Any = registry().Quantity
-    try:
-        measured = quantity(value, pint_form(given))
-        wanted = quantity(1.0, pint_form(unit) if unit else "").units
-        if not measured.is_compatible_with(wanted):
-            raise QuantityError(
-                f"{value:g} {given} has the dimension {measured.dimensionality}, and "
-                f"{unit or 'a pure number'} is needed."
-            )
-        if problem := cycles_for_radians(measured, wanted, unit):
-            raise QuantityError(f"{value:g} {given} {problem}")
-        return float(measured.to(wanted).magnitude)
-    except (QuantityError, ModelError):
-        raise
-    except Exception as error:  # pint raises several kinds
-        raise QuantityError(
-            f"{shown(given)} is no unit; write products of powers, such as kg m^2 or N m/rad."
-        ) from error
-
-
-FORM = r"^\s*[^<>\s][^<>]*[<>]\s*[^<>\s][^<>]*$"
-"""The form of a condition for schemas; no two ways of it fit one text, so it is read in one go."""
+def _table_of_another_unit(value: Any, unit: str) -> str | None:
+    """Why a table alone, or its negative, does not stand for a value in `unit`, or None."""
+    if not hasattr(type(value), "as_coeff_Mul"):
+        return None
+    factor, table = value.as_coeff_Mul()
+    measured = getattr(table, "table_unit", "")
+    if not measured or abs(factor) != 1 or same_dimension(measured, unit):
+        return None
+    needed = unit or "a pure number"
+    return (
+        f"table '{table.table.name}' has values in {measured}, but {needed} is needed; give the "
+        "table other units=, or write the factor between both."
+    )
 
 
 class ConditionText(NamedTuple):
@@ -202,16 +256,16 @@ class ConditionText(NamedTuple):
     value: str  # a number, perhaps with its unit
 
     def number(self, unit: str) -> float:
-        """The number in the unit of the series; `QuantityError` where its own does not fit."""
+        """The number in the unit of the series; `UnitError` where its own does not fit."""
         return number_in(self.value, unit)
 
 
 def read_condition(text: str) -> ConditionText:
-    """The parts of a condition; `QuantityError` where it has none."""
+    """The parts of a condition; `UnitError` where it has none."""
     sign = "<" if "<" in text else ">"
     series, *values = (part.strip() for part in text.split(sign))
     if len(values) != 1 or not series or not values[0] or ("<" in text and ">" in text):
-        raise QuantityError(
+        raise UnitError(
             f'{shown(text)} is no condition; write "SERIES > VALUE", or with <, such as '
             '"body.x > 3".'
         )

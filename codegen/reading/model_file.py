@@ -17,7 +17,7 @@ from codegen.errors import InputError, ModelFileError
 from codegen.files.generated_modules import is_signed
 from codegen.files.library_folders import LIBRARY, find_model_file, installed_folders
 from codegen.model import Model
-from codegen.readers.failures import sympy_remedy
+from codegen.readers.calls import sympy_remedy
 from codegen.readers.values import shown
 
 _IN_USE = {
@@ -108,31 +108,18 @@ def local_files(path: Path) -> list[Path]:
     The imported modules must still be loaded.
     """
     files: dict[Path, None] = {}
-    waiting = [path.resolve()]
+    waiting = [(path.resolve(), "")]  # with the package that relative imports start from
     while waiting:
-        current = waiting.pop(0)
+        current, package = waiting.pop(0)
         if current in files:
             continue
         files[current] = None
-        for name in _imported_names(current, _package(current)):
-            file = getattr(sys.modules.get(name), "__file__", None)
-            if file and _is_local(Path(file).resolve()):
-                waiting.append(Path(file).resolve())
+        for name in _imported_names(current, package):
+            module = sys.modules.get(name)
+            file = Path(getattr(module, "__file__", None) or "").resolve()
+            if file.is_file() and _is_local(file):
+                waiting.append((file, getattr(module, "__package__", None) or ""))
     return list(files)
-
-
-def _package(path: Path) -> str:
-    """The package of the loaded module of a resolved file; "" where there is none.
-
-    Thousands of modules may be loaded, and resolving a path accesses the disk: names are compared
-    first.
-    """
-    package = ""
-    for module in list(sys.modules.values()):
-        file = getattr(module, "__file__", None)
-        if file and str(file).endswith(path.name) and Path(file).resolve() == path:
-            package = str(module.__package__ or "")
-    return package
 
 
 def _is_local(file: Path) -> bool:

@@ -1,14 +1,23 @@
-"""The scenes of a model that are built: chosen by name or given, checked, with other defaults."""
+"""The scenes of a model that are built: chosen by name or given, checked, with other defaults.
+
+Their variants differ by one effect left out or one other fidelity.
+"""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from pathlib import Path
 
-from codegen.check.declaration import check_model, check_scene
+from codegen.check.declaration import check_model
+from codegen.check.scene import check_scene
+from codegen.declare.returned_values import replaced_body
 from codegen.declare.scene import Scene
 from codegen.errors import ModelError, ParameterError, SceneError
 from codegen.model import Model
-from codegen.readers.names import nearest
-from codegen.readers.values import finite_float, one_line, shown
+from codegen.model.base import TRACKED
+from codegen.model.bodies import FORMS
+from codegen.model.fidelities import NONE
+from codegen.readers.values import finite_float, nearest, one_line, shown
+from codegen.reading.model_file import read_model
 
 
 def with_settings(model: Model, settings: Mapping[str, float]) -> Model:
@@ -68,3 +77,67 @@ def valid_scenes(model: Model, names: str | Scene | Sequence[str | Scene] | None
     if problems:
         raise ModelError(problems)
     return scenes
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One change of a scene: of an effect, coupler, body or group of alternatives of that kind."""
+
+    name: str
+    kind: str
+    word: str  # new fidelity: "none" leaves an effect out, "link" puts a massless joint for a body
+    by_leaving_out: bool
+
+    def of(self, scene: Scene) -> Scene:
+        """The scene with this change."""
+        if self.by_leaving_out:
+            return scene.without(self.name)
+        return scene.with_(fidelity={self.name: self.word})
+
+    @property
+    def title(self) -> str:
+        """``gas``, or ``rod as link``."""
+        return self.name if self.word == NONE else f"{self.name} as {self.word}"
+
+
+def declared(model: str | Path | Model, scene: str | Scene | None) -> tuple[Model, Scene]:
+    """The model and one scene of it, the first unless one is named; errors as of `build`."""
+    read = read_model(model).model
+    return read, valid_scenes(read, scene)[0]
+
+
+def variants(model: Model, scene: Scene, *, fidelities: bool = True) -> tuple[Variant, ...]:
+    """Each effect left out; then, with `fidelities`, each other fidelity where there are several.
+
+    In a kinematic scene no effect acts, but a link may replace a body.
+    """
+    acting = {} if scene.analysis == "kinematics" else model.acting(scene)
+    acting = {
+        name: effect
+        for name, effect in acting.items()
+        if effect.kind != TRACKED and name in scene.effects
+    }
+    found = [Variant(name, effect.kind, NONE, True) for name, effect in acting.items()]
+    if not fidelities:
+        return tuple(found)
+    how = dict(scene.fidelity)
+    found += [
+        Variant(name, effect.kind, word, False)
+        for name, effect in acting.items()
+        for word, form in model.fidelities.get(name, {}).items()
+        if not isinstance(form, str) and form is not effect
+    ]
+    for name, bodies in model.couplers.items():
+        taken = how.get(name, FORMS[0])
+        if taken != FORMS[0] or any(body.name in scene.bodies for body in bodies):
+            found += [Variant(name, "coupler", word, False) for word in FORMS if word != taken]
+    replaced = (replaced_body(joint) for joint in model.joints.values())
+    found += [
+        Variant(name, "body", "link", True)
+        for name in dict.fromkeys(body.name for body in replaced if body is not None)
+        if name in scene.bodies and name not in model.couplers
+    ]
+    for group, choices in model.groups.items():
+        taken = model.choice(group, how, scene.effects)
+        found += [Variant(group, "alternatives", word, False) for word in choices if word != taken]
+    return tuple(found)

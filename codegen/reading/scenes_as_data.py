@@ -8,8 +8,8 @@ from codegen.declare.scene import Request, Scene
 from codegen.declare.symbols import dotted, t
 from codegen.errors import SceneError
 from codegen.model import Model
-from codegen.readers.names import nearest
-from codegen.readers.quantities import QuantityError, number_in, read_condition
+from codegen.readers.quantities import UnitError, number_in, read_condition
+from codegen.readers.values import nearest
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes
 
@@ -57,7 +57,7 @@ def _number(value: Any, unit: str, where: str, problems: list[str]) -> Any:
         return value
     try:
         return number_in(value, unit)
-    except QuantityError as error:
+    except UnitError as error:
         problems.append(f"{where}: {error}")
         return 1.0
 
@@ -81,7 +81,7 @@ def _conditions(
                 problems.append(f"{place}: '{condition.series}' is no position or velocity; {hint}")
                 continue
             value = condition.number(units.get(condition.series, ""))
-        except QuantityError as error:
+        except UnitError as error:
             problems.append(f"{place}: {error}")
             continue
         side = symbols[condition.series]

@@ -25,8 +25,7 @@ from codegen.generated_files.generated_file import Written, write_folder
 from codegen.lower.lowered_scene import lower
 from codegen.lower.operation_count import by_element
 from codegen.model import Model
-from codegen.readers.names import nearest
-from codegen.readers.values import shown
+from codegen.readers.values import nearest, shown
 from codegen.reading.scene_selection import valid_scenes
 from codegen.reference.equations import constraint_sections, effect_sections
 

@@ -1,21 +1,22 @@
 """Functions through points, as SymPy functions that can be differentiated and compiled."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
 import sympy
 
-from codegen.declare.symbols import Coordinate, Time, Velocity
-from codegen.declare.units import UnitError, in_unit, is_quantity, same_dimension
+from codegen.declare.symbols import Time, Velocity
 from codegen.errors import ModelError
 from codegen.object_display import counted
 from codegen.readers.calls import declaring
 from codegen.readers.expressions import plain_expression
+from codegen.readers.quantities import UnitError, in_unit, is_quantity, same_dimension
 from codegen.readers.values import KindError, plain_float, shown
-from codegen.tables.cubic_spline import Kind
-from codegen.tables.piecewise_cubic import Table
+from codegen.tables.piecewise_cubic import Kind, Table
 
 DEGREE = 3
 # formula: the fewest points of each kind; of a periodic table one more, its first point again
@@ -126,17 +127,32 @@ class TableFunction:
         return f"table '{self.table.name}' of {len(self.table.knots)} points"
 
 
+def plain_function(
+    symbols: Iterable[sympy.Symbol], expressions: Any
+) -> Callable[[Iterable[float]], npt.NDArray[np.float64]]:
+    """Expressions in nested lists as a function of numbers; nan where one has no value."""
+    every = [*sympy.flatten(expressions)]
+    shape = np.shape(expressions)
+    tables = {str(a): a.table for e in every for a in e.atoms(TableAtom)}
+    tables["Interpolant"] = lambda table, order, at: table(at, order)
+    compiled = sympy.lambdify(symbols, every, [tables, "math"])
+
+    def evaluated(numbers: Iterable[float]) -> npt.NDArray[np.float64]:
+        try:
+            return np.reshape([*map(float, compiled(*map(float, numbers)))], shape)
+        except (ArithmeticError, ValueError, TypeError, NameError):
+            return np.full(shape, math.nan)
+
+    return evaluated
+
+
 def _other_dimension(expression: sympy.Expr, unit: str) -> str | None:
     """The unit of a term of an expression, where it is known and has not the dimension needed."""
     for term in sympy.Add.make_args(expression):
         factor, symbol = term.as_coeff_Mul()
-        measured = ""
-        if isinstance(symbol, Coordinate):
-            measured = symbol.unit
-        elif isinstance(symbol, Velocity) and symbol.coordinate.letter != "integral":
-            measured = symbol.coordinate.measure.rate_unit
-        elif isinstance(symbol, Time):
-            measured = "s"
+        measured = "s" if isinstance(symbol, Time) else getattr(symbol, "unit", "")
+        if isinstance(symbol, Velocity) and symbol.coordinate.letter == "integral":
+            measured = ""  # a state has a unit of its own
         if measured and abs(factor) == 1 and not same_dimension(measured, unit):
             return measured
     return None

@@ -34,7 +34,7 @@ from linkwright.cli.output import (
 )
 
 if TYPE_CHECKING:
-    from codegen.generated_files.build_report import BuildReport
+    from codegen.generated_files.generated_file import BuildReport
 
 app = typer.Typer()
 command = partial(app.command, rich_help_panel="Compile")
@@ -226,7 +226,7 @@ def methods(
     check: Check = False,
 ) -> None:
     """Write the explicit integration methods of the runtime from their tableaus."""
-    from codegen.generated_files.runge_kutta_modules import write_methods
+    from codegen.generated_files.generated_file import write_methods
 
     written, stale = write_methods(out, check=check)
     if check:

@@ -8,7 +8,7 @@ import typer
 
 from codegen.emit.line_wrapping import quantity
 from codegen.errors import GeneratedFileError, InputError
-from codegen.readers.names import name_problem, nearest
+from codegen.readers.values import name_problem, nearest
 from linkwright.cli import completion
 from linkwright.cli.compilation import refuse_stale
 from linkwright.cli.options import (

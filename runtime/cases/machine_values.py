@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from codegen.readers.quantities import ConditionText, QuantityError, number_in
+from codegen.readers.quantities import ConditionText, UnitError, number_in
 from runtime.cases.document import Place
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
@@ -35,7 +35,7 @@ def values_of(
             try:
                 unit = units.get(name, "")
                 numbers[name] = number_in(value, unit) if isinstance(value, str) else float(value)
-            except QuantityError as error:
+            except UnitError as error:
                 note((word, name), str(error))
     return found
 
@@ -49,7 +49,7 @@ def conditions_of(
         try:
             value = condition.number(_unit_of(description, condition.series))
             found[name] = condition.series, condition.sign, value
-        except QuantityError as error:
+        except UnitError as error:
             note(("run", "until", name), str(error))
     return found
 

@@ -30,7 +30,7 @@ from runtime.results.result import Result
 from runtime.results.run_records import Ending, Reconnection, sentences
 from runtime.results.samples import Samples
 from runtime.results.saved_result import saved_fields
-from runtime.validation.output_instants import uniform
+from runtime.validation.arguments import uniform
 from runtime.validation.parameters import parameter_values
 
 _MOST = 10_000  # safety: changes of joints in a run

@@ -5,7 +5,7 @@ from itertools import islice
 from typing import Any
 
 from codegen.errors import AnalysisError, InputError
-from codegen.readers.failures import note_user_error
+from codegen.readers.calls import note_user_error
 from codegen.readers.values import finite_float, shown
 from runtime.core.arrays import Vector
 from runtime.integrate.problem import Controller

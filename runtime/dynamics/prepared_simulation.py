@@ -29,11 +29,9 @@ from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly, DiscreteState, State
-from runtime.validation.masses import require_masses
-from runtime.validation.output_instants import instants, uniform
-from runtime.validation.parameters import parameter_values
-from runtime.validation.scene_support import refuse_massless, refuse_structure
-from runtime.validation.set_valued_forces import require_apart
+from runtime.validation.arguments import instants, uniform
+from runtime.validation.parameters import parameter_values, require_masses
+from runtime.validation.scene_support import refuse_massless, refuse_structure, require_apart
 
 if TYPE_CHECKING:
     from runtime.dynamics.formulations import Coordinates

@@ -36,11 +36,10 @@ from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
 from runtime.results.run_records import Event
-from runtime.validation.masses import require_masses
-from runtime.validation.output_instants import instants
-from runtime.validation.parameters import parameter_values
-from runtime.validation.set_valued_forces import require_no_rigid, require_slip
-from runtime.validation.table_ranges import name_left_tables
+from runtime.validation.arguments import instants
+from runtime.validation.finite_equations import name_left_tables
+from runtime.validation.parameters import parameter_values, require_masses
+from runtime.validation.scene_support import require_no_rigid, require_slip
 
 _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCKED)}
 

@@ -37,7 +37,7 @@ from runtime.results.assembled_state import State
 from runtime.results.motion_at_instants import Motion, keep
 from runtime.results.result import Result
 from runtime.results.run_records import Reconnection
-from runtime.validation.output_instants import read_instants, uniform
+from runtime.validation.arguments import read_instants, uniform
 
 Resumable = SimulatedMotion | JoinedMotion
 _READERS = {

@@ -51,10 +51,9 @@ from runtime.results.assembled_state import State
 from runtime.results.result import Result
 from runtime.results.run_records import Ending, Event, event_words
 from runtime.results.samples import Partition, Samples, require_memory, sample_bytes, state_bytes
-from runtime.validation.finite_equations import describe_infinite
-from runtime.validation.output_instants import POINTS
+from runtime.validation.arguments import POINTS
+from runtime.validation.finite_equations import describe_infinite, name_left_tables
 from runtime.validation.scene_support import driven_note
-from runtime.validation.table_ranges import name_left_tables
 
 _STARTS = ("t_start", "parameters", "guess", "start", "controllers", "length")
 _STATS = {

@@ -33,13 +33,12 @@ from runtime.statics.states_at_rest import (
     free_states,
     require_expressions,
 )
-from runtime.validation.masses import require_masses
-from runtime.validation.parameters import parameter_values
-from runtime.validation.set_valued_forces import (
+from runtime.validation.finite_equations import left_tables, name_left_tables
+from runtime.validation.parameters import parameter_values, require_masses
+from runtime.validation.scene_support import (
     require_no_rigid,
     require_no_sticking,
 )
-from runtime.validation.table_ranges import left_tables, name_left_tables
 
 _FLAT = 1e-8  # accuracy: part of the largest stiffness; a smaller one is indifferent
 

@@ -39,7 +39,7 @@ FORMULATIONS = ("cartesian", "reduced")
 _CORRECTIONS = {"step": "", "stage": ", every stage", "projection": ", projection"}
 TIMEOUT = "TIMEOUT"
 TIME = "integration_seconds"  # entry of `Result.stats`
-LEFT_OUT = "none"  # fidelity of an effect left out: `codegen.reading.scene_variants.Variant.word`
+LEFT_OUT = "none"  # fidelity of an effect left out: `codegen.reading.scene_selection.Variant.word`
 
 _OF_THE_STUDY = {
     *("self", "parameters", "guess", "start", "progress", "out"),
@@ -85,7 +85,7 @@ def read_source(
     folder: str | os.PathLike[str] | None, generated: str | os.PathLike[str] | None = None,
 ) -> Source:  # fmt: skip
     """Read the model, and find the scene in it: the first unless one is named."""
-    from codegen.reading.scene_variants import declared
+    from codegen.reading.scene_selection import declared
 
     read = declared(Path(model) if isinstance(model, os.PathLike) else model, scene)
     return Source(model, scene, folder, generated, *read)

@@ -26,7 +26,7 @@ from pydantic import BaseModel, PositiveInt
 
 from codegen.errors import InputError
 from codegen.object_display import counted
-from codegen.readers.quantities import QUANTITY, QuantityError, converted, number_in
+from codegen.readers.quantities import QUANTITY, UnitError, converted, number_in
 from codegen.readers.values import finite_float, one_line, shown
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ def read_design(
                 converted(np.ones(1), factor.unit, declared)
         except InputError as error:
             problems += error.problems
-        except QuantityError as error:
+        except UnitError as error:
             problems.append(f"{factor.name}: {error}")
     if problems:
         raise InputError(problems)
@@ -353,7 +353,7 @@ def _numbers(texts: Sequence[str], where: str) -> tuple[list[float], str]:
         raise InputError(f"{where}: give all numbers a unit, or none.")
     try:
         return [number_in(text, units[0]) for text in texts], units[0]
-    except QuantityError as error:
+    except UnitError as error:
         raise InputError(f"{where}: {error}") from None
 
 

@@ -1,4 +1,7 @@
-"""Parameter values of a run: the defaults, and the user's over them, checked all at once."""
+"""Parameter values of a run: the defaults, and the user's over them, checked all at once.
+
+Masses and inertias that they make impossible are refused, with the parameters behind them.
+"""
 
 import numpy as np
 import numpy.typing as npt
@@ -6,6 +9,7 @@ import numpy.typing as npt
 from codegen.errors import ParameterError
 from codegen.parameter_conditions import ALPHAS, shape_problems, violated_conditions
 from codegen.readers.values import finite_float, shown
+from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.mechanism.table_rows import unknown
 from runtime.validation.arguments import check
@@ -69,3 +73,29 @@ def _broken(mechanism: Mechanism, p: npt.NDArray[np.float64]) -> list[str]:
             found = shape_problems(points[:, 6 * k : 6 * k + 6], curve.convex)
             problems += [f"{curve.element}: {problem}" for problem in found]
     return [f"{description.title}: {problem}" for problem in problems]
+
+
+def require_masses(mechanism: Mechanism, p: FloatArray) -> None:
+    """Refuse masses and inertias that are not positive finite numbers."""
+    description = mechanism.description
+    values = Equations(mechanism, p).masses(description.neutral)
+    problems: dict[tuple[str, str], str] = {}
+    for index in np.flatnonzero(~((values > 0.0) & (values < np.inf))).tolist():
+        row = description.coordinates[index]
+        body = row.name.rpartition(".")[0]
+        quantity, unit = ("mass", "kg") if row.is_length else ("inertia", "kg m^2")
+        if body in description.bodies:  # a coordinate of no body has no mass to refuse
+            problems.setdefault(
+                (body, quantity),
+                f"{description.title}: the {quantity} of {body} is {values[index]:g} {unit}; "
+                f"it must be a positive finite number. {_given(mechanism, p)}",
+            )
+    if problems:
+        raise ParameterError(problems.values())
+
+
+def _given(mechanism: Mechanism, p: FloatArray) -> str:
+    """The parameters that are not those of the build, with which all masses are positive."""
+    rows = zip(mechanism.description.parameters, p, strict=False)
+    given = [f"{row.name} = {value:g} {row.unit}" for row, value in rows if value != row.default]
+    return f"Given are {', '.join(map(str.rstrip, given))}: give other values."

@@ -1,10 +1,14 @@
-"""Refusal of analyses for which a scene was compiled without the equations."""
+"""Refusal of analyses for which a scene lacks equations, or has contacts and frictions of sets."""
 
 from typing import NoReturn
 
-from codegen.errors import AnalysisError
+import numpy as np
+import numpy.typing as npt
+
+from codegen.errors import AnalysisError, InputError
 from runtime.mechanism.mechanism import Mechanism
 from runtime.results.assembled_state import Assembly
+from runtime.results.samples import Samples
 
 
 def require_motion(mechanism: Mechanism, question: str) -> None:
@@ -75,3 +79,77 @@ def driven_note(mechanism: Mechanism, begin: Assembly) -> str:
         "coordinates. inverse_dynamics gives the same motion and forces at any instants without "
         f"steps, kinematics the motion alone."
     )
+
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def require_apart(
+    mechanism: Mechanism, p: FloatArray, t: float, q: FloatArray, v: FloatArray, size: float
+) -> None:
+    """Refuse an assembled start in which bodies overlap at a rigid contact; `size` is in m."""
+    description = mechanism.description
+    if not description.rigid:
+        return
+    from runtime.hybrid.mode_selection import TOUCHING  # compiles where it is used
+
+    g = np.zeros(len(description.switches))
+    mechanism.kernels.switching(t, q, v, p, g)
+    problems = [
+        f"{description.title}: at t = {t:g} s the gap of '{contact.name}' is "
+        f"{g[contact.switch]:.6g} in SI units: bodies overlap at a rigid contact, or a coordinate "
+        "lies beyond a rigid stop. Start where the gap is zero or positive."
+        for contact in description.rigid
+        if not g[contact.switch] >= -TOUCHING * size
+    ]
+    if problems:
+        raise InputError(problems)
+
+
+def require_no_rigid(mechanism: Mechanism, analysis: str) -> None:
+    """Refuse an analysis that determines neither closed contacts nor freewheels that grip."""
+    description = mechanism.description
+    if wheels := [row.name for row in description.switches if row.one_way]:
+        raise AnalysisError(
+            f"{description.title}: {analysis} does not decide which one-way clutches grip, and "
+            f"this scene has {', '.join(wheels)}. Let the machine come to rest in a simulation, or "
+            "ask for a scene without them: with a gear where a clutch grips, or with capacity=."
+        )
+    if description.rigid:
+        raise AnalysisError(
+            f"{description.title}: {analysis} does not decide which rigid contacts are closed, and "
+            f"this scene has {', '.join(description.rigid.names)}. Let the machine come to rest in "
+            "a simulation, or ask for a scene without them: with a joint where a contact is "
+            "closed, or with stiffness= in place of restitution=."
+        )
+
+
+def require_no_sticking(mechanism: Mechanism, analysis: str) -> None:
+    """Refuse a search for equilibrium with sticking friction, which has no single answer."""
+    description = mechanism.description
+    names = dict.fromkeys(row.name for row in description.switches if row.sticks)
+    if names:
+        raise AnalysisError(
+            f"{description.title}: {analysis} has no single answer, since the friction in "
+            f"{', '.join(names)} sticks: the machine rests wherever the forces stay within it. "
+            "Simulate to see where it comes to rest, or ask for a scene without the friction."
+        )
+
+
+def require_slip(mechanism: Mechanism, p: FloatArray, samples: Samples) -> None:
+    """Refuse instants at which friction sticks, so that its force is not determined."""
+    description = mechanism.description
+    frictions = [k for k, row in enumerate(description.switches) if row.sticks]
+    if not frictions:
+        return
+    g, rate = np.zeros((2, len(description.switches)))
+    for t, q, v, a in zip(samples.t, samples.q, samples.v, samples.a, strict=True):
+        mechanism.kernels.switching(t, q, v, p, g)
+        mechanism.kernels.switching_rates(t, q, v, a, p, rate)
+        for k in frictions:
+            if g[k] == 0.0 and rate[k] == 0.0:
+                raise AnalysisError(
+                    f"{description.title}: at t = {t:g} s nothing slips in the friction "
+                    f"{description.switches[k].name}, nor begins to, so any force that it can bear "
+                    "would do. Ask for instants at which it slips, or leave the friction out."
+                )

@@ -1,6 +1,5 @@
 """What a modeller gives is read by its kind: nonsense is refused by name, nothing is evaluated."""
 
-import re
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -16,10 +15,7 @@ from codegen import (
     LinkwrightError,
     Model,
     alpha,
-    coordinate,
-    t,
 )
-from codegen.declare.symbols import side
 from codegen.errors import ParameterError
 from codegen.reading.scene_selection import valid_scenes, with_settings
 
@@ -49,40 +45,6 @@ def refusal(declare: Declare) -> str:
         assert problem.isprintable(), problem
         assert len(problem) < 1000, problem
     return str(caught.value)
-
-
-CASES: dict[str, tuple[Declare, str]] = {
-    "an effect's side": (
-        lambda m: m.model.force("f", on=m.a, fx=side("f")),
-        "force 'f': .* a placeholder",
-    ),
-    "an array for names": (
-        lambda m: m.model.scene("s", effects=np.array([1.5])),
-        "scene 's': no effect '.*1.5",
-    ),
-    "entries that are masked": (
-        lambda m: m.model.table("q", np.ma.masked_array([0, 1, 2, 3], [0, 1, 0, 0]), [0, 1, 2, 3]),
-        "table 'q': x is .* masked",
-    ),
-    "a number that is masked": (
-        lambda m: m.model.parameter("k", np.ma.masked),
-        "parameter 'k': masked is not a number",
-    ),
-    "a coordinate of an unknown letter": (
-        lambda m: m.model.driver("d", coordinate("a", "z"), t),
-        "'a', 'z'",
-    ),
-    "a variation that is none": (
-        lambda m: valid_scenes(m.model, m.model.scene("s", start={"a.x": 1}).with_(7)),
-        "no '7' to take",
-    ),
-}
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_nonsense_is_refused_by_name(case: str) -> None:
-    declare, pattern = CASES[case]
-    assert re.search(pattern, told := refusal(declare)), told
 
 
 MARK = "linkwright_was_here"

@@ -186,20 +186,6 @@ def test_reduced_equations_of_a_scene_without_dynamics_are_refused(model: Path, 
     assert [bool(s.reduced) for s in report.scenes] == [True, True, False]
 
 
-def test_reduced_on_the_command_line(
-    model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(codegen.driver, "compile_modules", lambda paths: [0.0] * len(paths))
-    monkeypatch.chdir(tmp_path)
-    arguments = ["build", str(model), "--scene", "swing", "--reduced"]
-    done = CliRunner().invoke(app, arguments)
-    assert done.exit_code == 0
-    assert "clock__swing__reduced.py: written" in done.stdout
-    stale = CliRunner().invoke(app, [*arguments[:2], "--reduced", "--check"])
-    assert stale.exit_code == 1
-    assert "clock.py --reduced" in stale.stderr
-
-
 HASHES = """
 import hashlib
 from pathlib import Path

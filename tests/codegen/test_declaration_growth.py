@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 import sympy
 
-from codegen.check import expressions, potential_steps
+from codegen.check import elements, potential_steps
 from codegen.declare.returned_kinds import memoize_methods
 from codegen.declare.symbols import Coordinate, ModelSymbol
 from codegen.elements.joints.links import Revolute
@@ -43,16 +43,16 @@ def test_a_joint_states_its_equations_once(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_equations_that_joints_share_are_checked_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """The sums that are looked through do not grow with the number of revolute joints."""
-    seen, find = [0], expressions._find_flaws
+    seen, find = [0], elements._find_flaws
 
     def counted(expression: sympy.Basic, may_switch: bool) -> Iterator[str]:
         seen[0] += expression.is_Add
         return find(expression, may_switch)
 
-    monkeypatch.setattr(expressions, "_find_flaws", counted)
+    monkeypatch.setattr(elements, "_find_flaws", counted)
     counts = []
     for loops in (5, 10):
-        expressions._flaws.cache_clear()
+        elements._flaws.cache_clear()
         seen[0] = 0
         memoize_methods(valid_scenes)(n_four_bar(loops), "fall")
         counts.append(seen[0])

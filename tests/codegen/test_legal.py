@@ -170,7 +170,7 @@ def test_quantities_are_converted_where_they_are_declared(tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("seed", range(20))
 def test_sound_machines_are_not_refused(seed: int) -> None:
-    from codegen.check.redundancy import examine
+    from codegen.check.kinematics import examine
     from tests.codegen.workbench import random_machine
 
     machine = Interpreted(random_machine(seed, closed=seed % 2 == 0)[0])

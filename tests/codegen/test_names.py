@@ -9,8 +9,7 @@ from codegen import Body, InputError, Model, ModelError, build
 from tests.codegen.complaints import HEAD, complaints
 from tests.codegen.workbench import write_model
 
-INJECTIONS = ["x; import os", "x\nimport os", 'x"""', "x'", "", " ", "1x", "class", "None", "a.b",
-              "x#", "λ", "__import__", "_x", "x\\", "{x}", 7, None]  # fmt: skip
+INJECTIONS = ["x\nimport os", 'x"""', "x'", "", "1x", "class", "a.b", "λ", "_x", "x\\", "{x}", 7]
 
 
 @pytest.mark.parametrize("name", INJECTIONS)

@@ -6,7 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from codegen import build
-from codegen.generated_files.build_report import SceneReport
+from codegen.generated_files.generated_file import SceneReport
 from linkwright.cli.application import app
 from tests.codegen.complaints import HEAD
 from tests.codegen.workbench import write_model

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from codegen.check import redundancy
-from codegen.check.redundancy import TOLERANCE, Findings, examine
+from codegen.check import kinematics
+from codegen.check.kinematics import TOLERANCE, Findings, examine
 from codegen.derive.equations import derive
 from codegen.lower import poses_near_start
 from codegen.lower.interpreter import LevelEvaluation
@@ -32,7 +32,7 @@ def test_dependent_rows_are_those_of_orthogonalisation(seed: int) -> None:
     for row in (7, 20, 21, 33, 34, 39)[: seed + 3]:
         dense[row] = random.standard_normal(3) @ dense[[2, 5, 6]]
     dense[25] = dense[26]
-    expected = redundancy._dependent_rows(dense)
+    expected = kinematics._dependent_rows(dense)
     assert len(expected) == seed + 4
     assert dependent_rows(csr_array(dense), TOLERANCE) == expected
 

@@ -9,14 +9,12 @@ import pytest
 import sympy
 from sympy import Abs
 
-from codegen import Effect, InputError, Model, build
-from codegen.declare.element import ConjugateReaction, Statement
+from codegen import Effect, Model, build
 from codegen.errors import ModelError
 from codegen.files.library_folders import installed_folders
 from codegen.reading import model_file
 from codegen.reading.model_file import read_model
 from codegen.reading.scene_selection import valid_scenes, with_settings
-from tests.codegen.complaints import complaints
 from tests.codegen.workbench import Interpreted, State, write_model
 
 
@@ -95,16 +93,6 @@ def test_settings_of_one_build_stay_out_of_the_model() -> None:
     assert model.scenes["s"].parameters == (("length", 2.0),)
 
 
-@pytest.mark.parametrize(
-    ("unit", "factor"), [("mm", "0.001"), ("deg", "0.01745"), ("kN", "1000"), ("degC", "nan")]
-)
-def test_a_parameter_in_other_units_than_si_is_refused(
-    tmp_path: Path, unit: str, factor: str
-) -> None:
-    (found,) = complaints(tmp_path, f"model.parameter('c', 1.0, unit='{unit}')")
-    assert found.startswith(f"parameter 'c': '{unit}' is no SI unit (one of it is {factor}")
-
-
 @pytest.mark.parametrize("unit", ["", "m", "kg m^2", "N m", "N s/m", "1/s", "rad/s", "m/s/s", "Hz"])
 def test_si_units_are_taken(unit: str) -> None:
     model = Model("si")
@@ -126,37 +114,6 @@ def test_numbers_beyond_all_bounds_are_refused_by_name() -> None:
     model.force("huge", on=body, fx=1e200 * sympy.exp(600) * body.x)
     with pytest.raises(ModelError, match="'huge' comes to inf"):
         scene_of(model)
-
-
-class Injecting:
-    kind = "inj\nimport os"
-    name = "inj"
-
-    def __init__(self, body: object, x: sympy.Expr) -> None:
-        self.bodies, self.x = (body,), x
-
-    def statement(self) -> Statement:
-        return Statement((self.x,), ("row\nimport os",), ConjugateReaction((("f", "N"),)))
-
-    def problems(self) -> list[str]:
-        return []
-
-
-def test_texts_of_a_users_element_are_words() -> None:
-    model = Model("inj")
-    body = model.body("body", 1.0, 1.0)
-    model.add(Injecting(body, body.x))  # type: ignore[arg-type]
-    with pytest.raises(InputError) as caught:
-        valid_scenes(model, None)
-    kind, rows = caught.value.problems
-    assert "its kind" in kind
-    assert "its rows" in rows
-
-
-def test_what_is_no_element_is_a_problem_and_no_traceback() -> None:
-    model = Model("m")
-    model.add("a joint")  # type: ignore[arg-type]
-    assert model.problems[0].startswith("model.add('a joint'): neither a Body, a Constraint nor an")
 
 
 def test_effect_that_exerts_nothing_is_a_problem() -> None:
@@ -198,9 +155,10 @@ def test_packages_behind_a_symbolic_link_are_installed(
     assert [source for source, _ in read_model(path).sources] == [path]
 
 
-def test_a_missing_data_file_is_named(tmp_path: Path) -> None:
-    (found,) = complaints(tmp_path, "model.depends_on('nowhere.json')")
-    assert found.startswith("depends_on('nowhere.json'): there is no file ")
+def test_a_missing_data_file_is_named() -> None:
+    model = Model("m")
+    model.depends_on("nowhere.json")
+    assert model.problems[0].startswith("depends_on('nowhere.json'): there is no file ")
 
 
 def test_a_report_carries_the_hash_of_its_text(tmp_path: Path) -> None:

@@ -12,12 +12,10 @@ import sympy
 from numpy.testing import assert_allclose
 from scipy.interpolate import Akima1DInterpolator, CubicSpline, PchipInterpolator, interp1d
 
-from codegen import Model, ModelError, alpha, t
+from codegen import Model, t
 from codegen.errors import TableWarning
-from codegen.reading.scene_selection import valid_scenes
 from codegen.tables.branches import branches
-from codegen.tables.cubic_spline import Kind, fit
-from codegen.tables.piecewise_cubic import Beyond
+from codegen.tables.piecewise_cubic import Beyond, Kind, fit
 from tests.codegen.workbench import Interpreted, State, complex_step
 
 pytestmark = pytest.mark.filterwarnings("ignore::codegen.errors.TableWarning")  # of random data
@@ -208,51 +206,3 @@ def test_forces_of_a_potential_are_its_slopes(form: Kind) -> None:
 
         slope = machine.vector("potential_gradient", state, modes=modes)
         assert_allclose(slope, complex_step(energy, state.q)[0], rtol=1e-11, atol=1e-11)
-
-
-def refusals() -> list[tuple[Callable[[Model], Any], str]]:
-    def of(**words: Any) -> Callable[[Model], Any]:
-        return lambda m: m.table("law", [0, 1, 2, 3, 4], [0, 1, 0, 1, 0], **words)
-
-    def cam(m: Model) -> Any:
-        shape = m.table("r", np.linspace(0, 2 * np.pi, 9), [1, 2, 1, 2, 1, 2, 1, 2, 1], True)
-        return m.point_follower("slot", m.bodies["b"].polar(10 + shape(alpha)), m.body("pin", 1, 1))
-
-    two = [0, 1]
-    return [
-        (of(kind="cubic"), "table 'law': kind: 'cubic' is none of 'linear', 'pchip', 'akima'"),
-        (of(beyond="nan"), "table 'law': beyond: 'nan' is none of 'stop', 'hold', 'extrapolate'"),
-        (of(periodic=True, beyond="hold"), "it repeats, so that nothing is beyond its ends"),
-        (of(ends="natural"), "ends='natural' is of splines that do not repeat"),
-        (lambda m: m.table("law", two, two, kind="akima"), "akima'; give at least 3"),
-        (lambda m: m.table("law", two, [0, 0], True), "'pchip' that repeats; give at least 3"),
-        (
-            lambda m: m.constraint("cam", m.bodies["b"].y - of()(m)(m.bodies["b"].x)),
-            "kind 'pchip' is taken at b_x, where accelerations need continuous second derivatives",
-        ),
-        (
-            lambda m: m.constraint(
-                "cam", m.bodies["b"].y - of(kind="spline", beyond="hold")(m)(m.bodies["b"].x)
-            ),
-            "table 'law' with beyond='hold' is taken at b_x",
-        ),
-        (
-            lambda m: m.contact(
-                "floor", gap=m.bodies["b"].y - of(kind="linear")(m)(m.bodies["b"].x),
-                restitution=0.5,
-            ),
-            "table 'law' of kind 'linear' is taken at b_x",
-        ),
-        (cam, "table 'r' of kind 'pchip' is taken at contact_alpha"),
-    ]  # fmt: skip
-
-
-@pytest.mark.parametrize("number", range(10))
-def test_what_a_table_cannot_be_is_refused(number: int) -> None:
-    declare, told = refusals()[number]
-    model = Model("bad")
-    model.body("b", mass=1.0, inertia=1.0)
-    declare(model)
-    with pytest.raises(ModelError) as caught:
-        valid_scenes(model, None)
-    assert told in str(caught.value)

@@ -46,7 +46,7 @@ def test_an_import_loads_no_more_than_it_needs(
 COMPILER = {
     *("codegen.readers", "codegen.readers.arguments", "codegen.errors"),
     *("codegen.files", "codegen.files.library_folders", "codegen.object_display"),
-    *("codegen.readers.values", "codegen.readers.calls", "codegen.readers.failures"),
+    *("codegen.readers.values", "codegen.readers.calls", "codegen.readers.calls"),
     *(
         "codegen.garbage_collection",
         "codegen.parameter_conditions",

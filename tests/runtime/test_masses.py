@@ -8,7 +8,9 @@ import pytest
 
 from codegen.errors import ParameterError
 from runtime.mechanism.table_rows import Coordinate
-from runtime.validation import masses
+from runtime.validation import parameters
+
+GIVEN = "Given are rho = -2 kg/m: give other values."
 
 
 class Counted(tuple[Coordinate, ...]):
@@ -32,8 +34,9 @@ def machine_of(bodies: int) -> Any:
         Coordinate(f"b{k}.{q}", f"b{k}.{v}", unit) for k in range(bodies) for q, v, unit in kinds
     )
     told = SimpleNamespace(
-        title="m/s", bodies=tuple(f"b{k}" for k in range(bodies)), coordinates=rows
-    )
+        title="m/s", bodies=tuple(f"b{k}" for k in range(bodies)), coordinates=rows, neutral=None,
+        parameters=(SimpleNamespace(name="rho", unit="kg/m", default=1.0),),
+    )  # fmt: skip
     return SimpleNamespace(description=told, coordinates=rows)
 
 
@@ -42,8 +45,8 @@ def of(monkeypatch: pytest.MonkeyPatch) -> Any:
     """Diagonals of M in place of a machine's."""
 
     def given(diagonal: np.ndarray) -> None:
-        monkeypatch.setattr(masses, "_masses", lambda machine, p: diagonal)
-        monkeypatch.setattr(masses, "_behind", lambda machine, p, place: f"[{place}]")
+        equations = SimpleNamespace(masses=lambda q: diagonal)
+        monkeypatch.setattr(parameters, "Equations", lambda machine, p: equations)
 
     return given
 
@@ -53,29 +56,24 @@ def test_each_impossible_mass_and_inertia_is_refused_by_its_body(of: Any) -> Non
     diagonal[[3, 4]], diagonal[5], diagonal[8] = -2.0, 0.0, np.nan
     of(diagonal)
     with pytest.raises(ParameterError) as caught:
-        masses.require_masses(machine_of(3), np.zeros(0))
+        parameters.require_masses(machine_of(3), np.array([-2.0]))
     assert caught.value.problems == (
-        "m/s: the mass of b1 is -2 kg; it must be a positive finite number. [3]",
-        "m/s: the inertia of b1 is 0 kg m^2; it must be a positive finite number. [5]",
-        "m/s: the inertia of b2 is nan kg m^2; it must be a positive finite number. [8]",
+        f"m/s: the mass of b1 is -2 kg; it must be a positive finite number. {GIVEN}",
+        f"m/s: the inertia of b1 is 0 kg m^2; it must be a positive finite number. {GIVEN}",
+        f"m/s: the inertia of b2 is nan kg m^2; it must be a positive finite number. {GIVEN}",
     )
 
 
-def test_a_large_machine_is_looked_through_once(of: Any) -> None:
+@pytest.mark.parametrize("mass", [1.0, 0.0])
+def test_rows_of_a_large_machine_are_looked_at_once(of: Any, mass: float) -> None:
     count = 200
-    of(np.ones(3 * count))
+    of(np.full(3 * count, mass))
     made = machine_of(count)
     Counted.looked = 0
-    masses.require_masses(made, np.zeros(0))
-    assert Counted.looked <= 2 * 3 * count
-
-
-def test_rows_are_looked_at_once_where_all_masses_are_refused(of: Any) -> None:
-    count = 200
-    of(np.zeros(3 * count))
-    made = machine_of(count)
-    Counted.looked = 0
-    with pytest.raises(ParameterError) as caught:
-        masses.require_masses(made, np.zeros(0))
-    assert len(caught.value.problems) == 2 * count
-    assert 3 * count <= Counted.looked <= 2 * 3 * count
+    if mass:
+        parameters.require_masses(made, np.array([-2.0]))
+    else:
+        with pytest.raises(ParameterError) as caught:
+            parameters.require_masses(made, np.array([-2.0]))
+        assert len(caught.value.problems) == 2 * count
+    assert Counted.looked <= 3 * count

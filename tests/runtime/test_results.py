@@ -119,7 +119,6 @@ def test_plot_without_matplotlib_says_what_to_install(
 ) -> None:
     import sys
 
-    monkeypatch.delitem(sys.modules, "codegen.notebook_figure", raising=False)
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(InputError, match=r"pip install 'linkwright\[plot\]', in the checkout"):
         result.plot()

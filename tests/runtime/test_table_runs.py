@@ -11,8 +11,7 @@ from scipy.integrate import quad
 
 from codegen import Effect, Model, element, t
 from codegen.errors import AnalysisError
-from codegen.tables.cubic_spline import Kind
-from codegen.tables.piecewise_cubic import Table
+from codegen.tables.piecewise_cubic import Kind, Table
 from runtime import load
 from runtime.core.outcomes import Outcome
 

@@ -7,8 +7,8 @@ import numpy as np
 import sympy
 
 from codegen.declare.body import Curve, Point
-from codegen.declare.cam_profile_checks import compared, in_ground, outward, places
 from codegen.declare.element import Constraint, I, J, JointReaction, Statement
+from codegen.declare.element_conditions import compared, in_ground, outward, places
 from codegen.declare.element_fields import Axis, direction
 from codegen.declare.symbols import Coordinate, alpha, coordinate, given, own_coordinate
 from codegen.drawing import shapes

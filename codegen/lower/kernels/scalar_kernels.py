@@ -15,7 +15,7 @@ import sympy
 from codegen.lower.program import STATE, Kernel, Op, Output, dependencies, store, storing
 from codegen.lower.scene_graph import Reaction, SceneGraph
 from codegen.lower.sympy_translation import Translator
-from codegen.readers.failures import errors_at
+from codegen.readers.calls import errors_at
 
 NEW, KEPT = sympy.symbols("new kept", cls=sympy.Dummy, real=True)
 

@@ -32,7 +32,7 @@ from runtime.studies.timing import Stopwatch, take_turns
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
-    from codegen.reading.scene_variants import Variant
+    from codegen.reading.scene_selection import Variant
 
 LEAST_ROUNDS, MOST_ROUNDS = 5, 40  # measured: rounds of timed runs, however long or short these are
 SECONDS = 3.0  # measured: wall-clock time for all rounds
@@ -137,7 +137,7 @@ def matters(
 
 def _changes(source: harness.Source, fidelities: bool) -> "tuple[Variant, ...]":
     """Everything that can be left out of the scene, or taken in another fidelity."""
-    from codegen.reading.scene_variants import variants
+    from codegen.reading.scene_selection import variants
 
     changes = variants(source.model, source.scene, fidelities=fidelities)
     if not changes:

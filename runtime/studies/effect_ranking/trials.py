@@ -24,7 +24,7 @@ from runtime.studies.timing import Stopwatch, processor_time
 
 if TYPE_CHECKING:
     from codegen import Scene
-    from codegen.reading.scene_variants import Variant
+    from codegen.reading.scene_selection import Variant
 
 COARSER = 100.0  # accuracy: ratio of the tolerances of the two runs
 LEAST_RTOL = 1e-13  # accuracy: tightest rtol of the second run

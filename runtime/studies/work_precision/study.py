@@ -204,7 +204,7 @@ def _other_models(
     source: harness.Source, modelling: bool, beside: "Sequence[str | Scene]"
 ) -> "list[tuple[Choice, Scene]]":
     """Scenes of the same machine: other fidelities of things that have several, and those named."""
-    from codegen.reading.scene_variants import declared, variants
+    from codegen.reading.scene_selection import declared, variants
 
     others = []
     for change in variants(source.model, source.scene) if modelling else ():

@@ -69,12 +69,11 @@ def slotted(
 FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"bind": False}, "my slot 's': the placeholder 'coefficient' is not bound; add it to b"),
     ({"number": given("c")}, "my slot 's': the placeholder 'c' is not bound; add it to bindings."),
-    ({"phi": PARABOLA[0]}, "my slot 's': its phi is of type Add; give a tuple, of one equation"),
-    ({"phi": [*PARABOLA]}, "my slot 's': its phi is of type list; give a tuple, of one equation"),
-    ({"rows": ("x", "y")}, r"my slot 's': its rows \('x', 'y'\) must be 1 ASCII words"),
+    ({"phi": PARABOLA[0]}, "my slot 's': its phi of statement.* return a tuple of equations"),
+    ({"rows": ("x", "y")}, r"my slot 's': .* has the rows \('x', 'y'\); give 1 words"),
     ({"reaction": [3, 0]}, r"my slot 's': the direction of its reaction is \(3, 0\)"),
     ({"reaction": [1, 0, 0]}, r"my slot 's': the direction of its reaction is \(1, 0, 0\)"),
-    ({"number": "half"}, "the placeholder 'coefficient' is bound to 'half'; give a number"),
+    ({"number": "half"}, "the placeholder coefficient is bound to 'half'; bind"),
 ]
 
 
@@ -85,6 +84,8 @@ def test_a_fault_is_told(fault: dict[str, Any], message: str, tmp_path: Path) ->
     assert len(caught.value.problems) == 1
 
 
-@pytest.mark.parametrize("sound", [{}, {"number": 1}, {"reaction": [0.6, 0.8]}])
+@pytest.mark.parametrize(
+    "sound", [{}, {"number": 1}, {"reaction": [0.6, 0.8]}, {"phi": [*PARABOLA]}]
+)
 def test_plain_numbers_and_lists_build(sound: dict[str, Any], tmp_path: Path) -> None:
     build(slotted(**sound), out=tmp_path, compile=False)

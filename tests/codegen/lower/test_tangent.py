@@ -12,7 +12,7 @@ from codegen.lower.differentiation.program_tangents import differentiate
 from codegen.lower.graph import Graph
 from codegen.lower.interpreter import evaluate
 from codegen.lower.program import LEAVES, LOGICAL, Kernel, Op, Output, Program
-from codegen.tables.cubic_spline import fit
+from codegen.tables.piecewise_cubic import fit
 from tests.codegen.emit.test_random_graphs import MODES, STATES, random_program
 from tests.codegen.workbench import STEP
 

@@ -5,7 +5,7 @@ from fractions import Fraction
 import pytest
 
 from codegen.emit.runge_kutta import module_text
-from codegen.generated_files.runge_kutta_modules import write_methods
+from codegen.generated_files.generated_file import write_methods
 from codegen.tableaus import tableaus
 from codegen.tableaus.tableau import Tableau, difference, stages, weights
 from runtime.integrate.method import EXPLICIT, find_method

@@ -142,10 +142,10 @@ def test_conditions_are_names_and_numbers(
 
 
 def test_units_are_no_expressions(tmp_path: Path) -> None:
-    from codegen.readers.quantities import QuantityError, number_in
+    from codegen.readers.quantities import UnitError, number_in
 
     for text in ("3 __import__('os')", "3 (1).real", "3 m**m", "3 m;m", "3 " + "m " * 100):
-        with pytest.raises(QuantityError):
+        with pytest.raises(UnitError):
             number_in(text, "m")
 
 

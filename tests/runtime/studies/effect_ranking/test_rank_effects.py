@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from codegen import Model
 from codegen.errors import InputError, LinkwrightError
 from codegen.presentation import terminal_width
-from codegen.reading.scene_variants import declared, variants
+from codegen.reading.scene_selection import declared, variants
 from linkwright.cli.application import app
 from runtime import Result, load, matters
 from runtime.studies.effect_ranking import Matters, Verdict

@@ -1,0 +1,283 @@
+"""Kinematics of a scene before it is compiled.
+
+Whether its constraints are independent: at positions near the start values, in which the joints
+close, orthogonalisation finds the rows of Φ_q that depend on earlier ones (Haug 3.4). Drivers stand
+last, so that a driver that repeats a joint is the one named.
+
+Whether its joints close at the start: as the assembly of a run does, this keeps what the scene
+fixes and moves what it guesses. Gauss-Newton steps close the constraints; where that fails, it is
+tried anew from other values of the coordinates that the scene says nothing of.
+
+How joints hold the bodies: all at one point of a body, or one joint alone. Both may be meant. Where
+a linkage does not close or has a freedom too many, they are often a point with a wrong sign, or a
+joint that was forgotten.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.declare.body import Body, Point
+from codegen.derive.equations import Equations
+from codegen.lower.lowered_scene import Lowered
+from codegen.lower.poses_near_start import FloatArray, Poses, dependent_rows, is_finite
+from codegen.model import Model
+
+Array = npt.NDArray[np.float64]
+# accuracy: rest of a row, columns scaled, below which the row follows from those before it
+TOLERANCE = 1e-8
+# safety: positions about the start that are tried, so that a singular start is not redundancy
+PROBES = 3
+
+
+class Findings(NamedTuple):
+    """Findings about the constraints of a scene."""
+
+    problems: tuple[str, ...]  # drivers that have nothing left to drive
+    notes: tuple[str, ...]
+    """Joints that repeat each other: a run bears with them while their parameters agree."""
+    independent: int  # number of constraints that do not follow from others
+
+
+def examine(equations: Equations, lowered: Lowered) -> Findings:
+    """Look for constraints that are too many near the start values."""
+    rows = [(c, row) for c in equations.constraints for row in c.statement.rows]
+    if not rows:
+        return Findings((), (), 0)
+    poses, coordinates = Poses(lowered), equations.coordinates
+    dependent = [rows[i] for i in _least_dependent(poses)]
+    independent = len(rows) - len(dependent)
+    positions = len(coordinates) - len(equations.states)
+    if not dependent:
+        return Findings((), (), independent)
+    redundant = ", ".join(f"{c.name}.{row} ({c.kind})" for c, row in dependent)
+    head = (
+        f"scene '{equations.scene.name}': {len(rows)} constraints on {positions} "
+        f"coordinates, of which only {independent} are independent; redundant: {redundant}."
+    )
+    drivers = {c.name for c, _ in dependent if c.driver}
+    names = " or ".join(map(repr, sorted(drivers or {c.name for c, _ in dependent})))
+    if drivers:
+        problem = f"{head} Remove or relax {names}: no motion is left for them to prevent."
+        return Findings((problem,), (), independent)
+    note = (
+        f"{head} The scene runs as long as its parameters let them agree, at some cost, and "
+        f"reactions of joints that share a load are not unique. Remove or relax {names} to "
+        f"avoid both."
+    )
+    return Findings((), (note,), independent)
+
+
+def _least_dependent(poses: Poses) -> list[int]:
+    """The rows that depend on earlier ones where they are fewest.
+
+    Of as many, the last ones: at a singular position an earlier row depends on others by chance.
+    A probe without any is the last one.
+    """
+    probes = []
+    for k in range(PROBES):
+        probes.append(_dependent_rows(_jacobian_near(poses, k)))
+        if not probes[-1]:
+            break
+    return min(probes, key=lambda rows: (len(rows), [-i for i in rows]))
+
+
+def _jacobian_near(poses: Poses, probe: int) -> Any:
+    """Φ_q in units of the machine's size, where the constraints hold; sparse for a large machine.
+
+    Where they do not, the position that comes nearest is singular, as a rod that is stretched after
+    what it cannot reach: Φ_q is that of the place where the search began.
+    """
+    random = np.random.default_rng(probe)
+    shift = (0.0 if probe == 0 else 0.1) * poses.unit * random.standard_normal(len(poses.guess))
+    q, jacobian = poses.closed_near(poses.guess + shift)
+    if not poses.holds(q):
+        jacobian = poses.scaled(poses.jacobian(poses.guess + shift), poses.unit)
+    if is_finite(jacobian):
+        return jacobian
+    if isinstance(jacobian, np.ndarray):
+        return random.standard_normal(jacobian.shape)
+    jacobian.data = random.standard_normal(jacobian.data.size)
+    return jacobian
+
+
+def _dependent_rows(jacobian: Any) -> list[int]:
+    """Rows that depend on earlier ones, by Gram-Schmidt, each row orthogonalised twice.
+
+    Those of a sparse matrix follow from its left null vectors.
+    """
+    if not isinstance(jacobian, np.ndarray):
+        return dependent_rows(jacobian, TOLERANCE)
+    basis = np.zeros((0, jacobian.shape[1]))
+    dependent = []
+    for i, row in enumerate(jacobian):
+        rest = row / max(float(np.linalg.norm(row)), 1e-300)  # safety: a row of zeros
+        for _ in range(2):
+            rest = rest - basis.T @ (basis @ rest)
+        size = float(np.linalg.norm(rest))
+        if size > TOLERANCE:
+            basis = np.vstack([basis, rest / size])
+        else:
+            dependent.append(i)
+    return dependent
+
+
+_RESTARTS = 12  # safety: random starts after the given one has failed
+_MOVED = 1e-9  # accuracy: of the machine's size; a coordinate that moves less has stayed
+_SHOWN = 6  # layout: joints that a message lists
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A coordinate that closing the joints moves: its guess, the value reached, the unit."""
+
+    name: str
+    guess: float
+    reached: float
+    unit: str
+
+
+class Assembly(NamedTuple):
+    """The position at which the joints close, or what keeps them open.
+
+    Attributes
+    ----------
+    gap
+        The largest residual of a constraint, m or rad.
+    moved
+        The coordinates that are not where the scene guesses them, the largest change first.
+    problem
+        A sentence about joints that stay open; nothing where they close.
+    """
+
+    gap: float
+    moved: tuple[Moved, ...]
+    problem: str
+
+
+def assemble_at_start(lowered: Lowered) -> Assembly:
+    """Close the joints of a scene at t = 0."""
+    poses = Poses(lowered)
+    q = _closed(poses, poses.free)
+    gap = float(np.abs(poses.residual(q)).max(initial=0.0))
+    rows = zip(lowered.description.coordinates, poses.guess, q, poses.unit, strict=True)
+    moved = [
+        (abs(reached - guess) / unit, Moved(row[0], float(guess), float(reached), row[2]))
+        for row, guess, reached, unit in rows
+        if abs(reached - guess) > _MOVED * unit
+    ]
+    moved.sort(key=lambda pair: -pair[0])
+    problem = "" if poses.holds(q) else _why_open(lowered, poses, q)
+    return Assembly(gap, tuple(one for _, one in moved), problem)
+
+
+def _closed(poses: Poses, free: FloatArray, kept: FloatArray | float = 1.0) -> FloatArray:
+    """A position at which the constraints hold, or the one that comes nearest."""
+    known = {name for name, *_ in poses.description.start}
+    unknown = np.array([name not in known for name, *_ in poses.description.coordinates])
+    random = np.random.default_rng(1)
+    best, least = poses.guess, np.inf
+    for trial in range(1 + _RESTARTS):
+        shift = poses.unit * unknown * free * random.standard_normal(len(free))
+        q, _ = poses.closed_near(poses.guess + (shift if trial else 0.0), free, kept)
+        open_by = float(np.abs(poses.residual(q) * kept).max(initial=0.0))
+        if open_by < least:
+            best, least = q, open_by
+        if poses.holds(q, kept) or not np.any(unknown * free):
+            break
+    return best
+
+
+def _why_open(lowered: Lowered, poses: Poses, q: FloatArray) -> str:
+    """The sentence about joints that do not close: start values, drivers, or dimensions."""
+    description = lowered.description
+    where = f"scene '{description.scene}'"
+    gaps = _gaps(lowered, poses.residual(q))
+    everything = np.ones(len(q))
+    fixed = [
+        (name, value)
+        for name, value, role in description.start
+        if role == "fixed" and name in {row[0] for row in description.coordinates}
+    ]
+    if fixed and poses.holds(_closed(poses, everything)):
+        said = ", ".join(f"{name} = {value:g}" for name, value in fixed)
+        return (
+            f"{where}: the start values contradict the joints. start= says {said}; with these "
+            f"{gaps}. Move one of them to guess=, correct its value, or check the points and "
+            "dimensions of these joints: `linkwright draw` shows the gaps."
+        )
+    if description.drivers:
+        joints = np.array([float(c[0] not in description.drivers) for c in description.constraints])
+        if poses.holds(_closed(poses, everything, joints), joints):
+            return (
+                f"{where}: the joints close, but not with what the drivers "
+                f"({', '.join(description.drivers)}) demand at t = 0: {gaps}. The driver asks for "
+                "a position out of reach; change its value at t = 0, or the dimensions."
+            )
+    return (
+        f"{where}: the joints do not close at the start; the nearest position found leaves "
+        f"gaps: {gaps}. Check the points and dimensions of these joints, or give guesses nearer to "
+        "an assembled position; `linkwright draw` shows the gaps."
+    )
+
+
+def _gaps(lowered: Lowered, residual: FloatArray) -> str:
+    """`joint C misses by 0.31`, the worst first."""
+    description = lowered.description
+    largest: dict[str, float] = {}
+    for (element, _, _), value in zip(description.constraints, residual, strict=True):
+        largest[element] = max(largest.get(element, 0.0), abs(float(value)))
+    worst = sorted(largest.items(), key=lambda pair: -pair[1])[:_SHOWN]
+    return ", ".join(
+        f"{'driver' if name in description.drivers else 'joint'} {name} misses by {miss:.4g}"
+        for name, miss in worst
+        if miss > 1e-3 * worst[0][1] or not np.isfinite(miss)
+    )
+
+
+_SAME = 1e-9  # accuracy: of a point's distance from its body's origin; nearer places are one
+
+
+def one_joint_bodies(model: Model, left_out: Sequence[str]) -> tuple[tuple[str, str], ...]:
+    """The bodies that one joint alone holds, each with the joint; without the joints left out."""
+    return tuple(
+        (body.name, joints[0])
+        for body, joints in _joints_of_bodies(model, left_out)
+        if len(joints) == 1
+    )
+
+
+def joints_at_one_point(model: Model) -> tuple[str, ...]:
+    """A sentence for each body that several joints hold, all at the same point of it."""
+    found = []
+    for body, joints in _joints_of_bodies(model, ()):
+        places = [place for name in joints for place in _places(model, name, body)]
+        size = max((float(np.hypot(*place)) for place in places), default=0.0)
+        if len(places) == len(joints) > 1 and float(np.ptp(places, axis=0).max()) <= _SAME * size:
+            x, y = places[0]
+            found.append(
+                f"Joints {' and '.join(joints)} hold body '{body.name}' at one point, "
+                f"({x:.4g}, {y:.4g}): is one of the signs wrong?"
+            )
+    return tuple(found)
+
+
+def _joints_of_bodies(
+    model: Model, left_out: Sequence[str]
+) -> Iterator[tuple[Body, tuple[str, ...]]]:
+    acting = {name: j for name, j in model.joints.items() if name not in left_out}
+    for body in model.bodies.values():
+        if not body.fixed:
+            yield body, tuple(name for name, j in acting.items() if body in j.bodies)
+
+
+def _places(model: Model, joint: str, body: Body) -> Iterator[tuple[float, float]]:
+    """The points of a body that a joint is attached to, m, where they are numbers."""
+    for point in vars(model.joints[joint]).values():
+        if isinstance(point, Point) and point.body is body:
+            x, y = (value.subs(model.defaults) for value in point.place)
+            if x.is_finite and x.is_real and y.is_finite and y.is_real:
+                yield float(x), float(y)
