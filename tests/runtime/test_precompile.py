@@ -49,7 +49,7 @@ def test_explicit_methods_compile_nothing_of_implicit_ones(root: Path) -> None:
 def test_a_method_that_another_loads_is_compiled_with_it(root: Path) -> None:
     found = modules(root, "auto")
     assert any(module.startswith("linkwright_generated_") for module in found)
-    assert "runtime.integrate.implicit.bdf" in found
+    assert "runtime.integrate.implicit.stiffness_switching" in found
 
 
 def test_unknown_method_is_refused_by_name() -> None:
