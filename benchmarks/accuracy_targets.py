@@ -21,7 +21,7 @@ from benchmarks.single_runs import GRID, LONG, Single, error_of, prepared, singl
 from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
-    from runtime.accuracy_target.run_comparison import Quantities
+    from runtime.accuracy_target.runs import Quantities
     from runtime.machine_facade import Machine
     from runtime.results.result import Result
     from runtime.results.run_records import ReachedAccuracy
@@ -132,7 +132,7 @@ def _of_scene(
     repeats: int,
     grid: Sequence[float],
 ) -> Iterator[Row]:
-    from runtime.accuracy_target.run_comparison import quantities_of
+    from runtime.accuracy_target.runs import quantities_of
 
     t = np.linspace(0.0, t_end, POINTS)
     quantities = quantities_of(machine.description, None, prepared(machine, t).sizes)

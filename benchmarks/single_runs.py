@@ -13,7 +13,7 @@ import numpy.typing as npt
 from codegen.errors import LinkwrightError
 
 if TYPE_CHECKING:
-    from runtime.accuracy_target.run_comparison import Quantities
+    from runtime.accuracy_target.runs import Quantities
     from runtime.dynamics.formulations import Coordinates
     from runtime.dynamics.prepared_simulation import PreparedSimulation
     from runtime.integrate.problem import Options

@@ -169,9 +169,9 @@ class Machine(MachineStates):
             given |= {name: value for name, value in settings.items() if value is not None}
             analyse: Callable[..., Result] = partial(simulate, mechanism)
         else:
-            from runtime.accuracy_target import prepare_search
+            from runtime.accuracy_target.search import simulate_to
 
-            analyse = prepare_search(mechanism, **settings)
+            analyse = partial(simulate_to, mechanism, **settings)
         with bar(f"simulate {mechanism.title}", given.pop("progress")) as report:
             if until is None:
                 return analyse(**given, progress=report)

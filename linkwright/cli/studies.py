@@ -93,8 +93,7 @@ def accuracy(
     )  # fmt: skip
     if not request.as_json:
         from runtime.show.table_formatting import show
-        from runtime.studies.tables import score, work
-        from runtime.studies.work_precision.interpretation import sentences
+        from runtime.studies.conclusions import score, sentences, work
 
         show((score(diagram), work(diagram)), sentences(diagram))
 
@@ -153,8 +152,7 @@ def matters(
     )  # fmt: skip
     if not request.as_json:
         from runtime.show.table_formatting import show
-        from runtime.studies.effect_ranking.ranking import sentences
-        from runtime.studies.tables import ranking_table
+        from runtime.studies.ranking import ranking_table, sentences
 
         show((ranking_table(ranking),), sentences(ranking))
 

@@ -11,6 +11,7 @@ at instants that are fixed beforehand, not at the steps of a method.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 
@@ -85,13 +86,9 @@ def group_magnitude(result: Result, name: str) -> float:
         return 0.0
     if row.array == "energy":
         return magnitude(result.samples.energy)
-    whole = [
-        magnitude(result.column(one))
-        for one in result.description.series
-        if one.array == row.array
-        and (one.element, one.unit, one.quantity) == (row.element, row.unit, row.quantity)
-    ]
-    return max(whole)
+    part = attrgetter("array", "element", "unit", "quantity")
+    parts = [one for one in result.description.series if part(one) == part(row)]
+    return max(magnitude(result.column(one)) for one in parts)
 
 
 def scales(
@@ -140,13 +137,16 @@ def errors(values: FloatArray, reference: FloatArray, by: Sequence[Scale]) -> Er
     r = np.where(np.isfinite(reference), np.abs(reference), 0.0)
     relative = e * (size + r) / np.maximum(size, r)
     moving = np.array([scale.group != "others" for scale in by])
-    counts = moving if moving.any() else ~moving
-    each = {scale.name: worst for scale, worst in zip(by, e.max(axis=0).tolist(), strict=True)}
-    groups: dict[str, float] = {}
-    for scale in by:
-        groups[scale.group] = max(groups.get(scale.group, 0.0), each[scale.name])
+    counts, most = moving if moving.any() else ~moving, e.max(axis=0).tolist()
+    groups = dict[str, float]()
+    for scale, worst in zip(by, most, strict=True):
+        groups[scale.group] = max(groups.get(scale.group, 0.0), worst)
+
+    def rms(x: FloatArray) -> float:
+        return float(np.sqrt(np.mean(x[:, counts] ** 2)))
+
     return Errors(
-        worst=float(e[:, counts].max()), rms=float(np.sqrt(np.mean(e[:, counts] ** 2))),
-        end=float(e[-1, counts].max()), groups=groups, each=each,
-        relative=float(np.sqrt(np.mean(relative[:, counts] ** 2))),
+        worst=float(e[:, counts].max()), rms=rms(e), end=float(e[-1, counts].max()),
+        relative=rms(relative), groups=groups,
+        each=dict(zip((scale.name for scale in by), most, strict=True)),
     )  # fmt: skip

@@ -1,24 +1,24 @@
 """Two runs compared: how large their difference is, when, how it grows, the error that it shows.
 
 Runs that a condition ends have ends of their own. These are compared with each other, as are the
-instants at which joints come and go: each is a quantity, with an error of its own.
+instants at which joints come and go: each is a quantity, with an error of its own. The result of a
+simulation with an accuracy target has the estimated error, and ends where it is exceeded.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from codegen.errors import InputError
-from runtime.accuracy_target.error_norms import group_magnitude, scaled_errors, series_values
+from codegen.errors import AnalysisError
+from runtime.accuracy_target.error_norms import scaled_errors
+from runtime.accuracy_target.runs import Quantities, Run
+from runtime.core.arrays import EPS
 from runtime.core.outcomes import Outcome
-from runtime.integrate.problem import Formulation, Options
-from runtime.integrate.trajectory import Trajectory
 from runtime.mechanism.dense_equations import FloatArray
-from runtime.mechanism.module_tables import Description
+from runtime.results.motion_at_instants import end_after
 from runtime.results.result import Result
-from runtime.results.run_records import Trial
+from runtime.results.run_records import Estimate, ReachedAccuracy
 
 DIVERGED = 0.1  # accuracy: scaled difference of runs that have nothing in common any more
 ROUNDING = 2e-13  # accuracy: rtol from which on rounding keeps errors from falling
@@ -31,55 +31,6 @@ _STRAY = 10.0  # measured: difference over the second run's motion from which on
 _EACH, _ALL = 3.0, 30.0  # measured: growth over a quarter of an exponential divergence, over two
 _ENOUGH = 16  # safety: instants from which growth is estimated
 _LEAST_SHARE = 0.1  # safety: least share of a difference where the motions diverge later
-
-
-@dataclass(frozen=True)
-class Quantities:
-    """Series of a run whose errors count."""
-
-    names: tuple[str, ...]
-    scales: FloatArray  # typical sizes, (c,); NaN: the largest value in the run of it or its whole
-    state_columns: npt.NDArray[np.int64]  # in [q, v], (c,); -1: of a result, such as a reaction
-
-    @property
-    def are_states(self) -> bool:
-        """Whether all are coordinates and velocities."""
-        return bool(np.all(self.state_columns >= 0))
-
-    def of_run(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """The values, (k, c), where all are coordinates and velocities."""
-        values: FloatArray = np.hstack([q, v])[:, self.state_columns]
-        return values
-
-    def of_result(self, result: Result) -> FloatArray:
-        """The values, (k, c)."""
-        return series_values(result, self.names)
-
-    def wholes(self, result: Result) -> FloatArray:
-        """Magnitudes of the wholes that the series are parts of, (c,); 0 of those with a size."""
-        sizes = zip(self.names, np.isnan(self.scales), strict=True)
-        return np.array([group_magnitude(result, name) if free else 0.0 for name, free in sizes])
-
-
-def quantities_of(
-    description: Description, names: Sequence[str] | None, sizes: FloatArray
-) -> Quantities:
-    """The quantities of these names: all that is integrated without `names`.
-
-    `sizes`, (n,): of coordinates, and of velocities per second. A result refuses unknown names.
-    """
-    if names is not None and not len(names):
-        raise InputError(
-            f"{description.title}: quantities is {names!r}; it must be names of series, such as "
-            f'("{description.coordinates.names[0]}",).'
-        )
-    rows = description.coordinates
-    states = [*rows.names, *(row.velocity for row in rows)]
-    column = {name: k for k, name in enumerate(states)}
-    chosen = description.variables if names is None else tuple(dict.fromkeys(names))
-    state_columns = np.array([column.get(name, -1) for name in chosen], dtype=np.int64)
-    both = np.concatenate([sizes, sizes, [np.nan]])
-    return Quantities(chosen, both[state_columns], state_columns)
 
 
 @dataclass(frozen=True)
@@ -125,23 +76,24 @@ def difference(
 
 
 def with_instants(
-    found: Difference, names: Sequence[str], first: FloatArray, second: FloatArray, t_start: float
+    found: Difference, first: Mapping[str, float], second: Mapping[str, float], t_start: float
 ) -> Difference:
-    """The same with instants, (m,) s, of two runs that began at `t_start`, as columns of their own.
+    """The same with own instants of two runs that began at `t_start`, s, as columns of their own.
 
     What an instant's error is shows from there on; one behind all others is left out. Its typical
     size is the time of the run.
     """
-    t = found.t
-    shown = np.flatnonzero(np.minimum(first, second) <= t[-1]) if len(t) else np.zeros(0, np.int64)
-    first, second = first[shown], second[shown]
-    whole = np.full(len(shown), float(t[-1]) - t_start if len(t) else 0.0)
-    errors = scaled_errors(first[None] - t_start, second[None] - t_start, whole)
-    behind = t[:, None] >= np.minimum(first, second)
+    t, alike = found.t, (a for a, b in zip(first, second, strict=False) if a == b)
+    names = [a for a in alike if len(t) and min(first[a], second[a]) <= t[-1]]
+    if not names:
+        return found
+    old, new = (np.array([run[name] for name in names]) for run in (first, second))
+    whole = np.full(len(names), float(t[-1]) - t_start)
+    errors = scaled_errors(old[None] - t_start, new[None] - t_start, whole)
+    scaled = np.where(t[:, None] >= np.minimum(old, new), errors, 0.0)
     return Difference(
-        t, np.hstack([found.scaled, np.where(behind, errors, 0.0)]),
-        np.concatenate([found.scales, whole]), tuple(names[k] for k in shown.tolist()),
-    )  # fmt: skip
+        t, np.hstack([found.scaled, scaled]), np.append(found.scales, whole), tuple(names)
+    )
 
 
 def is_resolved(found: Difference, values: FloatArray, target: float) -> bool:
@@ -193,53 +145,6 @@ def sufficient_ratio(share: float) -> float:
     return float(min(share / _SCATTER, share ** (1.0 / _SLOWEST)))
 
 
-def own_instants(result: Result) -> dict[str, float]:
-    """The instants of a run's changes and of its end by a condition, s: ``t(latch)#2``."""
-    ends = [(result.ended_by, float(result.t[-1]))] if result.ended_by else []
-    found = dict[str, float]()
-    for name, t in [*((one.joint, one.time) for one in result.reconnections), *ends]:
-        count = sum(1 for known in found if known.partition("#")[0] == f"t({name})")
-        found[f"t({name}){f'#{count + 1}' if count else ''}"] = t
-    return found
-
-
-@dataclass
-class Run:
-    """A run with the settings that it had."""
-
-    formulation: Formulation
-    options: Options
-    path: Trajectory
-    values: FloatArray  # of the quantities, (≥ k, c); of a run that a condition ended, there too
-    wholes: FloatArray  # magnitudes of the wholes that they are parts of, (c,) or (1,)
-    seconds: float  # processor time
-    ended_by: str = ""  # the condition that ended it
-    # of joints that came or went, of that end, s
-    instants: dict[str, float] = field(default_factory=dict)
-    result: Result | None = None  # of a run in which joints come and go
-    difference: float | None = None  # largest, from the run with which it was compared
-
-    @property
-    def t(self) -> FloatArray:
-        """Instants that are compared with those of the same time in other runs, s."""
-        path = self.path
-        return path.t[path.t < path.final_t] if self.ended_by else path.t
-
-    @property
-    def passed(self) -> tuple[str, ...]:
-        """Names of its instants."""
-        return tuple(self.instants)
-
-    @property
-    def record(self) -> Trial:
-        """Settings, cost and outcome."""
-        counts, options = self.path.statistics, self.options
-        return Trial(
-            options.method, self.formulation, options.rtol, self.seconds, counts.rhs, counts.steps,
-            counts.events, self.path.outcome.name, self.difference,
-        )  # fmt: skip
-
-
 @dataclass(frozen=True)
 class Pair:
     """Two runs, the second with the tighter tolerance, and their difference.
@@ -262,7 +167,7 @@ class Pair:
     @property
     def alike(self) -> bool:
         """Whether the same joints come and go in both, and the same condition ends them."""
-        return self.loose.passed == self.tight.passed
+        return [*self.loose.instants] == [*self.tight.instants]
 
     @property
     def conclusive(self) -> bool:
@@ -277,14 +182,15 @@ class Pair:
         Two runs with different steps err differently, unless nothing acts at the instants at which
         they look.
         """
-        runs, count = (self.loose.path, self.tight.path), min(len(self.loose.t), len(self.tight.t))
-        free = runs[1].partitions.independent[:1].any(axis=0)
-        one, other = (np.hstack([run.q[:count, free], run.v[:count, free]]) for run in runs)
+        one, other = self.loose.path, self.tight.path
+        count = min(len(self.loose.t), len(self.tight.t))
+        pairs = [(one.q[:count], other.q[:count]), (one.v[:count], other.v[:count])]
         if self.alike and self.tight.ended_by:
-            ends = (np.hstack([run.final_q[free], run.final_v[free]]) for run in runs)
-            one, other = (np.vstack(pair) for pair in zip((one, other), ends, strict=True))
-        same = (one == other).all(axis=0).reshape(2, -1).all(axis=0)
-        return bool(same.any()) or self.difference.largest == 0.0
+            pairs += [(one.final_q[None], other.final_q[None])]
+            pairs += [(one.final_v[None], other.final_v[None])]
+        same = np.logical_and.reduce([(x == y).all(axis=0) for x, y in pairs])
+        free = other.partitions.independent[:1].any(axis=0)
+        return bool(same[free].any()) or self.difference.largest == 0.0
 
     @property
     def share(self) -> float:
@@ -310,25 +216,125 @@ def compare(loose: Run, tight: Run, quantities: Quantities, target: float) -> Pa
     """
     count = min(len(loose.t), len(tight.t))
     t, old, new = tight.t[:count], loose.values[:count], tight.values[:count]
-    if tight.ended_by and loose.passed == tight.passed:
-        rows = len(tight.t) - count + 1
+    if tight.ended_by and [*loose.instants] == [*tight.instants]:
         t = np.append(tight.t, tight.path.final_t)
         old, new = (
-            np.vstack([part, np.repeat(run.values[-1:], rows, axis=0)])
+            np.vstack([part, np.repeat(run.values[-1:], len(t) - count, axis=0)])
             for part, run in ((old, loose), (new, tight))
         )
     found = difference(t, old, new, quantities, tight.wholes)
     resolved = is_resolved(found, new, target)
-    common = [
-        (name, first, second)
-        for (name, first), (other, second) in zip(
-            loose.instants.items(), tight.instants.items(), strict=False
-        )
-        if name == other
-    ]
-    if common:
-        names, *instants = zip(*common, strict=True)
-        first, second = np.array(instants)
-        found = with_instants(found, names, first, second, tight.path.first_t)
+    found = with_instants(found, loose.instants, tight.instants, tight.path.first_t)
     tight.difference = found.largest
     return Pair(loose, tight, found, resolved)
+
+
+def with_accuracy(
+    result: Result, target: float, quantities: Quantities, runs: Sequence[Run], pair: Pair,
+    reasons: Sequence[str],
+) -> Result:  # fmt: skip
+    """The result of the delivered run, up to the instant to which it meets the target.
+
+    Its `ReachedAccuracy` has all runs, and the reasons for the choice of method and coordinates, in
+    clauses. Raises AnalysisError if not even the beginning meets the target.
+    """
+    difference, share = pair.difference, pair.share
+    trials = tuple(run.record for run in runs)
+    delivered = pair.by_merit[0].record
+    of_all = share if difference.largest < DIVERGED else 1.0
+    count = difference.within(min(target / share, DIVERGED))
+    reached = len(result.t)
+    if result.outcome is not Outcome.OK and reached - len(difference.t) <= 1:
+        reached = len(difference.t)  # both end by themselves, on either side of an instant
+    whole = count >= min(reached, len(difference.t)) and len(difference.t) >= reached
+    accuracy = result.accuracy = ReachedAccuracy(
+        asked=target, estimated=max(EPS, of_all * difference.largest),
+        quantities=tuple(_estimates(quantities, difference, of_all)), method=delivered.method,
+        formulation=delivered.formulation, rtol=delivered.rtol, runs=trials,
+        horizon=None if whole else float(difference.t[count - 1] if count else result.t[0]),
+        tenfold=tenfold_time(difference),
+        means=_explanation(pair, reasons), seconds=sum(trial.seconds for trial in trials),
+    )  # fmt: skip
+    if whole:
+        result.message += f" {accuracy.sentences()[0]}"
+        return result
+    if count < (1 if difference.scaled[:1].any() else 2):  # the start alone is no motion
+        raise AnalysisError(_refusal(result, accuracy, difference))
+    end_after(result, count)
+    result.message = _message(accuracy, difference)
+    result.outcome = Outcome.INACCURATE
+    return result
+
+
+def _estimates(quantities: Quantities, difference: Difference, share: float) -> list[Estimate]:
+    """The largest error of each quantity and its instant, the worst first."""
+    t, scaled = difference.t, difference.scaled
+    if not len(t):  # no common instant
+        t, scaled = np.zeros(1), np.zeros((1, len(difference.scales)))
+    worst, errors = scaled.argmax(axis=0), np.maximum(share * scaled.max(axis=0), EPS)
+    rows = np.stack([difference.scales, errors, t[worst]], axis=1).tolist()
+    names = (*quantities.names, *difference.instants)
+    estimates = [Estimate(name, *row) for name, row in zip(names, rows, strict=True)]
+    return sorted(estimates, key=lambda estimate: -estimate.error)
+
+
+def _explanation(pair: Pair, reasons: Sequence[str]) -> str:
+    """The origin of the estimate."""
+    difference, share = pair.difference, pair.share
+    delivered, other = (run.record for run in pair.by_merit)
+    tight = pair.tight
+    text = (
+        f"Estimated from the difference of two runs, {difference.largest:.1e} between rtol = "
+        f"{other.rtol:.1e} and {delivered.rtol:.1e}"
+    )
+    if pair.agrees and tight.options.h_max is not None:
+        text += (
+            "; something moves alike in both, to the last digit, also with steps of at most "
+            f"{tight.options.h_max:.3g} s, so that only a shorter pulse would go unseen"
+        )
+    if delivered.rtol == other.rtol and not pair.agrees and tight.options.h_max is not None:
+        text += (
+            f", the second with steps of at most {tight.options.h_max:.3g} s, since "
+            "runs of two tolerances took the same steps, or moved alike"
+        )
+    if share < 1.0:
+        text += f"; the error of the tighter run is estimated as {share:.2g} times that"
+    if other.events != delivered.events:
+        text += f"; they have {other.events} and {delivered.events} events"
+    if not pair.alike:
+        ways = (", ".join(run.instants) or "nothing" for run in reversed(pair.by_merit))
+        text += (
+            f"; joints come and go, and conditions end them, in other ways: {' and '.join(ways)}"
+        )
+    for trial in (other, delivered):
+        if trial.outcome != Outcome.OK.name:
+            text += f"; the run at rtol = {trial.rtol:.1e} ends before ({trial.outcome})"
+    return "; ".join([text, *reasons]) + "."
+
+
+def _message(accuracy: ReachedAccuracy, difference: Difference) -> str:
+    """The message of a result that ends at its horizon."""
+    growth = ""
+    if accuracy.tenfold is not None:
+        growth = (
+            f" Errors grow tenfold every {accuracy.tenfold:.3g} s: over this time the motion is "
+            "chaotic, and its end depends on digits that no tolerance can provide."
+        )
+    return (
+        f"The accuracy of {accuracy.asked:.1e} is reached up to t = {accuracy.horizon:.6g} s. Over "
+        f"all {difference.t[-1] - difference.t[0]:.6g} s the error would be about "
+        f"{accuracy.estimated:.1e} at rtol = {accuracy.rtol:.1e}.{growth} {accuracy.means} "
+        f"{Outcome.INACCURATE.advice}"
+    )
+
+
+def _refusal(result: Result, accuracy: ReachedAccuracy, difference: Difference) -> str:
+    worst = accuracy.quantities[0]
+    differs = np.flatnonzero(difference.over_time > 0.0)
+    first = float(difference.t[differs[0]] if len(differs) else result.t[0])
+    return (
+        f"{result.description.title}: an accuracy of {accuracy.asked:.1e} cannot be reached, not "
+        f"even up to the first instant, t = {first:.6g} s: at rtol = {accuracy.rtol:.1e} the error "
+        f"of {worst.name} is estimated as {worst.error:.1e}, over all the time. {accuracy.means} "
+        "Ask for no less than that."
+    )

@@ -1,39 +1,118 @@
-"""Runs of a search: the method and coordinates of each, and the values of its quantities.
-
-Reduced coordinates are two to four times as fast, and contain the derivatives that implicit methods
-take; both are companion modules, whose first build takes seconds. They are taken only if they are
-built already.
-"""
+"""Runs of a search, also those in which joints come and go, and the values of quantities."""
 
 import time as clock
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from codegen.errors import InputError
-from runtime.accuracy_target.error_norms import require_numbers
-from runtime.accuracy_target.run_comparison import Quantities, Run, own_instants
+from runtime.accuracy_target.error_norms import group_magnitude, require_numbers, series_values
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.connected_simulation import simulate
 from runtime.dynamics.formulations import Coordinates, formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import run_prepared
-from runtime.integrate.method import IMPLICIT, LEADING
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.trajectory import Partitions, Statistics, Trajectory
+from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.mechanism import Mechanism
+from runtime.mechanism.module_tables import Description
 from runtime.progress_bar import Progress, silent
 from runtime.results.result import Result
+from runtime.results.run_records import Trial
 
-WIDE = 1e-3  # measured: rtol of the second run over that of the first
-_STIFF = 0.03  # measured: the same with an implicit method
-_CHANGED = 1.5e-3  # measured: the same with an implicit method after an explicit one
-_DECAY = 2.0  # measured: -h Re λ in explicit steps from which on an implicit method costs less,
-_COARSE = 1e-8  # measured: and its rtol down to which it does
-_SHORT = 25  # measured: such steps below which BDF, which begins at order one, is not worth it
-_LARGEST = {"largest_dq"}  # entries of statistics that are no counts
+
+@dataclass(frozen=True)
+class Quantities:
+    """Series of a run whose errors count."""
+
+    names: tuple[str, ...]
+    scales: FloatArray  # typical sizes, (c,); NaN: the largest value in the run of it or its whole
+    state_columns: npt.NDArray[np.int64]  # in [q, v], (c,); -1: of a result, such as a reaction
+
+    @property
+    def are_states(self) -> bool:
+        """Whether all are coordinates and velocities."""
+        return bool(np.all(self.state_columns >= 0))
+
+    def of_run(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """The values, (k, c), where all are coordinates and velocities."""
+        values: FloatArray = np.hstack([q, v])[:, self.state_columns]
+        return values
+
+    def of_result(self, result: Result) -> FloatArray:
+        """The values, (k, c)."""
+        return series_values(result, self.names)
+
+    def wholes(self, result: Result) -> FloatArray:
+        """Magnitudes of the wholes that the series are parts of, (c,); 0 of those with a size."""
+        sizes = zip(self.names, np.isnan(self.scales), strict=True)
+        return np.array([group_magnitude(result, name) if free else 0.0 for name, free in sizes])
+
+
+def quantities_of(
+    description: Description, names: Sequence[str] | None, sizes: FloatArray
+) -> Quantities:
+    """The quantities of these names: all that is integrated without `names`.
+
+    `sizes`, (n,): of coordinates, and of velocities per second. A result refuses unknown names.
+    """
+    if names is not None and not len(names):
+        raise InputError(
+            f"{description.title}: quantities is {names!r}; it must be names of series, such as "
+            f'("{description.coordinates.names[0]}",).'
+        )
+    rows = description.coordinates
+    states = [*rows.names, *(row.velocity for row in rows)]
+    column = {name: k for k, name in enumerate(states)}
+    chosen = description.variables if names is None else tuple(dict.fromkeys(names))
+    state_columns = np.array([column.get(name, -1) for name in chosen], dtype=np.int64)
+    both = np.concatenate([sizes, sizes, [np.nan]])
+    return Quantities(chosen, both[state_columns], state_columns)
+
+
+@dataclass
+class Run:
+    """A run with the settings that it had."""
+
+    formulation: Formulation
+    options: Options
+    path: Trajectory
+    values: FloatArray  # of the quantities, (≥ k, c); of a run that a condition ended, there too
+    wholes: FloatArray  # magnitudes of the wholes that they are parts of, (c,) or (1,)
+    ended_by: str  # the condition that ended it
+    instants: dict[str, float]  # of joints that came or went, of that end, s
+    result: Result | None  # of a run in which joints come and go
+    difference: float | None = None  # largest, from the run with which it was compared
+
+    @property
+    def t(self) -> FloatArray:
+        """Instants that are compared with those of the same time in other runs, s."""
+        path = self.path
+        return path.t[path.t < path.final_t] if self.ended_by else path.t
+
+    @property
+    def record(self) -> Trial:
+        """Settings, cost and outcome."""
+        counts, options = self.path.statistics, self.options
+        return Trial(
+            options.method, self.formulation, options.rtol, counts.seconds, counts.rhs,
+            counts.steps, counts.events, self.path.outcome.name, self.difference,
+        )  # fmt: skip
+
+
+def own_instants(result: Result) -> dict[str, float]:
+    """The instants of a run's changes and of its end by a condition, s: ``t(latch)#2``."""
+    ends = [(result.ended_by, float(result.t[-1]))] if result.ended_by else []
+    found, counts = dict[str, float](), Counter[str]()
+    for name, t in [*((one.joint, one.time) for one in result.reconnections), *ends]:
+        counts[name] += 1
+        found[f"t({name})" if counts[name] == 1 else f"t({name})#{counts[name]}"] = t
+    return found
 
 
 class Choice(NamedTuple):
@@ -45,67 +124,6 @@ class Choice(NamedTuple):
     reasons: tuple[str, ...] = ()  # for the choice, in clauses
 
 
-@dataclass
-class Choices:
-    """How each run is chosen, given those before it."""
-
-    ready: PreparedSimulation
-    method: str | None  # this and the formulation are chosen where they are None
-    formulation: Formulation | None
-    correction: Correction  # that of the coordinates may differ
-    contradiction: str = ""  # what a check says of a run in reduced coordinates
-
-    def first(self) -> Choice:
-        """Method and coordinates of the first run."""
-        if self.contradiction:
-            found = self.contradiction.rstrip(".")
-            return self._choice(
-                "cartesian", f"a check contradicts the run in reduced coordinates ({found})"
-            )
-        if self.formulation is not None:
-            return self._choice(self.formulation)
-        reason = "reduced coordinates are not built (linkwright build --reduced)"
-        if self.ready.mechanism.has_companion("reduced"):
-            try:
-                return self._choice("reduced")
-            except InputError as error:
-                reason = f"reduced coordinates are refused ({error.problems[0]})"
-        return self._choice("cartesian", reason)
-
-    def revised(self, choice: Choice, first: Run) -> Choice:
-        """The choice for the next run, given the first."""
-        run = first.path
-        if choice.formulation == "reduced" and run.outcome is not Outcome.OK:
-            if self.formulation is not None:
-                return choice
-            end = f"t = {run.final_t:.6g} s ({run.outcome.name})"
-            return self._choice("cartesian", f"in reduced coordinates the run ends at {end}")
-        if choice.method == "auto" and self.method is None and len(run.methods) == 1:
-            if run.decay < _DECAY or first.options.rtol * _CHANGED < _COARSE:
-                return choice._replace(method=LEADING)
-            # In too few steps for the run to change by itself.
-            return choice._replace(method="radau5" if run.statistics.steps < _SHORT else "bdf")
-        return choice
-
-    def _choice(self, formulation: Formulation, *reasons: str) -> Choice:
-        """With the method that detects stiffness, where its derivatives exist; else explicit."""
-        ready = self.ready
-        stiff = ready.mechanism.has_companion("tangents") and not ready.begin.redundant
-        method = self.method or ("auto" if formulation == "reduced" or stiff else LEADING)
-        coordinates = formulate(ready, formulation, method, self.correction)
-        return Choice(method, formulation, coordinates, reasons)
-
-
-def second_ratio(choice: Choice, first: Trajectory) -> float:
-    """rtol of the second run, with this choice, over that of the first.
-
-    A first run whose steps stability limits errs by much more than its tolerance suggests.
-    """
-    if any(method in IMPLICIT for _, method in first.methods):
-        return _STIFF
-    return _CHANGED if choice.method in IMPLICIT else WIDE
-
-
 def make_run(
     ready: PreparedSimulation, choice: Choice, options: Options, quantities: Quantities,
     correction: Correction, progress: Progress,
@@ -115,32 +133,28 @@ def make_run(
     Where joints come and go, each part returns onto the constraints by the `correction` asked for,
     or as its own constraints ask for.
     """
-    coordinates, about, result = choice.coordinates, ready.mechanism.description, None
-    if any(row.reconnects for row in about.watched):
+    watched, result, wholes = ready.mechanism.description.watched, None, np.zeros(1)
+    if any(row.reconnects for row in watched):
         options = replace(options, correction=correction)
         result, path = _run_with_reconnections(ready, choice.formulation, options, progress)
-        seconds = path.statistics.seconds
+        ended_by, instants = result.ended_by, own_instants(result)
     else:
-        started = clock.process_time()
-        path = ready.run(coordinates, options, progress)
-        seconds = clock.process_time() - started
+        path = ready.run(choice.coordinates, options, progress)
+        ended_by = watched[path.stopped_by].name if path.stopped_by >= 0 else ""
+        instants = {f"t({ended_by})": path.final_t} if ended_by else {}
     if result is None and quantities.are_states:
-        values, wholes = quantities.of_run(path.q, path.v), np.zeros(1)
-        ended_by = about.watched[path.stopped_by].name if path.stopped_by >= 0 else ""
+        q, v = path.q, path.v
         if ended_by and not (len(path.t) and path.t[-1] == path.final_t):
-            end = quantities.of_run(path.final_q[None], path.final_v[None])
-            values = np.vstack([values, end])
+            q, v = np.vstack([q, path.final_q]), np.vstack([v, path.final_v])
+        values = quantities.of_run(q, v)
     else:
-        found = result or run_prepared(coordinates, options, clock.perf_counter(), silent, path)
+        found = result or run_prepared(
+            choice.coordinates, options, clock.perf_counter(), silent, path
+        )
         values, wholes = quantities.of_result(found), quantities.wholes(found)
-        ended_by = found.ended_by
         if path.outcome is Outcome.OK:  # else another run may go further
             require_numbers(found.description, quantities.names, values)
-    instants = {f"t({ended_by})": path.final_t} if ended_by else {}
-    return Run(
-        choice.formulation, options, path, values, wholes, seconds, ended_by,
-        instants if result is None else own_instants(result), result,
-    )  # fmt: skip
+    return Run(choice.formulation, options, path, values, wholes, ended_by, instants, result)
 
 
 def _run_with_reconnections(
@@ -166,25 +180,22 @@ def _run_with_reconnections(
         ready.mechanism, ready.t_end, options.t_eval, part=part, max_steps=options.max_steps,
         **ready.given,
     )  # fmt: skip
-    return result, _as_one(paths, result, np.asarray(options.t_eval))
+    return result, _as_one(paths, result, options.t_eval)
 
 
 def _as_one(paths: Sequence[Trajectory], result: Result, t_eval: Any) -> Trajectory:
     """The last of the parts with the samples of all, in all coordinates, and with all costs."""
-    first, last, samples = paths[0], paths[-1], result.samples
-    rows = np.isin(samples.t, t_eval)
-    chosen = first.partitions.independent
-    independent = np.zeros((len(chosen), samples.q.shape[1]), np.bool_)
-    independent[:, : chosen.shape[1]] = chosen
+    first, samples = paths[0], result.samples
+    rows, chosen = np.isin(samples.t, t_eval), first.partitions.independent
+    chosen = np.pad(chosen, ((0, 0), (0, samples.q.shape[1] - chosen.shape[1])))
     counts = [vars(path.statistics) for path in paths]
-    total = {
-        name: (max if name in _LARGEST else sum)(one[name] for one in counts) for name in counts[0]
-    }
+    total = {name: sum(one[name] for one in counts) for name in counts[0]}
+    total["largest_dq"] = max(one["largest_dq"] for one in counts)
     ended = {"final_q": samples.q[-1], "final_v": samples.v[-1]} if result.ended_by else {}
     return replace(
-        last, t=samples.t[rows], q=samples.q[rows], v=samples.v[rows], modes=samples.modes[rows],
-        outcome=result.outcome, first_t=first.first_t, statistics=Statistics(**total),
-        partitions=Partitions(first.partitions.t, independent),
+        paths[-1], t=samples.t[rows], q=samples.q[rows], v=samples.v[rows], outcome=result.outcome,
+        first_t=first.first_t, statistics=Statistics(**total),
+        partitions=Partitions(first.partitions.t, chosen),
         methods=tuple(method for path in paths for method in path.methods),
-        decay=max(path.decay for path in paths), checkpoints=None, **ended,
+        decay=max(path.decay for path in paths), **ended,
     )  # fmt: skip

@@ -12,42 +12,50 @@ A method of order eight costs a third more for a tenth of the tolerance, and les
 its steps. A first run with a thousand times the tolerance of the second costs half as much, and
 scatter matters little over so wide a gap; from runs that are nearer, and may err alike, less is
 concluded. With an implicit method, where it costs more, the gap is narrower.
+
+Reduced coordinates are two to four times as fast, and contain the derivatives that implicit methods
+take; both are companion modules, whose first build takes seconds. They are taken only if they are
+built already.
 """
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError
 from codegen.termination_signals import SignalDeferral
-from runtime.accuracy_target.estimated_error import with_accuracy
 from runtime.accuracy_target.run_comparison import (
     DIVERGED,
     ROUNDING,
     Pair,
-    Quantities,
-    Run,
     compare,
-    quantities_of,
     sufficient_ratio,
+    with_accuracy,
 )
-from runtime.accuracy_target.runs import WIDE, Choice, Choices, make_run, second_ratio
+from runtime.accuracy_target.runs import Choice, Quantities, Run, make_run, quantities_of
 from runtime.core.outcomes import Outcome
-from runtime.dynamics.controllers import Functions
 from runtime.dynamics.formulations import formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.dynamics.simulation import note_repetition, run_prepared
-from runtime.integrate.method import REGISTER
+from runtime.integrate.method import IMPLICIT, LEADING, REGISTER
 from runtime.integrate.problem import Correction, Formulation, Options
 from runtime.integrate.wiring import function_table
-from runtime.mechanism.mechanism import Mechanism, Values
+from runtime.mechanism.mechanism import Mechanism
 from runtime.progress_bar import Progress, silent
-from runtime.results.assembled_state import Assembly, State
 from runtime.results.result import Result
 
+FINEST = 1e-12  # accuracy: tightest target; rounding shows below it
+COARSEST = 0.1  # accuracy: loosest target
+WIDE = 1e-3  # measured: rtol of the second run over that of the first
+_STIFF = 0.03  # measured: the same with an implicit method
+_CHANGED = 1.5e-3  # measured: the same with an implicit method after an explicit one
+_DECAY = 2.0  # measured: -h Re λ in explicit steps from which on an implicit method costs less,
+_COARSE = 1e-8  # measured: and its rtol down to which it does
+_SHORT = 25  # measured: such steps below which BDF, which begins at order one, is not worth it
 _FIRST, _SLOPE = 5e-4, 0.9  # measured: rtol of the first run for a target of 1e-3; its power law
 _LOOSEST, _TIGHTEST = 1e-3, 1e-14  # safety: rtol of any run
 _LAST = 3e-14  # measured: the same where errors are small; a tighter run errs more, by rounding
@@ -62,11 +70,10 @@ _SAMPLED = 1e-3  # safety: longest step, of the whole time, where runs agree to 
 
 def simulate_to(
     mechanism: Mechanism, t_end: float, t_eval: npt.ArrayLike | int | str | None, *,
-    accuracy: float, quantities: Sequence[str] | None, t_start: float, method: str | None,
-    parameters: Values | None, guess: Values | None, start: Assembly | State | Values | None,
-    correction: Correction, formulation: Formulation | None, time_scale: float | None,
-    first_step: float | None, max_step: float | None, max_steps: int | None, max_bytes: int,
-    progress: Progress, controllers: Functions | None = None,
+    accuracy: float | None, quantities: Sequence[str] | None, rtol: float | None, atol: Any,
+    method: str | None, formulation: Formulation | None, correction: Correction,
+    time_scale: float | None, first_step: float | None, max_step: float | None,
+    max_steps: int | None, max_bytes: int, progress: Progress, **begin: Any,
 ) -> Result:  # fmt: skip
     """Integrate with a global error below `accuracy` at the output instants.
 
@@ -80,10 +87,10 @@ def simulate_to(
     stay valid, and the method that suits the first run. See `Machine.simulate`.
     """
     began = clock.perf_counter()
-    ready = PreparedSimulation(
-        mechanism, t_end, t_start=t_start, parameters=parameters, guess=guess, start=start,
-        controllers=controllers,
-    )  # fmt: skip
+    problems = [*_conflicts(mechanism, accuracy, quantities or (), rtol=rtol, atol=atol)]
+    if accuracy is None or problems:
+        raise InputError(problems)
+    ready = PreparedSimulation(mechanism, t_end, **begin)
     if isinstance(t_eval, str):
         raise InputError(
             f'{mechanism.title}: t_eval = "steps" and accuracy are both given; an accuracy '
@@ -94,8 +101,39 @@ def simulate_to(
         h_max=max_step, max_steps=max_steps, max_bytes=max_bytes,
     )  # fmt: skip
     chosen = quantities_of(mechanism.description, quantities, ready.sizes)
-    choices = Choices(ready, method, formulation, correction)
-    return _Search(ready, choices, accuracy, chosen, options, progress).result(began)
+    search = _Search(
+        ready, method, formulation, correction, accuracy, chosen, options, progress
+    )  # fmt: skip
+    return search.result(began)
+
+
+def _conflicts(
+    mechanism: Mechanism, accuracy: float | None, names: Sequence[str], **tolerances: Any
+) -> Iterator[str]:
+    """Why there is no such target: its value, tolerances beside it, names that are no series.
+
+    Of joints that come and go a result says the last, since a scene that follows has series of its
+    own.
+    """
+    description = mechanism.description
+    if accuracy is None:
+        yield f"{mechanism.title}: quantities without accuracy: give the error too, accuracy=1e-6."
+    elif not FINEST <= accuracy <= COARSEST:
+        yield (
+            f"{mechanism.title}: accuracy = {accuracy:g} must lie between {FINEST:g}, below which "
+            f"rounding shows, and {COARSEST:g}."
+        )
+    for name, value in tolerances.items():
+        if accuracy is not None and value is not None:
+            yield (
+                f"{mechanism.title}: accuracy = {accuracy:g} and {name} = {value:g} are both "
+                "given; an accuracy chooses the tolerances. Leave one of them out."
+            )
+    for name in names if not any(row.reconnects for row in description.watched) else ():
+        try:
+            description.series.find(name)
+        except InputError as error:
+            yield from error.problems
 
 
 class _InterruptedError(Exception):
@@ -107,11 +145,14 @@ class _Search:
     """The runs, each planned from those before."""
 
     ready: PreparedSimulation
-    choices: Choices
+    method: str | None  # this and the formulation are chosen where they are None
+    formulation: Formulation | None
+    correction: Correction  # that of the coordinates may differ
     target: float
     quantities: Quantities
     options: Options
     progress: Progress
+    contradiction: str = ""  # what a check says of a run in reduced coordinates
     signals: SignalDeferral = field(default_factory=lambda: SignalDeferral(computing=True))
     runs: list[Run] = field(default_factory=list)
     pair: Pair | None = None  # the last runs that were compared
@@ -126,14 +167,14 @@ class _Search:
                 return self._interrupted(began)
 
     def _search(self, began: float) -> Result:
-        choice = self.choices.first()
+        choice = self._first_choice()
         rtol = min(max(_FIRST * (self.target / 1e-3) ** _SLOPE, _LAST / WIDE), _LOOSEST)
         while True:  # until there is a run that can be compared with others
             first = self._run(choice, rtol)
-            previous, choice = choice, self.choices.revised(choice, first)
+            previous, choice = choice, self._revised(choice, first)
             if choice.formulation == previous.formulation:
                 break
-        second = max(_LAST, rtol * second_ratio(choice, first.path))
+        second = max(_LAST, rtol * _second_ratio(choice, first))
         pair = self._compare(choice, second, first)
         longest = self._sampled if self._is_unseen(pair) else np.inf
         if self._is_paced(pair):
@@ -150,13 +191,13 @@ class _Search:
             choice.coordinates, run.options, began, silent, run.path
         )
         if result.outcome is Outcome.CONTRADICTED and choice.formulation == "reduced":
-            self.choices.contradiction = result.contradiction
+            self.contradiction = result.contradiction
             return self._search(began)
         result = with_accuracy(
             result, self.target, self.quantities, self.runs, pair, choice.reasons
         )
-        if self.choices.contradiction:
-            note_repetition(result, self.choices.contradiction)
+        if self.contradiction:
+            note_repetition(result, self.contradiction)
         return result
 
     def _interrupted(self, began: float) -> Result:
@@ -166,7 +207,7 @@ class _Search:
         """
         pair = self.pair
         run = pair.by_merit[0] if pair else max(self.runs, key=lambda run: len(run.path.t))
-        taken = formulate(self.ready, run.formulation, run.options.method, self.choices.correction)
+        taken = formulate(self.ready, run.formulation, run.options.method, self.correction)
         result = run.result or run_prepared(
             taken, run.options, began, silent, run.path, works=False
         )
@@ -180,6 +221,46 @@ class _Search:
             f"{run.options.rtol:.1e}, up to t = {run.path.final_t:.6g} s; {error}. {advice}"
         )
         return result
+
+    def _first_choice(self) -> Choice:
+        """Method and coordinates of the first run."""
+        if self.contradiction:
+            found = self.contradiction.rstrip(".")
+            return self._choice(
+                "cartesian", f"a check contradicts the run in reduced coordinates ({found})"
+            )
+        if self.formulation is not None:
+            return self._choice(self.formulation)
+        reason = "reduced coordinates are not built (linkwright build --reduced)"
+        if self.ready.mechanism.has_companion("reduced"):
+            try:
+                return self._choice("reduced")
+            except InputError as error:
+                reason = f"reduced coordinates are refused ({error.problems[0]})"
+        return self._choice("cartesian", reason)
+
+    def _revised(self, choice: Choice, first: Run) -> Choice:
+        """The choice for the next run, given the first."""
+        run = first.path
+        if choice.formulation == "reduced" and run.outcome is not Outcome.OK:
+            if self.formulation is not None:
+                return choice
+            end = f"t = {run.final_t:.6g} s ({run.outcome.name})"
+            return self._choice("cartesian", f"in reduced coordinates the run ends at {end}")
+        if choice.method == "auto" and self.method is None and len(run.methods) == 1:
+            if run.decay < _DECAY or first.options.rtol * _CHANGED < _COARSE:
+                return choice._replace(method=LEADING)
+            # In too few steps for the run to change by itself.
+            return choice._replace(method="radau5" if run.statistics.steps < _SHORT else "bdf")
+        return choice
+
+    def _choice(self, formulation: Formulation, *reasons: str) -> Choice:
+        """With the method that detects stiffness, where its derivatives exist; else explicit."""
+        ready = self.ready
+        stiff = ready.mechanism.has_companion("tangents") and not ready.begin.redundant
+        method = self.method or ("auto" if formulation == "reduced" or stiff else LEADING)
+        coordinates = formulate(ready, formulation, method, self.correction)
+        return Choice(method, formulation, coordinates, reasons)
 
     def _compare(self, choice: Choice, rtol: float, loose: Run) -> Pair:
         """Another run, of a tighter tolerance, compared with an earlier one."""
@@ -239,7 +320,7 @@ class _Search:
             correction=choice.coordinates.correction,
         )  # fmt: skip
         made = make_run(
-            self.ready, choice, options, self.quantities, self.choices.correction, self.progress
+            self.ready, choice, options, self.quantities, self.correction, self.progress
         )
         self.runs.append(made)
         if self.signals.arrived or made.path.outcome is Outcome.INTERRUPTED:
@@ -251,3 +332,13 @@ def _tightest(pair: Pair) -> float:
     """Tightest rtol after these two runs."""
     near = pair.conclusive and pair.difference.largest < DIVERGED
     return _LAST if near else _TIGHTEST
+
+
+def _second_ratio(choice: Choice, first: Run) -> float:
+    """rtol of the second run, with this choice, over that of the first.
+
+    A first run whose steps stability limits errs by much more than its tolerance suggests.
+    """
+    if any(method in IMPLICIT for _, method in first.path.methods):
+        return _STIFF
+    return _CHANGED if choice.method in IMPLICIT else WIDE

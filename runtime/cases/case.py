@@ -10,11 +10,19 @@ from codegen.files.whole_files import whole_file
 from codegen.object_display import html_of
 from codegen.readers import arguments as readers
 from codegen.readers.calls import checked_class, named_attributes
+from codegen.readers.quantities import UnitError, number_in
 from codegen.readers.values import shown
-from runtime.cases.document import ENDINGS, Document, Place, plain, read_document, text_of
+from runtime.cases.document import (
+    Document,
+    Place,
+    plain,
+    read_document,
+    require_ending,
+    text_of,
+)
 from runtime.cases.fields import FORMAT, analysis_of, problems_of, read_run
-from runtime.cases.machine_values import conditions_of, values_of
 from runtime.core.kinds import ANALYSES
+from runtime.mechanism.table_rows import unknown
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
@@ -123,6 +131,7 @@ class Case:
         }
         return {"format": FORMAT, "model": self.model, **given}
 
+    @readers.reads(path=readers.path)
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the case into a file, whole or not at all; numbers keep all their bits.
 
@@ -137,10 +146,8 @@ class Case:
         InputError
             If the ending is another one, or the file cannot be written.
         """
-        given = readers.read_arguments("Case.save", {"path": readers.path}, {"path": path})
-        file: Path = given["path"]
-        if file.suffix.lower() not in ENDINGS:
-            raise InputError(f"{file}: a case is saved as {', '.join(ENDINGS)}.")
+        file = Path(path)
+        require_ending(file)
         content = self.data
         if _is_path(self.model) and not Path(self.model).is_absolute():
             there = os.path.relpath(self._folder / self.model, file.resolve().parent)
@@ -206,21 +213,41 @@ class Case:
             A sentence for each name that the machine does not have, and each unit that does not
             fit.
         """
-        problems = list[str]()
-
-        def note(at: Place, why: str) -> None:
-            problems.append(self._document.problem(at, why))
-
-        given = {word: of for word in _VALUES if (of := vars(self)[word])}
-        if self.analysis == "equilibrium" and given.pop("start", None):
-            note(("start",), "an equilibrium has no start values; give them as guess.")
-        found: dict[str, Any] = values_of(machine.description, given, note)
+        about, problems, found = machine.description, list[str](), dict[str, Any]()
+        parameters = {row.name: row.unit for row in about.parameters}
+        parameters |= dict.fromkeys(about.unused, "")
+        states = {name: about.series.find(name).unit for name in about.variables}
+        for word in _VALUES:
+            units = parameters if word == "parameters" else states
+            numbers = dict[str, float]()
+            for name, value in vars(self)[word].items():
+                try:
+                    unit = units[name]
+                    text = isinstance(value, str)
+                    numbers[name] = number_in(value, unit) if text else float(value)
+                except KeyError:
+                    what = "parameter" if units is parameters else "coordinate, velocity or state"
+                    problems.append(self._problem((word, name), unknown(what, name, units)))
+                except UnitError as error:
+                    problems.append(self._problem((word, name), str(error)))
+            found |= {word: numbers} if vars(self)[word] else {}
+        if self.analysis == "equilibrium" and found.pop("start", None):
+            why = "an equilibrium has no start values; give them as guess."
+            problems.append(self._problem(("start",), why))
         found |= read_run(self.analysis, self.run)
-        if "until" in found:
-            found["until"] = conditions_of(machine.description, found["until"], note)
+        for name, condition in found.get("until", {}).items():
+            row = about.series.get(condition.series)
+            try:
+                value = condition.number(row.unit if row else "")
+                found["until"][name] = condition.series, condition.sign, value
+            except UnitError as error:
+                problems.append(self._problem(("run", "until", name), str(error)))
         if problems:
             raise InputError(problems)
         return found
+
+    def _problem(self, at: Place, why: str) -> str:
+        return self._document.problem(at, why)
 
     def analyse(self, **words: Any) -> "Result":
         """Load the machine and make the analysis.
@@ -239,7 +266,7 @@ class Case:
         given = self.words(machine) | words
         if self.analysis == "simulate" and "t_end" not in given:
             why = "t_end is missing: the last instant in s."
-            raise InputError(self._document.problem(("run",), why))
+            raise InputError(self._problem(("run",), why))
         result: Result = getattr(machine, self.analysis)(**given)
         return result
 

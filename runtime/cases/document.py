@@ -9,7 +9,7 @@ import json
 import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
-from os import fspath
+from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -36,7 +36,7 @@ _RESOLVED = (
 _SCALARS: dict[str, Callable[[str], Any]] = {
     "str": str,
     "null": lambda _: None,
-    "bool": lambda text: {"true": True, "false": False}[text.lower()],
+    "bool": lambda text: ("false", "true").index(text.lower()) == 1,
     "int": int,
     "float": float,
 }
@@ -81,20 +81,24 @@ def plain(value: Any) -> Any:
         return {key: plain(part) for key, part in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
         return [plain(part) for part in value]
-    if hasattr(value, "__fspath__"):
-        return fspath(value)
-    if isinstance(value, np.generic):
-        value = value.item()
+    value = value.item() if isinstance(value, np.generic) else value
     if isinstance(value, str | int | float | None):
         return value
     number = finite_float(value)
-    return value if number is None else number
+    if number is None:
+        return fspath(value) if isinstance(value, PathLike) else value
+    return number
+
+
+def require_ending(path: Path) -> None:
+    """Refuse files of other formats."""
+    if path.suffix.lower() not in ENDINGS:
+        raise InputError(f"{path}: a case is a file ending in {', '.join(ENDINGS)}.")
 
 
 def read_document(path: Path) -> Document:
     """The data of a file; InputError says its line where something is wrong."""
-    if path.suffix.lower() not in ENDINGS:
-        raise InputError(f"{path}: a case is a file ending in {', '.join(ENDINGS)}.")
+    require_ending(path)
     try:
         with path.open("rb") as file:
             content = file.read(_MOST_BYTES + 1)
@@ -119,79 +123,59 @@ def _of_json(path: Path, text: str) -> Document:
             found[name] = value
         return found
 
-    def constant(name: str) -> None:
-        raise InputError(f"{path}: {name} is no number; give a finite one.")
-
     try:
-        data = json.loads(text, object_pairs_hook=mapping, parse_constant=constant)
-    except json.JSONDecodeError as error:
-        where = _place(path, error.lineno)
-        raise InputError(f"{where}: {error.msg}; the file is no JSON.") from error
-    except ValueError as error:  # of a number of thousands of digits
-        raise InputError(f"{path}: a number cannot be read ({error}).") from error
-    return Document(data, path)
+        return Document(json.loads(text, object_pairs_hook=mapping), path)
+    except ValueError as error:  # of a number of thousands of digits it has no line
+        where, why = _place(path, getattr(error, "lineno", None)), getattr(error, "msg", error)
+        raise InputError(f"{where}: {why}; the file is no JSON.") from error
 
 
 def _of_yaml(path: Path, text: str) -> Document:
     yaml = _yaml_module(path)
     try:
-        tree = yaml.compose(text, _loader())
+        tree = yaml.compose(text, _with_core_schema("SafeLoader"))
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         why = " ".join(str(error if mark is None else error.problem).split())
-        where = _place(path, mark and mark.line + 1)
-        raise InputError(f"{where}: {why}; the file is no YAML.") from error
+        raise _error(path, mark, f"{why}; the file is no YAML.") from error
     if tree is None:
         raise InputError(f"{path}: the file is empty.")
     lines = dict[Place, int]()
-    return Document(_Nodes(path, lines).value(tree, ()), path, lines)
+    return Document(_value(path, tree, (), lines), path, lines)
 
 
-class _Nodes:
-    """Nodes of PyYAML into data, as many as a document may have; their lines are noted."""
-
-    def __init__(self, path: Path, lines: dict[Place, int]) -> None:
-        self.path, self.lines, self.count = path, lines, 0
-
-    def value(self, node: Any, at: Place) -> Any:
-        """The value of a node; what an alias names is written out again."""
-        line, self.count = node.start_mark.line + 1, self.count + 1
-        self.lines.setdefault(at, line)
-        if self.count > _MOST_VALUES:
-            raise self.error(line, f"it has more than {_MOST_VALUES} values, aliases written out.")
-        if len(at) > _DEEPEST:
-            raise self.error(
-                line, f"it has more than {_DEEPEST} mappings and lists in one another."
-            )
-        kind = node.tag.removeprefix(_TAG)
-        if node.id == "mapping" and kind == "map":
-            return self.mapping(node, at)
-        if node.id == "sequence" and kind == "seq":
-            return [self.value(part, (*at, k)) for k, part in enumerate(node.value)]
-        if node.id == "scalar" and (read := _SCALARS.get(kind)) is not None:
-            try:
-                return read(node.value)
-            except (ValueError, KeyError) as error:
-                raise self.error(line, f"{shown(node.value)} is no {kind}.") from error
-        raise self.error(line, f"the tag {shown(node.tag)} is none of a case: it has data alone.")
-
-    def mapping(self, node: Any, at: Place) -> dict[str, Any]:
-        """The mapping of a node; its values have the lines of their keys."""
+def _value(path: Path, node: Any, at: Place, lines: dict[Place, int]) -> Any:
+    """The value of a node of PyYAML; what an alias names is written out again, lines are noted."""
+    kind, mark = node.tag.removeprefix(_TAG), node.start_mark
+    lines.setdefault(at, mark.line + 1)
+    if len(lines) > _MOST_VALUES:
+        raise _error(path, mark, f"it has more than {_MOST_VALUES} values, aliases written out.")
+    if len(at) > _DEEPEST:
+        raise _error(path, mark, f"it has more than {_DEEPEST} mappings and lists in one another.")
+    if (node.id, kind) == ("mapping", "map"):
         found = dict[str, Any]()
         for key, value in node.value:
-            line = key.start_mark.line + 1
-            name = self.value(key, (*at, ""))
-            if not isinstance(name, str):
-                raise self.error(line, f"the key {shown(name)} is no word; quote it.")
+            name, mark = key.value, key.start_mark
+            if key.tag != f"{_TAG}str":
+                raise _error(path, mark, f"the key {shown(name)} is no word; quote it.")
             if name in found:
-                raise self.error(line, f"{shown(name)} stands twice in one mapping.")
-            self.lines[*at, name] = line
-            found[name] = self.value(value, (*at, name))
+                raise _error(path, mark, f"{shown(name)} stands twice in one mapping.")
+            lines[*at, name] = mark.line + 1  # a value has the line of its key
+            found[name] = _value(path, value, (*at, name), lines)
         return found
+    if (node.id, kind) == ("sequence", "seq"):
+        return [_value(path, part, (*at, k), lines) for k, part in enumerate(node.value)]
+    if node.id != "scalar" or kind not in _SCALARS:
+        raise _error(path, mark, f"the tag {shown(node.tag)} is none of a case: it has data alone.")
+    try:
+        return _SCALARS[kind](node.value)
+    except ValueError as error:
+        raise _error(path, mark, f"{shown(node.value)} is no {kind}.") from error
 
-    def error(self, line: int, why: str) -> InputError:
-        """The error about something that a document must not have."""
-        return InputError(f"{_place(self.path, line)}: {why}")
+
+def _error(path: Path, mark: Any, why: str) -> InputError:
+    """The error about something that a document must not have."""
+    return InputError(f"{_place(path, mark and mark.line + 1)}: {why}")
 
 
 def text_of(data: dict[str, Any], path: Path) -> str:
@@ -201,8 +185,9 @@ def text_of(data: dict[str, Any], path: Path) -> str:
     """
     if path.suffix.lower() == ".json":
         return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    dumper = _with_core_schema("SafeDumper")
     written: str = _yaml_module(path).dump(
-        data, Dumper=_dumper(), sort_keys=False, allow_unicode=True, width=_WIDTH
+        data, Dumper=dumper, sort_keys=False, allow_unicode=True, width=_WIDTH
     )
     return written
 
@@ -219,21 +204,12 @@ def _yaml_module(path: object) -> Any:
     return yaml
 
 
-def _with_core_schema(kind: Any) -> Any:
+@cache
+def _with_core_schema(name: str) -> Any:
     """A loader or dumper of PyYAML that takes plain scalars by YAML's core schema."""
-    made: Any = type(kind.__name__, (kind,), {"yaml_implicit_resolvers": {}})
-    for name, form, first in _RESOLVED:
-        made.add_implicit_resolver(_TAG + name, re.compile(rf"(?:{form})\Z"), first)
+    kind = getattr(_yaml_module("YAML"), name)
+    own = {"yaml_implicit_resolvers": {}, "ignore_aliases": lambda *_: True}
+    made: Any = type(name, (kind,), own)
+    for tag, form, first in _RESOLVED:
+        made.add_implicit_resolver(_TAG + tag, re.compile(rf"(?:{form})\Z"), first)
     return made
-
-
-@cache
-def _loader() -> Any:
-    return _with_core_schema(_yaml_module("YAML").SafeLoader)
-
-
-@cache
-def _dumper() -> Any:
-    dumper = _with_core_schema(_yaml_module("YAML").SafeDumper)
-    dumper.ignore_aliases = lambda *_: True
-    return dumper

@@ -90,21 +90,6 @@ def _condition(value: object) -> ConditionText:
     return condition
 
 
-def _flag(value: object) -> bool:
-    if type(value) is not bool:
-        raise _wrong(value, "true or false")
-    return value
-
-
-def _count(least: int) -> Any:
-    def read(value: object) -> int:
-        if not (type(value) is int and least <= value < 1 << 62):
-            raise _wrong(value, f"a whole number from {least} on")
-        return value
-
-    return _kind(read, {"type": "integer", "minimum": least})
-
-
 def _kind(reader: Callable[[Any], object], form: dict[str, Any]) -> Any:
     """A kind of values: its reader, which raises ValueError, and its JSON schema."""
     kind: Any = Annotated
@@ -116,23 +101,20 @@ _WITH_UNIT_FORM = {"anyOf": [{"type": "number"}, {"type": "string", "pattern": f
 Text: Any = _kind(_text, {"type": "string", "minLength": 1})
 Condition: Any = _kind(_condition, {"type": "string", "pattern": FORM})
 Seconds: Any = _kind(_seconds, _WITH_UNIT_FORM)
-Flag: Any = _kind(_flag, {"type": "boolean"})
 Names: Any = list[Text]
 Words: Any = dict[Text, Text]
 Quantity: Any = _kind(_quantity, _WITH_UNIT_FORM)
 Values: Any = dict[Text, Quantity]
 Conditions: Any = dict[Text, Condition]
 
-_TAGS = set[str]()  # in the places of errors, in front of what an alternative consists of
+_TAG = "\0"  # begins what stands for an alternative in the places of errors; no text has it
 
 
 def _one_of(choice: Callable[[Any], str], **kinds: Any) -> Any:
     """A value of one of several kinds, by a function that returns the word of its kind."""
-    tags = {word: f"\0{word}" for word in kinds}  # no text of a case has such a character
-    _TAGS.update(tags.values())
     union: Any = Union
-    tagged = tuple(Annotated[kind, Tag(tags[word])] for word, kind in kinds.items())
-    return Annotated[union[tagged], Discriminator(lambda value: tags[choice(value)])]
+    tagged = tuple(Annotated[kind, Tag(_TAG + word)] for word, kind in kinds.items())
+    return Annotated[union[tagged], Discriminator(lambda value: _TAG + choice(value))]
 
 
 class _Keys(BaseModel):
@@ -161,18 +143,24 @@ class Scene(_Keys):
     start: Values = _key("Coordinate or velocity: value that must hold at the beginning.")
     guess: Values = _key("Coordinate or velocity: value from which assembly starts.")
     parameters: Values = _key("Parameter: value in place of the declared one.")
-    frozen: Flag = _key("Whether the parameters are folded into the code.")
+    frozen: bool = _key("Whether the parameters are folded into the code.")
     analysis: Literal["dynamics", "kinematics", "equilibrium"] = _key("What is compiled; dynamics.")
     outputs: Names = _key('Outputs in addition to the motion, such as "force(strut)".')
     until: Conditions = _key("Name: condition on a position or velocity; ends runs.")
 
 
+def _from(least: int) -> Any:
+    """A whole number from `least` on."""
+    kind: Any = Annotated
+    return kind[int, Field(ge=least)]
+
+
 _KINDS = {
-    "number": _kind(_number, {"type": "number"}), "seconds": Seconds, "count": _count(1),
+    "number": _kind(_number, {"type": "number"}), "seconds": Seconds, "count": _from(1),
     "text": Text, "names": Names, "conditions": Conditions,
     "instants": _one_of(
         lambda value: type(value).__name__ if isinstance(value, list | str) else "int",
-        int=_count(2), str=Literal["steps"], list=Annotated[list[Seconds], Field(min_length=1)],
+        int=_from(2), str=Literal["steps"], list=Annotated[list[Seconds], Field(min_length=1)],
     ),
 }  # fmt: skip
 
@@ -244,6 +232,9 @@ def _adapter() -> TypeAdapter[Any]:
 
 
 _DEMANDS = {
+    "bool_type": "true or false",
+    "int_type": "a whole number",
+    "greater_than_equal": "a whole number from {ge} on",
     "dict_type": "a mapping, NAME: VALUE",
     "model_type": "a mapping, KEY: VALUE",
     "list_type": "a list",
@@ -264,28 +255,27 @@ def problems_of(document: Document) -> list[str]:
 
 def _place(error: Any) -> Place:
     """The place of an error of pydantic's in the document."""
-    return tuple(key for key in error["loc"] if key not in _TAGS and key != "[key]")
+    return tuple(x for x in error["loc"] if x != "[key]" and not str(x).startswith(_TAG))
 
 
 def _sentence(document: Document, error: Any) -> str:
     at, value, kind, context = _place(error), error["input"], error["type"], error.get("ctx", {})
-    why = f"{shown(value)}: it must be {_DEMANDS.get(kind)}."
-    if "error" in context:
-        why = str(context["error"])
-    elif kind == "literal_error":
-        words = re.findall("'([^']*)'", context["expected"])
-        why = unknown("word", value, ANALYSES if at == ("analysis",) else words)
-    elif kind in ("extra_forbidden", "missing"):
+    if kind in ("extra_forbidden", "missing"):
         analysis = analysis_of(document.data)
         inner: dict[Any, type[BaseModel]] = {"scene": Scene, "run": RUN[analysis]}
-        model = inner[at[0]] if at[1:] else _CASES[analysis]
+        fields = (inner[at[0]] if at[1:] else _CASES[analysis]).model_fields
         *outer, key = at
+        why = unknown("key", key, fields)
         if kind == "missing":
-            why = f"{key} is missing: {model.model_fields[str(key)].description}"
-        else:
-            why = unknown("key", key, model.model_fields)
+            why = f"{key} is missing: {fields[str(key)].description}"
         return document.problem(tuple(outer), why, line_of=at)
-    return document.problem(at, why)
+    if "error" in context:
+        return document.problem(at, str(context["error"]))
+    if kind == "literal_error":
+        words = re.findall("'([^']*)'", context["expected"])
+        why = unknown("word", value, ANALYSES if at == ("analysis",) else words)
+        return document.problem(at, why)
+    return document.problem(at, f"{shown(value)}: it must be {_DEMANDS[kind].format(**context)}.")
 
 
 class _WithoutTitles(GenerateJsonSchema):

@@ -13,17 +13,23 @@ ROOMY = 96
 """Width from which on numbers have blanks beside them."""
 
 
-def new_table(title: str, caption: str, first: str, numbers: Sequence[str], least: int) -> "Table":
-    """A table without rows: a first column of names, which folds, then columns of numbers.
+def new_table(
+    title: str, caption: str, head: Sequence[str], *sections: Iterable[Sequence[object]], least: int
+) -> "Table":
+    """A table of rows in sections: a first column of names, which folds, then one of numbers each.
 
     The first column has `least` characters at least.
     """
     from rich.table import Table
 
     table = Table(title=title, caption=caption, padding=(0, 1 if terminal_width() >= ROOMY else 0))
-    table.add_column(first, overflow="fold", ratio=1, min_width=least)
-    for name in numbers:
+    table.add_column(head[0], overflow="fold", ratio=1, min_width=least)
+    for name in head[1:]:
         table.add_column(name, justify="right", no_wrap=True)
+    for section in sections:
+        for row in section:
+            table.add_row(*map(str, row))
+        table.add_section()
     return table
 
 

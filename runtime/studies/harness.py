@@ -8,13 +8,15 @@ explained.
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from functools import partial, wraps
+from functools import partial
 from inspect import Parameter, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
-from codegen.errors import AnalysisError, InputError
+from codegen.errors import AnalysisError, InputError, UnknownNameError
 from codegen.readers import arguments as readers
+from codegen.readers.values import KindError, shown
+from runtime.core.kinds import ANALYSES, analysis_name, analysis_title
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.connected_simulation import simulate
 from runtime.dynamics.output_conditions import read_conditions, simulate_until
@@ -25,14 +27,14 @@ from runtime.machine_loading import load
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
-from runtime.studies.timing import Stopwatch, TimeLimit
-from runtime.validation.arguments import check
+from runtime.studies.timing import TimeLimit
+from runtime.validation.arguments import KINDS, check
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
 
-Arguments = ParamSpec("Arguments")
-Answer = TypeVar("Answer")
+Study = TypeVar("Study", bound=Callable[..., Any])
+Entry = TypeVar("Entry")
 
 CACHE = ".linkwright_cache"  # folder for modules of undeclared scenes, in the user's folder
 FORMULATIONS = ("cartesian", "reduced")
@@ -46,32 +48,38 @@ _OF_THE_STUDY = {
     *(option.name for option in OPTIONS if not option.of_studies),
 }
 
-_VALUES = readers.optional(readers.values('{"mass": 2.0}'))
-_INSTANT = readers.number("a finite number of seconds")
-READERS = {
+
+def _analysis(value: Any) -> str:
+    """The name of an analysis, in its usual spelling."""
+    name = analysis_name(value) if isinstance(value, str) else ""
+    if name not in ANALYSES:
+        raise KindError(f"it must be the name of an analysis: {', '.join(ANALYSES)}.")
+    return name
+
+
+READERS = {name: KINDS[name] for name in ("parameters", "guess", "t_start")} | {
     "model": readers.model, "scene": readers.optional(readers.scene),
     "folder": readers.optional(readers.path), "generated": readers.optional(readers.path),
-    **dict.fromkeys(("parameters", "guess", "start"), _VALUES),
-    "t_end": readers.optional(_INSTANT), "t_start": _INSTANT, "progress": readers.study_reporter,
+    "t_end": readers.optional(KINDS["t_end"]), "start": KINDS["parameters"],
+    "analysis": readers.optional(_analysis), "progress": readers.study_reporter,
 }  # fmt: skip
-"""Arguments that all studies take."""
+"""Arguments that studies take."""
 
 
 class Source(NamedTuple):
-    """The model and scene that a user named, the folder of the work, that of the modules."""
+    """A model and a scene of it, the folder of the work, that of the modules."""
 
-    given: "str | os.PathLike[str] | Model"
-    given_scene: "str | Scene | None"
+    given: "str | Model"  # the model as the user named it
     folder: str | os.PathLike[str] | None
     generated: str | os.PathLike[str] | None
     model: "Model"
     scene: "Scene"
 
     def machine(self, scene: "Scene | None" = None) -> Machine:
-        """The machine of the named scene, or of another of the model, as `load` finds it."""
-        named = self.given_scene if scene is None else scene.name if scene.root is None else scene
+        """The machine of the scene, or of another of the model, as `load` finds it."""
         scene = scene or self.scene
-        if isinstance(named, str | None) and not hasattr(self.given, "scenes"):
+        declared = self.model.scenes or {scene.name: scene}
+        if self.given is not self.model and declared.get(scene.name) == scene:
             return load(self.given, scene.name, folder=self.folder, generated=self.generated)
         return self.variant(scene)
 
@@ -81,19 +89,18 @@ class Source(NamedTuple):
 
 
 def read_source(
-    model: "str | os.PathLike[str] | Model", scene: "str | Scene | None",
-    folder: str | os.PathLike[str] | None, generated: str | os.PathLike[str] | None = None,
+    model: Any, scene: "str | Scene | None", folder: str | os.PathLike[str] | None,
+    generated: str | os.PathLike[str] | None,
 ) -> Source:  # fmt: skip
     """Read the model, and find the scene in it: the first unless one is named."""
     from codegen.reading.scene_selection import declared
 
-    read = declared(Path(model) if isinstance(model, os.PathLike) else model, scene)
-    return Source(model, scene, folder, generated, *read)
+    return Source(model, folder, generated, *declared(model, scene))
 
 
 def cache_folder(folder: str | os.PathLike[str] | None) -> Path:
     """The cache in the user's folder, created if need be and hidden from version control."""
-    path = (Path(folder) if folder is not None else Path.cwd()) / CACHE
+    path = Path(folder or "").absolute() / CACHE
     try:
         path.mkdir(exist_ok=True)
         (path / ".gitignore").write_text("*\n", encoding="utf-8")
@@ -103,21 +110,6 @@ def cache_folder(folder: str | os.PathLike[str] | None) -> Path:
             f"({error.strerror}); give folder=, or work in another folder."
         ) from error
     return path
-
-
-def known_values(
-    machine: Machine, parameters: Mapping[str, float], guess: Mapping[str, float],
-    start: Mapping[str, float],
-) -> dict[str, dict[str, float]]:  # fmt: skip
-    """The arguments of an analysis: those values that the scene has; `start` where it has one."""
-    rows = machine.coordinates
-    states = {*rows.names, *(row.velocity for row in rows)}
-    values = {
-        "parameters": {k: x for k, x in parameters.items() if k in machine.parameters.names},
-        "guess": {k: x for k, x in guess.items() if k in states},
-    }
-    kept = {k: x for k, x in start.items() if k in states}
-    return values | ({"start": kept} if kept else {})
 
 
 def require_time_span(machine: Machine, t_start: float, t_end: float | None) -> float:
@@ -142,57 +134,57 @@ def analysis_of(machine: Machine) -> str:
     return "simulate"
 
 
-def takes_simulation_arguments(
-    *without: str,
-) -> Callable[[Callable[Arguments, Answer]], Callable[Arguments, Answer]]:
+def takes_simulation_arguments(*without: str) -> Callable[[Study], Study]:
     """A study with these words in place of its `**run`, which receives those that are given.
 
     `without` are words that the study sets besides.
     """
 
-    def decorate(study: Callable[Arguments, Answer]) -> Callable[Arguments, Answer]:
-        @wraps(study)
-        def taking(*positional: Arguments.args, **named: Arguments.kwargs) -> Answer:
-            return study(*positional, **named)
-
+    def decorate(study: Study) -> Study:
         about, words = signature(study), signature(Machine.simulate).parameters.values()
         own = [p for p in about.parameters.values() if p.kind is not Parameter.VAR_KEYWORD]
         more = [p for p in words if p.name not in {*_OF_THE_STUDY, *without}]
         more = [p.replace(kind=Parameter.KEYWORD_ONLY) for p in more]
-        taking.__signature__ = about.replace(parameters=[*own, *more])  # type: ignore[attr-defined]
-        return taking
+        study.__signature__ = about.replace(parameters=[*own, *more])  # type: ignore[attr-defined]
+        return study
 
     return decorate
 
 
-def read_simulation_arguments(machine: Machine, run: Mapping[str, Any]) -> dict[str, Any]:
-    """Those with another value than that of `Machine.simulate`; InputError where some misfit."""
-    usual = {name: word.default for name, word in signature(Machine.simulate).parameters.items()}
-    given = {name: value for name, value in run.items() if value is not usual[name]}
+def read_simulation_arguments(
+    machine: Machine, run: Mapping[str, Any], analysis: str = "simulate"
+) -> dict[str, Any]:
+    """Those with another value than that of `Machine.simulate`.
+
+    Raises InputError where some misfit, or would be ignored since the analysis integrates nothing.
+    """
+    usual = signature(Machine.simulate).parameters
+    given = {name: value for name, value in run.items() if value is not usual[name].default}
     until = given.pop("until", None)
     words = check(machine.mechanism, **given)
     if until is not None:
         read_conditions(machine.description, until)
         words["until"] = until
-    return words
-
-
-def refuse_simulation_arguments(run: Mapping[str, Any], title: str, analysis: str) -> None:
-    """Raise InputError where words are given to a study of an analysis that integrates nothing."""
-    if run:
+    if words and analysis != "simulate":
         raise InputError(
-            f"{title}: {analysis} integrates nothing, so {', '.join(run)} would be ignored. Leave "
-            "out what a simulation takes."
+            f"{machine.description.title}: {analysis_title(analysis)} integrates nothing, so "
+            f"{', '.join(words)} would be ignored. Leave out what a simulation takes."
         )
-
-
-def arguments_of_variant(machine: Machine, run: Mapping[str, Any]) -> dict[str, Any]:
-    """The words for a variant of a scene: it has the controllers of its own sampled values."""
-    words = dict(run)
-    if words.get("controllers"):
-        own = machine.description.controllers
-        words["controllers"] = {k: one for k, one in words["controllers"].items() if k in own}
     return words
+
+
+def arguments_of_variant(machine: Machine, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The arguments of an analysis for a variant of a scene: of what is given by name, its own."""
+    states = {name for row in machine.coordinates for name in (row.name, row.velocity)}
+    known = {
+        "parameters": machine.parameters.names, "guess": states, "start": states,
+        "controllers": machine.description.controllers,
+    }  # fmt: skip
+    found = dict(given)
+    for word, names in known.items():
+        kept = {name: x for name, x in (found.pop(word, None) or {}).items() if name in names}
+        found |= {word: kept} if kept else {}
+    return found
 
 
 @dataclass(frozen=True)
@@ -206,8 +198,7 @@ class Setting:
     @property
     def title(self) -> str:
         """``dop853, reduced``, or ``dop853, cartesian, every stage``."""
-        correction = _CORRECTIONS.get(self.correction, self.correction)
-        return f"{self.method}, {self.formulation}{correction}"
+        return f"{self.method}, {self.formulation}{_CORRECTIONS[self.correction]}"
 
     @property
     def companion(self) -> str:
@@ -232,10 +223,9 @@ class Runner:
     machine: Machine
     begin: Assembly
     instants: FloatArray  # at which it is compared, s, (k,)
-    parameters: dict[str, float]  # over the scene's defaults
     limit: float  # time of a run, s
     steps: int  # trial steps of a run
-    # of `Machine.simulate`, besides
+    # parameters over the scene's defaults, and words of `Machine.simulate`
     words: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -245,38 +235,38 @@ class Runner:
 
     def run(self, setting: Setting, rtol: float) -> Result:
         """Run once; `Outcome.INTERRUPTED` is a run that the limit of time ended."""
-        others = any(row.reconnects for row in self.machine.description.watched)
+        about = self.machine.description
+        others = any(row.reconnects for row in about.watched)
         for _ in range(2 if others else 1):  # in the first run scenes that follow may be built
             limit = TimeLimit(self.limit)
-            words = arguments_of_variant(self.machine, self.words)
-            until = words.pop("until", None)
-            given = {
+            given: dict[str, Any] = {
                 "t_end": float(self.instants[-1]), "t_eval": self.instants, "rtol": rtol,
-                "t_start": self.begin.t, "parameters": self.parameters, "start": self.begin,
-                "step_limit": self.steps, "progress": limit, **asdict(setting), **words,
+                "t_start": self.begin.t, "start": self.begin, "step_limit": self.steps,
+                "progress": limit, **asdict(setting), **self.words,
             }  # fmt: skip
+            until = given.pop("until", None)
+            conditions = () if until is None else read_conditions(about, until)
             analyse = partial(simulate, self.machine.mechanism)
-            if until is None:
-                result = analyse(**given)
-            else:
-                conditions = read_conditions(self.machine.description, until)
-                result = simulate_until(analyse, conditions, given)
+            result = simulate_until(analyse, conditions, given) if until else analyse(**given)
             if not limit.exceeded:
                 break
         if result.outcome is Outcome.INTERRUPTED and not limit.exceeded:
             raise KeyboardInterrupt  # by the user
         return result
 
-    def stopwatch(self, setting: Setting, rtol: float, *times: float) -> Stopwatch:
-        """Repeats a run; one that does not reach its end has no time of a whole run."""
-
-        def seconds() -> float | None:
-            result = self.run(setting, rtol)
-            return None if result.failed else result.stats[TIME]
-
-        return Stopwatch(seconds, *times)
+    def seconds(self, setting: Setting, rtol: float) -> float | None:
+        """Processor time of another run; None where it does not reach its end."""
+        result = self.run(setting, rtol)
+        return None if result.failed else result.stats[TIME]
 
 
 def outcome_name(result: Result) -> str:
     """The name of the `Outcome`, or "TIMEOUT": the limit of time alone interrupts a run."""
     return TIMEOUT if result.outcome is Outcome.INTERRUPTED else str(result.outcome)
+
+
+def titled(what: str, entries: Mapping[str, Entry], title: object) -> Entry:
+    """The entry of a title; UnknownNameError, with those that there are, without one."""
+    if not isinstance(title, str) or title not in entries:
+        raise UnknownNameError(f"no {what} {shown(title)}; there are: {'; '.join(entries)}.")
+    return entries[title]

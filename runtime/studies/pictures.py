@@ -6,25 +6,20 @@ from collections.abc import Sequence
 from itertools import cycle
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from codegen.errors import InputError
 from codegen.files.whole_files import whole_file
 from codegen.presentation import check_parent, finish_axes, new_figure, save_picture
 from runtime.integrate.method import METHODS
-from runtime.studies.effect_ranking.ranking import Matters, Row, Verdict, percent
-from runtime.studies.work_precision.diagram import Line, Point, WorkPrecision
-from runtime.studies.work_precision.interpretation import front, headline, records
+from runtime.studies.conclusions import front, headline, records
+from runtime.studies.diagram import Line, Point, WorkPrecision
+from runtime.studies.ranking import Matters, Row, Verdict, percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-VERDICT_COLOURS = {
-    Verdict.MATTERS: "#b23a48",
-    Verdict.NEGLIGIBLE: "#1f6fb2",
-    Verdict.NONE_SEEN: "#9aa4ae",
-}
 PALETTE = (
     "#1f6fb2", "#2a9d8f", "#8a9a2b", "#b23a48", "#e07b1a", "#7b5ea7", "#5d4037", "#c2185b",
     "#00838f", "#546e7a",
@@ -34,19 +29,43 @@ METHOD_COLOURS = dict(zip(METHODS, cycle(PALETTE), strict=False))
 LOOKS = {("cartesian", "step"): ("-", "o"), ("reduced", "step"): ("--", "s"),
          ("cartesian", "stage"): (":", "^"), ("cartesian", "projection"): ("-.", "v")}  # fmt: skip
 """Formulation, correction → style of the line, marker."""
-GREY, DARK, FRONT = "#b5bcc4", "#1b1f24", "#ffd84d"
+GREY, DARK, FRONT, PALE = "#b5bcc4", "#1b1f24", "#ffd84d", "#9aa4ae"
+VERDICT_COLOURS = {Verdict.MATTERS: PALETTE[3], Verdict.NEGLIGIBLE: PALETTE[0]}
+PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}
 _HEIGHT, _LINE = 390.0, 11.0  # points: height of the axes, about, and of a line of text
 _FAILED = -0.75  # place of runs that did not reach their end, on the axis of digits
 
 
 def draw_ranking(ranking: Matters) -> "Figure":
     """Changes on a logarithmic scale (pale: the uncertainty, where larger), and shares of time."""
-    drawn = new_figure("picture", 9.0, 1.6 + 0.36 * len(ranking.rows), dpi=130)
+    rows, size = ranking.rows, ranking.size or 1.0
+    drawn = new_figure("picture", 9.0, 1.6 + 0.36 * len(rows), dpi=130)
     left, right = drawn.subplots(1, 2, sharey=True, width_ratios=(3, 2))
-    _changes(left, ranking)
-    _times(right, ranking)
-    left.set_yticks(range(len(ranking.rows)), [row.title for row in ranking.rows], fontsize=9)
-    left.set_ylim(len(ranking.rows) - 0.4, -0.6)
+    heights, colours = range(len(rows)), [VERDICT_COLOURS.get(row.verdict, PALE) for row in rows]
+    lengths = [_length(row) / size for row in rows]
+    limits = [length for length in (*lengths, ranking.error or 0.0) if length > 0.0] or [1.0]
+    floor = 10.0 ** (math.floor(math.log10(min(*limits, 1.0))) - 0.5)
+    widths = [max(length - floor, 0.0) for length in lengths]
+    bars = left.barh(heights, widths, left=floor, height=0.6, color=colours)
+    left.bar_label(bars, map(_label, rows, lengths), padding=4.0, fontsize=8, bbox=PAPER)
+    left.set_xscale("log")
+    left.set_xlim(floor, 40.0 * max(*limits, 10.0 * floor))
+    left.set_xlabel("relative change of the quantity without it", fontsize=9)
+    if ranking.error is not None:
+        left.axvline(ranking.error, color=DARK, linewidth=1.0, linestyle="--")
+        left.annotate(
+            f"permitted: {ranking.error:g}", (ranking.error, 1.0), fontsize=8, xytext=(3, 3),
+            xycoords=("data", "axes fraction"), textcoords="offset points",
+        )  # fmt: skip
+    shares = [row.time_share for row in rows]
+    bars = right.barh(heights, [100.0 * (x or 0.0) for x in shares], height=0.6, color=colours)
+    labels = ["" if share is None else f"{share:.0%}" for share in shares]
+    right.bar_label(bars, labels, padding=3.0, fontsize=8)
+    right.axvline(0.0, color=PALE, linewidth=0.8)
+    right.margins(x=0.25)  # for the numbers
+    right.set_xlabel("time saved without it, % of the full run", fontsize=9)
+    left.set_yticks(heights, [row.title for row in rows])
+    left.set_ylim(len(rows) - 0.4, -0.6)
     title = f"{ranking.model}/{ranking.scene}: {ranking.quantity} = {ranking.value:.6g}"
     drawn.suptitle(f"{title} {ranking.unit}".rstrip(), fontsize=11)
     for axes in (left, right):
@@ -55,58 +74,21 @@ def draw_ranking(ranking: Matters) -> "Figure":
     return drawn
 
 
+def _length(row: Row) -> float:
+    """The length of a row's bar: its change, or its uncertainty where that is larger."""
+    return row.doubt if row.verdict is Verdict.NONE_SEEN else abs(row.change or 0.0)
+
+
+def _label(row: Row, length: float) -> str:
+    if row.change is None:
+        return row.verdict
+    return f"below {percent(length)}" if row.verdict is Verdict.NONE_SEEN else percent(length)
+
+
 def save_ranking(ranking: Matters, path: Path) -> tuple[Path]:
     """Draw to a file; returns the path."""
     save_picture(draw_ranking(ranking), path)
     return (path,)
-
-
-def _length(row: Row) -> float:
-    """The length of a row's bar: its change, or its uncertainty where that is larger."""
-    if row.change is None:
-        return 0.0
-    return row.doubt if row.verdict is Verdict.NONE_SEEN else abs(row.change)
-
-
-def _changes(axes: "Axes", ranking: Matters) -> None:
-    lengths = [_length(row) / (ranking.size or 1.0) for row in ranking.rows]
-    limits = [*(length for length in lengths if length > 0.0), *filter(None, [ranking.error])]
-    lowest = min([*limits, 1.0])
-    floor = 10.0 ** (math.floor(math.log10(lowest)) - 0.5)
-    axes.set_xscale("log")
-    axes.set_xlim(floor, 40.0 * max([*limits, 10.0 * lowest]))
-    paper = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
-    for height, (row, length) in enumerate(zip(ranking.rows, lengths, strict=True)):
-        if row.change is None:
-            verdict = str(row.verdict)
-            axes.text(1.3 * floor, height, verdict, va="center", fontsize=8, style="italic")
-            continue
-        seen, end = row.verdict is not Verdict.NONE_SEEN, max(length, floor)
-        bar = axes.barh(
-            height, end - floor, left=floor, height=0.6, color=VERDICT_COLOURS[row.verdict],
-            alpha=1.0 if seen else 0.4,
-        )  # fmt: skip
-        label = percent(length) if seen else f"below {percent(length)}"
-        axes.bar_label(bar, [label], padding=4.0, fontsize=8, bbox=paper)
-    if ranking.error is not None:
-        axes.axvline(ranking.error, color="#1b1f24", linewidth=1.0, linestyle="--")
-        axes.annotate(
-            f"permitted: {ranking.error:g}", (ranking.error, 1.0), fontsize=8, xytext=(3, 3),
-            xycoords=("data", "axes fraction"), textcoords="offset points",
-        )  # fmt: skip
-    axes.set_xlabel("relative change of the quantity without it", fontsize=9)
-
-
-def _times(axes: "Axes", ranking: Matters) -> None:
-    for height, row in enumerate(ranking.rows):
-        if row.time_share is not None:
-            colour = VERDICT_COLOURS[row.verdict]
-            bar = axes.barh(height, 100.0 * row.time_share, height=0.6, color=colour)
-            axes.bar_label(bar, fmt="%.0f %%", padding=3.0, fontsize=8)
-    axes.axvline(0.0, color="#59636e", linewidth=0.8)
-    axes.margins(x=0.25)  # for the numbers
-    axes.set_xlabel("time saved without it, % of the full run", fontsize=9)
-    axes.tick_params(axis="y", length=0)
 
 
 def check_folder(path: Path) -> None:
@@ -121,7 +103,6 @@ def save_diagram(study: WorkPrecision, folder: Path) -> tuple[Path, Path]:
     check_folder(folder)
     picture = draw_diagram(study)
     runs = folder / f"{study.model}__{study.scene}.jsonl"
-    drawn = runs.with_suffix(".png")
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
@@ -129,8 +110,8 @@ def save_diagram(study: WorkPrecision, folder: Path) -> tuple[Path, Path]:
     lines = (json.dumps(record, allow_nan=False) for record in records(study))
     with whole_file(runs) as temporary:
         temporary.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
-    save_picture(picture, drawn)
-    return runs, drawn
+    save_picture(picture, runs.with_suffix(".png"))
+    return runs, runs.with_suffix(".png")
 
 
 def draw_diagram(study: WorkPrecision) -> "Figure":
@@ -144,19 +125,17 @@ def draw_diagram(study: WorkPrecision) -> "Figure":
             zorder=1, label="Pareto front",
         )  # fmt: skip
     for line in study.lines:
-        _line(axes, line)
-    for line in study.lines:
-        if line.refused:  # in the legend, so that none is missing
-            axes.plot([], [], color=GREY, linewidth=0.9, label=f"{line.setting.title}: refused")
-    _limits(axes, study)
-    _failures(axes, study)
-    _choices(axes, study)
-    _floor(axes, study)
+        _draw_line(axes, line)
+    _draw_failures(axes, study)
+    _draw_choices(axes, study)
+    _draw_floor(axes, study)
     axes.set_xlabel("correct digits: -log10 of the largest scaled error")
     axes.set_ylabel("processor time of the integration, ms")
     finish_axes(axes, which="major", alpha=0.35, linewidth=0.5)
-    _ticks(axes)
-    axes.tick_params(labelsize=9)
+    low, high = axes.get_ylim()
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter("{x:g}" if high < 100.0 * low else "")
+    axes.tick_params(which="both", labelsize=9)
     axes.legend(
         loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5, frameon=False, handlelength=3.2
     )
@@ -181,26 +160,18 @@ def _places(points: Sequence[Point]) -> tuple[list[float], list[float]]:
     return [point.digits for point in points], [1e3 * point.seconds for point in points]
 
 
-def _ticks(axes: "Axes") -> None:
-    """Times as plain numbers: 1, 2 and 5 of each decade, 1 alone of many decades, more of one."""
-    from matplotlib.ticker import LogLocator, NullFormatter
-
-    low, high = axes.get_ylim()
-    decades = math.log10(high / low)
-    few = (1.0, 2.0, 5.0) if decades > 1.0 else (1.0, 2.0, 3.0, 5.0, 7.0)
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0,) if decades > 3.0 else few))
-    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def _line(axes: "Axes", line: Line) -> None:
+def _draw_line(axes: "Axes", line: Line) -> None:
+    """Runs that the reference resolves, and in grey all; a refused setting is in the legend."""
     setting = line.setting
-    colour = METHOD_COLOURS.get(setting.method, DARK)
-    style, marker = LOOKS.get((setting.formulation, setting.correction), ("-", "o"))
-    if line.done:
-        beyond = _places([point for point in line.done if point.beyond])
-        axes.plot(*_places(line.done), color=GREY, linewidth=0.9, linestyle=style, zorder=2)
-        axes.scatter(*beyond, s=12, color=GREY, marker=marker, zorder=2)
+    colour, style, marker = (
+        METHOD_COLOURS[setting.method],
+        *LOOKS[setting.formulation, setting.correction],
+    )
+    axes.plot(*_places(line.done), color=GREY, linewidth=0.9, linestyle=style, zorder=2)
+    beyond = [point for point in line.done if point.beyond]
+    axes.scatter(*_places(beyond), s=12, color=GREY, marker=marker, zorder=2)
+    if line.refused:
+        axes.plot([], [], color=GREY, linewidth=0.9, label=f"{setting.title}: refused")
     if line.known:
         axes.plot(
             *_places(line.known), color=colour, linestyle=style, marker=marker, markersize=4.0,
@@ -209,65 +180,55 @@ def _line(axes: "Axes", line: Line) -> None:
         )  # fmt: skip
 
 
-def _choices(axes: "Axes", study: WorkPrecision) -> None:
-    """A star per choice, with its name; names of close stars stand one above the other."""
-    drawn = [
-        (1e3 * choice.point.seconds, max(choice.point.digits, 0.0), choice.title)
-        for choice in study.choices
-        if choice.point is not None
-    ]
-    for y, x, _ in drawn:
-        axes.scatter(x, y, s=130, marker="*", color=DARK, edgecolor="white", zorder=6)
-    low, high = (math.log(limit) for limit in axes.get_ylim())
-    top = -math.inf
-    for y, x, title in sorted(drawn):
-        height = _HEIGHT * (math.log(y) - low) / (high - low)
-        top = max(height - 3.0, top + _LINE, 2.0)
-        axes.annotate(
-            title, (x, y), xytext=(9.0, top - height), textcoords="offset points", fontsize=8.5,
-            weight="bold", zorder=7,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.6},
-        )  # fmt: skip
-    if drawn:
-        axes.scatter([], [], s=90, marker="*", color=DARK, label="modelled differently")
-
-
-def _limits(axes: "Axes", study: WorkPrecision) -> None:
+def _draw_failures(axes: "Axes", study: WorkPrecision) -> None:
+    """A cross per failed run, at the left, as high as the time until it failed; the limits of x."""
     runs = [point.digits for line in study.lines for point in line.done]
-    highest = max([*runs, -math.log10(study.reference.floor), 3.0])
-    failed = any(line.failed for line in study.lines)
-    lowest = min([0.0, *(max(value, -1.0) for value in runs)])
-    axes.set_xlim(_FAILED - 0.5 if failed else lowest - 0.1, math.ceil(highest) + 0.3)
-    axes.set_xticks(range(math.ceil(highest) + 1))
-
-
-def _failures(axes: "Axes", study: WorkPrecision) -> None:
-    """A cross per failed run, at the left, as high as the time until it failed."""
+    highest = math.ceil(max(*runs, -math.log10(study.reference.floor), 3.0))
     failed = [line for line in study.lines if line.failed]
-    if not failed:
-        return
+    lowest = _FAILED - 0.5 if failed else max(min(*runs, 0.0), -1.0) - 0.1
+    axes.set_xlim(lowest, highest + 0.3)
+    axes.set_xticks(range(highest + 1))
     for k, line in enumerate(failed):
         place = _FAILED + 0.6 * ((k + 0.5) / len(failed) - 0.5)
         times = [point.seconds for point in line.failed if not math.isnan(point.seconds)]
         heights = [1e3 * seconds for seconds in times or [study.limit]]
         axes.scatter(
             [place] * len(heights), heights, marker="x", s=34, linewidth=1.6,
-            color=METHOD_COLOURS.get(line.setting.method, DARK), zorder=5, clip_on=False,
+            color=METHOD_COLOURS[line.setting.method], zorder=5, clip_on=False,
         )  # fmt: skip
-    axes.axvspan(_FAILED - 0.5, _FAILED + 0.45, color="#fbe9e7", zorder=0)
-    axes.text(
-        _FAILED - 0.02, 0.015, "did not\nreach\nthe end", transform=axes.get_xaxis_transform(),
-        ha="center", va="bottom", fontsize=8, color="#8c2f2f",
-    )  # fmt: skip
+    if failed:
+        axes.axvspan(lowest, _FAILED + 0.45, color="#fbe9e7", zorder=0)
+        _write(axes, _FAILED, "did not\nreach\nthe end", ha="center", color="#8c2f2f")
 
 
-def _floor(axes: "Axes", study: WorkPrecision) -> None:
-    floor = -math.log10(study.reference.floor)
-    right = axes.get_xlim()[1]
+def _draw_choices(axes: "Axes", study: WorkPrecision) -> None:
+    """A star per choice, with its name; names of close stars stand one above the other."""
+    drawn = sorted(
+        (1e3 * choice.point.seconds, max(choice.point.digits, 0.0), choice.title)
+        for choice in study.choices
+        if choice.point is not None
+    )
+    low, high = (math.log(limit) for limit in axes.get_ylim())
+    top, label = -math.inf, "modelled differently"
+    for y, x, title in drawn:
+        axes.scatter(x, y, s=130, marker="*", color=DARK, edgecolor="white", zorder=6, label=label)
+        height, label = _HEIGHT * (math.log(y) - low) / (high - low), ""
+        top = max(height - 3.0, top + _LINE, 2.0)
+        axes.annotate(
+            title, (x, y), xytext=(9.0, top - height), textcoords="offset points", fontsize=8.5,
+            weight="bold", zorder=7, bbox=PAPER,
+        )  # fmt: skip
+
+
+def _draw_floor(axes: "Axes", study: WorkPrecision) -> None:
+    floor, right = -math.log10(study.reference.floor), axes.get_xlim()[1]
     axes.axvspan(floor, right, facecolor="#eceff1", edgecolor="#cfd4d9", hatch="///",
                  linewidth=0.0, zorder=0)  # fmt: skip
-    axes.text(
-        right, 0.015, f"the reference has {floor:.1f} digits ",
-        transform=axes.get_xaxis_transform(), ha="right", va="bottom", fontsize=8, color="#59636e",
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8}, zorder=8,
-    )  # fmt: skip
+    text = f"the reference has {floor:.1f} digits "
+    _write(axes, right, text, ha="right", color="#59636e", bbox=PAPER, zorder=8)
+
+
+def _write(axes: "Axes", x: float, text: str, **style: Any) -> None:
+    """Small text above the lower edge."""
+    where = axes.get_xaxis_transform()
+    axes.text(x, 0.015, text, transform=where, va="bottom", fontsize=8, **style)

@@ -15,6 +15,7 @@ import numpy as np
 
 from codegen.errors import InputError, UnknownNameError
 from codegen.object_display import counted
+from codegen.readers.values import finite_float
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import unknown
@@ -31,55 +32,50 @@ class Series(NamedTuple):
     x: FloatArray
     jumps: FloatArray
 
-    def end(self) -> float:
-        """The last value."""
-        return float(self.x[-1])
 
-    def largest(self) -> float:
-        """The maximum: of the parabola through the three largest samples where they are smooth."""
-        t, x, jumps = self
-        k = int(np.argmax(x))
-        if not 0 < k < len(x) - 1 or ((jumps >= t[k - 1]) & (jumps <= t[k + 1])).any():
-            return float(x[k])
-        before, after = t[k] - t[k - 1], t[k + 1] - t[k]
-        left, right = (x[k] - x[k - 1]) / before, (x[k + 1] - x[k]) / after
-        curvature = (right - left) / (before + after)  # half the second derivative
-        if curvature >= 0.0:
-            return float(x[k])
-        slope = (left * after + right * before) / (before + after)
-        return float(x[k] - slope * slope / (4.0 * curvature))
+def largest(series: Series) -> float:
+    """The maximum: of the parabola through the three largest samples where they are smooth."""
+    t, x, jumps = series
+    k = int(np.argmax(x))
+    if not 0 < k < len(x) - 1 or ((jumps >= t[k - 1]) & (jumps <= t[k + 1])).any():
+        return float(x[k])
+    before, after = t[k] - t[k - 1], t[k + 1] - t[k]
+    left, right = (x[k] - x[k - 1]) / before, (x[k + 1] - x[k]) / after
+    curvature = (right - left) / (before + after)  # half the second derivative
+    if curvature >= 0.0:
+        return float(x[k])
+    slope = (left * after + right * before) / (before + after)
+    return float(x[k] - slope * slope / (4.0 * curvature))
 
-    def least(self) -> float:
-        """The minimum, in the same way."""
-        return -self._replace(x=-self.x).largest()
 
-    def range(self) -> float:
-        """The maximum less the minimum."""
-        return self.largest() - self.least()
+def least(series: Series) -> float:
+    """The minimum, in the same way."""
+    return -largest(series._replace(x=-series.x))
 
-    def peak(self) -> float:
-        """The largest magnitude."""
-        return max(self.largest(), -self.least())
 
-    def mean(self) -> float:
-        """The mean over time, by trapezoids."""
-        return float(np.trapezoid(self.x, self.t) / (self.t[-1] - self.t[0]))
+def mean(series: Series) -> float:
+    """The mean over time, by trapezoids."""
+    t, x, _ = series
+    return float(np.trapezoid(x, t) / (t[-1] - t[0]))
 
-    def rate(self) -> float:
-        """The change over the time."""
-        return float((self.x[-1] - self.x[0]) / (self.t[-1] - self.t[0]))
 
-    def period(self) -> float:
-        """Mean time between upward crossings of the mean, each on the curve of four samples."""
-        level = self.x - self.mean()
-        (rises,) = np.nonzero((level[:-1] < 0.0) & (level[1:] >= 0.0))
-        if len(rises) < 2:
-            raise InputError(
-                f"it crosses its mean upwards {counted(len(rises), 'time')} "
-                "between the ends, which is not enough for a period; take a later end."
-            )
-        first, last = (_crossing(self.t, level, int(k)) for k in (rises[0], rises[-1]))
-        return (last - first) / (len(rises) - 1)
+def rate(series: Series) -> float:
+    """The change over the time."""
+    t, x, _ = series
+    return float((x[-1] - x[0]) / (t[-1] - t[0]))
+
+
+def period(series: Series) -> float:
+    """Mean time between upward crossings of the mean, each on the curve of four samples."""
+    level = series.x - mean(series)
+    (rises,) = np.nonzero((level[:-1] < 0.0) & (level[1:] >= 0.0))
+    if len(rises) < 2:
+        raise InputError(
+            f"it crosses its mean upwards {counted(len(rises), 'time')} "
+            "between the ends, which is not enough for a period; take a later end."
+        )
+    first, last = (_crossing(series.t, level, int(k)) for k in (rises[0], rises[-1]))
+    return (last - first) / (len(rises) - 1)
 
 
 def _crossing(t: FloatArray, x: FloatArray, k: int) -> float:
@@ -101,20 +97,19 @@ class Reduction(NamedTuple):
     """A reduction of a series to a number."""
 
     reduce: Callable[[Series], float]
-    meaning: str  # in words
     unit: str = "{}"  # by that of the series
     needs_span: bool = False  # whether one instant is not enough
 
 
 REDUCTIONS = {
-    "end": Reduction(Series.end, "last value"),
-    "max": Reduction(Series.largest, "largest value"),
-    "min": Reduction(Series.least, "least value"),
-    "peak": Reduction(Series.peak, "largest magnitude"),
-    "range": Reduction(Series.range, "largest less least value", needs_span=True),
-    "mean": Reduction(Series.mean, "mean over time", needs_span=True),
-    "rate": Reduction(Series.rate, "change over the run, a second", "{}/s", needs_span=True),
-    "period": Reduction(Series.period, "time between crossings of its mean", "s", needs_span=True),
+    "end": Reduction(lambda series: float(series.x[-1])),
+    "max": Reduction(largest),
+    "min": Reduction(least),
+    "peak": Reduction(lambda series: max(largest(series), -least(series))),
+    "range": Reduction(lambda series: largest(series) - least(series), needs_span=True),
+    "mean": Reduction(mean, needs_span=True),
+    "rate": Reduction(rate, "{}/s", needs_span=True),
+    "period": Reduction(period, "s", needs_span=True),
 }
 
 
@@ -146,19 +141,16 @@ def parse_quantity(given: str | Function) -> Quantity:
     """The quantity that a text or a function means; its series is looked up in the first result."""
     if callable(given):
         return Quantity(getattr(given, "__name__", "quantity"), "", function=given)
-    text = given.strip()
+    text, words = given.strip(), [*REDUCTIONS, *EVENTS]
     if not text:
-        words = ", ".join(f"{word}:" for word in (*REDUCTIONS, *EVENTS))
         raise InputError(
             f"The quantity is {given!r}; give a series such as crank.phi, or one with a word "
-            f"before it ({words})."
+            f"before it ({', '.join(f'{word}:' for word in words)})."
         )
-    word, colon, name = text.partition(":")
-    if not colon:
-        word, name = "end", text
-    if word not in {*REDUCTIONS, *EVENTS}:
-        raise InputError(f"{text}: {unknown('reduction', word, [*REDUCTIONS, *EVENTS])}")
-    if word in REDUCTIONS:
+    word, name = text.split(":", 1) if ":" in text else ("end", text)
+    if word not in words:
+        raise InputError(f"{text}: {unknown('reduction', word, words)}")
+    if word not in EVENTS:
         return Quantity(text, word, name.strip())
     effect, mark, digits = name.partition("#")
     if mark and not (digits.strip().isdigit() and int(digits) >= 1):
@@ -183,11 +175,8 @@ def declared_unit(given: str, description: Description) -> str:
 
 def _call(name: str, function: Function, result: Result) -> QuantityValue:
     value = function(result)
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = np.nan
-    if not np.isfinite(number):
+    number = finite_float(value)
+    if number is None:
         raise InputError(
             f"{result.description.title}: {name} returns {value!r}; it must return a finite number."
         )
@@ -195,14 +184,13 @@ def _call(name: str, function: Function, result: Result) -> QuantityValue:
 
 
 def _reduce(quantity: Quantity, result: Result) -> QuantityValue:
-    reduction, name = REDUCTIONS[quantity.word], quantity.name
-    where = f"{result.description.title}, {quantity.text}:"
-    x, unit = result.series(name)
+    reduction, where = REDUCTIONS[quantity.word], f"{result.description.title}, {quantity.text}:"
+    x, unit = result.series(quantity.name)
     if len(x) < 2 and reduction.needs_span:
-        raise InputError(f"{where} one instant has no {reduction.meaning}; ask for {name}.")
+        raise InputError(f"{where} it takes more than one instant; ask for {quantity.name}.")
     if not np.isfinite(x).all():
         at = float(result.t[np.flatnonzero(~np.isfinite(x))[0]])
-        raise InputError(f"{where} {name} is not a number at t = {at:g} s.")
+        raise InputError(f"{where} {quantity.name} is not a number at t = {at:g} s.")
     try:
         value = reduction.reduce(Series(result.t, x, jumps(result)))
     except InputError as error:
@@ -224,9 +212,9 @@ def _with_events(description: Description) -> list[str]:
 
 def _require_events(description: Description, effect: str) -> None:
     """Refuse an effect without events."""
-    names = [*(row.name for row in description.switches), *_with_events(description)]
+    names = dict.fromkeys([*description.switches.names, *_with_events(description)])
     if effect not in names:
-        text = unknown("effect with events", effect, list(dict.fromkeys(names)))
+        text = unknown("effect with events", effect, names)
         raise UnknownNameError(f"{description.title}: {text}")
 
 

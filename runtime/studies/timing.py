@@ -8,7 +8,6 @@ for a while at a time: runs are therefore repeated in turns, and the least time 
 
 import math
 import platform
-import statistics
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
@@ -30,30 +29,6 @@ def processor_time(run: Callable[[], Answer]) -> tuple[Answer, float]:
     return answer, process_time() - started
 
 
-class Stopwatch:
-    """Processor times of a run that is repeated, in s; None from `run` means it was cut short."""
-
-    def __init__(self, run: Callable[[], float | None], *times: float) -> None:
-        self.run, self.times = run, list(times)
-
-    def repeat(self) -> bool:
-        """Run once more; whether the run was completed."""
-        seconds = self.run()
-        if seconds is not None:
-            self.times.append(seconds)
-        return seconds is not None
-
-    @property
-    def seconds(self) -> float:
-        """The least time; nan before the first."""
-        return min(self.times, default=math.nan)
-
-    @property
-    def spread(self) -> float:
-        """The median time over the least; nan before the first."""
-        return statistics.median(self.times or [math.nan]) / self.seconds
-
-
 class TimeLimit:
     """Progress callback that interrupts a run which takes too long; compilation does not count."""
 
@@ -70,31 +45,25 @@ class TimeLimit:
             raise KeyboardInterrupt  # ends the run with the part that it has computed
 
 
-def take_turns(watches: Sequence[Stopwatch], finished: Callable[[Stopwatch], bool]) -> None:
-    """Repeat runs in turns, each until it is finished, or is cut short."""
-    waiting = list(watches)
-    while waiting:
-        waiting = [watch for watch in waiting if watch.repeat() and not finished(watch)]
+def time_runs(
+    runs: Iterable[Callable[[], float | None]], first: Sequence[float], rounds: int, least: float
+) -> list[list[float]]:
+    """Processor times of runs, s, which take turns until each is done or, None, is cut short.
 
-
-def time_runs(watches: Sequence[Stopwatch], rounds: int, least: float) -> None:
-    """Repeat runs in turns, until each was run `rounds` times and for `least` s, or `MOST` times.
-
-    Each has the time of a first run, which counts only if it was long: a short one met cold caches.
-    A run that takes `least` alone is repeated once.
+    Each is run `rounds` times and for `least` s, or `MOST` times; of one that takes `least` alone
+    two times are enough. That of a `first` run counts only if it was long: a short one met cold
+    caches.
     """
-    first = [list(watch.times) for watch in watches]
-    for watch in watches:
-        if watch.seconds < least:
-            watch.times.clear()
-
-    def finished(watch: Stopwatch) -> bool:
-        enough = rounds if sum(watch.times) >= least else MOST
-        return watch.seconds >= least or len(watch.times) >= enough
-
-    take_turns(watches, finished)
-    for watch, times in zip(watches, first, strict=True):
-        watch.times = watch.times or times
+    times = [[seconds] if seconds >= least else [] for seconds in first]
+    waiting = dict(enumerate(runs))
+    while waiting:
+        for k, run in [*waiting.items()]:
+            seconds, found = run(), times[k]
+            found += [] if seconds is None else [seconds]
+            enough = rounds if sum(found) >= least else MOST
+            if seconds is None or len(found) >= (2 if min(found) >= least > 0.0 else enough):
+                del waiting[k]
+    return [found or [seconds] for found, seconds in zip(times, first, strict=True)]
 
 
 def time_to_error(points: Iterable[tuple[float, float]], error: float) -> float | None:

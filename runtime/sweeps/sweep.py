@@ -14,7 +14,6 @@ import numpy as np
 from codegen.errors import InputError, LinkwrightError, UnknownNameError
 from codegen.readers import arguments as readers
 from codegen.readers.values import KindError
-from runtime.core.kinds import ANALYSES, analysis_name, analysis_title
 from runtime.integrate.method import IMPLICIT
 from runtime.machine_facade import Machine
 from runtime.machine_loading import load
@@ -24,7 +23,6 @@ from runtime.studies.harness import (
     READERS,
     analysis_of,
     read_simulation_arguments,
-    refuse_simulation_arguments,
     require_time_span,
     takes_simulation_arguments,
 )
@@ -88,16 +86,14 @@ def _quantities(value: Any) -> dict[str, str | Function]:
     raise KindError('it must be quantities, such as ["max:B.fx"] or {"peak": function}.')
 
 
-@readers.reads(
-    **{name: read for name, read in READERS.items() if name != "progress"},
-    over=_over, quantities=_quantities, out=readers.path,
-    sample=readers.optional(readers.text("a name")), count=readers.optional(readers.count(1)),
-    seed=readers.count(0), keep=_NAMES, points=readers.count(2, 10**7),
-    analysis=readers.optional(readers.text("a name")),
-    workers=readers.optional(readers.count(0, 4096)),
-    scheduler=readers.optional(readers.text("the address of a Dask scheduler")),
-    resume=readers.flag, progress=readers.flag,
-)  # fmt: skip
+@readers.reads(**READERS | {
+    "over": _over, "quantities": _quantities, "out": readers.path,
+    "sample": readers.optional(readers.text("a name")),
+    "count": readers.optional(readers.count(1)), "seed": readers.count(0), "keep": _NAMES,
+    "points": readers.count(2, 10**7), "workers": readers.optional(readers.count(0, 4096)),
+    "scheduler": readers.optional(readers.text("the address of a Dask scheduler")),
+    "resume": readers.flag, "progress": readers.flag,
+})  # fmt: skip
 @takes_simulation_arguments()
 def sweep(
     model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
@@ -265,7 +261,7 @@ def plan_request(
         With everything that is wrong with it.
     """
     about, problems = machine.description, list[str]()
-    kind, t_start = analysis_name(analysis or "") or analysis_of(machine), span[0]
+    kind, t_start = analysis or analysis_of(machine), span[0]
     parameters, guess, start = (dict(given or {}) for given in values)
     for name in factors:
         if name in {**parameters, **start}:
@@ -273,14 +269,8 @@ def plan_request(
                 f"{name} varies, and has one value as well (parameters, start): leave out one of "
                 "them."
             )
-    if kind not in ANALYSES:
-        problems.append(f"There is no analysis {kind!r}; there are: {', '.join(ANALYSES)}.")
     attempt(problems, lambda: machine.parameter_values(parameters))
-    options = attempt(problems, lambda: read_simulation_arguments(machine, settings)) or {}
-    if kind in ANALYSES and kind != "simulate":
-        attempt(problems, lambda: refuse_simulation_arguments(
-            options, machine.mechanism.title, analysis_title(kind)
-        ))  # fmt: skip
+    options = attempt(problems, lambda: read_simulation_arguments(machine, settings, kind)) or {}
     t_end = None
     if kind != "equilibrium":
         t_end = attempt(problems, lambda: require_time_span(machine, t_start, span[1]))

@@ -110,7 +110,7 @@ def check(
     With `start_has_values` the argument `start` has values by name, and is no state.
     """
     start = _values if start_has_values else _start_of(mechanism)
-    kinds = {**_KINDS, "start": optional(start), **_state_readers(mechanism)}
+    kinds = {**KINDS, "start": optional(start), **_state_readers(mechanism)}
     kinds["at"] = _instant_or_state(mechanism)
     values = readers.read_arguments(mechanism.title, kinds, given)
     problems = _contradictions(values) if values.get("start") is not None else []
@@ -230,7 +230,7 @@ _values = readers.values('{"crank.phi": 0.5}')
 _tolerance = readers.number("a positive finite number", above=0.0)
 _instant = readers.number("a finite number of seconds")
 _length = optional(readers.number("a positive number of seconds", above=0.0))
-_KINDS: dict[str, Reader] = {
+KINDS: dict[str, Reader] = {
     **dict.fromkeys(("t", "t_end", "t_start"), _instant),
     **dict.fromkeys(("rtol", "accuracy"), optional(_tolerance)),
     **dict.fromkeys(("first_step", "max_step", "time_scale"), _length),

@@ -13,7 +13,7 @@ import pytest
 from benchmarks import accuracy_targets, accuracy_targets_report, single_runs
 from benchmarks.report import records
 from runtime import load
-from runtime.accuracy_target.run_comparison import Quantities
+from runtime.accuracy_target.runs import Quantities
 from runtime.results.samples import plain
 
 

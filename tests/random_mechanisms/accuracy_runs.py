@@ -19,7 +19,8 @@ import numpy as np
 
 from codegen.errors import LinkwrightError
 from runtime import Machine, Outcome, load
-from runtime.accuracy_target.run_comparison import Quantities, difference, quantities_of
+from runtime.accuracy_target.run_comparison import difference
+from runtime.accuracy_target.runs import Quantities, quantities_of
 from runtime.dynamics.prepared_simulation import PreparedSimulation
 from runtime.results.result import Result
 from tests.random_mechanisms import Scales, random_mechanism

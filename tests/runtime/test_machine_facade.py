@@ -15,8 +15,8 @@ from runtime.mechanism.table_rows import Coordinate, Table
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
 from runtime.statics.equilibrium import Equilibrium
-from runtime.studies.effect_ranking.ranking import Matters
-from runtime.studies.work_precision.diagram import WorkPrecision
+from runtime.studies.diagram import WorkPrecision
+from runtime.studies.ranking import Matters
 
 
 def test_tables_answer_to_position_and_name(driven: Machine) -> None:

@@ -22,7 +22,6 @@ LENIENT = 20.0  # of an estimate, which is one to a factor of ten or so
 
 def errors(r: Result, exact: dict[str, np.ndarray]) -> dict[str, float]:
     """The largest error of each series, as a target means it."""
-    assert r.accuracy is not None
     scales = {row.name: row.scale for row in r.accuracy.quantities}
     return {
         name: float(np.max(np.abs(r.series(name)[0] - x) / (scales[name] + np.abs(x))))
@@ -31,7 +30,6 @@ def errors(r: Result, exact: dict[str, np.ndarray]) -> dict[str, float]:
 
 
 def estimates(r: Result) -> dict[str, float]:
-    assert r.accuracy is not None
     return {row.name: row.error for row in r.accuracy.quantities}
 
 
@@ -79,12 +77,12 @@ def cut(workshop: Path) -> Machine:
 @pytest.mark.parametrize("formulation", ["cartesian", "reduced"])
 @pytest.mark.parametrize("target", TARGETS)
 def test_a_pendulum_cut_loose(cut: Machine, target: float, formulation: str) -> None:
-    r = cut.simulate(3.0, accuracy=target, formulation=formulation, progress=False)  # type: ignore[arg-type]
+    r = cut.simulate(3.0, accuracy=target, formulation=formulation, progress=False)
     assert (r.outcome, r.ended_by, len(r.reconnections)) == (Outcome.OK, "low", 1), r.message
     found, given = errors(r, cut_motion(r.t)), estimates(r)
     assert max(found.values()) <= target
-    assert max(found.values()) <= LENIENT * r.accuracy.estimated  # type: ignore[union-attr]
-    about = LENIENT * max(given["t(hinge)"], given["t(low)"], r.accuracy.estimated)  # type: ignore[union-attr]
+    assert max(found.values()) <= LENIENT * r.accuracy.estimated
+    about = LENIENT * max(given["t(hinge)"], given["t(low)"], r.accuracy.estimated)
     assert abs(r.reconnections[0].time - CUT) / LOW <= about
     assert abs(r.t[-1] - LOW) / LOW <= about
     assert max(given["t(hinge)"], given["t(low)"]) <= target
@@ -96,7 +94,7 @@ def test_so_with_other_methods(cut: Machine, method: str) -> None:
     r = cut.simulate(3.0, accuracy=1e-7, method=method, progress=False)
     assert r.ended_by == "low"
     found = max(errors(r, cut_motion(r.t)).values())
-    assert found <= min(1e-7, LENIENT * r.accuracy.estimated)  # type: ignore[union-attr]
+    assert found <= min(1e-7, LENIENT * r.accuracy.estimated)
     assert abs(r.t[-1] - LOW) / LOW <= 1e-7
 
 
@@ -105,10 +103,9 @@ def test_the_result_is_that_of_a_run_with_the_recorded_settings(
 ) -> None:
     r = cut.simulate(3.0, accuracy=1e-6, progress=False)
     done = r.accuracy
-    assert done is not None
     again = cut.simulate(
         3.0, rtol=done.rtol, method=done.method,
-        formulation=done.formulation,  # type: ignore[arg-type]
+        formulation=done.formulation,
     )  # fmt: skip
     assert again.reconnections == r.reconnections
     for one, other in zip(r.samples, again.samples, strict=True):
@@ -191,7 +188,7 @@ def test_two_masses_that_latch(latched: Machine, target: float) -> None:
     assert (r.outcome, len(r.reconnections)) == (Outcome.OK, 1), r.message
     found = max(errors(r, exact).values())
     assert found <= target
-    assert found <= LENIENT * r.accuracy.estimated  # type: ignore[union-attr]
+    assert found <= LENIENT * r.accuracy.estimated
     apart = abs(r.reconnections[0].time - met) / 2.0
     assert apart <= max(1e-15, LENIENT * estimates(r)["t(latch)"])
 
@@ -223,7 +220,7 @@ def test_the_trebuchet(target: float) -> None:
     names += ("ball.x", "ball.y", "ball.vx", "ball.vy")
     found = max(errors(r, dict(zip(names, np.array(rows).T, strict=True))).values())
     assert found <= max(target, 1e-10)  # to which the reference is known
-    assert found <= LENIENT * max(r.accuracy.estimated, 1e-12)  # type: ignore[union-attr]
+    assert found <= LENIENT * max(r.accuracy.estimated, 1e-12)
     assert abs(r.t[-1] - exact.landed) / exact.landed <= target
     assert abs(r.reconnections[0].time - exact.released) / exact.landed <= target
 
@@ -258,7 +255,7 @@ def test_a_run_that_a_condition_ends(
 
 
 def test_one_that_holds_at_the_start_ends_the_run_there(swung: Machine, workshop: Path) -> None:
-    machine = load(swung.mechanism.origin.model, "held", folder=workshop)  # type: ignore[union-attr]
+    machine = load(swung.mechanism.origin.model, "held", folder=workshop)
     r = machine.simulate(5.0, accuracy=1e-6, progress=False)
     assert (r.outcome, r.ended_by, r.t.tolist()) == (Outcome.OK, "right", [0.0])
 
@@ -272,14 +269,13 @@ def test_runs_that_end_differently_are_no_evidence(
     Where all do, the result goes on; where the last ones end, the instant is known to the root of
     the error of the position.
     """
-    machine = load(swung.mechanism.origin.model, "grazes", folder=workshop)  # type: ignore[union-attr]
+    machine = load(swung.mechanism.origin.model, "grazes", folder=workshop)
     r = machine.simulate(1.5, accuracy=target, progress=False)
     if r.ended_by:
         assert abs(r.t[-1] - np.pi / 3) < 2e-3
     else:
         assert r.t[-1] == 1.5
     assert max(errors(r, {"mass.x": np.cos(3 * r.t)}).values()) <= target
-    assert r.accuracy is not None
     loose, tight = r.accuracy.runs[-2:]
     assert f"between rtol = {loose.rtol:.1e} and {tight.rtol:.1e}" in r.accuracy.means
     assert loose.events == tight.events == bool(r.ended_by)
@@ -303,7 +299,7 @@ def chaotic(workshop: Path) -> Machine:
 def test_a_horizon_cuts_what_comes_behind(chaotic: Machine, tmp_path: Path) -> None:
     r = chaotic.simulate(60.0, accuracy=1e-6, progress=False)
     assert r.outcome is Outcome.INACCURATE
-    assert r.t[-1] == r.accuracy.horizon < 59.0  # type: ignore[union-attr,operator]
+    assert r.t[-1] == r.accuracy.horizon < 59.0
     assert r.reconnections == ()
     r.save(tmp_path / "thrown.nc")
     back = load_result(tmp_path / "thrown.nc", chaotic)

@@ -48,7 +48,7 @@ def read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
 @pytest.mark.parametrize("place", ["model: {}", "model: x\nparameters: {{a: {}}}", "{}: x"])
 def test_tags_construct_nothing(read: Callable[..., str], tag: str, place: str) -> None:
     message = read(place.format(tag))
-    assert "is none of a case: it has data alone" in message or "is no YAML" in message
+    assert re.search("is none of a case: it has data alone|is no YAML|is no word", message)
 
 
 def test_tags_of_yaml_itself_are_read(tmp_path: Path) -> None:
@@ -92,15 +92,15 @@ def test_depth_is_bounded(read: Callable[..., str], ending: str, text: str) -> N
         ("model: x\nmodel: y", "yaml", r"line 2: 'model' stands twice"),
         ('{"model": "x", "model": "y"}', "json", "'model' stands twice"),
         ("model: x\n<<: {scene: a}", "yaml", "There is no key '<<'"),
-        ("1: x", "yaml", "the key 1 is no word"),
-        ("? [a]\n: x", "yaml", "the key ['a'] is no word"),
+        ("1: x", "yaml", "the key '1' is no word"),
+        ("? [a]\n: x", "yaml", "is no word"),
         ("model: x\n---\nmodel: y", "yaml", "line 2: "),
         ("model: [", "yaml", "the file is no YAML"),
         ("", "yaml", "the file is empty"),
         ("", "json", "the file is no JSON"),
-        ('{"model": NaN}', "json", "NaN is no number"),
+        ('{"model": NaN}', "json", "nan: it must be a text"),
         ('{"model": "x", "run": {"rtol": 1e999}}', "json", "it must be a finite number"),
-        (f'{{"model": "x", "run": {{"rtol": {"9" * 5000}}}}}', "json", "cannot be read"),
+        (f'{{"model": "x", "run": {{"rtol": {"9" * 5000}}}}}', "json", "is no JSON"),
         (f"model: x\nrun: {{rtol: {'9' * 5000}}}", "yaml", "line 2: "),
         (f"model: x\nrun: {{rtol: {'9' * 400}}}", "yaml", "beyond all floats"),
         (b"\xff\xfe", "yaml", "no text in UTF-8"),

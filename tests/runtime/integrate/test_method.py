@@ -38,7 +38,7 @@ method.METHODS = tuple(method.REGISTER)
 method.EXPLICIT = (*method.EXPLICIT, "small")
 
 from runtime.studies import pictures
-from runtime.studies.work_precision import reference
+from runtime.studies import reference
 from runtime.studies.harness import FORMULATIONS, all_settings
 from tests.runtime.integrate.systems import relay, run_relay
 

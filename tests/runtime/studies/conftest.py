@@ -1,12 +1,13 @@
-"""A mass on a spring, and a work-precision study of it."""
+"""A mass on a spring, and work-precision studies of it."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from runtime import accuracy
-from runtime.studies.work_precision import WorkPrecision
+from runtime.studies.diagram import WorkPrecision
 
 TEXT = """
 from codegen import Model
@@ -24,6 +25,7 @@ model.scene("sticking", ["gravity", "spring", "rub"], start=start, fidelity={"ru
 model.scene("driven", ["spring"], ["drive"])
 model.scene("drawn", drivers=["drive"], analysis="kinematics")
 """
+ABOUT: dict[str, Any] = {"t_end": 2.0, "rtols": (1e-3, 1e-6, 1e-9), "quick": True, "points": 40}
 
 
 @pytest.fixture(scope="session")
@@ -42,18 +44,15 @@ def rig(folder: Path) -> str:
 
 
 @pytest.fixture(scope="session")
-def about() -> dict[str, Any]:
-    """A small study."""
-    return {"t_end": 2.0, "rtols": (1e-3, 1e-6, 1e-9), "quick": True, "points": 40}
+def study(rig: str, folder: Path) -> Callable[..., WorkPrecision]:
+    """A small study of a scene: explicit methods in all coordinates."""
+    few = {"methods": ("dop853", "dopri5"), "formulations": ("cartesian",), "modelling": False}
+    return lambda scene="swing", **more: accuracy(
+        rig, scene, folder=folder, **{**ABOUT, **few, **more}
+    )
 
 
 @pytest.fixture(scope="session")
-def few(about: dict[str, Any]) -> dict[str, Any]:
-    """A smaller one: explicit methods in all coordinates."""
-    return {**about, "methods": ("dop853", "dopri5"), "formulations": ("cartesian",)}
-
-
-@pytest.fixture(scope="session")
-def swing(rig: str, folder: Path, about: dict[str, Any]) -> WorkPrecision:
+def swing(rig: str, folder: Path) -> WorkPrecision:
     """Every setting at three tolerances."""
-    return accuracy(rig, "swing", folder=folder, **about)
+    return accuracy(rig, "swing", folder=folder, **ABOUT)

@@ -6,24 +6,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy.special import ellipkinc
 from sympy import pi
 
 from codegen import Model
 from codegen.errors import InputError
 from runtime import load
-from runtime.accuracy_target.run_comparison import own_instants
+from runtime.accuracy_target.runs import own_instants
 from runtime.results.run_records import Reconnection
 from runtime.studies.effect_ranking import matters
+from runtime.studies.reference import Compared
 from runtime.studies.work_precision import accuracy
-from runtime.studies.work_precision.reference import Places
-
-G = 9.81
-K = G / 1.1
-CUT = float(ellipkinc((0.5 + np.pi / 2) / 2, 4 * K / 49) / 3.5)
-OMEGA = float(np.sqrt(49 - 2 * K * (np.sin(0.5) + 1)))
-RISE = OMEGA * np.cos(0.5)
-LOW = CUT + (RISE + np.sqrt(RISE**2 + 2 * G * (np.sin(0.5) + 1.5))) / G
+from tests.runtime.accuracy_target.test_runs_that_end_or_reconnect import CUT, LOW, OMEGA, RISE, G
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +64,6 @@ def test_a_ranking_of_a_machine_that_is_cut_loose(
     assert found.doubt <= 1e-6 * abs(expected)
     if asked in {"event:hinge", "event:low", "bob.x", "max:bob.y"}:
         assert brake.relative > 1e-6
-        assert found.proposal is not None
         assert found.proposal.left_out == ("whiff",)
 
 
@@ -111,9 +103,9 @@ def test_work_and_precision(cut: Model, tmp_path: Path, quantities: tuple[str, .
         points = [point for point in line.points if point.errors is not None]
         assert len(points) == 4
         assert points[-1].worst < 1e-6
-        each = points[-1].errors.each  # type: ignore[union-attr]
+        each = points[-1].errors.each
         assert max(each["t(hinge)"], each["t(low)"]) < 1e-6
-        assert points[0].errors.each["t(low)"] > 0.0  # type: ignore[union-attr]
+        assert points[0].errors.each["t(low)"] > 0.0
         assert points[0].worst > points[-1].worst
 
 
@@ -138,18 +130,18 @@ def test_names_of_instants() -> None:
     changes.insert(1, Reconnection(2.0, "slot", "engage", {}, 0.0, {}))
     run = SimpleNamespace(reconnections=changes, ended_by="home", t=[0.0, 4.0])
     instants = {"t(pin)": 1.0, "t(slot)": 2.0, "t(pin)#2": 3.0, "t(home)": 4.0}
-    assert own_instants(run) == instants  # type: ignore[arg-type]
+    assert own_instants(run) == instants
     run.reconnections, run.ended_by = (), ""
-    assert own_instants(run) == {}  # type: ignore[arg-type]
+    assert own_instants(run) == {}
 
 
 def test_runs_with_other_ends_are_told_apart(cut: Model, tmp_path: Path) -> None:
     machine = load(cut, "plain", folder=tmp_path)
     whole, short = (machine.simulate(end, 31) for end in (3.0, 1.0))
-    places = Places(whole.t, 0.0, own_instants(whole), are_compared=True)
-    assert places.difference(whole) == ""
-    assert "t(hinge), and those of the reference t(hinge), t(low)" in places.difference(short)
-    assert places.names == ("t(hinge)", "t(low)")
-    assert_allclose(places.columns(whole)[0], [CUT, LOW], atol=1e-6)
+    compared = Compared((), whole.t, 0.0, own_instants(whole), from_file=False)
+    assert compared.difference(whole) == ""
+    assert "t(hinge), and those of the reference t(hinge), t(low)" in compared.difference(short)
+    assert compared.own == ("t(hinge)", "t(low)")
+    assert_allclose(compared.values(whole)[0], [CUT, LOW], atol=1e-6)
     late = machine.simulate(3.0, 31, rtol=1e-3)
-    assert places.rows(late)[-1] == len(late.t) - 1
+    assert compared.rows(late)[-1] == len(late.t) - 1

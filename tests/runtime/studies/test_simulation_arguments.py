@@ -41,7 +41,7 @@ def test_a_ranking_runs_with_functions_and_conditions(pushed: Model, tmp_path: P
     words = {"controllers": {"u": constant}, "until": {"far": ("mass.x", ">", 1.0)}}
     found = matters(
         pushed, "runs", asked="mass.vx", t_end=3.0, points=21, rounds=1, folder=tmp_path, **words
-    )  # type: ignore[arg-type]
+    )
     assert found["air"].value == pytest.approx((2 * 4.001 / 2) ** 0.5, rel=1e-8)  # v² = 2 a x
     assert found["push"].verdict == "needed"
     assert "goes on, where the full scene ends where 'far' begins to hold" in found["push"].reason
@@ -55,7 +55,7 @@ def test_a_limit_and_a_tolerance_reach_each_run(
     @wraps(real)
     def simulate(self: Machine, *given: object, **words: object) -> object:
         seen.append((words["rtol"], words.get("atol"), words.get("correction")))
-        return real(self, *given, **words)  # type: ignore[arg-type]
+        return real(self, *given, **words)
 
     monkeypatch.setattr(Machine, "simulate", simulate)
     matters(

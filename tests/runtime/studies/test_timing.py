@@ -2,28 +2,40 @@
 
 import pytest
 
-from runtime.studies.timing import Stopwatch, TimeLimit, processor_time, take_turns, time_to_error
+from runtime.studies.timing import TimeLimit, processor_time, time_runs, time_to_error
 
 
-def test_runs_take_turns_until_each_is_finished() -> None:
+def test_runs_take_turns_and_one_that_is_cut_short_ends() -> None:
     order: list[str] = []
 
-    def run(name: str) -> float:
+    def run(name: str) -> float | None:
         order.append(name)
-        return float(len(order))
+        return None if order.count("b") == 2 and name == "b" else float(len(order))
 
-    watches = [Stopwatch(lambda name=name: run(name)) for name in "ab"]
-    take_turns(watches, lambda watch: len(watch.times) >= (3 if watch is watches[0] else 2))
-    assert order == list("ababa")
-    assert watches[0].times == [1.0, 3.0, 5.0]
-    assert (watches[0].seconds, watches[0].spread) == (1.0, 3.0)
+    runs = [lambda name=name: run(name) for name in "abc"]
+    times = time_runs(runs, [0.5] * 3, 3, 0.6)
+    assert order == list("abcabc")
+    assert times == [[1.0, 4.0], [2.0], [3.0, 6.0]]
 
 
-def test_a_run_that_is_cut_short_has_no_time() -> None:
-    seconds = iter([3.0, None])
-    watch = Stopwatch(lambda: next(seconds))
-    take_turns([watch], lambda _: False)
-    assert watch.times == [3.0]
+@pytest.mark.parametrize(
+    ("took", "first", "rounds", "least", "count"),
+    [
+        (0.5, 0.5, 5, 1.0, 5),
+        (0.01, 0.01, 5, 1.0, 30),
+        (2.0, 2.0, 5, 1.0, 2),
+        (2.0, 2.0, 3, 0.0, 3),
+        (0.1, float("nan"), 3, 0.0, 3),
+    ],
+)
+def test_runs_are_repeated_for_a_time(
+    took: float, first: float, rounds: int, least: float, count: int
+) -> None:
+    assert time_runs([lambda: took], [first], rounds, least) == [[took] * count]
+
+
+def test_a_run_that_is_cut_short_keeps_its_first_time() -> None:
+    assert time_runs([lambda: None], [0.2], 5, 1.0) == [[0.2]]
 
 
 def test_a_time_limit_counts_from_the_first_sign_of_life() -> None:

@@ -1,21 +1,24 @@
-"""Conclusions from the runs: times at an accuracy, the Pareto front, sentences, JSON records."""
+"""Conclusions from runs: times at an accuracy, Pareto front, sentences, tables, JSON records."""
 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from runtime.results.samples import plain
-from runtime.show.table_formatting import milliseconds, shortened
+from runtime.show.table_formatting import milliseconds, new_table, shortened
+from runtime.studies.diagram import Choice, Line, Point, WorkPrecision
 from runtime.studies.harness import Setting
 from runtime.studies.timing import time_to_error
-from runtime.studies.work_precision.diagram import Choice, Line, Point, WorkPrecision
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 # Scaled errors at which times are given; the IFToMM benchmarks call the first precise.
 TARGETS = (1e-3, 1e-6, 1e-9)
-_COMMON = ("model", "scene", "model_sha256", "t_start", "t_end", "instants", "environment")
+COMPARED = 1e-6  # scaled error at which the work of runs is compared
 NOISY = 1.3  # spread from which on a time is doubtful
 LONG = 160  # characters of a reason on a screen; a longer one is cut there, not in the records
 
@@ -43,7 +46,7 @@ def time_at(line: Line, error: float) -> float | None:
 
 def fastest(lines: Sequence[Line], error: float) -> Best | None:
     """The fastest line at an accuracy."""
-    times = [(time_at(line, error), line) for line in lines]
+    times = ((time_at(line, error), line) for line in lines)
     reached = [Best(seconds, line) for seconds, line in times if seconds is not None]
     return min(reached, key=lambda best: best.seconds, default=None)
 
@@ -101,9 +104,8 @@ def headline(study: WorkPrecision) -> str:
         most = max((point.digits for point in front(study.lines)), default=0.0)
         return f"No run has more than {most:.1f} digits that the reference can resolve."
     (loose, fast), (tight, slow) = reached[-2:]
-    more = "three" if round(math.log10(loose / tight)) == 3 else digits(tight / loose)
     return (
-        f"{more.capitalize()} more digits, {digits(tight)} instead of {digits(loose)}, cost "
+        f"Three more digits, {digits(tight)} instead of {digits(loose)}, cost "
         f"{slow.seconds / fast.seconds:.2g} times the time: {milliseconds(fast.seconds)}"
         f"{'' if slow.line is fast.line else f' ({fast.line.setting.title})'} become "
         f"{milliseconds(slow.seconds)} ({slow.line.setting.title})."
@@ -114,7 +116,7 @@ def _comparisons(study: WorkPrecision, target: float) -> Iterator[str]:
     """Methods, corrections and formulations at one accuracy."""
     reached = {line.setting: time_at(line, target) for line in study.lines}
     times = {setting: seconds for setting, seconds in reached.items() if seconds is not None}
-    at = f"at {digits(target)} digits"
+    at, base = f"at {digits(target)} digits", Setting("dop853")
     once = sorted((seconds, s.title) for s, seconds in times.items() if s.correction == "step")
     if len(once) > 1:
         (least, first), (most, last) = once[0], once[-1]
@@ -122,20 +124,15 @@ def _comparisons(study: WorkPrecision, target: float) -> Iterator[str]:
             f"{at.capitalize()} {first} takes {milliseconds(least)}, {last} {most / least:.3g} "
             "times as long."
         )
-    base = Setting("dop853")
-    if base not in times:
-        return
-    for correction, name in (("stage", "at every stage"), ("projection", "by projection")):
-        other = replace(base, correction=correction)
-        if other in times:
-            yield (
-                f"Correction {name} takes {times[other] / times[base]:.2f} times the time of "
-                f"correction once per step {at} ({base.title})."
-            )
-    other = replace(base, formulation="reduced")
-    if other in times:
-        ratio = times[other] / times[base]
-        yield f"{other.title} takes {ratio:.2f} times the time of {base.title} {at}."
+    others = (
+        (replace(base, correction="stage"), "Correction at every stage"),
+        (replace(base, correction="projection"), "Correction by projection"),
+        (replace(base, formulation="reduced"), f"{base.method}, reduced"),
+    )
+    for other, name in others:
+        if base in times and other in times:
+            ratio = times[other] / times[base]
+            yield f"{name} takes {ratio:.2f} times the time of {base.title} {at}."
 
 
 def _choice(study: WorkPrecision, choice: Choice, longest: float) -> str:
@@ -186,12 +183,11 @@ def _failures(study: WorkPrecision, longest: float) -> Iterator[str]:
 
 
 def _times(study: WorkPrecision) -> Iterator[str]:
-    noisy = sum(p.spread > NOISY for line in study.lines for p in line.done)
-    runs = sum(len(line.done) for line in study.lines)
-    if noisy:
+    noisy = [point.spread > NOISY for line in study.lines for point in line.done]
+    if any(noisy):
         yield (
-            f"The times of {noisy} of {runs} runs spread by more than {NOISY:g} (median over "
-            "least): others use the machine; the least counts."
+            f"The times of {sum(noisy)} of {len(noisy)} runs spread by more than {NOISY:g} "
+            "(median over least): others use the machine; the least counts."
         )
     if study.build:
         parts = ", ".join(f"{stage} {seconds:.2g}" for stage, seconds in study.build.items())
@@ -200,7 +196,8 @@ def _times(study: WorkPrecision) -> Iterator[str]:
 
 def records(study: WorkPrecision) -> Iterator[dict[str, Any]]:
     """One mapping per run, per refused setting, and per modelling choice that did not run."""
-    common = {name: getattr(study, name) for name in _COMMON} | {
+    names = ("model", "scene", "model_sha256", "t_start", "t_end", "instants", "environment")
+    common = {name: getattr(study, name) for name in names} | {
         "artefact_sha256": study.artefact,
         "scales": {scale.name: scale.value for scale in study.quantities},
         "reference": study.reference.source,
@@ -212,17 +209,91 @@ def records(study: WorkPrecision) -> Iterator[dict[str, Any]]:
         about = {**common, **asdict(line.setting), "choice": ""}
         of_line = {"slope": slope(line), "effectivity": effectivity(line)}
         if line.refused:
-            yield plain({**about, "outcome": "REFUSED", "message": line.refused})
+            yield plain({**about, **_refusal(line.refused)})
         for point in line.points:
             yield plain({**about, **_run(study, point), **of_line})
     for choice in study.choices:
-        setting = asdict(choice.setting or Setting(""))
-        about = {**common, "scene_run": choice.scene, **setting, "choice": choice.title}
-        refusal = {"outcome": "REFUSED", "message": choice.reason}
-        yield plain({**about, **(_run(study, choice.point) if choice.point else refusal)})
+        about = {**common, "scene_run": choice.scene, "choice": choice.title}
+        run = _run(study, choice.point) if choice.point else _refusal(choice.reason)
+        yield plain({**about, **asdict(choice.setting or Setting("")), **run})
+
+
+def _refusal(reason: str) -> dict[str, Any]:
+    return {"outcome": "REFUSED", "message": reason}
 
 
 def _run(study: WorkPrecision, point: Point) -> dict[str, Any]:
     positions = [scale for scale in study.quantities if scale.group == "positions"]
     atol = {scale.name: point.rtol * min(1.0, scale.value) for scale in positions}
     return {**asdict(point), "atol": atol, "digits": point.digits}
+
+
+SCORES = ("setting", *(f"{digits(target)} digits" for target in TARGETS), "most", "slope")
+SCORES += ("E/rtol", "failed")
+
+
+def score(study: WorkPrecision) -> "Table":
+    """Times at three, six and nine digits, blank where these are not reached; the best marked."""
+    title = f"{study.model}/{study.scene}, {study.t_end:g} s: time in ms for this many digits"
+    caption = "*: the fastest; slope of error over tolerance; error over tolerance, median"
+    return new_table(title, caption, SCORES, *score_sections(study), least=14)
+
+
+def score_sections(study: WorkPrecision) -> Iterator[list[tuple[object, ...]]]:
+    """Rows of the settings, and of modelling choices."""
+    yield [(line.setting.title, *_score(study, line)) for line in study.lines]
+    yield [(choice.title, *_score_of_choice(choice)) for choice in study.choices]
+
+
+def _score(study: WorkPrecision, line: Line) -> tuple[object, ...]:
+    """Times, the most digits, and how errors follow tolerances."""
+    if line.refused:
+        return (*[""] * 6, "refused")
+    times = []
+    for target in TARGETS:
+        best = best_at(study, target)
+        seconds = time_at(line, target) if best else None
+        mark = "*" if best and best.line is line else " "
+        times.append("" if seconds is None else f"{1e3 * seconds:.3g}{mark}")
+    most = max((f"{point.digits:.1f}" for point in line.known), key=float, default="")
+    if any(point.beyond for point in line.done):
+        most = f">{-math.log10(study.reference.floor):.1f}"
+    steep, ratio = slope(line), effectivity(line)
+    follows = "" if steep is None else f"{steep:.2f}", "" if ratio is None else f"{ratio:.2g}"
+    return *times, most, *follows, len(line.failed) or ""
+
+
+def _score_of_choice(choice: Choice) -> tuple[object, ...]:
+    point = choice.point
+    if point is None:
+        return (*[""] * 6, "not run")
+    times = [f"{1e3 * point.seconds:.3g} " if point.worst <= target else "" for target in TARGETS]
+    return *times, f"{point.digits:.1f}", "", "", ""
+
+
+def work(study: WorkPrecision) -> "Table":
+    """Counters and residuals of the first run of each setting with six digits."""
+    against = " (against the reference)" if study.energy == "reference" else ""
+    caption = (
+        "largest |Φ| over the machine's size, |Φ_q q̇ - ν| over the largest speed, energy "
+        f"error over the energy{against}"
+    )
+    head = ("setting", "rtol", "steps", "rej.", "rhs", "Newton", "J", "LU", "|Φ|", "|Φ̇|", "energy")
+    firsts = (
+        (line, next((point for point in line.done if point.worst <= COMPARED), None))
+        for line in study.lines
+    )
+    rows = [(line.setting.title, *_work_cells(point)) for line, point in firsts if point]
+    title = f"the loosest run with {digits(COMPARED)} digits"
+    return new_table(title, caption, head, rows, least=14)
+
+
+def _work_cells(point: Point) -> tuple[str, ...]:
+    names = ("steps", "rejected", "rhs_evaluations", "newton", "jacobians", "factorizations")
+    counts = {**dict.fromkeys(names, 0.0), **point.counts}
+    counts["newton"] = counts.get("corrections", 0.0) + counts.get("stage_iterations", 0.0)
+    residuals = point.position_residual, point.velocity_residual, point.energy
+    return (
+        f"{point.rtol:.0e}", *(f"{counts[name]:.0f}" for name in names),
+        *("" if size is None else f"{size:.0e}" for size in residuals),
+    )  # fmt: skip

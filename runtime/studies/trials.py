@@ -8,8 +8,9 @@ answers is the uncertainty of the second.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -17,10 +18,10 @@ from codegen.errors import LinkwrightError
 from runtime.machine_facade import Machine
 from runtime.mechanism.dense_equations import FloatArray
 from runtime.results.result import Result
-from runtime.studies.effect_ranking.ranking import Costs, Row, Verdict
-from runtime.studies.harness import LEFT_OUT, Source, arguments_of_variant, known_values
+from runtime.studies.harness import LEFT_OUT, Source, arguments_of_variant
 from runtime.studies.quantity import Quantity, QuantityValue, jumps
-from runtime.studies.timing import Stopwatch, processor_time
+from runtime.studies.ranking import Costs, Row, Verdict
+from runtime.studies.timing import processor_time
 
 if TYPE_CHECKING:
     from codegen import Scene
@@ -45,81 +46,64 @@ class Plan:
     t_end: float
     points: int  # output instants of the first run, and of those that are timed
     rtol: float  # of the second run, and of those that are timed
-    method: str
-    formulation: str | None
-    parameters: Mapping[str, float]  # a scene gets those that it has
-    guess: Mapping[str, float]  # the same
-    start: Mapping[str, float]  # the same; empty for an equilibrium
-    # of `Machine.simulate`, besides
-    words: Mapping[str, Any] = field(default_factory=dict)
+    words: Mapping[str, Any]  # of the analysis, besides, values by name among them
 
     def run(self, machine: Machine, rtol: float, instants: FloatArray) -> Result:
         """The analysis of a machine."""
-        values: dict[str, Any] = self.values(machine)
-        values["progress"] = False
-        if self.analysis == "simulate":
-            values |= {"t_start": self.t_start, "method": self.method, "rtol": rtol}
-            values |= arguments_of_variant(machine, self.words) | {"formulation": self.formulation}
-            if (atol := self.words.get("atol")) is not None:
-                values["atol"] = atol * (rtol / self.rtol)
-            return machine.simulate(self.t_end, instants, **values)
+        words = {**self.words, "progress": False}
         if self.analysis == "equilibrium":
-            return machine.equilibrium(**values, t=self.t_start)
-        driven = self.analysis == "kinematics"
-        return (machine.kinematics if driven else machine.inverse_dynamics)(instants, **values)
-
-    def values(self, machine: Machine) -> dict[str, dict[str, float]]:
-        """Parameters, guesses and start values that a machine has."""
-        return known_values(machine, self.parameters, self.guess, self.start)
+            return machine.equilibrium(t=self.t_start, **words)
+        if self.analysis != "simulate":
+            result: Result = getattr(machine, self.analysis)(instants, **words)
+            return result
+        if (atol := words.get("atol")) is not None:
+            words["atol"] = atol * (rtol / self.rtol)
+        return machine.simulate(self.t_end, instants, t_start=self.t_start, rtol=rtol, **words)
 
     def instants(self, count: int, events: FloatArray = NONE, beside: float = 0.0) -> FloatArray:
         """Equally spaced instants, and those before and after events by a share of the run."""
-        even = np.linspace(self.t_start, self.t_end, count)
-        step = beside * (self.t_end - self.t_start)
-        more = np.concatenate([events - step, events + step])
-        inside = more[(more > self.t_start) & (more < self.t_end)]
-        return np.unique(np.concatenate([even, inside]))
+        first, last = self.t_start, self.t_end
+        step = beside * (last - first)
+        every = np.concatenate([np.linspace(first, last, count), events - step, events + step])
+        return np.unique(np.clip(every, first, last))
 
     def trial(self, machine: Machine) -> "Trial":
         """Run a scene twice; LinkwrightError if it fails, or has no such quantity."""
-        freedom = 0  # of an equilibrium, whose start need not satisfy the constraints
-        if self.analysis != "equilibrium":
-            t = self.t_start if self.analysis == "simulate" else 0.0
-            freedom = machine.assemble(**self.values(machine), t=t).degrees_of_freedom
+        simulated, freedom = self.analysis == "simulate", 0
+        if self.analysis != "equilibrium":  # whose start need not satisfy the constraints
+            given = {x: self.words.get(x) for x in ("parameters", "guess", "start")}
+            begin = machine.assemble(**given, t=self.t_start if simulated else 0.0)
+            freedom = begin.degrees_of_freedom
         rough, fine = self._run_twice(machine)
         for run in (rough, fine):
             if run.failed:
                 raise LinkwrightError(f"{run.description.title}: {run.message}")
         first, second = self.quantity.read(rough), self.quantity.read(fine)
-        least = max(_ROUNDING, self.rtol if self.analysis == "simulate" else 0.0)
+        least = max(_ROUNDING, self.rtol if simulated else 0.0)
         doubt = abs(second.value - first.value) + least * max(abs(second.value), second.scale)
-        instants = self.instants(self.points)
-
-        def seconds() -> float:
-            return processor_time(lambda: self.run(machine, self.rtol, instants))[1]
-
-        return Trial(fine, second, doubt, freedom, Stopwatch(seconds))
+        again = partial(self.run, machine, self.rtol, self.instants(self.points))
+        return Trial(fine, second, doubt, freedom, lambda: processor_time(again)[1])
 
     def _run_twice(self, machine: Machine) -> tuple[Result, Result]:
         """The run for comparison, and the run from which the quantity is taken."""
-        rtol, instants = min(COARSER * self.rtol, 1e-3), self.instants(self.points)
+        rtol, instants, events = min(COARSER * self.rtol, 1e-3), self.instants(self.points), NONE
         rough = self.run(machine, rtol, instants)
         if rough.failed:
             return rough, rough
         if self.analysis == "equilibrium":
             q = rough.samples.q[0] + _PERTURBATION * (1.0 + np.abs(rough.samples.q[0]))
             near = dict(zip(machine.coordinates.names, q.tolist(), strict=True))
-            again = replace(self, guess={**self.guess, **near})
-            return rough, again.run(machine, rtol, instants)
-        events = NONE
-        if self.analysis == "simulate" and (rough.events or rough.reconnections):
-            events = jumps(rough)
+            guess = {**self.words.get("guess", {}), **near}
+            return rough, replace(self, words={**self.words, "guess": guess}).run(
+                machine, rtol, instants
+            )
+        if self.analysis == "simulate" and len(events := jumps(rough)):
             rough = self.run(machine, rtol, self.instants(self.points, events, 4.0 * _BESIDE_EVENT))
         dense = self.instants(2 * self.points - 1, events, _BESIDE_EVENT)
         return rough, self.run(machine, self.rtol, dense)
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Trial:
     """A scene that was run."""
 
@@ -127,7 +111,8 @@ class Trial:
     quantity: QuantityValue
     doubt: float  # uncertainty of the quantity
     freedom: int  # degrees of freedom at the start
-    watch: Stopwatch  # repeats the run, from the call to the result
+    repeat: Callable[[], float]  # the run, from the call to the result; its processor time, s
+    seconds: float = math.nan  # the least time measured
 
     @property
     def reach(self) -> dict[str, float]:
@@ -138,7 +123,7 @@ class Trial:
     @property
     def costs(self) -> Costs:
         """Costs of the second run, and the least time measured."""
-        return count_costs(self.result, self.watch.seconds)
+        return count_costs(self.result, self.seconds)
 
 
 def count_costs(run: Result, seconds: float = math.nan) -> Costs:
@@ -150,6 +135,15 @@ def count_costs(run: Result, seconds: float = math.nan) -> Costs:
     accelerations, total = operations.get("accelerations", 0), sum(operations.values())
     work = evaluations * accelerations + corrections * operations.get("correction", 0)
     return Costs(accelerations, total, evaluations, steps, len(run.events), work or total, seconds)
+
+
+class Change(NamedTuple):
+    """The change of the quantity from the full scene to another."""
+
+    value: float
+    doubt: float  # its uncertainty
+    relative: float  # its magnitude over the quantity's size
+    is_permitted: bool  # by the error, together with its uncertainty
 
 
 @dataclass(frozen=True)
@@ -171,21 +165,23 @@ class Comparison:
     def trial(self, scene: "Scene") -> Trial | LinkwrightError:
         """Run a variant; an error where it does not work as the full scene does."""
         self.progress(f"{self.source.model.name}/{scene.name}")
-        machine = None
+        machine, full = None, self.full
         try:
             machine = self.source.variant(scene)
-            trial = self.plan.trial(machine)
+            words = arguments_of_variant(machine, self.plan.words)
+            trial = replace(self.plan, words=words).trial(machine)
         except LinkwrightError as error:
             return error if machine is None else self._without_state(machine) or error
-        freedom, moved, reach = self.full.freedom, self.full.reach, trial.reach
-        if trial.freedom != freedom:
+        if trial.freedom != full.freedom:
             return LinkwrightError(
-                f"it has {trial.freedom} degrees of freedom, where the full scene has {freedom}"
+                f"it has {trial.freedom} degrees of freedom, where the full scene has "
+                f"{full.freedom}"
             )
-        ends = [one.result.ended_by for one in (trial, self.full)]
+        ends = [one.result.ended_by for one in (trial, full)]
         if ends[0] != ends[1]:
             ways = [f"ends where {name!r} begins to hold" if name else "goes on" for name in ends]
             return LinkwrightError(f"it {ways[0]}, where the full scene {ways[1]}")
+        moved, reach = full.reach, trial.reach
         common = [name for name in reach if moved.get(name, 0.0) > 0.0]
         if common and all(reach[name] <= STILL * moved[name] for name in common):
             return LinkwrightError("nothing moves without it")
@@ -193,13 +189,12 @@ class Comparison:
 
     def _without_state(self, machine: Machine) -> LinkwrightError | None:
         """The error of a scene that lacks the state of the quantity, if it does."""
-        quantity, here = self.plan.quantity, machine.mechanism.description.states.names
-        state = quantity.name
+        state, here = self.plan.quantity.name, machine.description.states.names
         if state in here or state not in self.full.result.description.states.names:
             return None
         return LinkwrightError(
             f"the state {state!r} leaves the scene with it, because nothing else contains it; so "
-            f"{quantity.text} has no value there"
+            f"{self.plan.quantity.text} has no value there"
         )
 
     def row(self, change: "Variant", trial: Trial | LinkwrightError) -> Row:
@@ -209,27 +204,26 @@ class Comparison:
             verdict = Verdict.NEEDED if change.word == LEFT_OUT else Verdict.IMPOSSIBLE
             reason = "; ".join(trial.problems)
             return Row(*about, None, None, None, 0.0, None, None, verdict, reason)
-        delta, doubt, relative = self.change(trial)
-        verdict = Verdict.NEGLIGIBLE if self.permits(trial) else Verdict.MATTERS
-        if abs(delta) <= doubt:
+        found = self.change(trial)
+        verdict = Verdict.NEGLIGIBLE if found.is_permitted else Verdict.MATTERS
+        if abs(found.value) <= found.doubt:
             verdict = Verdict.NONE_SEEN
-        value, saving = trial.quantity.value, self.saving(trial)
-        return Row(*about, value, delta, relative, doubt, trial.costs, saving, verdict)
+        return Row(
+            *about, trial.quantity.value, found.value, found.relative, found.doubt, trial.costs,
+            self.saving(trial), verdict,
+        )  # fmt: skip
 
-    def change(self, trial: Trial) -> tuple[float, float, float]:
-        """Change of the quantity, the uncertainty of the change, and the relative change."""
+    def change(self, trial: Trial) -> Change:
+        """The change of the quantity from the full scene."""
         delta = trial.quantity.value - self.full.quantity.value
-        return delta, trial.doubt + self.full.doubt, self.relative(abs(delta))
+        doubt = trial.doubt + self.full.doubt
+        permitted = self.error is not None and abs(delta) + doubt <= self.error * self.size
+        return Change(delta, doubt, self.relative(abs(delta)), permitted)
 
     def relative(self, amount: float) -> float:
         """An amount over the quantity's size; infinite if the quantity is zero throughout."""
         return amount / self.size if self.size else (math.inf if amount else 0.0)
 
-    def permits(self, trial: Trial) -> bool:
-        """Whether the error permits the change together with its uncertainty."""
-        delta, doubt, _ = self.change(trial)
-        return self.error is not None and abs(delta) + doubt <= self.error * self.size
-
     def saving(self, trial: Trial) -> float:
         """Share of the full scene's time that a trial saves, once both are timed."""
-        return 1.0 - trial.watch.seconds / self.full.watch.seconds
+        return 1.0 - trial.seconds / self.full.seconds

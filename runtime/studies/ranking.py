@@ -1,20 +1,22 @@
-"""An effect ranking as data: rows, costs, verdicts, the proposed scene; its sentences."""
+"""An effect ranking as data: rows, costs, verdicts, the proposed scene; its sentences and table."""
 
 import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from enum import StrEnum
+from itertools import chain
+from operator import attrgetter, sub
 from typing import TYPE_CHECKING, Any
 
-from codegen.errors import UnknownNameError
 from codegen.object_display import html_of, html_table
 from codegen.readers.calls import checked_class
-from codegen.readers.values import shown
 from runtime.results.samples import plain
-from runtime.show.table_formatting import shortened
+from runtime.show.table_formatting import new_table, shortened
+from runtime.studies.harness import titled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from rich.table import Table
 
 _LONGEST_REASON = 200  # characters
 
@@ -118,10 +120,7 @@ class Matters:
 
     def __getitem__(self, title: str) -> Row:
         """The row of an effect, or of ``"rod as link"``."""
-        rows = {row.title: row for row in self.rows}
-        if type(title) is not str or title not in rows:
-            raise UnknownNameError(f"no effect {shown(title)}; there are: {', '.join(rows)}.")
-        return rows[title]
+        return titled("effect", {row.title: row for row in self.rows}, title)
 
     def facts(self) -> dict[str, Any]:
         """All fields, as JSON; a number that is not finite is null."""
@@ -150,14 +149,46 @@ class Matters:
         return "\n  ".join((self.title, *sentences(self)))
 
     def _repr_html_(self) -> str:
-        """The same with a table of the effects, for notebooks."""
-        rows = (
-            (row.title, *("" if x is None else x for x in (row.change, row.relative)), row.verdict)
-            for row in self.rows
-        )
-        change = f"change [{self.unit}]" if self.unit else "change"
-        table = html_table(("without", change, "relative", "verdict"), rows)
-        return html_of(repr(self), table)
+        """The same with its table, for notebooks."""
+        return html_of(repr(self), html_table(HEAD, chain(*table_sections(self))))
+
+
+HEAD = ("without", "change", "relative", "acc.", "all", "steps", "events", "time", "verdict")
+CAPTION = (
+    "acc., all: operations of the kernel accelerations and of all kernels; the first row is the "
+    "full scene, the others the saving"
+)
+_COUNTS = attrgetter("accelerations", "operations", "steps", "events")
+
+
+def ranking_table(ranking: Matters) -> "Table":
+    """The table for a terminal."""
+    return new_table(ranking.title, CAPTION, HEAD, *table_sections(ranking), least=9)
+
+
+def table_sections(ranking: Matters) -> Iterator[list[tuple[object, ...]]]:
+    """The full scene; the change and the saving without each effect; the same of the proposal."""
+    full, proposal = ranking.costs, ranking.proposal
+    yield [("nothing", "", "", *_COUNTS(full), f"{1e3 * full.seconds:.3g} ms", "")]
+    yield [(row.title, *_row_cells(full, row), row.verdict) for row in ranking.rows]
+    if proposal is not None and proposal.left_out:
+        change = f"{proposal.value - ranking.value:+.3g}", percent(proposal.relative)
+        savings = _savings(full, proposal.costs, proposal.time_share)
+        yield [("proposed", *change, *savings, "within error")]
+
+
+def _row_cells(full: Costs, row: Row) -> tuple[object, ...]:
+    """Change and savings; empty where there is no run."""
+    if row.change is None or row.costs is None or row.time_share is None:
+        return ("",) * 7
+    change = f"{row.change:+.3g}", percent(row.relative)
+    if row.verdict is Verdict.NONE_SEEN:
+        change = f"< {row.doubt:.1g}", ""
+    return (*change, *_savings(full, row.costs, row.time_share))
+
+
+def _savings(full: Costs, costs: Costs, share: float) -> tuple[object, ...]:
+    return (*map(sub, _COUNTS(full), _COUNTS(costs)), f"{share:.0%}")
 
 
 def sentences(ranking: Matters) -> Iterator[str]:

@@ -1,6 +1,6 @@
 """The modules that a work-precision study builds, and the time of each stage of building."""
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any
 
@@ -9,13 +9,14 @@ import pytest
 
 from codegen import Model
 from codegen.errors import LinkwrightError
-from runtime import accuracy, load
+from runtime import load
 from runtime.mechanism import mechanism
 from runtime.results.result import Result
-from runtime.studies.harness import Runner
-from runtime.studies.work_precision import Setting, study
-from runtime.studies.work_precision.reference import find_reference
-from runtime.studies.work_precision.study import build_costs
+from runtime.studies import work_precision
+from runtime.studies.diagram import WorkPrecision
+from runtime.studies.harness import Runner, Setting
+from runtime.studies.reference import find_reference
+from runtime.studies.work_precision import build_costs
 
 
 @pytest.mark.parametrize(
@@ -27,15 +28,11 @@ from runtime.studies.work_precision.study import build_costs
     ],
 )
 def test_nothing_is_built_that_no_setting_takes(
-    methods: tuple[str, ...],
-    formulations: tuple[str, ...],
-    built: set[str],
-    rig: str,
-    folder: Path,
-    about: dict[str, Any],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    methods: tuple[str, ...], formulations: tuple[str, ...], built: set[str],
+    study: Callable[..., WorkPrecision], monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
     loaded: list[str] = []
+    timed: list[Collection[str]] = []
     real = mechanism.load_companion
 
     def load_companion(origin: Any, kind: Any, *rest: Any) -> Any:
@@ -43,12 +40,8 @@ def test_nothing_is_built_that_no_setting_takes(
         return real(origin, kind, *rest)
 
     monkeypatch.setattr(mechanism, "load_companion", load_companion)
-    timed: list[Collection[str]] = []
-    monkeypatch.setattr(study, "build_costs", lambda *given: timed.append(given[2]) or {})
-    found = accuracy(
-        rig, "swing", folder=folder, modelling=False, building=True,
-        methods=methods, formulations=formulations, **about,
-    )  # fmt: skip
+    monkeypatch.setattr(work_precision, "build_costs", lambda *given: timed.append(given[2]) or {})
+    found = study(building=True, methods=methods, formulations=formulations)
     assert set(loaded) == built
     assert {kind for kind in timed[0] if kind} == built
     assert found.reference.floor < 1e-11
@@ -59,7 +52,7 @@ def test_derivatives_are_built_where_nothing_else_confirms(
     rig: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     machine = load(rig, "swing", folder=folder)
-    runner = Runner(machine, machine.assemble(), np.array([1.0, 2.0]), {}, 60.0, 10**6)
+    runner = Runner(machine, machine.assemble(), np.array([1.0, 2.0]), 60.0, 10**6)
     real = Runner.run
 
     def run(self: Runner, setting: Setting, rtol: float) -> Result:

@@ -1,4 +1,4 @@
-"""A study as JSON lines, picture, tables and command."""
+"""A work-precision study as JSON lines, picture, tables and command."""
 
 import json
 import math
@@ -9,15 +9,16 @@ import numpy as np
 import pytest
 from click.testing import Result
 from numpy.testing import assert_allclose
+from rich.cells import cell_len
+from rich.console import Console
 from typer.testing import CliRunner
 
 from linkwright.cli.application import app
 from runtime.integrate.method import METHODS
 from runtime.studies import timing
+from runtime.studies.conclusions import records, score, sentences, work
+from runtime.studies.diagram import WorkPrecision
 from runtime.studies.pictures import draw_diagram, save_diagram
-from runtime.studies.tables import score, work
-from runtime.studies.work_precision import WorkPrecision
-from runtime.studies.work_precision.interpretation import records, sentences
 
 
 def test_a_library_without_metadata_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -53,8 +54,7 @@ def test_a_row_is_written_for_every_run(swing: WorkPrecision, tmp_path: Path) ->
 def test_picture_has_a_line_a_setting_and_the_floor(swing: WorkPrecision) -> None:
     axes = draw_diagram(swing).axes[0]
     labels = axes.get_legend_handles_labels()[1]
-    assert labels[0] == "Pareto front"
-    assert labels[1:] == [line.setting.title for line in swing.lines]
+    assert labels == ["Pareto front", *(line.setting.title for line in swing.lines)]
     assert axes.get_yscale() == "log"
     (band,) = (patch for patch in axes.patches if patch.get_hatch())
     place = band.get_extents().transformed(axes.transData.inverted())
@@ -65,9 +65,6 @@ def test_picture_has_a_line_a_setting_and_the_floor(swing: WorkPrecision) -> Non
 def test_tables_fit_a_terminal(
     columns: int, swing: WorkPrecision, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from rich.cells import cell_len
-    from rich.console import Console
-
     monkeypatch.setenv("COLUMNS", str(columns))
     screen = Console(width=columns, highlight=False, record=True)
     for made in (score(swing), work(swing)):
@@ -77,6 +74,12 @@ def test_tables_fit_a_terminal(
         assert max(map(cell_len, text.splitlines())) <= columns
         assert "…" not in text
         assert text.count("bdf") == 2
+
+
+def test_a_notebook_shows_the_times(swing: WorkPrecision) -> None:
+    html = swing._repr_html_()
+    assert "<td>radau5, reduced</td>" in html
+    assert "Three more digits" in html
 
 
 @pytest.fixture

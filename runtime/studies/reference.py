@@ -6,7 +6,6 @@ chance in the worst of hundreds of instants. A file is confirmed in the same way
 to another machine.
 """
 
-import csv
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -15,7 +14,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from codegen.errors import InputError, LinkwrightError
 from runtime.accuracy_target.error_norms import (
@@ -28,13 +26,13 @@ from runtime.accuracy_target.error_norms import (
     scales,
     series_values,
 )
-from runtime.accuracy_target.run_comparison import own_instants
+from runtime.accuracy_target.runs import own_instants
 from runtime.integrate.method import LEADING, MULTISTEP, REGISTER, SWITCHING
 from runtime.mechanism.dense_equations import Equations, FloatArray, magnitudes
 from runtime.mechanism.module_tables import Description
 from runtime.results.result import Result
+from runtime.studies.diagram import Check, Reference
 from runtime.studies.harness import Runner, Setting, outcome_name
-from runtime.studies.work_precision.diagram import Check, Reference
 
 TIGHTEST = 1e-13  # accuracy: rtol of reference runs; the compared runs stay a digit away
 LIMIT_FACTOR = 6.0  # safety: times the time limit of a run that a reference run may take
@@ -46,17 +44,13 @@ _WITNESS_ORDER = 5
 OR = "|"  # between the names of a quantity of which a scene has one or another: ``a.x|b.x``
 _CONSERVED = 1e-9  # accuracy: relative change of the energy below which it is conserved
 
-
-def _independent_methods() -> tuple[str, ...]:
-    """The first accurate method of each family and order; a second one of both would err alike."""
-    kinds: dict[tuple[str, int], str] = {}
-    for name, method in REGISTER.items():
-        if method.family != SWITCHING and method.order >= _WITNESS_ORDER:
-            kinds.setdefault((method.family, method.order), name)
-    return tuple(kinds.values())
-
-
-_OTHERS = tuple(Setting(name) for name in _independent_methods() if name != LEADING)
+_KINDS = {
+    (method.family, method.order): name
+    for name, method in reversed(REGISTER.items())
+    if method.family != SWITCHING and method.order >= _WITNESS_ORDER
+}
+# The first method of each family and order: a second one would err alike.
+_OTHERS = [Setting(name) for name in REGISTER if name in {*_KINDS.values()} - {LEADING}]
 # At the tightest tolerance a multistep method is the slowest. Implicit ones pass where it is stiff.
 _ONE_STEP = [setting for setting in _OTHERS if REGISTER[setting.method].family != MULTISTEP]
 _ONE_STEP.sort(key=lambda setting: not REGISTER[setting.method].implicit)
@@ -67,30 +61,22 @@ def default_quantities(description: Description) -> tuple[str, ...]:
     """The coordinates that the scene starts from and their velocities, or all; and states."""
     fixed = {row.name for row in description.start if row.role == "fixed"}
     rows = [row for row in description.positions if fixed & {row.name, row.velocity}]
-    rows = rows or [*description.positions]
-    names = tuple(name for row in rows for name in (row.name, row.velocity))
-    return names + description.states.names
+    names = [(row.name, row.velocity) for row in rows or description.positions]
+    return (*(name for pair in names for name in pair), *description.states.names)
 
 
-def series_of(description: Description, quantities: Sequence[str]) -> tuple[str, ...]:
+def series_of(description: Description, quantities: Sequence[str]) -> list[str]:
     """The series of the quantities: of names with ``|`` the first that exists, or InputError."""
-    table, series, problems = description.series, [], []
-    for text in quantities:
-        choices = [name.strip() for name in text.split(OR)]
-        found = next(filter(None, map(table.get, choices)), None)
-        series += [found.name] if found else []
-        problems += [] if found else [f"{description.title}: {table.unknown(choices[0])}"]
-    if problems:
-        raise InputError(problems)
-    return tuple(series)
-
-
-def distinct_quantities(description: Description, quantities: Sequence[str]) -> tuple[str, ...]:
-    """The quantities as they are written; of those that are the same series, the first."""
-    texts: dict[str, str] = {}
-    for series, text in zip(series_of(description, quantities), quantities, strict=True):
-        texts.setdefault(series, text)
-    return tuple(texts.values())
+    table = description.series
+    choices = [[name.strip() for name in text.split(OR)] for text in quantities]
+    found = [next(filter(None, map(table.get, names)), None) for names in choices]
+    if None in found:
+        raise InputError(
+            f"{description.title}: {table.unknown(names[0])}"
+            for names, row in zip(choices, found, strict=True)
+            if row is None
+        )
+    return [row.name for row in found if row is not None]
 
 
 class ReferenceFile(NamedTuple):
@@ -111,71 +97,76 @@ def read_reference(
     integrated, and after `t_end` are left out. Raises InputError if the file cannot be read, lacks
     a column, holds a text that is no number, or ends before `t_end`.
     """
+    import pandas as pd
+
     where = f"--reference {path}:"
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        table = pd.read_csv(path, comment="#", skipinitialspace=True, index_col=False, dtype=str)
+    except (OSError, ValueError) as error:
         raise InputError(f"{where} cannot be read: {error}.") from error
-    head = [name.strip() for name in rows[0]] if rows else []
-    names = tuple(quantities) or tuple(name for name in dict.fromkeys(head) if name != "t")
-    columns, missing = [], []
-    for text in ("t", *names):
-        here = [head.index(name) for name in map(str.strip, text.split(OR)) if name in head]
-        columns += here[:1]
-        missing += [] if here else [text]
+    names = tuple(quantities) or tuple(name for name in table if name != "t")
+    columns = {
+        text: next((name for name in map(str.strip, text.split(OR)) if name in table), "")
+        for text in ("t", *names)
+    }
+    missing = [text for text, column in columns.items() if not column]
     if missing or not names:
         raise InputError(
             f"{where} there is no column {', '.join(missing) or 'beside t'}; it has "
-            f"{', '.join(head) or 'none'}. Name the columns t, in s, and as the series are named."
+            f"{', '.join(table)}. Name the columns t, in s, and as the series are named."
         )
-    table = np.full((len(rows) - 1, len(columns)), np.nan)
-    for k, row in enumerate(rows[1:]):
-        with suppress(IndexError, ValueError):
-            table[k] = [float(row[column]) for column in columns]
-        if not np.isfinite(table[k]).all():
-            raise InputError(
-                f"{where} the {k + 1}. line of numbers is {', '.join(row)}; not all "
-                "of the columns that are needed hold finite numbers."
-            )
-    table = table[table[:, 0] > t_start]
-    if len(table) < 2 or not (np.diff(table[:, 0]) > 0.0).all():
+    cells = table[[*columns.values()]].to_numpy()
+    numbers = np.full(cells.shape, np.nan)
+    for place, cell in np.ndenumerate(cells):
+        with suppress(ValueError):
+            numbers[place] = float(cell)
+    for row in np.flatnonzero(~np.isfinite(numbers).all(axis=1)):
+        raise InputError(
+            f"{where} the {row + 1}. line of numbers is {', '.join(map(str, cells[row]))}; not all "
+            "of the columns that are needed hold finite numbers."
+        )
+    numbers = numbers[numbers[:, 0] > t_start]
+    if len(numbers) < 2 or not (np.diff(numbers[:, 0]) > 0.0).all():
         raise InputError(
             f"{where} it takes two instants or more after t = {t_start:g} s, each "
             "later than the one before it."
         )
-    if t_end is not None and t_end > table[-1, 0]:
-        raise InputError(f"{where} it ends at t = {table[-1, 0]:g} s, before {t_end:g} s.")
-    table = table[table[:, 0] <= (np.inf if t_end is None else t_end)]
-    return ReferenceFile(path, names, table[:, 0].copy(), table[:, 1:].copy())
+    last = float(numbers[-1, 0])
+    if t_end is not None and t_end > last:
+        raise InputError(f"{where} it ends at t = {last:g} s, before {t_end:g} s.")
+    numbers = numbers[numbers[:, 0] <= (last if t_end is None else t_end)]
+    return ReferenceFile(path, names, numbers[:, 0].copy(), numbers[:, 1:].copy())
 
 
-class Places(NamedTuple):
-    """The instants of a run with which others are compared."""
+@dataclass(frozen=True)
+class Compared:
+    """The quantities and the instants at which runs are compared."""
 
-    t: FloatArray  # s, (k,); where a condition ended it, the last is that end
+    names: tuple[str, ...]  # of the quantities, as the user spelled them
+    t: FloatArray  # s, (k,); where a condition ended the reference, the last is that end
     start: float  # s
-    instants: dict[str, float]  # its own, s
-    are_compared: bool  # whether these, and its end, are quantities
+    instants: dict[str, float]  # own ones of the reference, s
+    from_file: bool  # whether the user's file has the reference, and says nothing of own instants
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Of its own instants, where they are quantities."""
-        return tuple(self.instants) if self.are_compared else ()
+    def own(self) -> tuple[str, ...]:
+        """The names of own instants that are quantities."""
+        return () if self.from_file else tuple(self.instants)
 
-    def rows(self, result: Result) -> npt.NDArray[np.int64]:
+    def rows(self, result: Result) -> list[int]:
         """The rows of another run with the same ways, (k,); behind its end that of its end."""
         last = len(result.t) - 1
-        rows: npt.NDArray[np.int64] = np.minimum(np.searchsorted(result.t, self.t), last)
-        if self.are_compared and result.ended_by:
-            rows[-1:] = last
+        rows: list[int] = np.minimum(np.searchsorted(result.t, self.t), last).tolist()
+        if not self.from_file and result.ended_by:
+            rows[-1:] = [last]
         return rows
 
-    def columns(self, result: Result) -> FloatArray:
-        """The instants of a run as quantities over time, s since the start, (k, m)."""
-        own = own_instants(result)
-        values = [own[name] - self.start for name in self.names]
-        return np.tile(values, (len(self.t), 1)).reshape(len(self.t), len(values))
+    def values(self, result: Result) -> FloatArray:
+        """The quantities over time, and own instants, s since the start, (k, j)."""
+        series = series_of(result.description, self.names)
+        values, own = series_values(result, series)[self.rows(result)], own_instants(result)
+        since = np.array([own[name] - self.start for name in self.own])
+        return np.hstack([values, np.broadcast_to(since, (len(self.t), len(since)))])
 
     def difference(self, result: Result) -> str:
         """Sentence on a run that ends, or changes joints, otherwise; empty where it does not."""
@@ -189,9 +180,8 @@ class Places(NamedTuple):
 class ReferenceSolution:
     """The solution with which runs are compared."""
 
-    names: tuple[str, ...]  # of the quantities, as the user spelled them
-    places: Places  # at which it is compared, k
-    values: FloatArray  # there, (k, j)
+    compared: Compared
+    values: FloatArray  # of the quantities, (k, j)
     scales: tuple[Scale, ...]  # of their errors
     total: FloatArray  # energy in J, (k,)
     energy: str  # "start" where energy is conserved, "reference" where it changes, "" without any
@@ -201,13 +191,13 @@ class ReferenceSolution:
 
     def errors(self, result: Result) -> Errors:
         """The errors of a run."""
-        return errors(_values(result, self.names, self.places), self.values, self.scales)
+        return errors(self.compared.values(result), self.values, self.scales)
 
     def energy_error(self, result: Result) -> float | None:
         """Largest error of the energy over the largest magnitude of it and its parts."""
         if not self.energy:
             return None
-        total = result.samples.energy.sum(axis=1)[self.places.rows(result)]
+        total = result.samples.energy.sum(axis=1)[self.compared.rows(result)]
         expected = self.total[0] if self.energy == "start" else self.total
         size = max(float(np.abs(result.samples.energy).max()), float(np.abs(self.total).max()))
         return float(np.abs(total - expected).max()) / size if size > 0.0 else 0.0
@@ -225,9 +215,8 @@ def find_reference(
     or a quantity has no value.
     """
     runner = replace(runner, limit=LIMIT_FACTOR * runner.limit, steps=_STEPS_FACTOR * runner.steps)
-    description, end = runner.machine.description, runner.instants[-1]
-    built = frozenset(setting.companion for setting in settings)
-    failures: list[str] = []
+    built = {setting.companion for setting in settings}
+    end, failures = runner.instants[-1], list[str]()
     runs = _completed_runs(runner, _built_first(_FIRST, built), failures, progress)
     setting, best = next(runs, (None, None))
     if setting is None or best is None:
@@ -235,61 +224,59 @@ def find_reference(
             f"{runner.title}: no run at rtol {TIGHTEST:g} reaches t = {end:g} s, so there is no "
             f"reference: {'; '.join(failures)}."
         )
-    places = _places(best, runner, file)
-    computed = _values(best, names, places)
-    require_numbers(description, names, computed)
+    t, last = runner.instants, float(best.t[-1])
+    if best.ended_by:
+        t = np.append(t[t < last], [] if file else [last])
+    compared = Compared(tuple(names), t, runner.begin.t, own_instants(best), file is not None)
+    computed = compared.values(best)
+    require_numbers(best.description, names, computed)
     source = f"{setting.title}, rtol {TIGHTEST:g}"
-    others = [] if file is None else [(source, computed)]
+    others = [(source, computed)] if file else []
     # Runs by other methods confirm it: two, but only one where a second would have to be built.
     candidates = _built_first([other for other in _OTHERS if other.method != setting.method], built)
     confirming = _completed_runs(runner, candidates, [], progress)
-    agreeing = ((one, run) for one, run in confirming if not places.difference(run))
+    agreeing = ((one, run) for one, run in confirming if not compared.difference(run))
     for other, result in islice(agreeing, 2 if "tangents" in built else 1):
-        others.append((f"{other.title}, rtol {TIGHTEST:g}", _values(result, names, places)))
+        others.append((f"{other.title}, rtol {TIGHTEST:g}", compared.values(result)))
     if not others:
         raise LinkwrightError(
             f"{runner.title}: only {source} reaches t = {end:g} s, and a run alone is no "
             "reference. Ask for a shorter run, raise the limit, or give --reference."
         )
-    values = computed if file is None else file.values[: len(places.t)]
-    machine, begin = runner.machine, runner.begin
-    equations = Equations(machine.mechanism, machine.parameter_values(runner.parameters))
-    sizes = magnitudes(equations, begin.t, begin.q)
-    series = series_of(best.description, names)
-    units = [best.series(name)[1] for name in series]
-    whole = [group_magnitude(best, name) for name in series]
-    by = scales(series, units, description, sizes, values[:, : len(series)], whole)
-    span = float(best.t[-1]) - begin.t
-    by += tuple(Scale(name, "s", "others", span) for name in places.names)
+    values = file.values[: len(t)] if file else computed
+    parameters = runner.machine.parameter_values(runner.words.get("parameters"))
+    sizes = magnitudes(
+        Equations(runner.machine.mechanism, parameters), runner.begin.t, runner.begin.q
+    )
+    by = _scales(best, compared, sizes, values)
     differences = [errors(run, values, by).worst for _, run in others]
     nearest = int(np.argmin(differences))
-    by_values = np.array([scale.value for scale in by])
-    doubtful = scaled_errors(others[nearest][1], values, by_values).max(axis=1) > DOUBTFUL
+    gaps = scaled_errors(others[nearest][1], values, np.array([scale.value for scale in by]))
+    doubtful = t[gaps.max(axis=1) > DOUBTFUL]
     about = Reference(
-        source if file is None else str(file.path), independent=file is not None,
+        str(file.path) if file else source, independent=file is not None,
         checks=tuple(Check(run, e) for (run, _), e in zip(others, differences, strict=True)),
         floor=max(differences[nearest], _ROUNDING),
-        horizon=float(places.t[int(np.argmax(doubtful))]) if doubtful.any() else None,
+        horizon=float(doubtful[0]) if len(doubtful) else None,
     )  # fmt: skip
-    length = float(sizes[description.is_length].max(initial=0.0)) or 1.0
-    speed = float(np.abs(best.samples.v).max()) or 1.0
-    energy = _energy(best, places)
-    return ReferenceSolution(tuple(names), places, values, by, *energy, length, speed, about)
+    total, kind = _energy(best, compared)
+    lengths = sizes[best.description.is_length]
+    return ReferenceSolution(
+        compared, values, by, total, kind, length=float(lengths.max(initial=0.0)) or 1.0,
+        speed=float(np.abs(best.samples.v).max()) or 1.0, about=about,
+    )  # fmt: skip
 
 
-def _places(best: Result, runner: Runner, file: ReferenceFile | None) -> Places:
-    """The instants of a study up to the end of its best run, and that end, unless of a file."""
-    t, end = runner.instants, float(best.t[-1])
-    if best.ended_by:
-        t = t[t < end] if file is not None else np.append(t[t < end], end)
-    return Places(t, runner.begin.t, own_instants(best), file is None)
-
-
-def _values(result: Result, names: Sequence[str], places: Places) -> FloatArray:
-    """The quantities over time, and the run's own instants, (k, j)."""
-    series = series_of(result.description, names)
-    values = series_values(result, series)[places.rows(result)]
-    return np.hstack([values, places.columns(result)])
+def _scales(
+    best: Result, compared: Compared, sizes: FloatArray, values: FloatArray
+) -> tuple[Scale, ...]:
+    """The scales of quantities and of own instants, whose size is the time of the run."""
+    series = series_of(best.description, compared.names)
+    units = [best.series(name)[1] for name in series]
+    whole = [group_magnitude(best, name) for name in series]
+    by = scales(series, units, best.description, sizes, values[:, : len(series)], whole)
+    span = float(best.t[-1]) - compared.start
+    return by + tuple(Scale(name, "s", "others", span) for name in compared.own)
 
 
 def _completed_runs(
@@ -317,10 +304,10 @@ def _built_first(settings: Sequence[Setting], built: Collection[str]) -> list[Se
     return ready + rest
 
 
-def _energy(best: Result, places: Places) -> tuple[FloatArray, str]:
+def _energy(best: Result, compared: Compared) -> tuple[FloatArray, str]:
     """Total energy along the reference; whether runs are compared with it or with its start."""
     energy, drivers = best.samples.energy, best.description.drivers
-    total = energy.sum(axis=1)[places.rows(best)]
+    total = energy.sum(axis=1)[compared.rows(best)]
     if not np.isfinite(total).all() or not len(total):
         return total, ""
     conserved = float(np.ptp(total)) <= _CONSERVED * float(np.abs(energy).max())

@@ -6,16 +6,7 @@ import math
 from numpy.testing import assert_allclose
 
 from runtime.accuracy_target.error_norms import Errors, Scale
-from runtime.studies.harness import Setting
-from runtime.studies.work_precision.diagram import (
-    Check,
-    Choice,
-    Line,
-    Point,
-    Reference,
-    WorkPrecision,
-)
-from runtime.studies.work_precision.interpretation import (
+from runtime.studies.conclusions import (
     best_at,
     effectivity,
     front,
@@ -23,6 +14,15 @@ from runtime.studies.work_precision.interpretation import (
     slope,
     time_at,
 )
+from runtime.studies.diagram import (
+    Check,
+    Choice,
+    Line,
+    Point,
+    Reference,
+    WorkPrecision,
+)
+from runtime.studies.harness import Setting
 
 
 def point(rtol: float, worst: float, seconds: float, *, beyond: bool = False) -> Point:
@@ -57,7 +57,6 @@ def test_times_lie_on_lines_in_logarithms() -> None:
     lost = Line(Setting("auto"), (point(1e-3, math.inf, 1e-3), point(1e-6, 1e-6, 2e-3)))
     assert time_at(lost, 1e-3) == 2e-3
     best = best_at(study(SLOW, FAST), 1e-6)
-    assert best is not None
     assert best.line is FAST
     assert best_at(study(SLOW, floor=1e-5), 1e-6) is None
     assert_allclose(slope(SLOW), 1.0)
@@ -84,9 +83,6 @@ def test_sentences_follow_from_the_runs() -> None:
     )
     lines = list(sentences(found))
     slow, fast, steps = time_at(SLOW, 1e-9), time_at(FAST, 1e-6), time_at(SLOW, 1e-6)
-    assert slow is not None
-    assert fast is not None
-    assert steps is not None
     assert lines[0].startswith(
         f"Three more digits, 9 instead of 6, cost {slow / fast:.2g} times the time: "
     )

@@ -5,57 +5,48 @@ and run before it is proposed.
 """
 
 import math
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
-from time import perf_counter
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from codegen.errors import InputError
 from codegen.readers import arguments as readers
-from runtime.assembly.start_values import start_values
-from runtime.core.kinds import ANALYSES, analysis_name, analysis_title
-from runtime.machine_facade import Machine
 from runtime.studies import harness
-from runtime.studies.effect_ranking.ranking import Matters, Proposal, Row, Verdict
-from runtime.studies.effect_ranking.trials import LEAST_RTOL, Comparison, Plan, Trial
-from runtime.studies.harness import (
-    LEFT_OUT,
-    analysis_of,
-    read_simulation_arguments,
-    refuse_simulation_arguments,
-    takes_simulation_arguments,
-)
 from runtime.studies.quantity import Function, parse_quantity
-from runtime.studies.timing import Stopwatch, take_turns
+from runtime.studies.ranking import Matters, Proposal, Row, Verdict
+from runtime.studies.timing import time_runs
+from runtime.studies.trials import LEAST_RTOL, Comparison, Plan, Trial
+from runtime.validation.arguments import KINDS
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
     from codegen.reading.scene_selection import Variant
 
-LEAST_ROUNDS, MOST_ROUNDS = 5, 40  # measured: rounds of timed runs, however long or short these are
-SECONDS = 3.0  # measured: wall-clock time for all rounds
+LEAST_ROUNDS = 5  # measured: rounds of timed runs, unless these are long
+SECONDS = 3.0  # measured: processor time for all rounds
 
 
-@readers.reads(
-    **harness.READERS, asked=readers.either(readers.text("a quantity"), readers.function),
-    error=readers.optional(readers.number("a number")), fidelities=readers.flag,
-    analysis=readers.optional(readers.text("a name")), method=readers.text("a name"),
-    formulation=readers.optional(readers.text("a name")),
-    rtol=readers.number("a number"), points=readers.count(-(2**62)),
-    rounds=readers.optional(readers.count(-(2**62))),
-)  # fmt: skip
-@takes_simulation_arguments()
+@readers.reads(**harness.READERS | {
+    "asked": readers.either(readers.text("a quantity"), readers.function),
+    "error": readers.optional(readers.number("a share between 0 and 1", above=0.0, below=1.0)),
+    "fidelities": readers.flag, "method": KINDS["method"], "formulation": KINDS["formulation"],
+    "rtol": readers.number(
+        f"a number from {LEAST_RTOL:g} to 1e-4", above=LEAST_RTOL, below=1e-4, closed=True
+    ),
+    "points": readers.count(11), "rounds": readers.optional(readers.count(1)),
+})  # fmt: skip
+@harness.takes_simulation_arguments()
 def matters(
-    model: "str | os.PathLike[str] | Model", scene: "str | Scene | None" = None, *,
+    model: "str | PathLike[str] | Model", scene: "str | Scene | None" = None, *,
     asked: str | Function, t_end: float | None = None, t_start: float = 0.0,
     error: float | None = None, analysis: str | None = None, fidelities: bool = True,
     parameters: Mapping[str, float] | None = None, guess: Mapping[str, float] | None = None,
     start: Mapping[str, float] | None = None,
     method: str = "dop853", formulation: str | None = None, rtol: float = 1e-10,
-    points: int = 1001, rounds: int | None = None, folder: str | os.PathLike[str] | None = None,
-    generated: str | os.PathLike[str] | None = None,
+    points: int = 1001, rounds: int | None = None, folder: str | PathLike[str] | None = None,
+    generated: str | PathLike[str] | None = None,
     progress: Callable[[str], None] = lambda line: None, **run: Any,
 ) -> Matters:  # fmt: skip
     """Rank the effects of a scene by their influence on a quantity.
@@ -99,25 +90,26 @@ def matters(
         If the full scene does not run to its end.
     """
     quantity = parse_quantity(asked)
-    analysis = None if analysis is None else analysis_name(analysis)
-    _check(error, rtol, points, rounds, analysis)
     source = harness.read_source(model, scene, folder, generated)
     changes = _changes(source, fidelities)
     harness.cache_folder(folder)  # refused now if it cannot be written
     title = f"{source.model.name}/{source.scene.name}"
     progress(f"{title}: the full scene")
-    machine = source.machine()
-    machine.parameter_values(parameters)  # a name that the full scene does not know is a mistake
-    kind, end = analysis or analysis_of(machine), t_start
+    machine, end = source.machine(), t_start
+    kind = analysis or harness.analysis_of(machine)
     if kind != "equilibrium":
         end = harness.require_time_span(machine, t_start, t_end)
-    _require_start(machine, kind, guess, start, parameters, t_start)
-    words = read_simulation_arguments(machine, run)
-    if kind != "simulate":
-        refuse_simulation_arguments(words, title, analysis_title(kind))
-    values = dict(parameters or {}), dict(guess or {}), dict(start or {})
-    span = float(t_start), float(end)
-    plan = Plan(quantity, kind, *span, points, rtol, method, formulation, *values, words)
+    elif start:
+        raise InputError(
+            f"{title}: start has values, but an equilibrium is searched for: what the scene fixes "
+            "is free there. Give guess= (--guess), where the search begins."
+        )
+    words = harness.read_simulation_arguments(machine, run, kind)
+    if kind == "simulate":
+        words |= {"method": method, "formulation": formulation}
+    given = {"parameters": parameters, "guess": guess, "start": start}
+    words |= {name: dict(values) for name, values in given.items() if values}
+    plan = Plan(quantity, kind, float(t_start), float(end), points, rtol, words)
     full = plan.trial(machine)
     comparison = Comparison(source, plan, full, error, progress)
     found = [(change, comparison.trial(change.of(source.scene))) for change in changes]
@@ -125,7 +117,12 @@ def matters(
     proposal, best = (None, full) if error is None else _propose_scene(comparison, ran)
     progress(f"{title}: timing in turns")
     trials = dict.fromkeys([full, *(trial for _, trial in ran), best])
-    _time([trial.watch for trial in trials], rounds)
+    runs, first = [trial.repeat for trial in trials], [math.nan] * len(trials)
+    each = 0.0 if rounds else SECONDS / len(trials)
+    for trial, times in zip(
+        trials, time_runs(runs, first, rounds or LEAST_ROUNDS, each), strict=True
+    ):
+        trial.seconds = min(times)
     proposal = proposal and replace(proposal, costs=best.costs, time_share=comparison.saving(best))
     return Matters(
         model=source.model.name, scene=source.scene.name, analysis=kind, quantity=quantity.text,
@@ -159,8 +156,7 @@ def _propose_scene(
     the scene run again; the proposed scene has therefore been run. It is not timed yet.
     """
     full = comparison.source.scene
-    scene, trial = full, comparison.full
-    left_out = _negligible(comparison, trials)
+    scene, trial, left_out = full, comparison.full, _negligible(comparison, trials)
     put_back: list[str] = []
     tried: list[tuple[tuple[str, ...], float | None]] = []
     while left_out:
@@ -168,17 +164,18 @@ def _propose_scene(
         comparison.progress(f"checking the scene without {', '.join(titles)}")
         cheaper = reduce(lambda scene, change: change.of(scene), left_out, full)
         found = comparison.trial(cheaper)
-        tried.append((titles, comparison.change(found)[2] if isinstance(found, Trial) else None))
-        if isinstance(found, Trial) and comparison.permits(found):
+        change = comparison.change(found) if isinstance(found, Trial) else None
+        tried.append((titles, change and change.relative))
+        if isinstance(found, Trial) and change and change.is_permitted:
             scene, trial = cheaper, found
             break
         put_back.append(left_out.pop().title)
-    _, doubt, relative = comparison.change(trial)
+    change = comparison.change(trial)
     proposal = Proposal(
         left_out=tuple(change.title for change in left_out), put_back=tuple(put_back),
-        scene=scene.name, spelled=scene.expression, value=trial.quantity.value, relative=relative,
-        doubt=comparison.relative(doubt), costs=trial.costs, time_share=math.nan,
-        tried=tuple(tried),
+        scene=scene.name, spelled=scene.expression, value=trial.quantity.value,
+        relative=change.relative, doubt=comparison.relative(change.doubt), costs=trial.costs,
+        time_share=math.nan, tried=tuple(tried),
     )  # fmt: skip
     return proposal, trial
 
@@ -191,28 +188,14 @@ def _negligible(
     An element is left out if that is permitted; else it is taken in the fidelity that changes the
     quantity least, if the run then takes less work.
     """
-
-    def order(pair: "tuple[Variant, Trial]") -> tuple[float, str]:
-        change, trial = pair
-        return comparison.change(trial)[2], change.title
-
-    chosen: dict[str, tuple[Variant, Trial]] = {}
-    for change, trial in sorted(trials, key=lambda pair: (pair[0].word != LEFT_OUT, order(pair))):
-        cheaper = change.word == LEFT_OUT or trial.costs.work < comparison.full.costs.work
-        if cheaper and comparison.permits(trial):
-            chosen.setdefault(change.name, (change, trial))
-    return [change for change, _ in sorted(chosen.values(), key=order)]
-
-
-def _time(watches: Sequence[Stopwatch], rounds: int | None) -> None:
-    """Time each run in `rounds` turns, or as many as `SECONDS` allow."""
-    started = perf_counter()
-    least, most = (LEAST_ROUNDS, MOST_ROUNDS) if rounds is None else (rounds, rounds)
-
-    def finished(watch: Stopwatch) -> bool:
-        return len(watch.times) >= (least if perf_counter() - started > SECONDS else most)
-
-    take_turns(watches, finished)
+    most, chosen = comparison.full.costs.work, dict[str, "Variant"]()
+    found = [(variant, trial, comparison.change(trial)) for variant, trial in trials]
+    found.sort(key=lambda one: (one[2].relative, one[0].title))
+    for variant, trial, change in sorted(found, key=lambda one: one[0].word != harness.LEFT_OUT):
+        cheaper = variant.word == harness.LEFT_OUT or trial.costs.work < most
+        if cheaper and change.is_permitted:
+            chosen.setdefault(variant.name, variant)
+    return [variant for variant, _, _ in found if chosen.get(variant.name) is variant]
 
 
 def _rank(row: Row) -> tuple[bool, bool, float]:
@@ -222,7 +205,7 @@ def _rank(row: Row) -> tuple[bool, bool, float]:
 
 def _notes(comparison: Comparison, changes: "tuple[Variant, ...]") -> Iterator[str]:
     full, size, error = comparison.full, comparison.size, comparison.error
-    effects = [change for change in changes if change.word == LEFT_OUT]
+    effects = [change for change in changes if change.word == harness.LEFT_OUT]
     if len(effects) == 1:
         name = effects[0].name
         yield f"{name} is the only effect of the scene, so there is none to rank it with."
@@ -240,39 +223,3 @@ def _notes(comparison: Comparison, changes: "tuple[Variant, ...]") -> Iterator[s
             f"{'more' if full.doubt > error * size else 'not much less'} than the permitted error "
             f"of {error:g}: lower rtol, give more points, or end the run earlier."
         )
-
-
-def _require_start(
-    machine: Machine, analysis: str, guess: Mapping[str, float] | None,
-    start: Mapping[str, float] | None, parameters: Mapping[str, float] | None, t: float,
-) -> None:  # fmt: skip
-    """Refuse guesses and start values that the full scene does not have, or not allow."""
-    if analysis != "equilibrium":
-        if guess or start:
-            machine.assemble(guess, parameters, t, start=start)
-        return
-    if start:
-        raise InputError(
-            f"{machine.description.title}: start has values, but an equilibrium is searched for: "
-            "what the scene fixes is free there. Give guess= (--guess), where the search begins."
-        )
-    start_values(machine.mechanism, guess, release=True)
-
-
-def _check(
-    error: float | None, rtol: float, points: int, rounds: int | None, analysis: str | None
-) -> None:
-    """Refuse arguments that make no comparison, all at once."""
-    problems = []
-    if error is not None and not 0.0 < error < 1.0:
-        problems.append(f"error is {error:g}; it is a share of the quantity, between 0 and 1.")
-    if not LEAST_RTOL <= rtol <= 1e-4:
-        problems.append(f"rtol is {rtol:g}; to compare runs it lies from {LEAST_RTOL:g} to 1e-4.")
-    if points < 11:
-        problems.append(f"points is {points}; a quantity is taken from at least 11 instants.")
-    if rounds is not None and rounds < 1:
-        problems.append(f"rounds is {rounds}; a time takes at least one run.")
-    if analysis not in {None, *ANALYSES}:
-        problems.append(f"There is no analysis {analysis!r}; there are: {', '.join(ANALYSES)}.")
-    if problems:
-        raise InputError(problems)

@@ -2,15 +2,14 @@
 
 import math
 from dataclasses import asdict, dataclass, field
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from codegen.errors import UnknownNameError
 from codegen.object_display import counted, html_of, html_table
 from codegen.readers.calls import checked_class
-from codegen.readers.values import shown
 from runtime.accuracy_target.error_norms import Errors, Scale
 from runtime.results.samples import plain
-from runtime.studies.harness import Setting
+from runtime.studies.harness import Setting, titled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -145,10 +144,7 @@ class WorkPrecision:
 
     def __getitem__(self, title: str) -> Line:
         """The line of a setting, by its title."""
-        lines = {line.setting.title: line for line in self.lines}
-        if type(title) is not str or title not in lines:
-            raise UnknownNameError(f"no setting {shown(title)}; there are: {'; '.join(lines)}.")
-        return lines[title]
+        return titled("setting", {line.setting.title: line for line in self.lines}, title)
 
     def plot(self) -> "Figure":
         """Draw the error of every setting over the time that it takes.
@@ -164,7 +160,7 @@ class WorkPrecision:
 
     def __repr__(self) -> str:
         """The scene, the run, and what the study concludes, a line each."""
-        from runtime.studies.work_precision.interpretation import sentences
+        from runtime.studies.conclusions import sentences
 
         span = f"t = {self.t_start:g} to {self.t_end:g} s"
         title = (
@@ -173,19 +169,14 @@ class WorkPrecision:
         return "\n  ".join((title, *sentences(self)))
 
     def _repr_html_(self) -> str:
-        """The same with the fastest run of each setting at three, six and nine digits."""
-        from runtime.studies.work_precision.interpretation import TARGETS, digits, time_at
+        """The same with the table of times, for notebooks."""
+        from runtime.studies.conclusions import SCORES, score_sections
 
-        rows = (
-            (line.setting.title, *("" if s is None else 1e3 * s for s in times))
-            for line in self.lines
-            for times in [[time_at(line, target) for target in TARGETS]]
-        )
-        head = ("setting", *(f"{digits(target)} digits [ms]" for target in TARGETS))
-        return html_of(repr(self), html_table(head, rows))
+        rows = chain(*score_sections(self))
+        return html_of(f"{self!r}\n  Times in ms:", html_table(SCORES, rows))
 
     def facts(self) -> dict[str, Any]:
         """All fields and the sentences, as JSON; a number that is not finite is null."""
-        from runtime.studies.work_precision.interpretation import sentences
+        from runtime.studies.conclusions import sentences
 
         return {**plain(asdict(self)), "sentences": list(sentences(self, whole=True))}
