@@ -62,6 +62,6 @@ def test_equations_that_joints_share_are_checked_once(monkeypatch: pytest.Monkey
 def test_a_smooth_potential_is_not_compiled_for_its_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """That of gravity on all bodies has no surface, on whose sides it could be compared."""
     compiled: list[sympy.Basic] = []
-    monkeypatch.setattr(potential_steps, "_function", lambda e, symbols: compiled.append(e))
+    monkeypatch.setattr(potential_steps, "plain_function", lambda symbols, e: compiled.append(e))
     memoize_methods(valid_scenes)(n_four_bar(3), "fall")
     assert compiled == []
