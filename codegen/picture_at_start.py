@@ -1,5 +1,6 @@
 """The picture of a declared mechanism before anything is built, at its start or its guesses."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -8,8 +9,7 @@ import numpy as np
 
 from codegen.derive.equations import derive
 from codegen.drawing.body_outlines import complete_picture
-from codegen.drawing.layout import SAMPLES
-from codegen.drawing.picture import Picture
+from codegen.drawing.picture import SAMPLES, Picture
 from codegen.lower.interpreter import FAILURES, evaluate
 from codegen.lower.kernels.picture_kernels import CURVES, NAME, lower_picture
 from codegen.lower.lowered_scene import lower
@@ -76,14 +76,13 @@ def picture_at_start(
     still: dict[str, Any] = {"q": q.tolist(), "v": [0.0] * len(q), "p": defaults}
 
     def values(name: str, t: float) -> FloatArray:
-        out = evaluate(picture.program, name, {"t": t, **still}, failures=FAILURES)["out"]
-        numbers = np.array([out[k] for k in range(len(out))], complex)
-        return np.where(numbers.imag == 0.0, numbers.real, np.nan)
+        out = evaluate(picture.program, name, {"t": t, **still}, math, FAILURES)["out"]
+        return np.array([out[k] for k in range(len(out))], dtype=float)
 
     curves = np.zeros((picture.layout.curves, SAMPLES, 2))
     for k, alpha in enumerate(np.linspace(0.0, 2.0 * np.pi, SAMPLES) if len(curves) else ()):
         curves[:, k, :] = values(CURVES, float(alpha)).reshape(-1, 2)
-    drawn = picture.layout.picture(values(NAME, 0.0), list[FloatArray](curves))
+    drawn = picture.layout.picture(np.zeros(1), values(NAME, 0.0)[None], list(curves)).first
     if assembled and closed is None:
         drawn = replace(drawn, title=f"{drawn.title}: its joints do not close from these guesses")
     return complete_picture(drawn)

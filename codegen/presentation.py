@@ -1,8 +1,9 @@
-"""Terminals, figures and pages, for ledgers and results; matplotlib is loaded to draw alone."""
+"""Tables on terminals, figures and pages; matplotlib and rich are loaded when they are used."""
 
 import io
 import shutil
-from collections.abc import Iterable
+import textwrap
+from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,12 +14,15 @@ from codegen.files.whole_files import whole_file
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from rich.table import Table
 
 
 NARROW, WIDE, UNKNOWN = 80, 140, 120
 """Least and largest width of a table in columns; width where the terminal does not report one."""
+ROOMY = 96
+"""Width from which on the numbers of a table have blanks beside them."""
 _RESOLUTION = 110  # layout: dots per inch of a notebook, 700 to 1000 of them across a page
-PICTURES = (".png", ".svg", ".pdf")
+PICTURES, PAGES, MOVIES = (".png", ".svg", ".pdf"), (".html", ".htm"), (".mp4", ".gif", ".svg")
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem;
        color: #1b1f24; }
@@ -109,3 +113,59 @@ def check_parent(path: Path) -> None:
     """Refuse a place for a picture whose folder does not exist."""
     if not path.resolve().parent.is_dir():
         raise InputError(f"{path}: the folder {path.resolve().parent} does not exist.")
+
+
+def is_page(file: Path) -> bool:
+    """Whether a page is meant, by the ending of a name, in capitals or not."""
+    return file.suffix.lower() in PAGES
+
+
+def is_movie(file: Path) -> bool:
+    """Whether a movie is meant, or a figure of several positions."""
+    return file.suffix.lower() in MOVIES
+
+
+def new_table(
+    title: str, caption: str, head: Sequence[str], *sections: Iterable[Sequence[object]], least: int
+) -> "Table":
+    """A table of rows in sections: a first column of names, which folds, then one of numbers each.
+
+    The first column has `least` characters at least.
+    """
+    from rich.table import Table
+
+    table = Table(title=title, caption=caption, padding=(0, 1 if terminal_width() >= ROOMY else 0))
+    table.add_column(head[0], overflow="fold", ratio=1, min_width=least)
+    for name in head[1:]:
+        table.add_column(name, justify="right", no_wrap=True)
+    for section in sections:
+        for row in section:
+            table.add_row(*map(str, row))
+        table.add_section()
+    return table
+
+
+def show(tables: Iterable["Table"], sentences: Iterable[str]) -> None:
+    """Print tables, and below them the sentences that explain them."""
+    from rich.console import Console
+
+    screen = Console(width=terminal_width(), highlight=False)
+    for table in tables:
+        screen.print(table)
+    for sentence in sentences:
+        lines = textwrap.fill(
+            sentence, terminal_width(), initial_indent="  ", subsequent_indent="    "
+        )
+        screen.print(lines, markup=False)
+
+
+def shortened(text: str, longest: float) -> str:
+    """The text, cut at a word where it is too long."""
+    if len(text) <= longest:
+        return text
+    return textwrap.shorten(text, int(longest), placeholder=" …")
+
+
+def milliseconds(seconds: float) -> str:
+    """A time with its unit."""
+    return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"

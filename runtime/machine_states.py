@@ -242,7 +242,7 @@ class MachineStates:
         AssemblyError, InputError
             As `assemble`; if an argument is of the wrong kind, or Matplotlib is not installed.
         """
-        from runtime.show.still import draw_state
+        from runtime.show.pictures import draw_state
 
         options = {"dimensions": dimensions, "forces": forces, "frames": frames, "names": names}
         read = check(self.mechanism, parameters=parameters, guess=guess, at=at, **options)

@@ -13,6 +13,7 @@ from codegen.declare.returned_values import statement_of
 from codegen.declare.symbols import Coordinate, Parameter, Time, kinds, t
 from codegen.derive.fast_derivative import derivative
 from codegen.drawing import shapes
+from codegen.drawing.picture import BodyLayout, Symbol
 from codegen.drawing.shapes import Place, Shape
 from codegen.readers.arguments import optional
 from codegen.readers.expressions import plain_expression
@@ -36,10 +37,8 @@ class Slope(NamedTuple):
     by: tuple[Coordinate, ...]
 
 
-class BodyNumber(NamedTuple):
+class BodyNumber(int):
     """A body of a picture, 0 for the ground."""
-
-    number: int
 
 
 class PlaneCurve(NamedTuple):
@@ -50,33 +49,16 @@ class PlaneCurve(NamedTuple):
     y: sympy.Expr
 
 
-class BodyFrame(NamedTuple):
-    """A body: x, y and φ, or x, y, cos φ and sin φ; corners of its outlines in its frame."""
-
-    name: str
-    fixed: bool
-    pose: tuple[sympy.Expr, ...]
-    outlines: tuple[tuple[tuple[sympy.Expr, sympy.Expr], ...], ...]
-
-
-class ElementShape(NamedTuple):
-    """A shape in symbols, and the element that it belongs to.
-
-    Its places are `Place` of expressions, its bodies `BodyNumber`, its curves `PlaneCurve`.
-    """
-
-    element: str
-    kind: str
-    role: str  # "joint", "driver" or "force"
-    shape: Shape
-
-
 @dataclass(frozen=True)
 class ScenePicture:
-    """What a scene looks like, in the coordinates and parameters of its equations."""
+    """What a scene looks like, in the coordinates and parameters of its equations.
 
-    bodies: tuple[BodyFrame, ...]  # the ground first
-    shapes: tuple[ElementShape, ...]
+    The layouts of its bodies have expressions in place of slots. Places of its shapes are `Place`
+    of expressions, bodies `BodyNumber`, curves `PlaneCurve`.
+    """
+
+    bodies: tuple[BodyLayout, ...]  # the ground first
+    symbols: tuple[Symbol, ...]
     # parameters that nothing but the picture contains, and their values
     constants: tuple[tuple[sympy.Symbol, float], ...] = ()
 
@@ -99,7 +81,7 @@ def scene_picture(
     hubs = _hubs([e for e in elements["joint"] if e.kind == "revolute"])
     numbers = {body: k for k, body in enumerate((ground, *bodies))}
     found = [
-        ElementShape(element.name, element.kind, role, _numbered(shape, numbers))
+        Symbol(element.name, element.kind, role, _numbered(shape, numbers))
         for role, members in elements.items()
         for element in members
         for shape in _shapes(element, role, hubs)
@@ -109,12 +91,12 @@ def scene_picture(
         for name, value in parameters.items()
         if name not in known
     )
-    return ScenePicture(tuple(map(_frame, numbers)), tuple(found), constants)
-
-
-def _frame(body: Body) -> BodyFrame:
-    turn = body.rotation if body.angle is None else (body.angle,)
-    return BodyFrame(body.name, bool(body.fixed), (*body.position, *turn), body.outlines)
+    frames = tuple(
+        BodyLayout(body.name, bool(body.fixed), (*body.position, *turn), body.outlines)
+        for body in numbers
+        for turn in (body.rotation if body.angle is None else (body.angle,),)
+    )
+    return ScenePicture(frames, tuple(found), constants)
 
 
 def _numbered(shape: Shape, numbers: Mapping[Body, int]) -> Shape:
@@ -151,17 +133,22 @@ def _shapes(element: Element, role: str, hubs: Hubs) -> Iterator[Shape]:
 
 
 def _with_points(shape: Shape, hubs: Hubs) -> Shape:
-    """The shape with points for its bodies: the pin of a pair of bodies, else the origin."""
-    places = {f.name: getattr(shape, f.name) for f in fields(shape)}
-    bodies = [v.body if isinstance(v, Point) else v for v in places.values()]
-    pair = frozenset(b for b in bodies if isinstance(b, Body))
-    changed: dict[str, Any] = {}
-    for name, value in places.items():
-        if isinstance(value, Body) and name not in ("by", "on"):
-            hub = hubs.get(pair, ()) if len(pair) == 2 else ()
-            ends = {end.body: end for end in hub}
-            changed[name] = ends.get(value) or _bearing(value, hubs)
-    return replace(shape, **changed) if changed else shape
+    """The shape with points for its bodies."""
+    values = {f.name: getattr(shape, f.name) for f in fields(shape)}
+    bodies = {name: value for name, value in values.items() if isinstance(value, Body)}
+    points = [value.body for value in values.values() if isinstance(value, Point)]
+    pair = frozenset((*points, *bodies.values()))
+    return replace(shape, **{name: _hub_of(body, pair, hubs) for name, body in bodies.items()})
+
+
+def _hub_of(body: Body, pair: frozenset[Any], hubs: Hubs) -> Point:
+    """The pin of a pair of bodies, else that of the body on the ground, else its origin."""
+    grounded = (
+        ends for both, ends in hubs.items()
+        if body in both and any(other.fixed for other in both - {body})
+    )  # fmt: skip
+    ends = hubs.get(pair) or next(grounded, ())
+    return next((end for end in ends if end.body is body), body.at(0, 0))
 
 
 def _contact_sides(contact: shapes.Contact) -> Iterator[shapes.ContactSide]:
@@ -186,15 +173,6 @@ def _contact_sides(contact: shapes.Contact) -> Iterator[shapes.ContactSide]:
             body, gap, gx, gy, turn, bend, third, is_grounded=alone, is_level=level,
             is_fixed=level and not kinds(gap, Time), force=contact.force, is_stop=contact.is_stop,
         )  # fmt: skip
-
-
-def _bearing(body: Body, hubs: Hubs) -> Point:
-    """The point about which a body turns on the ground, if it does; else its origin."""
-    for ends in hubs.values():
-        others = [end for end in ends if end.body is not body]
-        if len(others) == 1 and others[0].body.fixed:
-            return next(end for end in ends if end.body is body)
-    return body.at(0, 0)
 
 
 def _hubs(joints: list[Element]) -> Hubs:

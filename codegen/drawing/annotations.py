@@ -1,15 +1,15 @@
-"""What a picture says beside its lines: frames of bodies, paths of points, dimensions."""
+"""Strokes that a picture has beside its lines: arrows, frames of bodies, paths, dimensions."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from codegen.drawing import shapes
-from codegen.drawing.held_places import held_places
-from codegen.drawing.line_styles import Stroke
-from codegen.drawing.picture import Picture
+from codegen.drawing.contacts import sides_of, touch
+from codegen.drawing.guides import held_places
+from codegen.drawing.picture import ARROW, BLOCK, HEAD, PIN, ROUND_ARROW, SAME, Picture, Symbol
 from codegen.drawing.plane_geometry import (
     FloatArray,
     Points,
@@ -19,17 +19,206 @@ from codegen.drawing.plane_geometry import (
     dot,
     head,
     origin,
-    placed,
+    round_arrow,
+    samples,
     straight_arrow,
     unit,
 )  # fmt: skip
-from codegen.drawing.proportions import HEAD, PIN, SAME
+from codegen.drawing.shapes import Place
+from codegen.drawing.styles import Stroke
 
+LARGEST = 0.32  # layout: length of the largest arrow to scale, in typical lengths
+WIDE = 1.35  # layout: radius of a torque's arrow over that of a driver's
+SMALLEST = 0.45  # layout: radius of the arrow of no torque over that of the largest
+VANISHING = 1e-9  # accuracy: of the largest; what is smaller is 0 but for rounding
 FRAME = 0.075  # layout: length of the axes of a body's frame, in typical lengths
 MOST_EDGES = 4  # layout: edges of a body that are measured
 OFFSET = 0.07  # layout: distance of a dimension line from what it measures
 OFFSET_LEVELS = (1.0, 1.8, 2.6)  # layout: multiples of it, of which the first free one is taken
 CLEARANCE = 0.045  # layout: least distance of dimension lines from each other
+Series = Mapping[str, float | FloatArray]
+"""Name of a series of a result, as ``"B.fx"``, → its value, or its values (k,), N or N m."""
+
+
+class Load(NamedTuple):
+    """A force or a torque that acts on a body, at one instant or over time.
+
+    Attributes
+    ----------
+    element, style
+        The element that it belongs to; "force", "reaction" or "torque".
+    label
+        What acts, and on which body.
+    at
+        Where it acts in the global frame, m.
+    value
+        The force in global axes, Fx + iFy, N; or the torque, N m.
+    place
+        The place of a body where it acts, if it is one.
+    """
+
+    element: str
+    style: str
+    label: str
+    at: Any
+    value: Any
+    place: Place | None = None
+
+    @property
+    def size(self) -> float:
+        """Of the force in N, or of the torque in N m; the largest over time."""
+        return float(np.max(np.abs(self.value)))
+
+    @property
+    def unit(self) -> str:
+        """N or N m."""
+        return "N m" if self.style == "torque" else "N"
+
+
+def loads(picture: Picture, series: Series, springs: bool = False) -> Iterator[Load]:
+    """All that act: applied forces and torques, and reactions as far as `series` has them.
+
+    `springs` says whether springs, dampers and actuators count as well.
+    """
+    for symbol in picture.symbols:
+        for style, body, where, value, by in _exerted(picture, symbol, series, springs):
+            if value is None:
+                continue
+            on = f"{f', {by}' if by else ''} on {picture.bodies[body].name}"
+            place = where if isinstance(where, Place) else None
+            at = picture.at(place) if place else where
+            yield Load(symbol.element, style, f"{symbol.element}{on}", at, value, place)
+
+
+def _exerted(
+    picture: Picture, symbol: Symbol, series: Series, springs: bool
+) -> Iterator[tuple[str, int, Any, Any, str]]:
+    """Style, body, place, value, None where the series lack it, and exerting body of each load."""
+
+    def exerted(word: str) -> Any:
+        return series.get(f"{symbol.element}.{word}")
+
+    match symbol.shape:
+        case shapes.Force(at, fx, fy):
+            yield "force", at.body, at, fx + 1j * fy, ""
+        case shapes.Torque(at, torque):
+            yield "torque", at.body, at, torque, ""
+        case shapes.Reaction(by, on, x, y, ux, uy):
+            name, parts = picture.bodies[by].name, [exerted("fx"), exerted("fy")]
+            if any(part is not None for part in parts):
+                fx, fy = (0.0 if part is None else part for part in parts)
+                yield "reaction", on, x + 1j * y, (fx + 1j * fy) * (ux + 1j * uy), name
+            yield "torque", on, x + 1j * y, exerted("torque"), name
+        case shapes.ContactSide() as side if (push := exerted(side.force)) is not None:
+            force = push * _is_nearest(picture, symbol, side) * (side.gx + 1j * side.gy)
+            yield "reaction", side.body, touch(picture, side).point, force, ""
+        case shapes.Drive(j=j, turns=True):
+            yield "torque", j.body, j, exerted("torque"), ""
+        case shapes.Drive(i, j) as drive if (push := exerted("force")) is not None:
+            way = drive.along if i is None else picture.turned(drive.along, i.body)
+            yield "reaction", j.body, j, push * way, ""
+        case shapes.Spring(i, j) if springs and (tension := exerted("force")) is not None:
+            away = picture.at(j) - picture.at(i)
+            pull = tension * away / np.where(away == 0, 1.0, abs(away))
+            for place, value in ((i, pull), (j, -pull)):
+                if not picture.is_ground(place.body):
+                    yield "force", place.body, place, value, ""
+        case shapes.SpiralSpring(i, j) if springs:
+            yield "torque", i.body, j, exerted("torque"), ""
+
+
+def _is_nearest(picture: Picture, symbol: Symbol, own: shapes.ContactSide) -> Any:
+    """1 where no other side with this force and body has a smaller gap, else 0.
+
+    A rigid stop has one force for both of its limits, of which the nearer exerts it.
+    """
+    rivals = [
+        side for one, side in sides_of(picture)
+        if (one.element, side.force, side.body) == (symbol.element, own.force, own.body)
+    ]  # fmt: skip
+    gaps = np.array(np.broadcast_arrays(*(side.gap for side in rivals)))
+    nearest = np.argmin(np.where(np.isnan(gaps), np.inf, gaps), axis=0)
+    number = next(k for k, side in enumerate(rivals) if side is own)
+    return np.where(nearest == number, 1.0, 0.0)[()]
+
+
+def acting_loads(picture: Picture, series: Series | None = None) -> list[Load]:
+    """What acts at one instant, is finite, and not 0 beside the largest of its unit."""
+    finite = [
+        load for load in loads(picture, series or {}) if np.isfinite([load.value, load.at]).all()
+    ]
+    least = {word: VANISHING * _largest(finite, word) for word in ("N", "N m")}
+    return [load for load in finite if load.size > least[load.unit]]
+
+
+def _largest(found: list[Load], unit_: str) -> float:
+    """The largest size of a unit; 0 where there is none."""
+    return max((load.size for load in found if load.unit == unit_), default=0.0)
+
+
+def drawn_loads(
+    picture: Picture, scale: float | None = None, series: Series | None = None
+) -> list[tuple[Load, list[Stroke]]]:
+    """What acts at one instant, each with its arrow: shaft and head.
+
+    Parameters
+    ----------
+    scale
+        Length of an arrow per force, m/N; None: arrows of one length.
+    series
+        Reactions of joints, drivers and contacts.
+    """
+    size, acting = picture.size, acting_loads(picture, series)
+    strongest, found = _largest(acting, "N m"), []
+    held = [picture.placed(held_places(picture, n), n) for n in range(1, len(picture.bodies))]
+    middles = np.concatenate([*held, origin(picture.poses[1:])])
+    for load in acting:
+        if load.style == "torque":
+            share = 1.0 if series is None else load.size / strongest
+            radius = WIDE * ROUND_ARROW * size * (SMALLEST + (1 - SMALLEST) * share)
+            start, sweep = np.radians((120, 200) if load.value > 0 else (60, -200))
+            lines = round_arrow(load.at, radius, start, sweep, HEAD * size)
+        else:  # on the side of its point with more room
+            way = unit(load.value) * (ARROW * size if scale is None else scale * load.size)
+            middle = np.append(middles, load.at).mean()
+            is_before = abs(load.at - way - middle) > abs(load.at + way - middle)
+            start = load.at - way if is_before else load.at
+            lines = straight_arrow(start, start + way, HEAD * size)
+        found.append((load, arrow(load.style, lines, load.element)))
+    return found
+
+
+def force_scale(picture: Picture, series: Series | None = None) -> float | None:
+    """Length per force, m/N, at which the largest arrow fits the picture; None without a force."""
+    strongest = _largest(acting_loads(picture, series), "N")
+    return LARGEST * picture.size / strongest if strongest > 0 else None
+
+
+def arrow(
+    style: str, lines: tuple[Points, Points], element: str = "", body: int = 0
+) -> list[Stroke]:
+    """The shaft and the head of an arrow."""
+    shaft, tip = lines
+    head_style = f"{style} head"
+    return [
+        Stroke(style, body, shaft, False, element),
+        Stroke(head_style, body, tip, True, element),
+    ]
+
+
+def driver_strokes(picture: Picture) -> Iterator[Stroke]:
+    """Arrows of the drivers, straight or round."""
+    size = picture.size
+    for symbol, drive in picture.having(shapes.Drive):
+        at = picture.at(drive.j)
+        if drive.turns:
+            start, sweep = np.radians((-50, 230))
+            lines = round_arrow(at, ROUND_ARROW * size, start, sweep, HEAD * size)
+        else:
+            way = drive.along if drive.i is None else picture.turned(drive.along, drive.i.body)
+            start = at + (BLOCK[0] + 0.02) * size * way
+            lines = straight_arrow(start, start + ARROW * size * way, HEAD * size)
+        yield from arrow("driver", lines, symbol.element)
 
 
 def frame_strokes(picture: Picture) -> Iterator[Stroke]:
@@ -39,68 +228,44 @@ def frame_strokes(picture: Picture) -> Iterator[Stroke]:
     quarter = len(ring) // 4
     for number in range(1, len(picture.bodies)):
         for way in (1.0, 1j):
-            shaft, tip = straight_arrow(0j, FRAME * size * way, 0.5 * HEAD * size)
-            yield Stroke("axis", number, shaft)
-            yield Stroke("axis head", number, tip, True)
+            axis = straight_arrow(0j, FRAME * size * way, 0.5 * HEAD * size)
+            yield from arrow("axis", axis, body=number)
         yield Stroke("center", number, ring, True)
         for start in (0, 2 * quarter):
             wedge = np.append(ring[start : start + quarter + 1], 0j)
             yield Stroke("quadrant", number, wedge, True)
 
 
-def trace_strokes(picture: Picture, motion: FloatArray) -> Iterator[Stroke]:
-    """The paths of the points that are outputs, over poses (instants, bodies, 3)."""
+def trace_strokes(picture: Picture) -> Iterator[Stroke]:
+    """The paths of the points that are outputs, over the motion."""
     for symbol, shape in picture.having(shapes.Trace):
-        path = placed(shape.at.point, motion[:, shape.at.body])
-        yield Stroke("trace", 0, path, False, symbol.element)
+        yield Stroke("trace", 0, picture.path(shape.at), False, symbol.element)
 
 
-def dimensions(picture: Picture) -> Iterator[tuple[int, Points]]:
-    """What a drawing with dimensions measures: a body, and two places (2,) of it, m.
+def dimensions(picture: Picture) -> Iterator[Points]:
+    """The pairs of places (2,) whose distances a drawing with dimensions has, m.
 
     Of each body the distances between neighbouring places: along a line where they lie on one, else
     round their convex hull, of which no more than `MOST_EDGES` edges are measured.
     """
     measured = tuple(s for s in picture.symbols if s.role == "joint"
                      or isinstance(s.shape, shapes.Spring))  # fmt: skip
-    chosen = Picture("", picture.bodies, picture.poses, measured, 1.0)
+    chosen = Picture("", picture.bodies, picture.poses, measured)
     for number in range(len(picture.bodies)):
         points = distinct(held_places(chosen, number), SAME * picture.size)
         hull = convex_hull(points)
-        if len(hull) < 2:
-            continue
         if len(hull) == 2:
-            along = unit(hull[1] - hull[0])
-            ends = list(pairwise(points[np.argsort(dot(along, points))]))
-        else:
-            ends = list(pairwise([*hull, *hull[:1]]))[:MOST_EDGES]
-        for pair in ends:
-            yield number, np.array(pair)
+            hull = points[np.argsort(dot(hull[1] - hull[0], points))]
+        elif len(hull) > 2:
+            hull = np.append(hull, hull[0])[: MOST_EDGES + 1]
+        yield from (picture.placed(np.array(pair), number) for pair in pairwise(hull))
 
 
-class Dimension(NamedTuple):
-    """A dimension line: its strokes, its middle, its angle in rad, and the distance in m."""
-
-    strokes: tuple[Stroke, ...]
-    middle: complex
-    angle: float
-    distance: float
-
-
-def _is_clear(line: Points, found: list[Dimension], size: float) -> bool:
-    """Whether a line (2,) keeps its distance from all dimension lines."""
-    x = np.linspace(0.0, 1.0, 21)
-    points, *others = (
-        ends[0] + x * (ends[1] - ends[0])
-        for ends in (line, *(other.strokes[0].points for other in found))
-    )
-    return all(abs(points[:, None] - other).min() >= CLEARANCE * size for other in others)
-
-
-def dimension_lines(picture: Picture) -> list[Dimension]:
+def dimension_lines(picture: Picture) -> list[list[Stroke]]:
     """Dimension lines of all bodies, on the side that is farther from the middle of the picture.
 
-    A line that would meet an earlier one lies on the other side, or farther away.
+    A line that would meet an earlier one lies on the other side, or farther away. The first stroke
+    of each is the line itself, (2,), as long as the distance that it measures.
     """
     size = picture.size
     outlines = [
@@ -108,24 +273,25 @@ def dimension_lines(picture: Picture) -> list[Dimension]:
         for number, body in enumerate(picture.bodies) for polygon in body.polygons
     ]  # fmt: skip
     middle = np.concatenate(outlines or [origin(picture.poses)]).mean()
-    found: list[Dimension] = []
-    for body, ends in dimensions(picture):
-        a, b = picture.placed(ends, body)
-        along, distance = unit(b - a), abs(b - a)
-        outward = 1.0 if dot(1j * along, (a + b) / 2 - middle) >= 0 else -1.0
+    found: list[list[Stroke]] = []
+    for ends in dimensions(picture):
+        along, distance = unit(ends[1] - ends[0]), abs(ends[1] - ends[0])
+        outward = 1.0 if dot(1j * along, ends.mean() - middle) >= 0 else -1.0
         shifts = [
             side * level * outward * OFFSET * size * 1j * along
             for level in OFFSET_LEVELS for side in (1.0, -1.0)
         ]  # fmt: skip
-        lines = [np.array([a, b]) + shift for shift in shifts]
-        chosen = next((k for k, one in enumerate(lines) if _is_clear(one, found, size)), 0)
-        line, shift = lines[chosen], shifts[chosen]
-        inset = min(0.6 * HEAD * size, 0.3 * distance)
-        strokes = [Stroke("dimension", 0, line)]
-        for end, way in zip(line, (-along, along), strict=True):
-            strokes.append(Stroke("dimension head", 0, head(end, way, inset), True))
-        feet = shift * np.array([0.35, 1.15])
-        strokes += [Stroke("dimension", 0, end + feet) for end in (a, b)]
-        angle = float(np.angle(along))
-        found.append(Dimension(tuple(strokes), complex(line.mean()), angle, distance))
+        taken = [samples(one[0].points, CLEARANCE * size / 4) for one in found]
+        is_clear = [
+            all(abs(line[:, None] - one).min() >= CLEARANCE * size for one in taken)
+            for line in (samples(ends + shift, CLEARANCE * size / 4) for shift in shifts)
+        ]
+        shift = shifts[int(np.argmax(is_clear))]  # the first free one, or else the first
+        feet, inset = shift * np.array([0.35, 1.15]), min(0.6 * HEAD * size, 0.3 * distance)
+        found.append([
+            Stroke("dimension", 0, ends + shift),
+            *(Stroke("dimension head", 0, head(end + shift, way, inset), True)
+              for end, way in zip(ends, (-along, along), strict=True)),
+            *(Stroke("dimension", 0, end + feet) for end in ends),
+        ])  # fmt: skip
     return found

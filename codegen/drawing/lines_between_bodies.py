@@ -4,17 +4,16 @@ A figure has them at the poses of its picture; a page has what `links` and `wind
 places it at every instant by the same two formulas.
 """
 
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
 from codegen.drawing import shapes
 from codegen.drawing.contacts import surfaces
 from codegen.drawing.guides import guide_of
-from codegen.drawing.line_styles import Stroke
-from codegen.drawing.picture import Picture, Symbol
+from codegen.drawing.picture import PIN, SPRING, Picture, Symbol
 from codegen.drawing.plane_geometry import FloatArray, Points, dot, unit
-from codegen.drawing.proportions import PIN, SPRING
+from codegen.drawing.styles import Stroke
 
 GAP = 2e-3  # layout: a joint is not closed whose places are farther apart
 COILS = 6  # layout: teeth of a zigzag
@@ -28,30 +27,17 @@ ROUND_MOTOR = 3.1  # layout: radius of the circle of a motor, in pins
 BELT_POINTS = 49  # layout: of the arc of a belt on a wheel
 
 
-class Link(NamedTuple):
-    """A line from place i to place j, as points s + in: s from 0 at i to 1 at j, n to its left.
+def links(shape: shapes.Shape) -> list[tuple[str, Points]]:
+    """The lines of a rod, or of a spring, damper and actuator side by side: styles and points.
 
-    n is in half widths of a spring.
-    """
-
-    style: str
-    points: Points
-
-    def placed(self, i: complex, j: complex, half_width: float) -> Points:
-        """The line between two places, m."""
-        across = 1j * unit(j - i) * half_width
-        return i + self.points.real * (j - i) + self.points.imag * across
-
-
-def links(shape: shapes.Shape) -> list[Link]:
-    """The lines of a rod, or of a spring, damper and actuator side by side.
+    A point is s + in: s from 0 at place i to 1 at j, n to the left, in half widths of a spring.
 
     A spring has `COILS` teeth from s = 0.2 to 0.8. A damper's rod ends in a piston at s = 0.55, and
     its pot is open at s = 0.65 and closed at 0.35. An actuator is a cylinder from s = 0.15 to 0.6
     and a rod from there. Several of them lie between two crossbars at s = 0.1 and 0.9.
     """
     if isinstance(shape, shapes.Rod):
-        return [Link("rod", np.array([0j, 1]))]
+        return [("rod", np.array([0j, 1]))]
     if not isinstance(shape, shapes.Spring):
         return []
     styles = _styles(shape)
@@ -70,73 +56,71 @@ def links(shape: shapes.Shape) -> list[Link]:
         ],
     }  # fmt: skip
     outermost = (len(styles) - 1) / 2
-    found = [
-        Link(style, np.array(line) + 1j * SPACING * (k - outermost))
+    found: list[tuple[str, Points]] = [
+        (style, np.array(line) + 1j * SPACING * (k - outermost))
         for k, style in enumerate(styles)
         for line in parts[style]
     ]
     if len(styles) > 1:
         reach = 1j * SPACING * outermost
         bars = [[x - reach, x + reach] for x in (0.1, 0.9)] + [[0j, 0.1], [0.9 + 0j, 1]]
-        found += [Link(styles[0], np.array(bar)) for bar in bars]
+        found += [(styles[0], np.array(bar)) for bar in bars]
     return found
 
 
-class Winding(NamedTuple):
-    """A line round the places i and j, (k, 4).
-
-    A point has its centre, 0 for place i and 1 for j, its radius in m, and its angle α + wβ + ψ, of
-    which w and ψ stand behind.
-    """
-
-    style: str
-    points: FloatArray
-
-    def placed(self, i: complex, j: complex, alpha: float, beta: float) -> Points:
-        """The line round two places, m, for two angles in rad."""
-        center, radius, share, offset = self.points.T
-        angles = alpha + share * beta + offset
-        return np.asarray(np.where(center > 0, j, i) + radius * np.exp(1j * angles))
-
-
-def windings(shape: shapes.Shape, size: float) -> list[Winding]:
-    """The lines of a belt; or of a torsion spring, damper and motor about their pin, place j.
-
-    The spiral runs from body i, inside, to body j, and winds up and unwinds as the bodies turn.
-    """
-    if isinstance(shape, shapes.Belt):
-        s = np.linspace(0.0, 1.0, BELT_POINTS)
-        offset = np.pi * (1 - 2 * s) if shape.crossed else 0 * s
-        on_i = np.stack([0 * s, 0 * s + abs(shape.radius_i), 1 - 2 * s, 2 * np.pi * s], axis=1)
-        on_j = np.stack([0 * s + 1, 0 * s + abs(shape.radius_j), 2 * s - 1, offset], axis=1)
-        return [Winding("belt", np.concatenate([on_i, on_j, on_i[:1]]))]
-    if not isinstance(shape, shapes.SpiralSpring):
-        return []
-    x = np.linspace(0.0, 1.0, SPIRAL_POINTS)
-    (inner, outer), (start, sweep) = SPIRAL, ROUND_DAMPER
-    spiral = inner + (outer - inner) * x, x, 2 * np.pi * SPIRAL_TURNS * x
-    parts = {
-        "spring": [spiral],
-        "damper": [(0 * x + radius, 0 * x + 1, start + sweep * x) for radius in ROUND_CUPS],
-        "actuator": [(0 * x + ROUND_MOTOR, 0 * x + 1, 2 * np.pi * x)],
-    }
-    return [
-        Winding(style, np.stack([0 * x + 1, PIN * size * pins, share, offset], axis=1))
-        for style in _styles(shape)
-        for pins, share, offset in parts[style]
-    ]
-
-
-def _styles(shape: shapes.Spring | shapes.SpiralSpring) -> list[str]:
+def _styles(shape: shapes.SpringLike) -> list[str]:
     """The styles of the parts that an element has."""
     wanted = {"spring": shape.elastic, "damper": shape.damper, "actuator": shape.actuator}
     return [style for style, is_wanted in wanted.items() if is_wanted]
 
 
+def linked(points: Points, i: complex, j: complex, half_width: float) -> Points:
+    """A line of `links` between two places, m."""
+    across = 1j * unit(j - i) * half_width
+    return np.asarray(i + points.real * (j - i) + points.imag * across)
+
+
+def windings(shape: shapes.Shape, size: float) -> list[tuple[str, FloatArray]]:
+    """The lines of a belt; or of a torsion spring, damper and motor about their pin, place j.
+
+    The spiral runs from body i, inside, to body j, and winds up and unwinds as the bodies turn.
+    With the style of a line stand its points, (k, 4). Each has its centre, 0 for place i and 1 for
+    j, its radius in m, and its angle α + wβ + ψ, of which w and ψ stand behind.
+    """
+
+    def points(*columns: Any) -> FloatArray:
+        return np.column_stack(np.broadcast_arrays(*columns))
+
+    if isinstance(shape, shapes.Belt):
+        s = np.linspace(0.0, 1.0, BELT_POINTS)
+        offset = np.pi * (1 - 2 * s) if shape.crossed else 0.0
+        on_i = points(0.0, abs(shape.radius_i), 1 - 2 * s, 2 * np.pi * s)
+        on_j = points(1.0, abs(shape.radius_j), 2 * s - 1, offset)
+        return [("belt", np.concatenate([on_i, on_j, on_i[:1]]))]
+    if not isinstance(shape, shapes.SpiralSpring):
+        return []
+    x, pin = np.linspace(0.0, 1.0, SPIRAL_POINTS), PIN * size
+    (inner, outer), (start, sweep) = SPIRAL, ROUND_DAMPER
+    spiral = pin * (inner + (outer - inner) * x)
+    parts = {
+        "spring": [points(1.0, spiral, x, 2 * np.pi * SPIRAL_TURNS * x)],
+        "damper": [points(1.0, pin * radius, 1.0, start + sweep * x) for radius in ROUND_CUPS],
+        "actuator": [points(1.0, pin * ROUND_MOTOR, 1.0, 2 * np.pi * x)],
+    }
+    return [(style, line) for style in _styles(shape) for line in parts[style]]
+
+
+def wound(points: FloatArray, i: complex, j: complex, alpha: float, beta: float) -> Points:
+    """A line of `windings` round two places, m, for two angles in rad."""
+    center, radius, share, offset = points.T
+    angles = alpha + share * beta + offset
+    return np.asarray(np.where(center > 0, j, i) + radius * np.exp(1j * angles))
+
+
 def winding_angles(
     picture: Picture, shape: shapes.Belt | shapes.SpiralSpring
 ) -> tuple[float, float]:
-    """The angles α and β of `Winding`, rad.
+    """The angles α and β of `windings`, rad.
 
     Of a torsion spring α = φ_i and β = φ_j - φ_i, not reduced to one turn. Of a belt α is the
     heading δ of the line of centres, of the length d, and its tangents touch both wheels at the
@@ -147,42 +131,40 @@ def winding_angles(
         start, end = picture.poses[[shape.i.body, shape.j.body], 2]
         return start, end - start
     away = picture.at(shape.j) - picture.at(shape.i)
-    difference = abs(shape.radius_i) + abs(shape.radius_j) * (1 if shape.crossed else -1)
-    cosine = difference / abs(away) if away else 0.0
+    cosine = belt_difference(shape) / abs(away) if away else 0.0
     return float(np.angle(away)), float(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
-def lines_between_bodies(picture: Picture, motion: FloatArray | None = None) -> list[Stroke]:
+def belt_difference(belt: shapes.Belt) -> float:
+    """The difference r_i - r_j of its wheels, m; of a crossed belt the sum."""
+    way = 1.0 if belt.crossed else -1.0
+    return float(abs(belt.radius_i) + way * abs(belt.radius_j))
+
+
+def lines_between_bodies(picture: Picture) -> list[Stroke]:
     """The strokes between bodies at the picture's poses, in the global frame.
 
     Springs, dampers, actuators, torsion springs, belts, massless rods, surfaces of contacts that
     move, and the gaps of joints that are not closed.
-
-    Parameters
-    ----------
-    motion
-        Poses of a motion, shape (instants, bodies, 3), for the lengths of surfaces.
     """
-    found: list[Stroke] = []
+    found: list[tuple[str, Points, str]] = []
     for symbol in picture.symbols:
-        shape, element = symbol.shape, symbol.element
-        if isinstance(shape, shapes.Spring | shapes.Rod):
-            ends = picture.at(shape.i), picture.at(shape.j)
-            for link in links(shape):
-                line = link.placed(*ends, SPRING * picture.size)
-                found.append(Stroke(link.style, 0, line, False, element))
-        elif isinstance(shape, shapes.SpiralSpring | shapes.Belt):
-            ends = picture.at(shape.i), picture.at(shape.j)
-            for winding in windings(shape, picture.size):
-                line = winding.placed(*ends, *winding_angles(picture, shape))
-                found.append(Stroke(winding.style, 0, line, False, element))
+        lines: list[tuple[str, Points]] = []
+        match symbol.shape:
+            case shapes.Spring(i, j) | shapes.Rod(i, j) as shape:
+                ends = picture.at(i), picture.at(j), SPRING * picture.size
+                lines = [(style, linked(points, *ends)) for style, points in links(shape)]
+            case shapes.SpiralSpring(i, j) | shapes.Belt(i, j) as shape:
+                around = picture.at(i), picture.at(j), *winding_angles(picture, shape)
+                own = windings(shape, picture.size)
+                lines = [(style, wound(points, *around)) for style, points in own]
         gap = gap_of(picture, symbol)
         if gap is not None:
-            found.append(Stroke("gap", 0, gap, False, element))
-    for surface in surfaces(picture, fixed=False, motion=motion):
-        lines = surface.lines(picture.size)
-        found += [Stroke(style, 0, points, False, surface.element) for style, points in lines]
-    return found
+            lines.append(("gap", gap))
+        found += [(*line, symbol.element) for line in lines]
+    for surface in surfaces(picture, fixed=False):
+        found += [(*line, surface.element) for line in surface.lines(picture.size)]
+    return [Stroke(style, 0, points, False, element) for style, points, element in found]
 
 
 def gap_of(picture: Picture, symbol: Symbol) -> Points | None:

@@ -1,25 +1,28 @@
-"""A picture as a figure of Matplotlib, which is loaded when a figure is drawn."""
+"""Stills, movies and positions as figures of Matplotlib, which is loaded when one is drawn."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from codegen.drawing.annotations import (
-    Dimension,
+    Series,
     dimension_lines,
+    drawn_loads,
+    driver_strokes,
+    force_scale,
     frame_strokes,
     trace_strokes,
 )
-from codegen.drawing.arrows import Series, drawn_loads, driver_strokes, force_scale
-from codegen.drawing.colors import LIGHT
-from codegen.drawing.label_placement import Label, place_labels, samples
-from codegen.drawing.label_texts import NUMBER_SIZE, engineering, label_texts
-from codegen.drawing.line_styles import STYLES, Stroke, colors_of, ordered
+from codegen.drawing.labels import Writer
 from codegen.drawing.lines_between_bodies import lines_between_bodies
 from codegen.drawing.lines_in_bodies import lines_in_bodies
 from codegen.drawing.picture import Picture
-from codegen.drawing.plane_geometry import FloatArray, pairs
+from codegen.drawing.plane_geometry import FloatArray, Points, origin, pairs
+from codegen.drawing.shapes import Force, Torque, own_places
+from codegen.drawing.styles import LIGHT, STYLES, Stroke, colors_of, ordered
 from codegen.presentation import new_figure
 
 if TYPE_CHECKING:
@@ -31,7 +34,15 @@ MARGINS = (0.75, 0.8)  # layout: room for ticks and titles, in inches
 FLATTEST, HIGHEST = 3.2, 1.8  # layout: width over height, and height over width, of the axes
 HIGHEST_WITH_FORCES = 0.9  # layout: height over width of axes with texts at forces
 BORDER = 0.07  # layout: room round a mechanism, in typical lengths
-SAMPLE = 3.0  # layout: distance of the samples of lines that names avoid, in points
+DPI = 100  # layout: pixels of a movie per inch, so that letters have their usual size
+SAMPLED = 120  # layout: positions from which the view of a motion is found
+FARTHEST = 2.5  # layout: what is farther away, in typical lengths, may leave the view
+PALEST = 0.22  # layout: strength of the colours of the first of several positions
+TALLEST_MOVIE, FLATTEST_MOVIE = 1.1, 0.34  # layout: height of a movie over its width
+TITLE_ROOM, SIDE = (
+    0.85,
+    0.75,
+)  # layout: room above and below, and beside the axes of a movie, inches
 
 
 def figure(
@@ -42,7 +53,6 @@ def figure(
     frames: bool = False,
     names: bool = True,
     series: Series | None = None,
-    motion: FloatArray | None = None,
 ) -> "Figure":
     """Draw a picture.
 
@@ -62,8 +72,6 @@ def figure(
     series
         Reactions of joints, drivers and contacts by the names of their series: forces in N in the
         joint's axes, and torques in N m, that act on its second body.
-    motion
-        Poses of a motion, shape (instants, bodies, 3): guides are as long as it needs.
 
     Returns
     -------
@@ -78,26 +86,25 @@ def figure(
     series = series if forces else None
     scale = force_scale(picture, series) if forces else None
     measured = dimension_lines(picture) if dimensions else []
-    artist = PictureArtist(picture, motion)
+    artist = PictureArtist(picture)
     artist.signs = [
         *driver_strokes(picture),
         *(stroke for _, strokes in drawn_loads(picture, scale, series) for stroke in strokes),
         *(frame_strokes(picture) if frames else ()),
-        *(trace_strokes(picture, motion) if motion is not None else ()),
-        *(stroke for line in measured for stroke in line.strokes),
+        *(trace_strokes(picture) if picture.motion is not None else ()),
+        *(stroke for strokes in measured for stroke in strokes),
     ]
     low, high = artist.bounds(picture)
     if scale is not None:  # room beside a tall machine: texts at forces are long
         width, height = high - low
         more = np.array([max(height / HIGHEST_WITH_FORCES - width, 0.0) / 2, 0.0])
         low, high = low - more, high + more
-    drawn = new_figure("picture", *inches(high - low))
-    axes = drawn.add_subplot()
-    prepare_axes(axes, low, high, picture.title)
+    drawn, axes = _still(picture.title, low, high)
     artist.add_to(axes, picture)
     drawn.draw_without_rendering()
     writer = Writer(axes, artist.global_lines(picture))
-    writer.add_dimensions(measured)
+    for line, *_ in measured:
+        writer.add_dimension(line.points)
     if scale is not None:
         writer.add_scale(scale, picture.size)
     if names:
@@ -105,21 +112,23 @@ def figure(
     return drawn
 
 
-def inches(span: FloatArray) -> tuple[float, float]:
-    """Width and height of a figure whose axes have these proportions."""
-    room = np.array([WIDEST - MARGINS[0], TALLEST - MARGINS[1]])
+def _still(title: str, low: FloatArray, high: FloatArray) -> tuple["Figure", "Axes"]:
+    """A figure whose axes have these proportions."""
+    span, room = high - low, np.array([WIDEST - MARGINS[0], TALLEST - MARGINS[1]])
     width, height = np.maximum(span * float(np.min(room / span)) + MARGINS, LEAST)
-    return float(width), float(height)
+    drawn = new_figure("picture", float(width), float(height))
+    axes = drawn.add_subplot()
+    _prepare_axes(axes, low, high, title)
+    return drawn, axes
 
 
-def prepare_axes(axes: "Axes", low: FloatArray, high: FloatArray, title: str) -> None:
+def _prepare_axes(axes: "Axes", low: FloatArray, high: FloatArray, title: str) -> None:
     """Equal axes with title and units, their edges pale."""
     spans = high - low
     for part in (axes.figure, axes):
         part.set_facecolor(LIGHT.background)
     axes.set_aspect("equal", adjustable="box")
-    axes.set_xlim(low[0], high[0])
-    axes.set_ylim(low[1], high[1])
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     axes.set_xlabel("x, m", color=LIGHT.muted, fontsize=8.5)
     axes.set_ylabel("y, m", color=LIGHT.muted, fontsize=8.5)
     axes.set_title(title, color=LIGHT.ink, fontsize=10.5)
@@ -133,47 +142,55 @@ def prepare_axes(axes: "Axes", low: FloatArray, high: FloatArray, title: str) ->
 class PictureArtist:
     """The strokes of a picture as one collection, which follows poses.
 
-    Attributes
+    Parameters
     ----------
-    rigid
-        The strokes that are fixed in bodies.
-    signs
-        Strokes in the global frame, or in those of bodies, that are drawn besides.
-    strength
-        How strong the colours are, from 0, that of the background, to 1.
+    picture
+        The first that it draws; others have the same symbols.
     gaps
         Whether gaps of joints that are not closed are drawn.
+    strength
+        How strong the colours are, from 0, that of the background, to 1; pale pictures have no
+        ground.
+
+    Attributes
+    ----------
+    signs
+        Strokes in the global frame, or in those of bodies, that are drawn besides.
     """
 
-    def __init__(
-        self, picture: Picture, motion: FloatArray | None = None, gaps: bool = True
-    ) -> None:
-        self.motion, self.gaps = motion, gaps
-        self.rigid = lines_in_bodies(picture, motion)
+    def __init__(self, picture: Picture, gaps: bool = True, strength: float = 1.0) -> None:
+        self.picture, self.gaps, self.strength = picture, gaps, strength
+        self.rigid, self.points = lines_in_bodies(picture), _own_points(picture)
+        if strength < 1.0:
+            self.rigid = [stroke for stroke in self.rigid if not picture.is_ground(stroke.body)]
         self.signs: Iterable[Stroke] = ()
-        self.strength = 1.0
         self.collection: Any = None
 
     def strokes(self, picture: Picture) -> list[Stroke]:
         """All strokes at the poses of a picture, in the order in which they are drawn."""
-        shifts = picture.shifts
+        shifts = {
+            key: point - was
+            for key, points in _own_points(picture).items()
+            for was, point in zip(self.points.get(key, points), points, strict=False)
+            if point != was
+        }
         rigid = [
             one._replace(points=one.points + shifts.get((one.element, one.body), 0.0))
             for one in self.rigid
         ]
-        between = lines_between_bodies(picture, self.motion)
+        between = lines_between_bodies(picture)
         moving = [stroke for stroke in between if self.gaps or stroke.style != "gap"]
         return ordered(picture, (*rigid, *moving, *self.signs))
 
-    def global_lines(self, picture: Picture) -> list[FloatArray]:
-        """All visible lines in the global frame, (k, 2) each, m."""
+    def global_lines(self, picture: Picture) -> list[Points]:
+        """All visible lines in the global frame, (k,) each, m."""
         strokes = self.strokes(picture)
         return [_line(picture, stroke) for stroke in strokes if STYLES[stroke.style].line]
 
     def bounds(self, picture: Picture) -> tuple[FloatArray, FloatArray]:
         """Least and greatest x and y of the picture, with a border, m."""
-        points = np.concatenate(self.global_lines(picture) or [picture.poses[:, :2]])
-        points = points[np.isfinite(points).all(axis=1)]
+        lines = np.concatenate(self.global_lines(picture) or [origin(picture.poses)])
+        points = pairs(lines[np.isfinite(lines)])
         border = BORDER * picture.size
         low, high = points.min(axis=0) - border, points.max(axis=0) + border
         width, height = high - low
@@ -185,12 +202,12 @@ class PictureArtist:
         from matplotlib.collections import PathCollection
 
         strokes = self.strokes(picture)
-        colors = [colors_of(stroke.style, stroke.body) for stroke in strokes]
+        fills, lines = zip(*(colors_of(one.style, one.body) for one in strokes), strict=True)
         styles = [STYLES[stroke.style] for stroke in strokes]
         self.collection = PathCollection(
-            self._paths(picture),
-            facecolors=[self._shade(fill) for fill, _ in colors],
-            edgecolors=[self._shade(line) for _, line in colors],
+            _paths(picture, strokes),
+            facecolors=[self._shade(color) for color in fills],
+            edgecolors=[self._shade(color) for color in lines],
             linewidths=[style.width for style in styles],
             linestyles=[style.dashes for style in styles],
             capstyle="round",
@@ -210,97 +227,118 @@ class PictureArtist:
         shades = np.array([to_rgb(color), to_rgb(LIGHT.background)])
         return tuple(np.array([self.strength, 1 - self.strength]) @ shades)
 
-    def _paths(self, picture: Picture) -> list[Any]:
-        from matplotlib.path import Path
-
-        strokes = self.strokes(picture)
-        return [Path(_line(picture, stroke), closed=stroke.closed) for stroke in strokes]
-
     def update(self, picture: Picture) -> None:
         """Move the strokes to the poses of a picture with the same shapes."""
-        self.collection.set_paths(self._paths(picture))
+        self.collection.set_paths(_paths(picture, self.strokes(picture)))
 
 
-def _line(picture: Picture, stroke: Stroke) -> FloatArray:
-    """A stroke in the global frame, (k, 2), m; the first point comes again if it is closed."""
+def _own_points(picture: Picture) -> dict[tuple[str, int], list[complex]]:
+    """Element and body → its places there, which may move within the body."""
+    found: dict[tuple[str, int], list[complex]] = {}
+    for symbol in picture.symbols:
+        for place in own_places(symbol.shape).values():
+            found.setdefault((symbol.element, place.body), []).append(place.point)
+    return found
+
+
+def _paths(picture: Picture, strokes: Iterable[Stroke]) -> list[Any]:
+    from matplotlib.path import Path
+
+    return [Path(pairs(_line(picture, stroke)), closed=stroke.closed) for stroke in strokes]
+
+
+def _line(picture: Picture, stroke: Stroke) -> Points:
+    """A stroke in the global frame, (k,), m; the first point comes again if it is closed."""
     points = picture.placed(stroke.points, stroke.body)
-    return pairs(np.append(points, points[:1]) if stroke.closed else points)
+    return np.append(points, points[:1]) if stroke.closed else np.asarray(points)
 
 
-class Writer:
-    """Writes texts on axes, so that they do not overlap.
+def _view(frames: Sequence[Picture], artist: PictureArtist) -> tuple[FloatArray, FloatArray]:
+    """Least and greatest x and y, m, of all positions, but for what leaves the machine far behind.
+
+    A ball that is thrown leaves the view, which is wider than the machine by `FARTHEST` at most.
+    """
+    chosen = np.unique(np.linspace(0, len(frames) - 1, SAMPLED).astype(int))
+    lows, highs = zip(*(artist.bounds(frames[k]) for k in chosen), strict=True)
+    reach = FARTHEST * frames[0].size
+    low, high = np.min(lows, axis=0), np.max(highs, axis=0)
+    return np.maximum(low, lows[0] - reach), np.minimum(high, highs[0] + reach)
+
+
+class MovieFigure:
+    """A figure whose frames are drawn on one background.
 
     Parameters
     ----------
-    lines
-        All lines of the picture in the global frame, (k, 2) each, m, which names avoid.
+    frames, width
+        Pictures one after the other; pixels.
+
+    Attributes
+    ----------
+    size
+        Width and height in pixels, both even, as video codecs want them.
     """
 
-    def __init__(self, axes: "Axes", lines: list[FloatArray]) -> None:
-        self.axes = axes
-        self.points = 72.0 / axes.figure.dpi
-        self.obstacles = [samples([self._on_paper(line) for line in lines], SAMPLE)]
+    def __init__(self, frames: Sequence[Picture], width: int) -> None:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    def _on_paper(self, at: FloatArray) -> FloatArray:
-        """Places (k, 2), m, in points of the paper."""
-        return np.asarray(self.axes.transData.transform(at)) * self.points
+        self.frames, first = frames, frames[0]
+        self.artists: dict[tuple[tuple[str, str], ...], PictureArtist] = {}
+        low, high = _view(frames, self._artist_of(first))
+        wide = width / DPI
+        height = (wide - SIDE) * float(np.divide(*(high - low)[::-1]))
+        height = float(np.clip(height, FLATTEST_MOVIE * wide, TALLEST_MOVIE * wide))
+        even = (2 * round(side / 2) / DPI for side in (width, DPI * (height + TITLE_ROOM)))
+        figure = new_figure("movie", *even, dpi=DPI)
+        canvas: Any = FigureCanvasAgg(figure)  # matplotlib leaves its methods untyped
+        self.canvas, self.axes = canvas, figure.add_subplot()
+        self.size: tuple[int, int] = canvas.get_width_height()
+        _prepare_axes(self.axes, low, high, first.title)
+        shown = replace(first, motion=np.array([frame.poses for frame in frames]))
+        for stroke in trace_strokes(shown):
+            self.axes.plot(*pairs(stroke.points).T, color=LIGHT.trace, linewidth=0.9, zorder=1.5)
+        self.clock = self.axes.text(0.99, 1.015, "", transform=self.axes.transAxes, ha="right",
+                                    fontsize=9, color=LIGHT.muted, animated=True)  # fmt: skip
+        canvas.draw()
+        figure.set_layout_engine("none")  # that of the first frame is kept
+        self.background = canvas.copy_from_bbox(figure.bbox)
 
-    def _write(self, at: complex, text: str, **style: Any) -> tuple[Any, FloatArray]:
-        """A text, and two corners of its box in points, (2, 2)."""
-        style = {"ha": "center", "va": "center", "zorder": 8, **style}
-        artist: Any = self.axes.text(at.real, at.imag, text, **style)
-        return artist, artist.get_window_extent().get_points() * self.points
+    def _artist_of(self, frame: Picture) -> PictureArtist:
+        """The artist of frames with these symbols."""
+        key = tuple((symbol.element, symbol.shape.kind) for symbol in frame.symbols)
+        if key not in self.artists:
+            self.artists[key] = PictureArtist(frame, gaps=False)
+        return self.artists[key]
 
-    def _avoid(self, box: FloatArray) -> None:
-        """Let no name cover a text."""
-        x, y = (np.arange(low, high + 1, 2.0) for low, high in box.T)
-        self.obstacles.append(np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2))
+    def pixels(self, number: int, clock: str) -> npt.NDArray[np.uint8]:
+        """A frame as red, green, blue and opacity, (height, width, 4), 0 to 255."""
+        frame = self.frames[number]
+        artist = self._artist_of(frame)
+        artist.signs = list(driver_strokes(frame))
+        if artist.collection is None:
+            artist.add_to(self.axes, frame).set_animated(True)
+        else:
+            artist.update(frame)
+        self.clock.set_text(clock)
+        self.canvas.restore_region(self.background)
+        self.axes.draw_artist(artist.collection)
+        self.axes.draw_artist(self.clock)
+        return np.asarray(self.canvas.buffer_rgba(), dtype=np.uint8)
 
-    def add_names(self, picture: Picture, series: Series | None, values: bool) -> None:
-        """Write the names of bodies, joints, drivers and forces beside them.
 
-        `values` says whether forces have their sizes behind their names.
-        """
-        labels, artists = [], []
-        meter = float(np.ptp(self._on_paper(np.array([[0.0, 0.0], [1.0, 0.0]]))[:, 0]))
-        for one in label_texts(picture, series, values):
-            artist, box = self._write(
-                0j, one.text, fontsize=one.fontsize, color=one.color, fontstyle=one.fontstyle
-            )
-            room, size = one.room * meter + 2.0, box[1] - box[0]
-            labels.append(Label(self._on_paper(pairs(one.places)), size, room))
-            artists.append(artist)
-        low, high = self.axes.get_window_extent().get_points() * self.points
-        spots = place_labels(labels, np.concatenate(self.obstacles), low, high)
-        back = self.axes.transData.inverted()
-        for artist, spot in zip(artists, spots, strict=True):
-            artist.set_position(tuple(back.transform(spot.center / self.points)))
-            if spot.is_far:
-                ends = back.transform(np.array([spot.center, spot.anchor]) / self.points)
-                style = {"color": artist.get_color(), "linewidth": 0.5, "alpha": 0.6}
-                self.axes.plot(*ends.T, zorder=7, **style)
-            artist.set_bbox({"facecolor": LIGHT.background, "alpha": 0.72,
-                             "edgecolor": "none", "boxstyle": "round,pad=0.08"})  # fmt: skip
-
-    def add_dimensions(self, measured: list[Dimension]) -> None:
-        """Write the distances along dimension lines, readable from below and from the right."""
-        for _, middle, angle, distance in measured:
-            _, box = self._write(
-                middle, f"{distance:.4g}", rotation=(np.degrees(angle) + 90.0) % 180.0 - 90.0,
-                fontsize=NUMBER_SIZE, color=LIGHT.ink,
-                bbox={"facecolor": LIGHT.background, "edgecolor": "none", "pad": 0.6},
-            )  # fmt: skip
-            self._avoid(box)
-
-    def add_scale(self, scale: float, size: float) -> None:
-        """The scale of the forces, m/N: a bar in the lower right corner for a round force."""
-        exact = 0.2 * size / scale
-        power = 10.0 ** np.floor(np.log10(exact))
-        value = power * max(m for m in (1, 2, 5) if m * power <= exact * (1 + 1e-9))
-        end = complex(self.axes.get_xlim()[1], self.axes.get_ylim()[0]) + (-0.03 + 0.03j) * size
-        x, y = pairs(np.array([end - value * scale, end])).T
-        self.axes.plot(x, y, "|-", color=LIGHT.force, linewidth=1.4, markersize=6, zorder=8,
-                       solid_capstyle="butt")  # fmt: skip
-        at = end - value * scale / 2 + 0.015j * size
-        style = {"va": "bottom", "fontsize": NUMBER_SIZE, "color": LIGHT.force}
-        self._avoid(self._write(at, engineering(value, "N"), **style)[1])
+def phase_figure(frames: Sequence[Picture]) -> "Figure":
+    """Several positions of a motion over each other, the first pale and the last with names."""
+    shades = np.linspace(PALEST, 1.0, len(frames)) ** 1.5 if len(frames) > 1 else [1.0]
+    artists = [
+        PictureArtist(frame, gaps=False, strength=float(shade))
+        for frame, shade in zip(frames, shades, strict=True)
+    ]
+    last = frames[-1]
+    result, axes = _still(last.title, *_view(frames, artists[-1]))
+    for number, (artist, frame) in enumerate(zip(artists, frames, strict=True)):
+        artist.add_to(axes, frame, 2.0 + number / len(frames))
+    result.draw_without_rendering()
+    named = tuple(s for s in last.symbols if not isinstance(s.shape, Force | Torque))
+    writer = Writer(axes, artists[-1].global_lines(last))
+    writer.add_names(replace(last, symbols=named), None, False)
+    return result

@@ -1,19 +1,38 @@
-"""The picture of a mechanism as numbers: bodies with outlines, shapes of elements, poses."""
+"""The picture of a mechanism as numbers: bodies with outlines, shapes of elements, poses.
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
-from operator import attrgetter
-from typing import Any, TypeVar
+Its layout says which number of a kernel stands where in it. A generated module has the layout as
+plain tuples, and the kernel `picture` writes the numbers, so that a picture of any instant and any
+parameters needs neither the model nor SymPy.
+"""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from codegen.drawing import shapes
 from codegen.drawing.plane_geometry import FloatArray, Points, in_frame, placed
-from codegen.drawing.shapes import Place, Shape
+from codegen.drawing.shapes import OneShape, Place, Shape, changed
 
 Outline = tuple[complex, ...]
 """A closed polygon in the frame of its body, x' + iy' in m."""
-OneShape = TypeVar("OneShape", bound=Shape)
+
+# Sizes of signs, in typical lengths, so that machines of all sizes look alike.
+BAR = 0.021  # layout: half width of a bar, in typical lengths
+CHEEK = 0.034  # layout: half width of a bar with a slot
+PIN = 0.0115  # layout: radius of a pin
+SLOT = 0.016  # layout: half width of a slot
+BOB = 0.036  # layout: radius of the disc at a centre of mass
+PARTICLE = 0.026  # layout: radius of a body that nothing holds
+BLOCK = (0.062, 0.038)  # layout: half length and half width of a block on a guide
+SAME = 2e-3  # layout: places nearer than this are one
+HATCH = 0.0155  # layout: distance of the strokes of a hatching
+SPRING = 0.021  # layout: half width of a spring
+ARROW = 0.15  # layout: length of an arrow that is not to scale
+HEAD = 0.032  # layout: length of an arrow's head
+ROUND_ARROW = 0.062  # layout: radius of a driver's round arrow
 
 
 @dataclass(frozen=True)
@@ -33,17 +52,25 @@ class BodyPicture:
 
 @dataclass(frozen=True)
 class Symbol:
-    """A shape, and the element that it belongs to."""
+    """A shape, and the element that it belongs to.
+
+    `spans` are those of time, s, in which it acts, without their ends; none: it always acts.
+    """
 
     element: str
     kind: str  # of the element, as "revolute"
     role: str  # "joint", "driver" or "force"
     shape: Shape
+    spans: tuple[tuple[float, float], ...] = ()
+
+    def acts(self, t: float) -> bool:
+        """Whether it acts at an instant, s."""
+        return not self.spans or any(first <= t < last for first, last in self.spans)
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A mechanism at one instant.
+    """A mechanism at one instant, or in motion.
 
     Attributes
     ----------
@@ -52,37 +79,46 @@ class Picture:
     bodies
         The ground first, then the bodies in the order of the scene.
     poses
-        x, y in m and φ in rad of each body, shape (bodies, 3).
+        x, y in m and φ in rad of each body, shape (bodies, 3); in motion (k, bodies, 3).
     symbols
-        The shapes of all elements that act.
+        The shapes of all elements that act; in motion those of all that act at any time, whose
+        numbers, if they vary, have a value for each instant, (k,).
     size
         A typical length of the mechanism, m, by which signs of no size of their own are scaled.
-    shifts
-        Element and body → how far its place has moved within the body since the first instant, m.
+    motion
+        Poses of the whole run, (instants, bodies, 3): guides and surfaces are as long as it needs.
+    t
+        In motion the instants, s, (k,).
     """
 
     title: str
     bodies: tuple[BodyPicture, ...]
     poses: FloatArray
     symbols: tuple[Symbol, ...]
-    size: float
-    shifts: Mapping[tuple[str, int], complex] = field(default_factory=dict)
+    size: float = 1.0
+    motion: FloatArray | None = None
+    t: FloatArray | None = None
 
-    def at(self, place: Place) -> complex:
+    def at(self, place: Place) -> Any:
         """A place in the global frame, x + iy in m."""
-        return complex(self.placed(place.point, place.body))
+        return self.placed(place.point, place.body)
 
     def placed(self, points: Any, body: int) -> Any:
         """Points of a body in the global frame."""
-        return placed(points, self.poses[body])
+        return placed(points, self.poses[..., body, :])
 
     def in_body(self, points: Any, body: int) -> Any:
         """Points of the global frame in that of a body."""
-        return in_frame(points, self.poses[body])
+        return in_frame(points, self.poses[..., body, :])
 
-    def turned(self, direction: complex, body: int) -> complex:
+    def turned(self, direction: Any, body: int) -> Any:
         """A direction of a body in the global frame."""
-        return complex(direction * np.exp(1j * self.poses[body, 2]))
+        return direction * np.exp(1j * self.poses[..., body, 2])
+
+    def path(self, place: Place) -> Points:
+        """A place in the global frame during the motion, (instants,), m; without one as it is."""
+        poses = self.poses[None] if self.motion is None else self.motion
+        return np.asarray(placed(place.point, poses[:, place.body]))
 
     def is_ground(self, body: int) -> bool:
         """Whether a body is fixed."""
@@ -98,102 +134,127 @@ class Picture:
         return [one for symbol, one in self.having(kind) if symbol.element in elements]
 
     @property
-    def still(self) -> "MovingPicture":
-        """The picture as one of a single instant."""
-        poses = self.poses[None]
-        return MovingPicture(np.zeros(1), self, poses, {}, {}, poses)
+    def first(self) -> "Picture":
+        """The first instant, with the shapes of all elements that act at any time."""
+        return self if self.t is None else self.instant(0)
 
-    def without(self, numbers: set[int]) -> "Picture":
-        """The picture without the symbols of these numbers."""
-        kept = tuple(s for k, s in enumerate(self.symbols) if k not in numbers)
-        return replace(self, symbols=kept)
+    def instant(self, k: int) -> "Picture":
+        """An instant of a motion, with the shapes of all elements that act at any time."""
+
+        def now(values: Any) -> float:
+            return float(values[k]) if np.ndim(values) else values
+
+        symbols = tuple(replace(one, shape=changed(now, one.shape)) for one in self.symbols)
+        return replace(self, poses=self.poses[k], symbols=symbols, t=None)
+
+    def frames(self) -> list["Picture"]:
+        """The picture of each instant of a motion, with the shapes of what acts there."""
+        frames = []
+        for k, t in enumerate([] if self.t is None else self.t):
+            frame = self.instant(k)
+            acting = tuple(one for one in frame.symbols if one.acts(t))
+            frames.append(replace(frame, symbols=acting))
+        return frames
+
+
+SAMPLES = 181  # layout: of a closed curve, ends included
+KINDS: dict[str, type[Shape]] = {
+    cls.kind: cls for cls in vars(shapes).values()
+    if isinstance(cls, type) and issubclass(cls, Shape) and cls.kind
+}  # fmt: skip
+# A digest of the kinds and their fields: a module with another one was written by another version.
+VERSION = hashlib.sha256(
+    repr([(kind, [f.name for f in fields(cls)]) for kind, cls in KINDS.items()]).encode()
+).hexdigest()[:16]
+_SLOTS = {"at": 2, "number": 1}  # of a field
+
+
+class BodyLayout(NamedTuple):
+    """A body: slots of x, y and φ, or of x, y, cos φ and sin φ; outlines as pairs of slots."""
+
+    name: str
+    fixed: bool
+    pose: tuple[int, ...]
+    outlines: tuple[tuple[tuple[int, int], ...], ...]
+
+
+class ShapeLayout(NamedTuple):
+    """A shape: its fields in their order, each a pair (what it is, where to find it).
+
+    ("at", (body, slot, slot)) is a place, ("number", slot) a number, ("body", number) a body,
+    ("bodies", numbers) several, ("curve", (body, number)) a curve, ("word", value) a plain value.
+    """
+
+    element: str
+    kind: str
+    role: str
+    shape: str
+    fields: tuple[tuple[str, Any], ...]
 
 
 @dataclass(frozen=True)
-class MovingPicture:
-    """A mechanism in motion.
+class Layout:
+    """The layout of a scene's picture."""
 
-    Attributes
-    ----------
-    t
-        Instants in s, (k,).
-    picture
-        The first instant, with the shapes of all joints and forces that act at any time.
-    poses
-        x, y in m and φ in rad of each body, (k, bodies, 3).
-    moving
-        (index of a symbol, name of a number of its shape) → its values, (k,), of the numbers that
-        vary; those of places are called ``"i.x"``.
-    active
-        Index of a symbol → spans of time, s, in which it acts, of those that come or go; the end
-        of a span is not a part of it.
-    motion
-        Poses of the whole run, for the lengths of guides and surfaces; of a whole run its `poses`.
-    """
+    title: str
+    bodies: tuple[BodyLayout, ...]
+    shapes: tuple[ShapeLayout, ...]
 
-    t: FloatArray
-    picture: Picture
-    poses: FloatArray
-    moving: dict[tuple[int, str], FloatArray]
-    active: dict[int, tuple[tuple[float, float], ...]]
-    motion: FloatArray
+    @property
+    def curves(self) -> int:
+        """How many curves there are."""
+        return sum(what == "curve" for row in self.shapes for what, _ in row.fields)
 
-    def number(self, symbol: int, name: str) -> FloatArray:
-        """A number of a symbol's shape, or of a place of it as ``"i.x"``, at all instants, (k,)."""
-        value = attrgetter(name)(self.picture.symbols[symbol].shape)
-        return self.moving.get((symbol, name), np.full(len(self.t), value, dtype=float))
+    @property
+    def size(self) -> int:
+        """How many slots there are: each is written once."""
+        of_bodies = sum(len(b.pose) + 2 * sum(map(len, b.outlines)) for b in self.bodies)
+        return of_bodies + sum(_SLOTS.get(w, 0) for row in self.shapes for w, _ in row.fields)
 
-    def vector(self, symbol: int, x: str, y: str) -> Points:
-        """Two numbers of a symbol's shape as the components of a vector, (k,)."""
-        return self.number(symbol, x) + 1j * self.number(symbol, y)
+    def picture(self, t: FloatArray, numbers: FloatArray, curves: Sequence[FloatArray]) -> Picture:
+        """The picture in motion, without outlines that follow from joints, of size 1.
 
-    def place(self, symbol: int, name: str) -> Points:
-        """A place of a symbol's shape in the frame of its body, (k,), m."""
-        return self.vector(symbol, f"{name}.x", f"{name}.y")
+        Parameters
+        ----------
+        t
+            Instants, s, (k,).
+        numbers
+            What the kernel `picture` writes at each, (k, slots).
+        curves
+            Of each curve the points, m, (samples, 2).
+        """
 
-    def moves(self, symbol: int, name: str) -> bool:
-        """Whether a place of a symbol's shape moves in its body."""
-        return any((symbol, f"{name}.{c}") in self.moving for c in "xy")
+        def value(what: str, where: Any) -> Any:
+            match what:
+                case "at":
+                    return Place(
+                        where[0], *(constant_or_all(numbers[:, slot]) for slot in where[1:])
+                    )
+                case "number":
+                    return constant_or_all(numbers[:, where])
+                case "curve":
+                    return tuple(Place(where[0], float(x), float(y)) for x, y in curves[where[1]])
+            return where
 
-    def path(self, symbol: int, name: str) -> Points:
-        """A place of a symbol's shape in the global frame, (k,), m."""
-        body = getattr(self.picture.symbols[symbol].shape, name).body
-        return np.asarray(placed(self.place(symbol, name), self.poses[:, body]))
+        symbols = tuple(
+            Symbol(*row[:3], KINDS[row.shape](*(value(*field) for field in row.fields)))
+            for row in self.shapes
+        )
+        bodies, poses = [], np.empty((len(t), len(self.bodies), 3))
+        for number, (name, fixed, (x, y, *turn), outlines) in enumerate(self.bodies):
+            polygons = tuple(
+                tuple(complex(*numbers[0, list(corner)]) for corner in line) for line in outlines
+            )
+            bodies.append(BodyPicture(name, fixed, polygons, not outlines))
+            angle = numbers[:, turn[0]]
+            if len(turn) > 1:
+                angle = np.unwrap(np.arctan2(numbers[:, turn[1]], angle))
+            poses[:, number] = np.column_stack([numbers[:, x], numbers[:, y], angle])
+        return Picture(self.title, tuple(bodies), poses, symbols, t=t)
 
-    @cached_property
-    def shifts(self) -> dict[tuple[str, int], Points]:
-        """Element and body → how far its place is from where it is at first, (k,), m."""
-        found: dict[tuple[str, int], Points] = {}
-        for number, symbol in enumerate(self.picture.symbols):
-            for one in fields(symbol.shape):
-                place = getattr(symbol.shape, one.name)
-                if isinstance(place, Place) and self.moves(number, one.name):
-                    shift = self.place(number, one.name) - place.point
-                    found.setdefault((symbol.element, place.body), shift)
-        return found
 
-    def at(self, instant: int) -> Picture:
-        """The picture of an instant, with the numbers that its shapes have there."""
-        symbols = list(self.picture.symbols)
-        for (number, path), values in self.moving.items():
-            name, _, component = path.partition(".")
-            symbol, value = symbols[number], float(values[instant])
-            if component:
-                changed = getattr(symbol.shape, name)._replace(**{component: value})
-            else:
-                changed = value
-            symbols[number] = replace(symbol, shape=replace(symbol.shape, **{name: changed}))
-        shifts = {key: complex(values[instant]) for key, values in self.shifts.items()}
-        poses = self.poses[instant]
-        return replace(self.picture, poses=poses, symbols=tuple(symbols), shifts=shifts)
-
-    def frames(self) -> list[Picture]:
-        """The picture of each instant, with the symbols that act there."""
-        return [
-            self.at(k).without({
-                number
-                for number, spans in self.active.items()
-                if not any(first <= t < last for first, last in spans)
-            })
-            for k, t in enumerate(self.t)
-        ]  # fmt: skip
+def constant_or_all(values: FloatArray) -> float | FloatArray:
+    """The value of a number over time, (k,), if it has one at all instants, else all."""
+    known = values[np.isfinite(values)]
+    varies = len(known) > 0 and (len(known) < len(values) or float(np.ptp(known)) > 0.0)
+    return values if varies else float(values[0])

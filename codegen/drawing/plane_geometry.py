@@ -9,7 +9,7 @@ FloatArray = npt.NDArray[np.float64]
 Points = npt.NDArray[np.complexfloating[Any, Any]]
 """Points (k,) of a polyline or polygon, m."""
 
-ROUND = 32  # layout: corners of a full circle; a rounded corner has its part of them
+ROUND = 32  # layout: corners of a full circle; of rounded corners three times as many
 HEAD = 0.36  # layout: half width of an arrow's head over its length
 _ON_LINE = 1e-6  # accuracy: of a stroke's place, in spacings
 
@@ -24,10 +24,10 @@ def dot(a: Any, b: Any) -> Any:
     return (np.conj(a) * b).real
 
 
-def unit(vector: complex) -> complex:
-    """The direction of a vector; x where its length is zero."""
-    length = abs(vector)
-    return vector / length if length > 0 else 1.0 + 0.0j
+def unit(vector: Any) -> Any:
+    """The direction of a vector, or of each of an array; x where its length is zero."""
+    length = np.abs(vector)
+    return np.where(length > 0, vector / np.where(length > 0, length, 1.0), 1.0 + 0.0j)[()]
 
 
 def origin(pose: FloatArray) -> Any:
@@ -62,6 +62,13 @@ def box(center: complex, along: complex, half_length: float, half_width: float) 
     return center + along * corners
 
 
+def samples(line: Points, spacing: float) -> Points:
+    """Points along a line (k,), at equal distances of at most `spacing`."""
+    along = np.cumsum([0.0, *abs(np.diff(line))])
+    count = int(np.ceil(along[-1] / spacing)) + 1
+    return np.asarray(np.interp(np.linspace(0.0, along[-1], count), along, line))
+
+
 def convex_hull(points: Points) -> Points:
     """Corners (k,) of the convex hull, counterclockwise, by Andrew's monotone chain.
 
@@ -91,17 +98,7 @@ def rounded_hull(points: Points, radius: float) -> Points:
 
     One point gives a disc, points on a line give a bar with round ends.
     """
-    hull = convex_hull(points)
-    if len(hull) == 1:
-        return circle(hull[0], radius)
-    headings = np.angle(np.roll(hull, -1) - hull) - np.pi / 2  # of the outer normals
-    corners = []
-    for k, corner in enumerate(hull):
-        turn = (headings[k] - headings[k - 1]) % (2 * np.pi)
-        count = max(1, int(np.ceil(turn / (2 * np.pi) * ROUND)))
-        angles = headings[k - 1] + turn * np.arange(count + 1) / count
-        corners.append(corner + radius * np.exp(1j * angles))
-    return np.concatenate(corners)
+    return convex_hull((points[:, None] + circle(0j, radius, 3 * ROUND)).ravel())
 
 
 def area(polygon: Points) -> float:
@@ -118,6 +115,11 @@ def crossings(polygons: Points) -> FloatArray:
     crosses = (polygons.imag > 0) != (ahead.imag > 0)
     share = polygons.imag / np.where(crosses, polygons.imag - ahead.imag, 1.0)
     return np.where(crosses, polygons.real + share * (ahead.real - polygons.real), np.nan)
+
+
+def is_closed(curve: Points) -> bool:
+    """Whether the ends of a sampled curve (k,) are no farther apart than its samples are."""
+    return len(curve) > 3 and abs(curve[-1] - curve[0]) <= 2 * abs(np.diff(curve)).max()
 
 
 def contains(polygon: Points, point: complex) -> bool:
@@ -144,7 +146,8 @@ def distinct(points: Points, tolerance: float) -> Points:
 
 def head(tip: complex, direction: complex, length: float) -> Points:
     """The head of an arrow as a triangle (3,), its tip first."""
-    return tip + length * unit(direction) * np.array([0, -1 + HEAD * 1j, -1 - HEAD * 1j])
+    corners = length * np.array([0, -1 + HEAD * 1j, -1 - HEAD * 1j])
+    return np.asarray(tip + unit(direction) * corners)
 
 
 def straight_arrow(start: complex, end: complex, length: float) -> tuple[Points, Points]:

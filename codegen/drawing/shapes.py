@@ -1,29 +1,34 @@
 """The shapes of which the picture of a mechanism consists, one class each.
 
-An element answers shapes whose places are its points and whose numbers are expressions; in a
-`Picture` the same classes have a `Place` for every point and a float for every number. Lengths are
-in m, in the frame of the body of the place; directions are those of unit vectors there.
+An element returns shapes whose places are its points and whose numbers are expressions; in a
+`Picture` the same classes have a `Place` for every point, and for every number a float or, where it
+varies, its values over time, (k,). Lengths are in m, in the frame of the body of the place;
+directions are those of unit vectors there.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, fields
-from typing import Any, ClassVar, NamedTuple
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, replace
+from typing import Any, ClassVar, NamedTuple, TypeVar
+
+import numpy as np
+
+from codegen.drawing.plane_geometry import unit
 
 PointOrPlace = Any  # a Point of a declaration; in a picture, a Place
-Number = Any  # a number or expression; in a picture, a float
+Number = Any  # a number or expression; in a picture, a float or its values over time
 
 
 class Place(NamedTuple):
     """A point of a body of a picture: the body's number, 0 for the ground, and x', y' in m."""
 
     body: int
-    x: float
-    y: float
+    x: Number
+    y: Number
 
     @property
-    def point(self) -> complex:
+    def point(self) -> Any:
         """x' + iy' in m."""
-        return complex(self.x, self.y)
+        return self.x + 1j * self.y
 
 
 @dataclass(frozen=True)
@@ -33,6 +38,17 @@ class Shape:
     kind: ClassVar[str] = ""
 
 
+OneShape = TypeVar("OneShape", bound=Shape)
+
+
+@dataclass(frozen=True)
+class Pair(Shape):
+    """Two places that an element connects."""
+
+    i: PointOrPlace
+    j: PointOrPlace
+
+
 class Directed(Shape):
     """A shape with a direction (ux, uy)."""
 
@@ -40,83 +56,68 @@ class Directed(Shape):
     uy: Number
 
     @property
-    def along(self) -> complex:
+    def along(self) -> Any:
         """The direction as a complex number of length 1; in a picture."""
-        length = abs(complex(self.ux, self.uy))
-        return complex(self.ux, self.uy) / length if length > 0 else 1.0 + 0.0j
+        return unit(self.ux + 1j * self.uy)
 
 
 @dataclass(frozen=True)
-class Pin(Shape):
+class Guided(Pair, Directed):
+    """Place j moves along a straight line of body i through place i, along (ux, uy)."""
+
+    ux: Number
+    uy: Number
+
+
+@dataclass(frozen=True)
+class SpringLike(Pair):
+    """A spring, damper or actuator, or several of them in parallel."""
+
+    elastic: bool = True
+    damper: bool = False
+    actuator: bool = False
+
+
+class Pin(Pair):
     """A pin joint: two bodies turn about one point."""
 
     kind = "pin"
-    i: PointOrPlace
-    j: PointOrPlace
 
 
-@dataclass(frozen=True)
-class Slide(Directed):
-    """A block at place j on a straight guide of body i through place i, along (ux, uy)."""
+class Slide(Guided):
+    """A block at place j on a guide of body i."""
 
     kind = "slide"
-    i: PointOrPlace
-    j: PointOrPlace
-    ux: Number
-    uy: Number
 
 
-@dataclass(frozen=True)
-class Slot(Directed):
-    """A pin at place j in a straight slot of body i through place i, along (ux, uy)."""
+class Slot(Guided):
+    """A pin at place j in a slot of body i."""
 
     kind = "slot"
-    i: PointOrPlace
-    j: PointOrPlace
-    ux: Number
-    uy: Number
 
 
-@dataclass(frozen=True)
-class Rod(Shape):
+class Rod(Pair):
     """A massless rod between two pins."""
 
     kind = "rod"
-    i: PointOrPlace
-    j: PointOrPlace
 
 
-@dataclass(frozen=True)
-class Fixing(Shape):
+class Fixing(Pair):
     """Two bodies that are rigidly connected where places i and j meet."""
 
     kind = "fixing"
-    i: PointOrPlace
-    j: PointOrPlace
 
 
-@dataclass(frozen=True)
-class Spring(Shape):
-    """A spring, damper or actuator, or several of them in parallel, between two places."""
+class Spring(SpringLike):
+    """A spring, damper or actuator between two places."""
 
     kind = "spring"
-    i: PointOrPlace
-    j: PointOrPlace
-    elastic: bool = True
-    damper: bool = False
-    actuator: bool = False
 
 
-@dataclass(frozen=True)
-class SpiralSpring(Shape):
+class SpiralSpring(SpringLike):
     """A torsion spring, damper or motor between two bodies, about a pin of the second."""
 
     kind = "spiral spring"
-    i: PointOrPlace
-    j: PointOrPlace
-    elastic: bool = True
-    damper: bool = False
-    actuator: bool = False
 
 
 @dataclass(frozen=True)
@@ -128,6 +129,11 @@ class Wheel(Shape):
     radius: Number
     toothed: bool = False
     internal: bool = False
+
+    @property
+    def is_ring(self) -> bool:
+        """Whether the body lies around the circle; in a picture."""
+        return bool(self.internal or self.radius < 0)
 
 
 @dataclass(frozen=True)
@@ -142,12 +148,10 @@ class Rack(Directed):
 
 
 @dataclass(frozen=True)
-class Belt(Shape):
+class Belt(Pair):
     """A belt round two wheels."""
 
     kind = "belt"
-    i: PointOrPlace
-    j: PointOrPlace
     radius_i: Number
     radius_j: Number
     crossed: bool = False
@@ -160,14 +164,17 @@ class Profile(Shape):
     kind = "profile"
     curve: Any
 
+    @property
+    def points(self) -> Any:
+        """The points along the curve, (k,), m; in a picture."""
+        return np.array([place.point for place in self.curve])
+
 
 @dataclass(frozen=True)
-class Bearing(Shape):
+class Bearing(Pair):
     """A journal with clearance: pin j moves in a hole about place i, with `clearance` to spare."""
 
     kind = "bearing"
-    i: PointOrPlace
-    j: PointOrPlace
     clearance: Number
 
 
@@ -199,7 +206,7 @@ class Contact(Shape):
 class ContactSide(Shape):
     """A contact as a moving body has it: the gap, and its slopes by x, y and φ of the body.
 
-    Elements answer `Contact`, of which these follow. Whether the other side is the ground, and
+    Elements return `Contact`, of which these follow. Whether the other side is the ground, and
     whether its surface keeps its direction and its place, are words.
     """
 
@@ -240,7 +247,6 @@ class Force(Shape):
     fy: Number
 
 
-@dataclass(frozen=True)
 class OppositeForce(Force):
     """The opposite of a force, on the body that exerts it; it does not hold that body together."""
 
@@ -289,11 +295,27 @@ class Trace(Shape):
     at: PointOrPlace
 
 
+def own_places(shape: Shape) -> dict[str, Place]:
+    """Name of a field → its place, of those that are one."""
+    values = {field.name: getattr(shape, field.name) for field in fields(shape)}
+    return {name: value for name, value in values.items() if isinstance(value, Place)}
+
+
 def places(shape: Shape) -> Iterator[Place]:
     """The places of a shape, those of a profile included."""
-    for field in fields(shape):
-        value = getattr(shape, field.name)
-        if isinstance(value, Place):
-            yield value
-        elif isinstance(value, tuple):
-            yield from (v for v in value if isinstance(v, Place))
+    yield from own_places(shape).values()
+    if isinstance(shape, Profile):
+        yield from shape.curve
+
+
+def changed(change: Callable[..., Any], first: OneShape, *others: OneShape) -> OneShape:
+    """The first of several alike shapes, each of its numbers the result of those of all."""
+    values: dict[str, Any] = {}
+    for field in fields(first):
+        own, *same = (getattr(shape, field.name) for shape in (first, *others))
+        if isinstance(own, Place):
+            x, y = (change(*numbers) for numbers in list(zip(own, *same, strict=True))[1:])
+            values[field.name] = Place(own.body, x, y)
+        elif isinstance(own, float | np.ndarray):
+            values[field.name] = change(own, *same)
+    return replace(first, **values)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from codegen.drawing.layout import VERSION
+from codegen.drawing.picture import VERSION
 from codegen.emit.kernel_docstrings import Arguments, formula
 from codegen.emit.module import Origin, assemble_module, operation_table
 from codegen.lower.kernels.picture_kernels import LoweredPicture

@@ -13,6 +13,7 @@ import typer
 
 from codegen.errors import InputError
 from codegen.object_display import counted, without_rounding
+from codegen.presentation import is_page
 from codegen.termination_signals import keep_results
 from linkwright.cli.options import (
     MotionStart,
@@ -26,7 +27,6 @@ from linkwright.cli.options import (
     with_request,
 )
 from linkwright.cli.output import print_json, write_error, write_line
-from runtime.show.file_endings import is_page
 
 if TYPE_CHECKING:
     from runtime.machine_facade import Machine

@@ -92,7 +92,7 @@ def accuracy(
         ),
     )  # fmt: skip
     if not request.as_json:
-        from runtime.show.table_formatting import show
+        from codegen.presentation import show
         from runtime.studies.conclusions import score, sentences, work
 
         show((score(diagram), work(diagram)), sentences(diagram))
@@ -151,7 +151,7 @@ def matters(
         ),
     )  # fmt: skip
     if not request.as_json:
-        from runtime.show.table_formatting import show
+        from codegen.presentation import show
         from runtime.studies.ranking import ranking_table, sentences
 
         show((ranking_table(ranking),), sentences(ranking))

@@ -7,19 +7,15 @@ from matplotlib.ticker import FuncFormatter
 from codegen.drawing.matplotlib_painter import PictureArtist
 from models.studies.paths import ComplexArray
 from runtime import Result
-from runtime.show.moving_picture import moving_picture
+from runtime.show.pictures import moving_picture
 
 PALE = 0.35  # strength of the colours of positions beside the one that is meant
 
 
 def machine(axes: Axes, run: Result, k: int, faint: bool = False) -> None:
     """The machine at the instant `t[k]` of a run, in m; faint without its ground."""
-    shown = moving_picture(run)
-    frame = shown.frames()[k]
-    artist = PictureArtist(frame, shown.poses, gaps=False)
-    if faint:
-        artist.strength = PALE
-        artist.rigid = [s for s in artist.rigid if not frame.is_ground(s.body)]
+    frame = moving_picture(run).frames()[k]
+    artist = PictureArtist(frame, gaps=False, strength=PALE if faint else 1.0)
     artist.add_to(axes, frame, 1.5 if faint else 2.0)
     axes.update_datalim(np.array(artist.bounds(frame)))
     axes.autoscale_view()

@@ -24,7 +24,7 @@ from codegen.files.generated_modules import (
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
-    from codegen.drawing.layout import Layout
+    from codegen.drawing.picture import Picture
     from runtime.mechanism.mechanism import Mechanism
 
 FloatArray = npt.NDArray[np.float64]
@@ -99,7 +99,7 @@ def _text(origin: Origin, kind: Kind) -> str | None:
     current = belongs is not None and belongs.group(1) == origin.digest
     has = {"tangents": "def accelerations_tangent(", "reduced": "def reduced_mass("}
     if kind == "picture":
-        from codegen.drawing.layout import VERSION
+        from codegen.drawing.picture import VERSION
 
         has["picture"] = f'LAYOUT = "{VERSION}"'
     return text if current and has[kind] in text else None  # else another generator wrote it
@@ -115,18 +115,10 @@ def _command(origin: Origin, kind: Kind) -> str:
     )
 
 
-class Geometry(NamedTuple):
-    """What a mechanism looks like at k instants."""
-
-    layout: "Layout"
-    numbers: FloatArray  # those that the layout's slots stand for, (k, slots)
-    curves: tuple[FloatArray, ...]  # of each curve the points, m, (SAMPLES, 2)
-
-
-def geometry(
+def picture_at_states(
     mechanism: "Mechanism", p: FloatArray, t: FloatArray, q: FloatArray, v: FloatArray
-) -> Geometry:
-    """The geometry at states.
+) -> "Picture":
+    """The picture in motion at states, without outlines that follow from joints.
 
     Parameters
     ----------
@@ -137,19 +129,18 @@ def geometry(
     t, q, v : (k,), (k, n), (k, n)
         Instants in s, coordinates and velocities.
     """
-    from codegen.drawing.layout import SAMPLES, BodyLayout, Layout, ShapeLayout
+    from codegen.drawing.picture import SAMPLES, BodyLayout, Layout, ShapeLayout
 
     module = load_companion(mechanism.origin, "picture", mechanism.title, mechanism.path)
     bodies = tuple(BodyLayout(*row) for row in module.BODIES)
     rows = tuple(ShapeLayout(*row) for row in module.SHAPES)
-    count = sum(what == "curve" for row in rows for what, _ in row.fields)
-    layout = Layout(mechanism.title.replace("/", ", "), bodies, rows, count)
+    layout = Layout(mechanism.title.replace("/", ", "), bodies, rows)
     numbers = np.zeros((len(t), layout.size))
     q, v = np.ascontiguousarray(q, dtype=float), np.ascontiguousarray(v, dtype=float)
     for k in range(len(t)):
         module.picture(float(t[k]), q[k], v[k], p, numbers[k])
-    points = np.zeros((SAMPLES, 2 * count))
-    if count:
+    points = np.zeros((SAMPLES, layout.curves, 2))
+    if layout.curves:
         for k, alpha in enumerate(np.linspace(0.0, 2.0 * np.pi, SAMPLES)):
-            module.curves(alpha, p, points[k])
-    return Geometry(layout, numbers, tuple(points[:, 2 * k : 2 * k + 2] for k in range(count)))
+            module.curves(alpha, p, points[k].reshape(-1))
+    return layout.picture(t, numbers, list(points.swapaxes(0, 1)))

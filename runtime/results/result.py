@@ -255,7 +255,7 @@ class Result(TimeSeries):
         InputError
             If there is no such series, or matplotlib is not installed.
         """
-        from runtime.show.plot import plot
+        from runtime.show.pictures import plot
 
         return plot(self, names)
 
@@ -286,7 +286,7 @@ class Result(TimeSeries):
         InputError
             If `t` is no instant of the result, or Matplotlib is not installed.
         """
-        from runtime.show.still import draw_result
+        from runtime.show.pictures import draw_result
 
         return draw_result(
             self, t, dimensions=dimensions, forces=forces, frames=frames, names=names
@@ -329,7 +329,7 @@ class Result(TimeSeries):
             If there is no motion, the file cannot be written, or bokeh, Matplotlib or ffmpeg is
             not installed.
         """
-        from runtime.show.file_endings import is_page
+        from codegen.presentation import is_page
         from runtime.show.movie import save_movie
 
         if file is not None and Path(file).suffix and not is_page(Path(file)):

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from codegen.drawing.motion_figure import MovieFigure, phase_figure
+from codegen.drawing.matplotlib_painter import MovieFigure, phase_figure
 from codegen.errors import InputError
 from codegen.files.whole_files import whole_file
-from codegen.presentation import save_figure
+from codegen.presentation import MOVIES, is_movie, save_figure
 from runtime.progress_bar import bar
-from runtime.show.file_endings import MOVIES
-from runtime.show.moving_picture import moving_picture_at
+from runtime.show.pictures import moving_picture
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
@@ -73,14 +72,24 @@ def save_movie(
         is missing, or the file cannot be written.
     """
     first, last = _span(result, span)
-    problems = _problems(result, file, first, last)
+    problems = []
+    if file.suffix.lower() == ".mp4":
+        ffmpeg()  # before all that takes time
+    if not is_movie(file):
+        problems.append(f"{file.name}: a movie ends in {', '.join(MOVIES)}, a page in .html.")
+    if not last > first:
+        problems.append(
+            f"{result.description.title}: there is no motion between {first:.6g} s and "
+            f"{last:.6g} s ({result.message or 'one instant'}). A picture is drawn by "
+            "result.draw()."
+        )
     if problems:
         raise InputError(problems)
     ending = file.suffix.lower()
     if ending == ".svg":
-        shown = moving_picture_at(result, np.linspace(first, last, PHASES))
+        shown = moving_picture(result, result.at(np.linspace(first, last, PHASES)))
         with whole_file(file) as target:
-            save_figure(phase_figure(shown.frames(), shown.motion), target)
+            save_figure(phase_figure(shown.frames()), target)
         return file
     rate: float = frames_per_second or FRAMES_A_SECOND
     rate = gif_rate(rate) if ending == ".gif" else rate
@@ -92,8 +101,8 @@ def save_movie(
             f"and {rate:.4g} frames a second; the most are {MOST_FRAMES}. Give a higher speed=, or "
             "a shorter span=."
         )
-    shown = moving_picture_at(result, np.linspace(first, last, count))
-    movie = MovieFigure(shown.frames(), width or WIDTH, shown.motion)
+    instants = np.linspace(first, last, count)
+    movie = MovieFigure(moving_picture(result, result.at(instants)).frames(), width or WIDTH)
     if ending == ".gif":
         _require_memory(file, count, movie.size)
     scale = "" if pace == 1.0 else f",  speed × {pace:.3g}"
@@ -101,7 +110,7 @@ def save_movie(
     with bar(f"drawing {file.name}", progress) as report, whole_file(file) as target:
 
         def drawn() -> Iterator[Pixels]:
-            for k, t in enumerate(shown.t):
+            for k, t in enumerate(instants):
                 yield movie.pixels(k, f"t = {t:.3f} s{scale}")
                 report((k + 1) / count)
 
@@ -138,22 +147,6 @@ def _span(result: "Result", span: tuple[float, ...] | None) -> tuple[float, floa
             raise InputError(f"span= has {len(span)} numbers; give the first and last instant, s.")
         return span[0], span[1]
     return (float(result.t[0]), float(result.t[-1])) if len(result.t) else (0.0, 0.0)
-
-
-def _problems(result: "Result", file: Path, first: float, last: float) -> list[str]:
-    """Everything that is wrong with a movie before it is drawn."""
-    problems = []
-    if file.suffix.lower() == ".mp4":
-        ffmpeg()  # before all that takes time
-    if file.suffix.lower() not in MOVIES:
-        problems.append(f"{file.name}: a movie ends in {', '.join(MOVIES)}, a page in .html.")
-    if not last > first:
-        title = result.description.title
-        problems.append(
-            f"{title}: there is no motion between {first:.6g} s and {last:.6g} s "
-            f"({result.message or 'one instant'}). A picture is drawn by result.draw()."
-        )
-    return problems
 
 
 def _write_mp4(target: Path, size: tuple[int, int], rate: float, frames: Iterable[Pixels]) -> None:

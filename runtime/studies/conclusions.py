@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from codegen.presentation import milliseconds, new_table, shortened
 from runtime.results.samples import plain
-from runtime.show.table_formatting import milliseconds, new_table, shortened
 from runtime.studies.diagram import Choice, Line, Point, WorkPrecision
 from runtime.studies.harness import Setting
 from runtime.studies.timing import time_to_error

@@ -9,9 +9,9 @@ from operator import attrgetter, sub
 from typing import TYPE_CHECKING, Any
 
 from codegen.object_display import html_of, html_table
+from codegen.presentation import new_table, shortened
 from codegen.readers.calls import checked_class
 from runtime.results.samples import plain
-from runtime.show.table_formatting import new_table, shortened
 from runtime.studies.harness import titled
 
 if TYPE_CHECKING:

@@ -3,16 +3,8 @@
 from dataclasses import fields
 from typing import Any, NamedTuple
 
-from codegen.derive.scene_picture import (
-    BodyFrame,
-    BodyNumber,
-    ElementShape,
-    PlaneCurve,
-    ScenePicture,
-    Scoped,
-    Slope,
-)
-from codegen.drawing.layout import BodyLayout, Layout, ShapeLayout
+from codegen.derive.scene_picture import BodyNumber, PlaneCurve, ScenePicture, Scoped, Slope
+from codegen.drawing.picture import BodyLayout, Layout, ShapeLayout, Symbol
 from codegen.drawing.shapes import Place
 from codegen.lower.differentiation.gradient import Slopes
 from codegen.lower.lowered_scene import Lowered
@@ -53,8 +45,8 @@ class _Lowering:
 
     def lowered(self, title: str) -> LoweredPicture:
         bodies = tuple(self._body(body) for body in self.picture.bodies)
-        rows = tuple(self._shape(row) for row in self.picture.shapes)
-        layout = Layout(title, bodies, rows, len(self.curves) // 2)
+        rows = tuple(self._shape(row) for row in self.picture.symbols)
+        layout = Layout(title, bodies, rows)
         summary = "Numbers of the picture at an instant: poses of bodies, then those of SHAPES."
         kernels = [storing(NAME, summary, "t q v p out", self.values, self.notes)]
         if self.curves:
@@ -62,12 +54,12 @@ class _Lowering:
             kernels.append(storing(CURVES, about, "t p out", self.curves, self.curve_notes))
         return LoweredPicture(Program(tuple(self.graph.values), tuple(kernels), (), 0.0), layout)
 
-    def _body(self, body: BodyFrame) -> BodyLayout:
+    def _body(self, body: BodyLayout) -> BodyLayout:
         pose = tuple(self._slot(e, f"pose of {body.name}") for e in body.pose)
+        note = f"outline of {body.name}"
         outlines = tuple(
             tuple((self._slot(x, note), self._slot(y, note)) for x, y in outline)
             for outline in body.outlines
-            for note in (f"outline of {body.name}",)
         )
         return BodyLayout(body.name, body.fixed, pose, outlines)
 
@@ -86,7 +78,7 @@ class _Lowering:
         self.notes.append(note)
         return len(self.values) - 1
 
-    def _shape(self, row: ElementShape) -> ShapeLayout:
+    def _shape(self, row: Symbol) -> ShapeLayout:
         with self.graph.serving(row.element):
             entries = tuple(
                 self._field(f"{row.element} {f.name}", getattr(row.shape, f.name))
@@ -100,13 +92,13 @@ class _Lowering:
                 x, y = (self._slot(e, note) for e in value[1:])
                 return "at", (value.body, x, y)
             case BodyNumber():
-                return "body", value.number
+                return "body", int(value)
             case PlaneCurve():
                 return "curve", (value.body, self._curve(note, value))
             case bool() | str() | None:
                 return "word", value
             case tuple() if not isinstance(value, Scoped | Slope):
-                return "bodies", tuple(body.number for body in value)
+                return "bodies", tuple(map(int, value))
         return "number", self._slot(value, note)
 
     def _curve(self, note: str, curve: PlaneCurve) -> int:

@@ -1,28 +1,52 @@
-"""An animation of one run or several: shown in a notebook, saved as a page."""
+"""An animation of one run or several: shown in a notebook, saved as a page.
+
+Its instants are those of frames, both sides of every event, and more where it is fast.
+"""
 
 import os
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from codegen.drawing.picture import MovingPicture
+import numpy as np
+import numpy.typing as npt
+
+from codegen.drawing.picture import Picture
 from codegen.errors import InputError, LinkwrightError
 from codegen.files.whole_files import whole_file
+from codegen.presentation import is_movie, is_page
 from codegen.readers import arguments as readers
 from codegen.readers.calls import checked_class
-from runtime.show.animation.compressed_arrays import block, in_two
-from runtime.show.animation.curves import curves, require_bokeh
-from runtime.show.animation.instants import animated
-from runtime.show.animation.page_data import NO_MACHINE, event_marks, machine_data, unit_for
-from runtime.show.animation.page_text import framed, page_text
-from runtime.show.file_endings import is_movie, is_page
-from runtime.show.moving_picture import moving_picture
-from runtime.show.still import exerted
+from runtime.results.motion_at_instants import Sampling, resampled
+from runtime.show.animation.page_data import (
+    NO_MACHINE,
+    block,
+    event_marks,
+    in_two,
+    machine_data,
+    unit_for,
+)
+from runtime.show.animation.page_text import curves, framed, page_text, require_bokeh
+from runtime.show.pictures import exerted, moving_picture
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
 
+FloatArray = npt.NDArray[np.float64]
+
+_VALUES = 600_000  # layout: numbers of a run in a page, some 2 MB
+RATE = 60  # layout: frames a second of the run's own time
+TURN = 0.15  # accuracy: rad between instants; a straight path between them errs by 0.3 % of an arm
+_MAX_FAST = 20_000  # layout: instants of a run whose bodies turn fast
+_COARSER = 1.1  # layout: by how much the turn grows until its instants are few enough
+_SAMPLING = Sampling(
+    a_step=2,  # layout: instants in a step of the run
+    least=600,  # layout: instants of a short run
+    most=6000,  # layout: instants of a long one, so that a page stays below some MB
+    events=1000,  # layout: events of which both sides are shown
+    patience=10.0,  # measured: s of integration that an animation takes once more
+)
 _HEIGHT = 720  # layout: of the frame in a notebook, px
 MAX_RUNS = 6  # layout: runs beside each other
 
@@ -59,21 +83,17 @@ class Animation:
         shown = [animated(result) for result in self._results]
         machines = [_moving_picture(run) for run in shown]
         sizes: dict[str, float] = {}  # of the largest run of a machine
-        for run, machine in zip(shown, machines, strict=True):
+        for run, (machine, _) in zip(shown, machines, strict=True):
             title = run.description.title
-            size = 1.0 if isinstance(machine, str) else machine.picture.size
-            sizes[title] = max(sizes.get(title, 0.0), size)
+            sizes[title] = max(sizes.get(title, 0.0), machine.size)
         runs = []
-        for number, (run, machine) in enumerate(zip(shown, machines, strict=True)):
-            series, groups = curves(run)
+        for number, (run, (machine, missing)) in enumerate(zip(shown, machines, strict=True)):
             title, marks = run.description.title, event_marks(self._results[number])
-            if isinstance(machine, str):
-                data = {**NO_MACHINE, "missing": machine, "events": marks}
-            else:
-                data = machine_data(machine, unit_for(sizes[title]), exerted(run), marks)
+            series, groups = curves(run)
             runs.append({
                 "label": self.labels[number], "title": title, "t": in_two(run.t),
-                "series": series, "groups": groups, **data,
+                "series": series, "groups": groups, "missing": missing,
+                **machine_data(machine, unit_for(sizes[title]), exerted(run), marks),
             })  # fmt: skip
         has_curves = any(len(result.t) > 1 for result in self._results)
         return page_text(
@@ -180,32 +200,81 @@ def animate(
 
 def differences(results: "Sequence[Result]") -> tuple[str, ...]:
     """What tells runs apart: scenes, analyses and parameters in which they differ, or a number."""
-    if len(results) == 1:
-        return ("",)
-    first = results[0]
-    names = [
-        name
-        for name in first.parameters
-        if any(r.parameters.get(name) != first.parameters[name] for r in results)
+    facts: list[dict[str, Any]] = [
+        {" title": run.description.title, " analysis": run.analysis, **run.parameters}
+        for run in results
     ]
-    titles = len({r.description.title for r in results}) > 1
-    analyses = len({r.analysis for r in results}) > 1
-    labels = [
+    first = facts[0]
+    names = [name for name in first if any(one.get(name) != first[name] for one in facts)]
+    labels = tuple(
         ", ".join(
-            [r.description.title] * titles
-            + [r.analysis] * analyses
-            + [f"{name} = {r.parameters[name]:.6g}" for name in names if name in r.parameters]
+            one[name] if isinstance(one[name], str) else f"{name} = {one[name]:.6g}"
+            for name in names
+            if name in one
         )
-        for r in results
-    ]
-    if len(set(labels)) < len(results):
-        labels = [f"run {k + 1}" for k in range(len(results))]
-    return tuple(labels)
+        for one in facts
+    )
+    if len(set(labels)) == len(results):
+        return labels
+    return tuple(f"run {k + 1}" for k in range(len(results)))
 
 
-def _moving_picture(shown: "Result") -> MovingPicture | str:
-    """The picture; of a machine without its model file, which alone has it, the reason."""
+def _moving_picture(shown: "Result") -> tuple[Picture, str]:
+    """The picture; of a machine without its model file, which alone has it, none and the reason."""
     try:
-        return moving_picture(shown)
+        return moving_picture(shown), ""
     except LinkwrightError as error:
-        return str(error)
+        return NO_MACHINE, str(error)
+
+
+def animated(result: "Result") -> "Result":
+    """The result at the instants of its frames; of a run that took long, its own samples.
+
+    Between two instants no body turns by more than `TURN`, if the page has room for so many; else
+    the instants lie at equal turns.
+    """
+    span = float(np.ptp(result.t)) if len(result.t) else 0.0
+    room = _VALUES / _columns(result)
+    most = int(np.clip(room, _SAMPLING.least, _SAMPLING.most))
+    least = int(np.clip(RATE * span, _SAMPLING.least, most))
+    sampling = _SAMPLING._replace(least=least, most=most)
+    even = resampled(result, sampling)
+    limit = int(np.clip(room, most, _MAX_FAST))
+    between = instants_between(even.t, turns(even), limit - len(even.t))
+    return resampled(result, sampling, between) if len(between) else even
+
+
+def turns(result: "Result") -> FloatArray:
+    """The largest turn of a body between neighbouring instants, (k - 1,), rad."""
+    positions = result.description.positions
+    angles = [result.q(row.name) for row in positions if row.unit == "rad"]
+    if not angles or len(result.t) < 2:
+        return np.zeros(max(len(result.t) - 1, 0))
+    change = np.abs(np.diff(np.array(angles), axis=1))
+    return np.asarray(np.where(np.isfinite(change), change, 0.0).max(axis=0))
+
+
+def instants_between(t: FloatArray, turned: FloatArray, room: int) -> FloatArray:
+    """Instants to add between those of `t`, (k,), no more than `room`, s.
+
+    Parameters
+    ----------
+    turned : (k - 1,)
+        The turn from each instant to the next, rad. Each part of it is to be at most `TURN`, or as
+        small as the room permits.
+    """
+    largest = float(turned.max(initial=0.0))
+    turn = TURN
+    while turn < largest and np.sum(np.ceil(turned / turn) - 1, where=turned > turn) > room:
+        turn *= _COARSER
+    if turn >= largest:
+        return np.empty(0)
+    parts = np.maximum(np.ceil(turned / turn).astype(int), 1)
+    wanted = np.flatnonzero(parts > 1)
+    return np.concatenate([np.linspace(t[k], t[k + 1], parts[k] + 1)[1:-1] for k in wanted])
+
+
+def _columns(result: "Result") -> int:
+    """About how many numbers a page has of an instant: motion twice, reactions, powers."""
+    known = result.description
+    return 4 * len(known.coordinates) + len(known.reactions) + len(known.powers) + 4

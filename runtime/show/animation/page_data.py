@@ -2,38 +2,45 @@
 
 Lengths are in the unit of the run; points are complex numbers x + iy. A place is a body with x and
 y in its frame, or, where it moves in there, its path in the global frame.
+
+The page carries all runs as one block, gzip as base64: four bytes, the length of the JSON,
+little-endian; the JSON, UTF-8, with the header, in which ``{"array": number}`` stands for an array,
+and the lengths of the arrays; and all arrays one after another as float32 in four planes, first the
+lowest byte of every number, the highest last. Neighbouring numbers share their high bytes, so that
+planes compress well.
 """
 
+import base64
+import gzip
+import json
 from collections.abc import Iterable, Iterator, Set
 from dataclasses import fields
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from codegen.drawing import shapes
-from codegen.drawing.arrows import Series, loads
+from codegen.drawing.annotations import Series, loads
 from codegen.drawing.contacts import moving_surfaces, sides_of, touch
-from codegen.drawing.line_styles import STYLES, Stroke, size_of
-from codegen.drawing.lines_between_bodies import links, windings
+from codegen.drawing.lines_between_bodies import belt_difference, links, windings
 from codegen.drawing.lines_in_bodies import lines_in_bodies
-from codegen.drawing.picture import MovingPicture, Symbol
-from codegen.drawing.proportions import PIN, SPRING
-from codegen.drawing.shapes import Place, places
-from runtime.show.animation.compressed_arrays import rounded
+from codegen.drawing.picture import PIN, SPRING, Picture
+from codegen.drawing.shapes import Place, own_places, places
+from codegen.drawing.styles import STYLES, Stroke, size_of
 
 if TYPE_CHECKING:
     from runtime.results.result import Result
 
+_LEVEL = 9  # layout: of compression
+_DROPPED = 8  # accuracy: low bits of a mantissa of 24 that curves leave out, 1.5e-5 of a value
 MAX_MARKS = 2000  # layout: marks of a run
-_POSES = 300  # layout: of a motion, from which guides and racks get their lengths
 _FLASHES = {"touches", "impact", "strikes", "closes", "engage"}
 """What an event's word, kind or action is where bodies hit each other."""
-NO_MACHINE: dict[str, Any] = {
-    "size": 1.0, "unit": 1.0, "pin": 0.01, "elements": {}, "acts": {}, "joints": 0, "bodies": [],
-    "strokes": [], "links": [], "drives": [], "names": [], "traces": [], "arrows": [],
-    "gravity": None,
-}  # fmt: skip
-"""What a page has of a run without a picture."""
+NO_MACHINE = Picture("", (), np.zeros((1, 0, 3)), (), t=np.zeros(1))
+"""The picture of a run whose machine is not known."""
+FloatArray = npt.NDArray[np.float64]
 Row = dict[str, Any]
 
 
@@ -43,13 +50,15 @@ def unit_for(size: float) -> float:
 
 
 def machine_data(
-    moving: MovingPicture, unit: float | None = None, series: Series | None = None,
+    picture: Picture, unit: float | None = None, series: Series | None = None,
     marks: Iterable[Row] = (),
 ) -> Row:  # fmt: skip
     """Bodies, lines, arrows and events of a run.
 
     Parameters
     ----------
+    picture
+        In motion.
     unit
         The unit of length, m; unless given, that for the size of the picture.
     series
@@ -57,68 +66,81 @@ def machine_data(
     marks
         As of `event_marks`.
     """
-    machine = _Machine(moving, unit or unit_for(moving.picture.size))
-    picture, size = moving.picture, moving.picture.size / machine.unit
+    machine = _Machine(picture, unit or unit_for(picture.size))
+    size = picture.size / machine.unit
     arrows = list(machine.arrows(series or {}))
-    finite = [(n, s) for n, s in enumerate(picture.symbols) if _is_finite(s.shape)]
-    drawn = {symbol.element for _, symbol in finite} | {arrow["element"] for arrow in arrows}
-    return {
+    elements = {one.element: one.kind for one in picture.symbols}
+    data: Row = {
         "size": size,
         "unit": machine.unit,
         "pin": PIN * size,
-        "elements": {s.element: s.kind for s in picture.symbols if s.element in drawn},
         "acts": machine.spans(),
         "joints": len(picture.having(shapes.Reaction)),
         "bodies": [machine.body(number) for number in range(len(picture.bodies))],
         "strokes": [*machine.rigid_lines(), *machine.surfaces()],
-        "links": [row for number, _ in finite for row in machine.links(number)],
-        "drives": [
-            {"element": symbol.element, "at": machine.place(number, "j"), "turns": drive.turns,
-             "angle": np.angle(drive.along), "body": drive.i.body if drive.i else 0}
-            for number, symbol in finite if isinstance(drive := symbol.shape, shapes.Drive)
-        ],
-        "names": [{"element": name, "at": at} for name, at in machine.names(finite).items()],
-        "traces": [
-            {"element": symbol.element, "at": machine.place(number, "at"),
-             "path": machine.path(moving.path(number, "at"))}
-            for number, symbol in finite if isinstance(symbol.shape, shapes.Trace)
-        ],
-        "arrows": arrows,
-        "gravity": next((complex(g.gx, g.gy) for _, g in picture.having(shapes.Gravity)), None),
+        "links": [], "drives": [], "traces": [], "arrows": arrows,
+        "gravity": None,
         "events": [machine.with_place(mark) for mark in marks],
     }  # fmt: skip
+    drawn, names = {arrow["element"] for arrow in arrows}, dict[str, Row]()
+    for symbol, still in zip(picture.symbols, machine.first.symbols, strict=True):
+        if not _is_finite(still.shape):
+            continue
+        drawn.add(symbol.element)
+        held = [machine.place(place) for place in own_places(symbol.shape).values()]
+        if held and (symbol.role == "joint" or isinstance(still.shape, shapes.Trace)):
+            names.setdefault(symbol.element, held[-1])  # beside which the name stands
+        match symbol.shape:
+            case shapes.Gravity(gx, gy):
+                data["gravity"] = np.ravel(gx + 1j * gy)[0]
+            case shapes.Trace(at):
+                path = machine.path(picture.at(at))
+                data["traces"].append({"element": symbol.element, "at": held[0], "path": path})
+            case shapes.Drive(i) as drive:
+                angle = np.ravel(np.angle(drive.along))[0]
+                data["drives"].append({
+                    "element": symbol.element, "at": held[-1], "turns": drive.turns,
+                    "angle": angle, "body": i.body if i else 0,
+                })  # fmt: skip
+            case _:
+                lines = machine.links(still.shape)
+                if lines:
+                    ends = dict(zip("ij", held, strict=True))
+                    data["links"].append({"element": symbol.element, **ends, **lines})
+    data["elements"] = {name: kind for name, kind in elements.items() if name in drawn}
+    data["names"] = [{"element": name, "at": at} for name, at in names.items()]
+    return data
 
 
 class _Machine:
     """What a page has of a machine, row by row."""
 
-    def __init__(self, moving: MovingPicture, unit: float) -> None:
-        self.moving, self.picture, self.unit = moving, moving.picture, unit
-        motion = moving.poses[:: 1 + len(moving.poses) // _POSES]
-        lines = lines_in_bodies(self.picture, motion)
+    def __init__(self, picture: Picture, unit: float) -> None:
+        self.picture, self.first, self.unit = picture, picture.first, unit
+        lines = lines_in_bodies(self.first)
         self.strokes = [stroke for stroke in lines if np.isfinite(stroke.points).all()]
-        self.touched: dict[int, Any] = {}  # by the numbers of sides of contacts
+
+    def over_time(self, values: Any) -> Any:
+        """A number at all instants, (k,)."""
+        return np.broadcast_to(values, len(self.picture.poses))
 
     def path(self, points: Any) -> list[Any]:
         """Components of points over time."""
+        points = self.over_time(points)
         return [points.real / self.unit, points.imag / self.unit]
 
-    def place(self, number: int, name: str) -> Row:
-        """A place of a symbol's shape."""
-        place = getattr(self.picture.symbols[number].shape, name)
-        if self.moving.moves(number, name):
-            return {"path": self.path(self.moving.path(number, name))}
-        return self._fixed(place.body, place.point)
-
-    def _fixed(self, body: int, point: complex) -> Row:
-        return {"body": body, "x": point.real / self.unit, "y": point.imag / self.unit}
+    def place(self, place: Place) -> Row:
+        """A place of a shape."""
+        if np.ndim(place.point):
+            return {"path": self.path(self.picture.at(place))}
+        return {"body": place.body, "x": place.x / self.unit, "y": place.y / self.unit}
 
     def body(self, number: int) -> Row:
         """A body; its angle is within half a turn of 0, with the number of turns, if any, behind.
 
         An angle of many turns has too few digits as float32.
         """
-        body, (x, y, angle) = self.picture.bodies[number], self.moving.poses[:, number].T
+        body, (x, y, angle) = self.picture.bodies[number], self.picture.poses[:, number].T
         own = [stroke for stroke in self.strokes if stroke.body == number]
         turns = np.where(np.isfinite(angle), np.round(angle / (2 * np.pi)), 0.0)
         turn = [angle - 2 * np.pi * turns, turns][: 2 if turns.any() else 1]
@@ -130,8 +152,14 @@ class _Machine:
 
     def rigid_lines(self) -> Iterator[Row]:
         """The lines that are fixed in bodies, with how far they move in there."""
+        shifts: dict[tuple[str, int], Any] = {}
+        for symbol in self.picture.symbols:
+            for place in own_places(symbol.shape).values():
+                if np.ndim(place.point):
+                    shift = place.point - place.point[0]
+                    shifts.setdefault((symbol.element, place.body), shift)
         for stroke in self.strokes:
-            shift = self.moving.shifts.get((stroke.element, stroke.body))
+            shift = shifts.get((stroke.element, stroke.body))
             yield self._line(stroke) | ({} if shift is None else {"shift": self.path(shift)})
 
     def _line(self, stroke: Stroke) -> Row:
@@ -141,69 +169,56 @@ class _Machine:
 
     def surfaces(self) -> Iterator[Row]:
         """The lines of surfaces that move, in the ground, with the poses of their frames."""
-        for surface, poses in moving_surfaces(self.moving):
-            x, y, angle = poses.T
-            for style, points in surface.lines(self.picture.size):
-                line = self._line(Stroke(style, 0, points, False, surface.element))
-                yield line | {"shift": [x / self.unit, y / self.unit, angle]}
+        for one in moving_surfaces(self.picture):
+            angle, known = np.angle(one.along), np.isfinite(one.along)
+            angle[known] = np.unwrap(angle[known])
+            for style, points in one._replace(middle=0j, normal=1j).lines(self.picture.size):
+                line = self._line(Stroke(style, 0, points, False, one.element))
+                yield line | {"shift": [*self.path(one.middle), angle]}
 
-    def links(self, number: int) -> Iterator[Row]:
+    def links(self, shape: shapes.Shape) -> Row:
         """The lines between two places of springs, rods and belts, which the page places."""
-        symbol = self.picture.symbols[number]
-        size, own = self.picture.size / self.unit, Row()
-        match symbol.shape:
-            case shapes.Spring() | shapes.Rod() as shape:
-                own = {"half_width": SPRING * size}
-            case shapes.SpiralSpring() as shape:
-                own = {"turns": [shape.i.body, shape.j.body]}
-            case shapes.Belt() as shape:
-                way = 1 if shape.crossed else -1
-                own = {"belt": (abs(shape.radius_i) + way * abs(shape.radius_j)) / self.unit}
-            case _:
-                return
+        size = self.picture.size
+        own = [(style, points / [1, self.unit, 1, 1]) for style, points in windings(shape, size)]
         lines = [
-            *({"style": one.style, "points": one.points.tolist()} for one in links(shape)),
-            *({"style": one.style, "points": (one.points / [1, self.unit, 1, 1]).tolist()}
-              for one in windings(shape, self.picture.size)),
-        ]  # fmt: skip
-        ends = {name: self.place(number, name) for name in ("i", "j")}
-        yield {"element": symbol.element, "lines": lines, **ends, **own}
-
-    def names(self, symbols: Iterable[tuple[int, Symbol]]) -> dict[str, Row]:
-        """Joints and tracked points, and where their names stand: at the last place of a shape."""
-        found: dict[str, Row] = {}
-        for number, symbol in symbols:
-            at = _fields_of_places(symbol.shape)
-            if at and (symbol.role == "joint" or isinstance(symbol.shape, shapes.Trace)):
-                found.setdefault(symbol.element, self.place(number, at[-1]))
-        return found
+            {"style": style, "points": points.tolist()} for style, points in [*links(shape), *own]
+        ]
+        match shape:
+            case shapes.Spring() | shapes.Rod():
+                return {"lines": lines, "half_width": SPRING * size / self.unit}
+            case shapes.SpiralSpring(i, j):
+                return {"lines": lines, "turns": [i.body, j.body]}
+            case shapes.Belt():
+                return {"lines": lines, "belt": belt_difference(shape) / self.unit}
+        return {}
 
     def spans(self) -> dict[str, list[list[float]]]:
         """Element → spans of time in which it acts, of those that come or go.
 
         Bounds are those of instants, of which the page has 48 bits; the last span has no end.
         """
-        t, symbols = self.moving.t, self.picture.symbols
+        t = self.picture.t
+        assert t is not None
         close = 1e-12 * max(abs(t[0]), abs(t[-1]))
         return {
-            symbols[number].element: [
+            symbol.element: [
                 [first - close, last - close if last < t[-1] - close else 1e300]
-                for first, last in spans
+                for first, last in symbol.spans
             ]
-            for number, spans in self.moving.active.items()
+            for symbol in self.picture.symbols
+            if symbol.spans
         }
 
     def arrows(self, series: Series) -> Iterator[Row]:
         """All that acts, with its components over time."""
-        for load in loads(self.moving, series, springs=True):
-            value: Any = load.value
+        for load in loads(self.picture, series, springs=True):
+            value: Any = self.over_time(load.value)
             if np.isfinite(load.at * value).any() and np.nanmax(abs(value)) > 0:
                 parts = (value,) if load.style == "torque" else (value.real, value.imag)
-                at = self.place(load.number, load.field) if load.field else None
+                at = {"path": self.path(load.at)} if load.place is None else self.place(load.place)
                 yield {
                     "element": load.element, "style": load.style, "label": load.label,
-                    "unit": load.unit, "at": at or {"path": self.path(load.at)},
-                    "value": [rounded(part) for part in parts],
+                    "unit": load.unit, "at": at, "value": [rounded(part) for part in parts],
                 }  # fmt: skip
 
     def with_place(self, mark: Row) -> Row:
@@ -212,36 +227,38 @@ class _Machine:
         return mark if at is None else {**mark, "at": at}
 
     def _place_of_hit(self, element: str, t: float) -> Row | None:
-        for number, symbol in enumerate(self.picture.symbols):
+        for symbol in self.picture.symbols:
             if symbol.element != element:
                 continue
-            for name in ("at", "j", "center"):
-                if isinstance(getattr(symbol.shape, name, None), Place):
-                    return self.place(number, name)
+            held = list(own_places(symbol.shape).values())
+            if held:
+                return self.place(held[-1])
             if isinstance(symbol.shape, shapes.Contact):
                 hit = self._touch(element, t)
-                if hit is not None:
-                    return self._fixed(0, hit)
                 bodies = [b for b in symbol.shape.bodies if not self.picture.is_ground(b)]
-                return self._fixed(bodies[0], 0j) if bodies else None
+                if hit is not None:
+                    return self.place(Place(0, hit.real, hit.imag))
+                return self.place(Place(bodies[0], 0.0, 0.0)) if bodies else None
         return None
+
+    @cached_property
+    def _touches(self) -> list[tuple[str, Any, Any]]:
+        """Element, place and gap of all sides of contacts over time."""
+        return [
+            (symbol.element, touch(self.picture, side).point, self.over_time(side.gap))
+            for symbol, side in sides_of(self.picture)
+        ]
 
     def _touch(self, element: str, t: float) -> complex | None:
         """Where the nearest side of a contact touches at an instant; None where none does."""
-        k = max(int(np.searchsorted(self.moving.t, t, "right")) - 1, 0)
-        nearest, found = np.inf, None
-        for number, symbol, _ in sides_of(self.picture):
-            if symbol.element == element:
-                if number not in self.touched:
-                    self.touched[number] = touch(self.moving, number).point
-                at, gap = complex(self.touched[number][k]), self.moving.number(number, "gap")[k]
-                if np.isfinite(at) and gap < nearest:
-                    nearest, found = gap, at
-        return found
-
-
-def _fields_of_places(shape: shapes.Shape) -> list[str]:
-    return [f.name for f in fields(shape) if isinstance(getattr(shape, f.name), Place)]
+        assert self.picture.t is not None
+        k = max(int(np.searchsorted(self.picture.t, t, "right")) - 1, 0)
+        here = [
+            (gaps[k], points[k])
+            for name, points, gaps in self._touches
+            if name == element and np.isfinite(points[k])
+        ]
+        return complex(min(here, key=lambda one: float(one[0]))[1]) if here else None
 
 
 def _is_finite(shape: shapes.Shape) -> bool:
@@ -259,18 +276,14 @@ def event_marks(result: "Result") -> list[Row]:
     if not len(result.t):
         return []
     first, last = float(result.t.min()), float(result.t.max())
-    events = [
-        _mark(event.time, event.text, event.element, {event.word, event.what})
-        for event in result.events if first <= event.time <= last
-    ]  # fmt: skip
-    changes = [
-        _mark(change.time, str(change).rstrip("."), change.joint, {change.action})
-        for change in result.reconnections if first <= change.time <= last
-    ]  # fmt: skip
-    marks = [*events[:MAX_MARKS], *changes[:MAX_MARKS]]
-    for dropped, what in ((events, "events"), (changes, "joints")):
-        if len(dropped) > MAX_MARKS:
-            marks.append(_mark(last, f"{len(dropped) - MAX_MARKS} more {what} have no marks"))
+    events = [(e.time, e.text, e.element, {e.word, e.what}) for e in result.events]
+    changes = [(c.time, str(c).rstrip("."), c.joint, {c.action}) for c in result.reconnections]
+    marks = []
+    for rows, what in ((events, "events"), (changes, "joints")):
+        within = [_mark(*row) for row in rows if first <= row[0] <= last]
+        marks += within[:MAX_MARKS]
+        if len(within) > MAX_MARKS:
+            marks.append(_mark(last, f"{len(within) - MAX_MARKS} more {what} have no marks"))
     motion = result._motion
     if (result.failed or result.ended_by) and (motion is None or last >= motion.span[1]):
         failure = f"{result.outcome.name}: {result.message}"
@@ -280,3 +293,45 @@ def event_marks(result: "Result") -> list[Row]:
 
 def _mark(t: float, text: str, element: str = "", words: Set[str] = frozenset()) -> Row:
     return {"t": float(t), "text": text, "element": element, "flash": bool(words & _FLASHES)}
+
+
+def rounded(values: FloatArray) -> npt.NDArray[np.float32]:
+    """The values with fewer digits, as curves have them."""
+    part = values.astype(np.float32)
+    half = np.uint32(1 << (_DROPPED - 1))
+    mask = np.uint32(0xFFFFFFFF ^ ((1 << _DROPPED) - 1))
+    kept = ((part.view(np.uint32) + half) & mask).view(np.float32)
+    return np.where(np.isfinite(part) & np.isfinite(kept), kept, part)
+
+
+def in_two(values: FloatArray) -> list[FloatArray]:
+    """Two arrays whose sum has the values to 48 bits."""
+    high = values.astype(np.float32).astype(np.float64)
+    return [high, values - high]
+
+
+def block(header: dict[str, Any]) -> str:
+    """The block as base64. Complex numbers of the header are pairs x, y there, also in arrays."""
+    parts: list[npt.NDArray[np.float32]] = []
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, complex):
+            return [value.real, value.imag]
+        if isinstance(value, np.generic):
+            return value.item()
+        if np.iscomplexobj(value):
+            value = np.stack([value.real, value.imag], axis=-1)
+        parts.append(np.asarray(value, dtype=np.float64).ravel().astype("<f4"))
+        return {"array": len(parts) - 1}
+
+    options: dict[str, Any] = {"ensure_ascii": False, "separators": (",", ":"), "allow_nan": False}
+    text = json.dumps(header, default=plain, **options)
+    text = f'{{"header":{text},"arrays":{[len(part) for part in parts]}}}'
+    encoded = text.encode()
+    planes = np.concatenate([*parts, np.empty(0, "<f4")]).view(np.uint8).reshape(-1, 4).T
+    return compressed(len(encoded).to_bytes(4, "little") + encoded + planes.tobytes())
+
+
+def compressed(data: bytes) -> str:
+    """Bytes as gzip and base64; the same bytes give the same text."""
+    return base64.b64encode(gzip.compress(data, _LEVEL, mtime=0)).decode("ascii")

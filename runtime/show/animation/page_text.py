@@ -1,13 +1,25 @@
-"""The page of an animation: template, style, script and data in one text."""
+"""The page of an animation as text: template, style, script, data, and its curves by Bokeh."""
 
+import json
 import re
+import sys
+from collections.abc import Iterator
 from functools import cache
 from html import escape
+from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from codegen.drawing.colors import PALETTES, Palette
-from codegen.drawing.line_styles import STYLES
-from runtime.show.animation.curves import PANELS, library, panels
+import numpy as np
+
+from codegen.drawing.styles import PALETTES, STYLES, Palette
+from codegen.errors import InputError
+from runtime.mechanism.series_table import Series
+from runtime.show.animation.page_data import compressed, rounded
+
+if TYPE_CHECKING:
+    from runtime.results.result import Result
+
 
 _FOLDER = Path(__file__).parent / "page"
 SCRIPTS = (
@@ -83,7 +95,7 @@ def page_text(
     title
         Of the page.
     data
-        The block of `compressed_arrays`.
+        The block of `page_data`.
     below
         HTML that stands below the player.
     has_curves
@@ -122,3 +134,159 @@ def framed(page: str, title: str, height: int) -> str:
         f'<iframe title="{escape(title)}" srcdoc="{escape(page)}" width="100%" height="{height}" '
         'style="border:0" allow="fullscreen" loading="lazy"></iframe>'
     )
+
+
+PANELS = 4  # layout: panels of curves in a page
+MAX_LINES = 6  # layout: curves of a run in a panel
+_HEIGHT = 140  # layout: of a panel, px
+_ROUNDING = 1e-9  # accuracy: of a group's largest value; a curve that changes by less is constant
+_IDENTITIES = re.compile(r'"(p\d+|[0-9a-f]{8}-[0-9a-f-]{27})"')
+_SECTIONS = {
+    "coordinate": ("Bodies", "position"), "velocity": ("Bodies", "velocity"),
+    "acceleration": ("Bodies", "acceleration"), "state": ("States", "state"),
+    "reaction": ("Joints", "reaction"), "effect": ("Effects", "effect"),
+    "point": ("Points", "path"), "power": ("Energy", "power"), "energy": ("Energy", "energy"),
+}  # fmt: skip
+"""Kind of a series → where a panel offers it, and under which word."""
+_ANGULAR = {
+    "position": "angle", "velocity": "angular velocity", "acceleration": "angular acceleration",
+}  # fmt: skip
+
+
+def require_bokeh() -> None:
+    """Refuse to go on without Bokeh, which is looked for and not loaded.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    absent = "bokeh" in sys.modules and sys.modules["bokeh"] is None
+    if absent or find_spec("bokeh") is None:
+        raise InputError(
+            "An animation needs bokeh, which is not installed. Run pip install "
+            "'linkwright[animation]', in the checkout pip install '.[animation]'."
+        )
+
+
+@cache
+def library() -> str:
+    """The script of Bokeh's core, compressed."""
+    require_bokeh()
+    import bokeh
+
+    folder = Path(bokeh.__file__).parent / "server" / "static" / "js"
+    return compressed((folder / "bokeh.min.js").read_bytes())
+
+
+@cache
+def panels(runs: int = 1) -> str:
+    """All panels as JSON: the document of Bokeh, and which root is drawn in which element."""
+    require_bokeh()
+    from bokeh.document import Document
+    from bokeh.embed.util import standalone_docs_json_and_render_items
+    from bokeh.models import DataRange1d, Range1d
+
+    span = Range1d(start=0.0, end=1.0, name="span")
+    figures = [
+        _panel(number, span, DataRange1d(only_visible=True), MAX_LINES * runs)
+        for number in range(PANELS)
+    ]
+    document = Document()
+    for figure in figures:
+        document.add_root(figure)
+    documents, (item,) = standalone_docs_json_and_render_items(figures)
+    roots = {model.ref["id"]: f"curves-{number}" for number, model in enumerate(figures)}
+    text = json.dumps({"documents": documents, "item": {**item.to_json(), "roots": roots}})
+    # Names that count up with every model of a process, and a random one: in their order instead.
+    known: dict[str, str] = {}
+    return _IDENTITIES.sub(lambda m: f'"p{known.setdefault(m[1], str(len(known) + 1))}"', text)
+
+
+def _panel(number: int, span: Any, values: Any, lines: int) -> Any:
+    from bokeh.models import BasicTicker, BasicTickFormatter, ColumnDataSource
+    from bokeh.plotting import figure
+
+    panel = figure(
+        name=f"panel-{number}", height=_HEIGHT, sizing_mode="stretch_width", x_range=span,
+        y_range=values, tools="xpan,xwheel_zoom,xbox_zoom,reset,save", active_drag=None,
+        active_scroll=None, output_backend="canvas", min_border_left=76,
+        min_border_right=14, min_border_bottom=22, background_fill_color=None,
+        border_fill_color=None, outline_line_color=None,
+    )  # fmt: skip
+    panel.yaxis.formatter = BasicTickFormatter(power_limit_high=7, power_limit_low=-4)
+    panel.yaxis.ticker = BasicTicker(desired_num_ticks=4)
+    panel.toolbar.logo = None
+    panel.toolbar.autohide = True
+    for _ in range(lines):
+        panel.line(
+            "t", "y", source=ColumnDataSource({"t": [0.0, 1.0], "y": [0.0, 1.0]}), line_width=1.6
+        )
+    return panel
+
+
+def curves(result: "Result") -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """The series of a result that are finite somewhere, and their groups, as the page has them.
+
+    A group is a panel's worth of curves: those of a body, joint or effect that share a unit, and
+    those of one kind of all bodies.
+    """
+    series: list[dict[str, Any]] = []
+    groups: dict[tuple[str, str], dict[str, Any]] = {}
+    for row in _rows(result):
+        values = result.column(row)
+        finite = values[np.isfinite(values)]
+        if not len(finite):
+            continue
+        section, kind, owner, unit = _place_of(result, row)
+        name = f"power({row.name})" if row.kind == "power" else row.name
+        size, change = float(np.abs(finite).max()), float(np.ptp(finite))
+        shared = [("All bodies", "", kind)] if section == "Bodies" else []
+        for where, whose, word in (
+            *shared,
+            (section, owner, f"{owner}: {kind}" if owner else kind),
+        ):
+            title = f"{word}, {unit}" if unit else word
+            group = groups.setdefault(
+                (where, title),
+                {"section": where, "title": title, "owner": whose, "unit": unit, "curves": []},
+            )
+            group["curves"].append((len(series), size, change))
+        series.append({"name": name, "unit": unit, "values": rounded(values)})
+    return series, [part for group in groups.values() for part in _parts(group)]
+
+
+def _rows(result: "Result") -> Iterator[Series]:
+    """The series that a page offers, in the order of a report."""
+    table = result.description.series
+    motion = table.of_kind("coordinate", "velocity", "acceleration")
+    yield from sorted(motion, key=lambda row: row.column)
+    for kinds in (("state",), ("reaction", "effect", "point"), ("power",), ("energy",)):
+        yield from table.of_kind(*kinds)
+
+
+def _place_of(result: "Result", row: Series) -> tuple[str, str, str, str]:
+    """Section, kind, owner and unit of a series in the list of a panel."""
+    section, kind = _SECTIONS[row.kind]
+    owner = "" if section in ("States", "Energy") else row.element
+    if row.element in result.description.drivers and row.kind == "reaction":
+        section, kind = "Drivers", "exerts"
+    elif row.kind == "effect":
+        kind = row.quantity or kind
+    elif section == "Bodies" and row.unit.partition("/")[0] == "rad":
+        kind = _ANGULAR[kind]
+    return section, kind, owner, "" if row.unit == "1" else row.unit
+
+
+def _parts(group: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """A group without the curves that stay constant, unless all do, in panels."""
+    every = group.pop("curves")
+    least = _ROUNDING * max(size for _, size, _ in every)
+    chosen = [number for number, _, change in every if change > least]
+    constant = not chosen
+    chosen = chosen or [number for number, *_ in every]
+    pieces = range(0, len(chosen), MAX_LINES)
+    for first in pieces:
+        number = f" ({first // MAX_LINES + 1})" if len(pieces) > 1 else ""
+        part = chosen[first : first + MAX_LINES]
+        yield {**group, "title": group["title"] + number, "series": part, "constant": constant}

@@ -1,13 +1,14 @@
 """Outlines that follow from the places where elements hold bodies, and the typical length."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from codegen.drawing.body_outlines import derived_outlines
 from codegen.drawing.guides import guide_of, slot_ends
-from codegen.drawing.picture import BodyPicture, Picture
+from codegen.drawing.picture import BAR, BLOCK, BOB, PARTICLE, BodyPicture, Picture
 from codegen.drawing.plane_geometry import area, contains, pairs
-from codegen.drawing.proportions import BAR, BLOCK, BOB, PARTICLE
 from codegen.drawing.shapes import (
     Fixing,
     Mark,
@@ -29,17 +30,19 @@ def polygons_of(drawn: Picture, body: int) -> list[np.ndarray]:
     return [np.array(outline) for outline in drawn.bodies[body].outlines]
 
 
-def test_two_places_are_a_bar_with_round_ends() -> None:
+def pinned(*points: tuple[float, float]) -> Picture:
+    """A body with pins to the ground."""
+    return picture(["plate"], [(0.0, 0.0, 0.0)], [
+        (f"P{k}", "joint", Pin(Place(0, *at), Place(1, *at))) for k, at in enumerate(points)
+    ])  # fmt: skip
+
+
+def test_two_places_are_a_bar_with_round_ends_and_a_slider_a_block() -> None:
     drawn = slider_crank()
-    (bar,) = polygons_of(drawn, 1)
+    ((bar,), (block,)) = (polygons_of(drawn, body) for body in (1, 3))
     w = BAR * drawn.size
     assert pairs(bar).min(axis=0) == pytest.approx([-w, -w], rel=0.01)
     assert pairs(bar).max(axis=0) == pytest.approx([2 + w, w], rel=0.01)
-
-
-def test_a_slider_is_a_block_along_its_guide() -> None:
-    drawn = slider_crank()
-    (block,) = polygons_of(drawn, 3)
     assert np.ptp(pairs(block), axis=0) == pytest.approx(2 * drawn.size * np.array(BLOCK))
 
 
@@ -52,23 +55,12 @@ def test_a_guide_that_is_declared_on_the_slider_gives_the_same_block() -> None:
     assert np.ptp(pairs(block), axis=0) == pytest.approx(2 * turned.size * np.array(BLOCK)[::-1])
 
 
-def test_three_places_are_a_plate_that_holds_them_and_the_centre_of_mass() -> None:
-    drawn = picture(["plate"], [(0.0, 0.0, 0.0)], [
-        (name, "joint", Pin(Place(0, x, y), Place(1, x, y)))
-        for name, x, y in (("A", -1.0, 0.0), ("B", 1.0, 0.0), ("C", 0.2, 1.5))
-    ])  # fmt: skip
-    (plate,) = polygons_of(drawn, 1)
+def test_three_places_are_a_plate_that_holds_them_and_a_centre_of_mass_that_is_near() -> None:
+    (plate,) = polygons_of(pinned((-1.0, 0.0), (1.0, 0.0), (0.2, 1.5)), 1)
     assert all(contains(plate, place) for place in (-1, 1, 0.2 + 1.5j, 0))
-
-
-def test_a_centre_of_mass_far_away_does_not_widen_a_plate() -> None:
-    drawn = picture(["plate"], [(0.0, 0.0, 0.0)], [
-        (name, "joint", Pin(Place(0, x, y), Place(1, x, y)))
-        for name, x, y in (("A", 9.0, 0.0), ("B", 11.0, 0.0), ("C", 10.0, 1.5))
-    ])  # fmt: skip
-    (plate,) = polygons_of(drawn, 1)
-    assert plate.real.min() > 8.0
-    assert drawn.size == pytest.approx(np.hypot(2.0, 1.5))
+    far = pinned((9.0, 0.0), (11.0, 0.0), (10.0, 1.5))
+    assert polygons_of(far, 1)[0].real.min() > 8.0
+    assert far.size == pytest.approx(np.hypot(2.0, 1.5))
 
 
 def test_a_pendulum_is_a_bar_and_a_disc() -> None:
@@ -83,52 +75,46 @@ def test_a_pendulum_is_a_bar_and_a_disc() -> None:
 def test_a_body_that_nothing_holds_is_a_small_disc() -> None:
     drawn = picture(["ball", "other"], [(0.0, 3.0, 0.0), (4.0, 0.0, 0.0)], [])
     assert drawn.size == 5.0
-    (disc,) = polygons_of(drawn, 1)
-    assert abs(disc) == pytest.approx(PARTICLE * 5.0)
+    assert abs(polygons_of(drawn, 1)[0]) == pytest.approx(PARTICLE * 5.0)
+    assert picture(["ball"], [(2.0, 3.0, 0.0)], []).size == 1.0  # all is at one place
 
 
-def test_everything_in_one_place_has_the_length_of_one_metre() -> None:
-    assert picture(["ball"], [(2.0, 3.0, 0.0)], []).size == 1.0
+@pytest.mark.parametrize("toothed", [False, True])
+def test_a_wheel_without_teeth_is_a_disc_and_one_with_teeth_is_none(toothed: bool) -> None:
+    drawn = picture(["wheel"], [(0.0, 0.0, 0.0)], [
+        ("A", "joint", Pin(O, Place(1, 0.0, 0.0))),
+        ("belt", "joint", Wheel(Place(1, 0.0, 0.0), 0.5, toothed)),
+    ])  # fmt: skip
+    areas = [area(polygon) for polygon in polygons_of(drawn, 1)]
+    assert areas == pytest.approx([] if toothed else [np.pi / 4], rel=0.01)
+    assert drawn.size == pytest.approx(np.sqrt(2))
 
 
-def test_a_wheel_without_teeth_is_a_disc_and_one_with_teeth_is_none() -> None:
-    def wheel(toothed: bool) -> Picture:
-        return picture(["wheel"], [(0.0, 0.0, 0.0)], [
-            ("A", "joint", Pin(O, Place(1, 0.0, 0.0))),
-            ("belt", "joint", Wheel(Place(1, 0.0, 0.0), 0.5, toothed)),
-        ])  # fmt: skip
-
-    plain, toothed = wheel(False), wheel(True)
-    assert area(polygons_of(plain, 1)[0]) == pytest.approx(np.pi / 4, rel=0.01)
-    assert polygons_of(toothed, 1) == []
-    assert plain.size == pytest.approx(np.sqrt(2))
-
-
-def test_a_slot_has_a_bar_that_is_as_long_as_the_motion_needs() -> None:
-    drawn = picture(["rocker", "crank"], [(0.0, 0.0, np.pi / 2), (0.0, 1.0, 0.0)], [
+def rocker(tilt: float, turn: float) -> Picture:
+    """A slot on a body that turns about the origin, and the pin of a crank in it."""
+    return picture(["rocker", "crank"], [(0.0, 0.0, tilt), (0.0, 1.0, turn)], [
         ("A", "joint", Pin(O, Place(1, 0.0, 0.0))),
         ("B", "joint", Pin(Place(0, 0.0, 1.0), Place(2, 0.0, 0.0))),
         ("slot", "joint", Slot(Place(1, 0.0, 0.0), Place(2, 0.5, 0.0), 1.0, 0.0)),
     ])  # fmt: skip
+
+
+def test_a_slot_has_a_bar_that_is_as_long_as_the_motion_needs() -> None:
+    drawn = rocker(np.pi / 2, 0.0)
     motion = np.repeat(drawn.poses[None], 8, axis=0)
     motion[:, 2, 2] = np.linspace(0, 2 * np.pi, 8, endpoint=False)
     motion[:, 1, 2] = np.arctan2(1 + 0.5 * np.sin(motion[:, 2, 2]), 0.5 * np.cos(motion[:, 2, 2]))
-    bare = Picture("", tuple(BodyPicture(b.name, b.fixed) for b in drawn.bodies), drawn.poses,
-                   drawn.symbols, drawn.size)  # fmt: skip
-    bar = np.concatenate(derived_outlines(bare, motion)[1].outlines)
+    bodies = tuple(BodyPicture(body.name, body.fixed) for body in drawn.bodies)
+    bar = np.concatenate(derived_outlines(replace(drawn, bodies=bodies, motion=motion))[1].outlines)
     assert bar.real.min() < 0.0
     assert 1.5 < bar.real.max() < 1.5 + 0.1 * drawn.size
 
 
 def test_a_slot_without_a_motion_is_as_long_as_its_crank_needs() -> None:
-    drawn = picture(["rocker", "crank"], [(0.0, 0.0, 1.0), (0.0, 1.0, 0.6)], [
-        ("A", "joint", Pin(O, Place(1, 0.0, 0.0))),
-        ("B", "joint", Pin(Place(0, 0.0, 1.0), Place(2, 0.0, 0.0))),
-        ("slot", "joint", Slot(Place(1, 0.0, 0.0), Place(2, 0.5, 0.0), 1.0, 0.0)),
-    ])  # fmt: skip
+    drawn = rocker(1.0, 0.6)
     slot = guide_of(drawn, drawn.symbols[2].shape)
     room = 0.02 * drawn.size
-    assert slot_ends(drawn, slot, None).real == pytest.approx([0.5 - room, 1.5 + room])
+    assert slot_ends(drawn, slot).real == pytest.approx([0.5 - room, 1.5 + room])
 
 
 def test_a_closed_profile_is_the_outline() -> None:
@@ -148,8 +134,7 @@ def test_a_closed_profile_is_the_outline() -> None:
 def test_given_outlines_stay() -> None:
     given = BodyPicture("hook", outlines=((0j, 1.0, 1j),), is_derived=False)
     drawn = slider_crank()
-    changed = Picture("", (drawn.bodies[0], given, *drawn.bodies[2:]), drawn.poses, drawn.symbols,
-                      drawn.size)  # fmt: skip
+    changed = replace(drawn, bodies=(drawn.bodies[0], given, *drawn.bodies[2:]))
     assert derived_outlines(changed)[1] is given
 
 

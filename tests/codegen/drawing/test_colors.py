@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from codegen.drawing.colors import PALETTES, Palette
+from codegen.drawing.styles import PALETTES, Palette
 
 # G. Machado, M. Oliveira, L. Fernandes: A physiologically-based model for simulation of color
 # vision deficiency, IEEE TVCG 15 (2009), severity 1.

@@ -7,15 +7,16 @@ import numpy as np
 import pytest
 
 from codegen.drawing.body_outlines import complete_picture
-from codegen.drawing.gears import Meshing, common_module, gear_profile
+from codegen.drawing.guides import Meshing, common_module, gear_profile
 from codegen.drawing.lines_between_bodies import (
     SPIRAL,
     SPIRAL_TURNS,
-    Winding,
     lines_between_bodies,
+    linked,
     links,
     winding_angles,
     windings,
+    wound,
 )
 from codegen.drawing.lines_in_bodies import lines_in_bodies
 from codegen.drawing.picture import Picture
@@ -40,18 +41,18 @@ def test_springs_dampers_and_actuators_reach_from_end_to_end(
     elastic: bool, damper: bool, actuator: bool, styles: dict[str, int]
 ) -> None:
     found = links(Spring(ORIGIN, BODY, elastic, damper, actuator))
-    assert Counter(link.style for link in found) == styles
-    lines = np.concatenate([link.placed(START, END, 0.1) for link in found])
+    assert Counter(style for style, _ in found) == styles
+    lines = np.concatenate([linked(points, START, END, 0.1) for _, points in found])
     assert max(abs(lines - end).min() for end in (START, END)) < 1e-12
     across = ((lines - START) * (0.6 - 0.8j)).imag
     assert abs(across).max() == pytest.approx({1: 0.1, 2: 0.22, 3: 0.34}[len(styles)])
 
 
 def test_a_torsion_spring_winds_up() -> None:
-    (spiral,) = windings(SpiralSpring(ORIGIN, BODY), 1.0)
-    assert spiral.style == "spring"
+    ((style, spiral),) = windings(SpiralSpring(ORIGIN, BODY), 1.0)
+    assert style == "spring"
     ends = (0.0, 1.0, 2 * np.pi)
-    turned = [spiral.placed(9, 0, 0.0, end) for end in ends]
+    turned = [wound(spiral, 9, 0, 0.0, end) for end in ends]
     pin = abs(turned[0][0]) / SPIRAL[0]
     for line, end in zip(turned, ends, strict=True):
         angle = end + 2 * np.pi * SPIRAL_TURNS
@@ -65,7 +66,7 @@ def test_a_belt_touches_both_wheels_without_a_corner(crossed: bool) -> None:
     belt = Belt(Place(0, START.real, START.imag), Place(0, END.real, END.imag), 0.5, 1.5, crossed)
     drawn = picture([], [], [("belt", "joint", belt)])
     ((_, points),) = windings(belt, 1.0)
-    line = Winding("belt", points).placed(START, END, *winding_angles(drawn, belt))
+    line = wound(points, START, END, *winding_angles(drawn, belt))
     distances = np.minimum(abs(line - START) - 0.5, abs(line - END) - 1.5)
     assert abs(distances) == pytest.approx(0.0, abs=1e-12)
     assert line[0] == pytest.approx(line[-1])
@@ -165,7 +166,7 @@ def test_a_support_stands_before_a_wheel_that_would_hide_it(radius: float, style
 def test_a_spring_that_swings_has_a_support_on_the_ground(turn: float, styles: set[str]) -> None:
     drawn = picture(["block"], [(1.0, 0.0, 0.0)], [("spring", "force", Spring(ORIGIN, BODY))])
     motion = np.array([[[0, 0, 0], [np.cos(a), np.sin(a), 0]] for a in (0.0, turn)])
-    strokes = lines_in_bodies(drawn, motion)
+    strokes = lines_in_bodies(replace(drawn, motion=motion))
     assert {s.style for s in strokes if s.body == 0} == styles
     assert [s.style for s in strokes if s.element == "spring" and s.body == 1] == ["pin"]
 

@@ -9,8 +9,7 @@ import sympy
 from numpy.testing import assert_allclose
 
 from codegen import Model, alpha, disc, rectangle
-from codegen.drawing.layout import KINDS, SAMPLES
-from codegen.drawing.picture import Picture
+from codegen.drawing.picture import KINDS, SAMPLES, Picture
 from codegen.drawing.shapes import Place, Profile, Reaction, Shape, places
 from codegen.elements.registry import kinds_of_elements
 from codegen.errors import ModelError
@@ -95,6 +94,14 @@ def test_outlines_follow_parameters_also_those_that_nothing_else_contains() -> N
         half = expected / 2
         assert_allclose(corners, [-1j * half, 2 - 1j * half, 2 + 1j * half, 1j * half])
         assert_allclose(abs(round_), expected)
+
+
+def test_places_may_have_any_function_of_machine_code() -> None:
+    model = Model("bar")
+    a, body = model.parameter("a", 0.3, unit="m"), model.body("bar", 1.0, 1.0)
+    model.revolute("A", model.ground.at(0, 0), body.at(sympy.atan2(a, 2 * a), 0))
+    (pin,) = (s.shape for s in picture_at_start(model).symbols if s.shape.kind == "pin")
+    assert pin.j.x == pytest.approx(np.arctan2(0.3, 0.6))
 
 
 def test_curves_are_sampled_all_round() -> None:

@@ -88,12 +88,3 @@ def test_the_command_line_picks_the_analysis(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["report", "slider_crank", "--out", str(tmp_path / "a.pdf")])
     assert done.exit_code == 2
     assert "a report is an .html page" in done.output
-
-
-def test_without_a_model_file_a_report_has_its_curves_and_says_what_is_missing() -> None:
-    run = load("slider_crank", "kinematics").kinematics(np.linspace(0.0, 1.0, 11))
-    run._mechanism = None
-    (shown,) = header_of(page(run))["runs"]
-    assert "machine of this result is not known" in shown["missing"]
-    assert not shown["bodies"]
-    assert "crank.phi" in {series["name"] for series in shown["series"]}

@@ -9,15 +9,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from codegen.drawing.matplotlib_painter import PictureArtist
-from codegen.drawing.motion_figure import MovieFigure, phase_figure
+from codegen.drawing.matplotlib_painter import MovieFigure, PictureArtist, phase_figure
 from codegen.drawing.shapes import Spring
 from codegen.errors import InputError
 from runtime import load
 from runtime.results.result import Result
 from runtime.show import movie
 from runtime.show.movie import gif_rate, save_movie, usual_speed
-from runtime.show.moving_picture import moving_picture, moving_picture_at
+from runtime.show.pictures import moving_picture
 from tests.runtime.show.animation.machines import pushed_crank, spring_on_a_shaker
 
 
@@ -47,15 +46,8 @@ def test_an_mp4_is_one(run: Result, tmp_path: Path) -> None:
     assert count_frames_and_secs(file)[0] == 10
 
 
-def test_an_svg_has_several_positions(run: Result, tmp_path: Path) -> None:
-    text = save_movie(run, tmp_path / "run.svg").read_text(encoding="utf-8")
-    assert text.count('<g id="PathCollection_') == movie.PHASES
-
-
 def test_frames_differ_by_the_poses_alone(run: Result) -> None:
-    shown = moving_picture_at(run, [0.0, 0.4])
-    frames = shown.frames()
-    figure = MovieFigure(frames, 320, shown.motion)
+    figure = MovieFigure(moving_picture(run, run.at([0.0, 0.4])).frames(), 320)
     width, height = figure.size
     assert width == 320
     assert height % 2 == 0
@@ -63,6 +55,7 @@ def test_frames_differ_by_the_poses_alone(run: Result) -> None:
     assert first.shape == (height, width, 4)
     assert np.count_nonzero(first - second) > 100
     assert np.array_equal(figure.pixels(0, "").astype(int), first)
+    assert len(figure.artists) == 1
 
 
 def test_a_movie_of_a_span_has_the_guides_of_the_whole_run(
@@ -81,11 +74,8 @@ def test_a_movie_of_a_span_has_the_guides_of_the_whole_run(
     save_movie(result, tmp_path / "run.gif", width=320, span=(0.0, 0.01), progress=False)
     lengths = []
     (figure,) = made
-    frame = moving_picture_at(result, [0.0]).frames()[0]
-    own = (
-        PictureArtist(frame, moving_picture(result).poses),
-        PictureArtist(frame, frame.poses[None]),
-    )
+    (frame,) = moving_picture(result, result.at([0.0])).frames()
+    own = PictureArtist(frame), PictureArtist(replace(frame, motion=frame.poses[None]))
     for artist in (*figure.artists.values(), *own):
         rails = [stroke.points for stroke in artist.rigid if stroke.style == "rail"]
         lengths.append(max(float(np.ptp(rail.real)) for rail in rails))
@@ -94,9 +84,10 @@ def test_a_movie_of_a_span_has_the_guides_of_the_whole_run(
     assert in_movie > 1.1 * at_start
 
 
-def test_positions_grow_stronger(run: Result) -> None:
-    shown = moving_picture_at(run, [0.0, 0.2, 0.4])
-    figure = phase_figure(shown.frames(), shown.motion)
+def test_an_svg_has_several_positions_that_grow_stronger(run: Result, tmp_path: Path) -> None:
+    text = save_movie(run, tmp_path / "run.svg").read_text(encoding="utf-8")
+    assert text.count('<g id="PathCollection_') == movie.PHASES
+    figure = phase_figure(moving_picture(run, run.at([0.0, 0.2, 0.4])).frames())
     edges = [c.get_edgecolors() for c in figure.axes[0].collections]
     shades = [float(colors[colors[:, 3] > 0, :3].min()) for colors in edges]
     assert shades == sorted(shades, reverse=True)
@@ -104,22 +95,10 @@ def test_positions_grow_stronger(run: Result) -> None:
 
 
 def test_symbols_that_do_not_act_are_left_out(run: Result) -> None:
-    shown = moving_picture(run)
-    assert len(shown.picture.without({0}).symbols) == len(shown.picture.symbols) - 1
-    hinge = next(k for k, s in enumerate(shown.picture.symbols) if s.shape.kind == "pin")
-    later = replace(shown, active={hinge: ((0.5, 9.0),)})
-    counts = {
-        float(t): len(frame.symbols) for t, frame in zip(later.t, later.frames(), strict=True)
-    }
-    assert counts[float(shown.t[0])] == len(shown.picture.symbols) - 1
-    assert counts[float(shown.t[-1])] == len(shown.picture.symbols)
-
-
-@pytest.mark.parametrize(("duration", "speed"), [(0.1, 0.01), (5.0, 1.0), (300.0, 30.0)])
-def test_a_motion_that_is_very_short_or_long_is_shown_at_another_speed(
-    duration: float, speed: float
-) -> None:
-    assert usual_speed(duration) == pytest.approx(speed)
+    first, *others = moving_picture(run).symbols
+    later = replace(moving_picture(run), symbols=(replace(first, spans=((0.5, 9.0),)), *others))
+    counts = [len(frame.symbols) for frame in later.frames()]
+    assert [counts[0], counts[-1]] == [len(others), len(others) + 1]
 
 
 @pytest.mark.parametrize(
@@ -189,15 +168,7 @@ def test_walls_go_with_the_ends_of_springs() -> None:
     assert np.abs(moved[0]).max() == 0.0  # the support of the crank
 
 
-def test_a_movie_has_one_artist_for_all_frames() -> None:
-    shown = spring_on_a_shaker(np.linspace(0.0, 3.0, 4))
-    frames = shown.frames()
-    movie = MovieFigure(frames, 300, shown.motion)
-    pixels = [movie.pixels(k, "").astype(int).copy() for k in range(len(frames))]
-    assert len(movie.artists) == 1
-    assert np.count_nonzero(pixels[1] - pixels[0]) > 50
-
-
-@pytest.mark.parametrize(("wanted", "rate"), [(30, 100 / 3), (24, 25), (60, 50), (240, 50), (1, 1)])
-def test_a_gif_has_frames_of_whole_hundredths(wanted: int, rate: float) -> None:
-    assert gif_rate(wanted) == pytest.approx(rate)
+def test_movies_have_a_usual_length_and_gifs_whole_hundredths() -> None:
+    assert [usual_speed(span) for span in (0.1, 5.0, 300.0)] == pytest.approx([0.01, 1.0, 30.0])
+    rates = [gif_rate(wanted) for wanted in (30, 24, 60, 240, 1)]
+    assert rates == pytest.approx([100 / 3, 25, 50, 50, 1])

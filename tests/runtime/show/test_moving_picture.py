@@ -9,14 +9,13 @@ import pytest
 from numpy.testing import assert_allclose
 
 from codegen import Model, t
-from codegen.drawing.layout import VERSION
-from codegen.drawing.picture import MovingPicture, Picture
-from codegen.drawing.shapes import Pin, Place, Reaction, Rod
+from codegen.drawing.picture import VERSION, Picture
+from codegen.drawing.shapes import Pin, Reaction, Rod, places
 from codegen.picture_at_start import picture_at_start
 from codegen.reading.model_file import read_model
 from runtime import load
 from runtime.mechanism.dense_equations import Equations
-from runtime.show.moving_picture import moving_picture, moving_picture_at
+from runtime.show.pictures import moving_picture
 
 MACHINES = [
     ("slider_crank", "compressor"), ("quick_return", "shaper"), ("gear_slider", "train_running"),
@@ -32,12 +31,6 @@ def result_of(name: str, scene: str) -> Any:
     return machine.simulate(0.2, 3, progress=False)
 
 
-def at(drawn: MovingPicture, place: Place, k: int) -> np.ndarray:
-    x, y, phi = drawn.poses[k, place.body]
-    c, s = np.cos(phi), np.sin(phi)
-    return np.array([x + c * place.x - s * place.y, y + s * place.x + c * place.y])
-
-
 @pytest.mark.parametrize(("name", "scene"), MACHINES)
 def test_forces_of_drawn_reactions_are_those_of_the_multipliers(name: str, scene: str) -> None:
     """The reaction at its point, as a wrench on the second body, against -Φ_qᵀ λ of the joint."""
@@ -48,26 +41,24 @@ def test_forces_of_drawn_reactions_are_those_of_the_multipliers(name: str, scene
     full = np.concatenate([p, constants])
     result._mechanism.kernels.constants(full)
     equations = Equations(result._mechanism, full)
-    bodies = [body.name for body in drawn.picture.bodies]
+    bodies = [body.name for body in drawn.bodies]
     checked = 0
-    for number, symbol in enumerate(drawn.picture.symbols):
-        shape = symbol.shape
-        if not isinstance(shape, Reaction) or not hasattr(shape, "on") or shape.on == 0:
+    for symbol, shape in drawn.having(Reaction):
+        if shape.on == 0:
             continue
         rows = [k for k, row in enumerate(table.constraints) if row.element == symbol.element]
         own = [f"{bodies[shape.on]}.{letter}" for letter in ("x", "y", "phi")]
         columns = [table.coordinates.names.index(name) for name in own]
         for k in range(len(result.t)):
-            value = {
-                word: drawn.moving.get((number, word), np.full(9, getattr(shape, word)))[k]
-                for word in ("x", "y", "ux", "uy")
-            }
+            x, y, ux, uy = (
+                np.broadcast_to(values, len(result.t))[k]
+                for values in (shape.x, shape.y, shape.ux, shape.uy)
+            )
             fx, fy, torque = (
                 result.reaction(symbol.element, word)[k] for word in ("fx", "fy", "torque")
             )
-            force = fx * np.array([value["ux"], value["uy"]])
-            force += fy * np.array([-value["uy"], value["ux"]])
-            arm = np.array([value["x"], value["y"]]) - drawn.poses[k, shape.on, :2]
+            force = fx * np.array([ux, uy]) + fy * np.array([-uy, ux])
+            arm = np.array([x, y]) - drawn.poses[k, shape.on, :2]
             moment = arm[0] * force[1] - arm[1] * force[0] + torque
             slopes = equations.jacobian(result.t[k], result.samples.q[k])[np.ix_(rows, columns)]
             expected = -slopes.T @ result.samples.lam[k, rows]
@@ -80,11 +71,10 @@ def test_forces_of_drawn_reactions_are_those_of_the_multipliers(name: str, scene
 @pytest.mark.parametrize(("name", "scene"), MACHINES)
 def test_pins_hold_together_at_all_instants(name: str, scene: str) -> None:
     drawn = moving_picture(result_of(name, scene))
-    pins = [s.shape for s in drawn.picture.symbols if isinstance(s.shape, Pin)]
+    pins = drawn.having(Pin)
     assert pins
-    for k in range(len(drawn.t)):
-        for pin in pins:
-            assert_allclose(at(drawn, pin.i, k), at(drawn, pin.j, k), atol=1e-7)
+    for _, pin in pins:
+        assert_allclose(drawn.at(pin.i), drawn.at(pin.j), atol=1e-7)
 
 
 def _same(one: Picture, other: Picture) -> None:
@@ -100,9 +90,9 @@ def test_the_picture_before_the_build_is_that_of_the_built_machine() -> None:
     after = moving_picture(
         machine.kinematics([0.0], parameters={"rod_length": 3.2}, progress=False)
     )
-    _same(before, after.picture)
+    _same(before, after)
     assert_allclose(after.poses[0], before.poses, atol=1e-8)
-    for one, other in zip(before.symbols, after.picture.symbols, strict=True):
+    for one, other in zip(before.symbols, after.symbols, strict=True):
         if isinstance(one.shape, Pin) and isinstance(other.shape, Pin):
             assert_allclose([*one.shape.i, *one.shape.j], [*other.shape.i, *other.shape.j])
 
@@ -114,53 +104,47 @@ def test_a_picture_module_of_another_version_is_built_anew(tmp_path: Path) -> No
     model.driver("motor", crank.phi, t)
     model.scene("turning", drivers=["motor"], analysis="kinematics")
     result = load(model, folder=tmp_path).kinematics(1.0)
-    (first, *_) = moving_picture(result).picture.symbols
+    (first, *_) = moving_picture(result).symbols
     (place,) = tmp_path.rglob("*__picture.py")
     text = place.read_text()
     other = text.replace(f'LAYOUT = "{VERSION}"', 'LAYOUT = "0"').replace("('i', ", "('old', ")
     place.write_text(other)
-    assert moving_picture(result).picture.symbols[0] == first
+    assert moving_picture(result).symbols[0] == first
     assert place.read_text() == text
 
 
 def test_applied_forces_follow_the_motion() -> None:
     result = load("slider_crank", "compressor").simulate(0.3, 40, progress=False)
     drawn = moving_picture(result)
-    (k,) = (k for k, s in enumerate(drawn.picture.symbols) if s.element == "gas")
+    (gas_force,) = (s.shape for s in drawn.symbols if s.element == "gas")
     x, vx = result.q("slider.x"), result.v("slider.vx")
     compression = -282857 / (6 - x) + 62857
     gas = np.where((vx > 0) & (x >= 1.5) & (x <= 5), compression, 0.0)
     here = (x < 4.99) | (vx < 0)
     assert here.sum() > 20
-    assert_allclose(drawn.moving[k, "fx"][here], gas[here], rtol=1e-12)
+    assert_allclose(gas_force.fx[here], gas[here], rtol=1e-12)
 
 
 def test_joints_that_are_released_act_until_then() -> None:
     result = load("trebuchet", "throw").simulate(1.5, 300, progress=False)
     drawn = moving_picture(result)
     (change,) = result.reconnections
-    (rod,) = (k for k, s in enumerate(drawn.picture.symbols) if isinstance(s.shape, Rod))
-    ((first, last),) = drawn.active[rod]
+    ((rod, _),) = drawn.having(Rod)
+    ((first, last),) = rod.spans
     assert first == 0.0
     step = max(b - a for a, b in pairwise(result.t))
     assert change.time <= last <= change.time + step
-    pins = [k for k, s in enumerate(drawn.picture.symbols) if isinstance(s.shape, Pin)]
-    assert not set(pins) & set(drawn.active)
+    assert not any(symbol.spans for symbol, _ in drawn.having(Pin))
 
 
-def test_a_body_keeps_its_outline_and_size_when_a_joint_is_released() -> None:
-    result = load("trebuchet", "throw").simulate(3.0, progress=False)
-    whole, late = moving_picture(result).picture, moving_picture_at(result, 2.5).picture
+def test_a_part_of_a_run_has_the_outlines_and_the_motion_of_the_whole() -> None:
+    result = load("trebuchet", "throw").simulate(3.0, 151, progress=False)
+    whole, late = moving_picture(result), moving_picture(result, result.at([2.5, 2.6]))
     assert late.bodies == whole.bodies
     assert late.size == whole.size
     assert {s.element for s in whole.symbols} - {s.element for s in late.symbols} == {"sling"}
-
-
-def test_a_part_of_a_run_has_the_motion_of_the_whole() -> None:
-    result = load("trebuchet", "throw").simulate(1.0, 51, progress=False)
-    whole, short = moving_picture(result), moving_picture_at(result, np.array([0.2, 0.25]))
-    assert short.poses.shape == (2, *whole.poses.shape[1:])
-    assert np.array_equal(short.motion, whole.poses)
+    assert late.poses.shape == (2, *whole.poses.shape[1:])
+    assert np.array_equal(late.motion, whole.poses)
     assert np.array_equal(whole.motion, whole.poses)
 
 
@@ -168,4 +152,4 @@ def test_an_equilibrium_is_one_picture() -> None:
     rest = load("slider_crank", "gravity_equilibrium").equilibrium(progress=False)
     drawn = moving_picture(rest)
     assert drawn.poses.shape == (1, 4, 3)
-    assert not drawn.moving
+    assert all(not np.ndim(p.point) for s in drawn.symbols for p in places(s.shape))

@@ -1,4 +1,4 @@
-// Reads the block of numbers that the page carries; runtime/show/animation/compressed_arrays.py wrote it.
+// Reads the block of numbers that the page carries; runtime/show/animation/page_data.py wrote it.
 
 /** Bytes of gzip in base64, without their compression. */
 export async function inflated(text) {

@@ -81,7 +81,7 @@ function along({ x, y }, dx, dy, half) {
   return ([s, n]) => ({ x: x + s * dx - n * across * dy, y: y + s * dy + n * across * dx });
 }
 
-/** Where a point of a line round two places is; `Winding` of codegen/drawing has its formula. */
+/** Where a point of a line round two places is; `wound` of codegen/drawing has its formula. */
 function round(centers, alpha, beta) {
   return ([center, radius, share, offset]) => {
     const angle = alpha + share * beta + offset;

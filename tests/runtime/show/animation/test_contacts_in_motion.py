@@ -9,13 +9,12 @@ from numpy.testing import assert_allclose
 from sympy import Piecewise, sqrt
 
 from codegen import Model, disc, t
-from codegen.drawing.arrows import Load, loads
-from codegen.drawing.contacts import moving_surfaces, surfaces, touch
+from codegen.drawing.annotations import Load, loads
+from codegen.drawing.contacts import moving_surfaces, sides_of, surfaces
 from codegen.drawing.lines_between_bodies import lines_between_bodies
 from runtime import Result, load
 from runtime.show.animation.page_data import machine_data
-from runtime.show.moving_picture import moving_picture
-from runtime.show.still import exerted
+from runtime.show.pictures import exerted, moving_picture
 from tests.runtime.show.animation.conftest import Open
 
 
@@ -44,10 +43,10 @@ def test_the_road_passes_below_the_car(car: Any) -> None:
     height = car.q("upright.y") - 0.3 - car.gap("tyre")
     assert np.ptp(height) == pytest.approx(0.06, abs=1e-4)  # the bump
     corners = 0.3 * (1 - np.cos(np.pi / 64))  # by how much the wheel's polygon is within its circle
-    assert np.all(np.abs(road.poses[:, 1] - height) <= corners)
-    assert_allclose(road.poses[:, 2], 0.0, atol=1e-12)
+    assert np.all(np.abs(road.middle.imag - height) <= corners)
+    assert_allclose(road.normal, 1j, atol=1e-12)
     # and so it does in the frames of a movie
-    for frame, y in list(zip(shown.frames(), road.poses[:, 1], strict=True))[::20]:
+    for frame, y in list(zip(shown.frames(), road.middle.imag, strict=True))[::20]:
         rail = next(s for s in lines_between_bodies(frame) if s.style == "rail")
         assert_allclose(rail.points.imag, y, atol=1e-9)
 
@@ -68,17 +67,6 @@ def test_the_plate_carries_the_weight_of_the_ball(ball: Any) -> None:
     assert_allclose(weight.at, 0, atol=1e-6)
     texts = {text.get_text() for text in ball.draw(1.9, forces=True).axes[0].texts}
     assert "plate on ball: 3.92 N" in texts
-
-
-def test_numbers_of_a_contact_over_time(ball: Any) -> None:
-    shown = moving_picture(ball)
-    (number,) = (k for k, s in enumerate(shown.picture.symbols) if s.shape.kind == "contact side")
-    point, surface, normal = touch(shown, number)
-    assert_allclose(shown.number(number, "gap"), ball.q("ball.y") - 0.1, atol=1e-12)
-    assert_allclose(point.imag, shown.number(number, "gap"), atol=1e-9)
-    assert_allclose(surface, 0, atol=1e-9)
-    assert_allclose(normal, 1j, atol=0)
-    assert not moving_surfaces(shown)
 
 
 def test_a_page_shows_the_force_and_the_impact_where_they_are(
@@ -116,14 +104,20 @@ def test_a_page_moves_the_road(show: Open, car: Any, tmp_path: Path) -> None:
     assert heights == pytest.approx([0.0, 0.06, 0.0], abs=1e-3)
 
 
-def test_both_limits_of_a_stop_flash_where_they_are_hit(show: Open, tmp_path: Path) -> None:
+def shuttle(push: Any, vx: float, **law: float) -> Model:
+    """A block that slides between two limits."""
     model = Model("shuttle")
     block = model.body("block", 1.0, 0.1, draw=disc(0.05))
     guide = model.translational("guide", model.ground, block, axis=(1, 0))
-    model.stop("ends", guide, lower=-0.5, upper=0.5, stiffness=1e5)
-    model.scene("running", ["ends"], start={block.x: 0.0, block.vx: 1.0})
-    machine = load(model, generated=tmp_path)
-    run = machine.simulate(2.0, 201, progress=False)
+    model.stop("ends", guide, lower=-0.5, upper=0.5, **law)
+    model.force("push", block, fx=push)
+    model.scene("running", ["ends", "push"], start={block.x: 0.0, block.vx: vx})
+    return model
+
+
+def test_both_limits_of_a_stop_flash_where_they_are_hit(show: Open, tmp_path: Path) -> None:
+    model = shuttle(0.0, 1.0, stiffness=1e5)
+    run = load(model, generated=tmp_path).simulate(2.0, 201, progress=False)
     run.animate(file=tmp_path / "run.html")
     page = show(tmp_path / "run.html")
     places = []
@@ -136,12 +130,7 @@ def test_both_limits_of_a_stop_flash_where_they_are_hit(show: Open, tmp_path: Pa
 
 def test_a_rigid_stop_pushes_at_the_limit_that_is_hit_alone(show: Open, tmp_path: Path) -> None:
     """A force turns the block against one limit, and then against the other."""
-    model = Model("shuttle")
-    block = model.body("block", 1.0, 0.1, draw=disc(0.05))
-    guide = model.translational("guide", model.ground, block, axis=(1, 0))
-    model.stop("ends", guide, lower=-0.5, upper=0.5, restitution=0.0)
-    model.force("push", block, fx=Piecewise((3.0, t < 2.0), (-3.0, True)))
-    model.scene("running", ["ends", "push"], start={block.x: 0.0, block.vx: 0.0})
+    model = shuttle(Piecewise((3.0, t < 2.0), (-3.0, True)), 0.0, restitution=0.0)
     run = load(model, generated=tmp_path).simulate(4.0, 401, progress=False)
     run.animate(file=tmp_path / "run.html")
     page = show(tmp_path / "run.html")
@@ -163,13 +152,12 @@ def test_a_ball_that_starts_at_the_centre_of_a_bowl(tmp_path: Path) -> None:
     start = {ball.x: 0.0, ball.y: 0.0, ball.vx: 0.0, ball.vy: 0.0}
     model.scene("falling", ["gravity", "bowl"], start=start)
     shown = moving_picture(load(model, generated=tmp_path).simulate(0.5, 51, progress=False))
-    (number,) = (k for k, s in enumerate(shown.picture.symbols) if s.shape.kind == "contact side")
-    slope = shown.number(number, "gy")
-    assert np.isnan(slope[0])
-    assert_allclose(slope[1:], 1.0)
+    ((_, side),) = sides_of(shown)
+    assert np.isnan(side.gy[0])
+    assert_allclose(side.gy[1:], 1.0)
     (surface,) = moving_surfaces(shown)
-    assert_allclose(surface.poses[1:, :2], [[0.0, -2.0]] * 50, atol=0.11)
-    assert_allclose(surface.poses[1:, 2], 0.0, atol=1e-12)
+    assert_allclose(surface.middle[1:], -2j, atol=0.11)
+    assert_allclose(surface.normal[1:], 1j, atol=1e-12)
     push = {"bowl.force": np.ones(len(shown.t))}
     (arrow,) = machine_data(shown, series=push)["arrows"]
     assert (arrow["label"], arrow["unit"]) == ("bowl on ball", "N")
@@ -189,8 +177,8 @@ def test_a_ball_from_high_above_falls_on_a_plate(tmp_path: Path, height: float) 
         for name in ("plate", "table")
     ]
     still, moves = map(moving_picture, runs)
-    assert still.picture.size == pytest.approx(np.hypot(0.2, height), rel=1e-3)
-    (plate,) = surfaces(still.picture, fixed=True, motion=still.motion)
+    assert still.size == pytest.approx(np.hypot(0.2, height), rel=1e-3)
+    (plate,) = surfaces(still.first, fixed=True)
     assert_allclose(plate.middle, 0, atol=1e-9)
     (table,) = moving_surfaces(moves)
-    assert_allclose(table.poses[:, 1], 0.01 * runs[1].t, atol=1e-9)
+    assert_allclose(table.middle.imag, 0.01 * runs[1].t, atol=1e-9)

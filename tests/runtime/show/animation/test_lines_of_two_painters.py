@@ -34,7 +34,7 @@ def test_lines_of_a_page_are_those_of_a_figure(show: Open, tmp_path: Path, shape
         paths = page.locator(".between [data-element=E1] path").evaluate_all(
             "paths => paths.map(path => [path.getAttribute('class'), path.getAttribute('d')])"
         )
-        strokes = [s for s in lines_between_bodies(drawn.at(instant)) if s.element == "E1"]
+        strokes = [s for s in lines_between_bodies(drawn.instant(instant)) if s.element == "E1"]
         assert [style for style, _ in paths] == [stroke.style for stroke in strokes]
         for (_, d), stroke in zip(paths, strokes, strict=True):
             points = [[float(v) for v in at.split()] for at in d.strip("MZ").split("L")]

@@ -196,7 +196,8 @@ def test_a_joint_that_acts_to_the_end_is_there_at_the_end(show: Open, tmp_path: 
 
     t = np.linspace(0.0, 0.7, 11)
     drawn = crank_pictures(t, t)
-    drawn = replace(drawn, active={0: ((0.3, float(np.nextafter(t[-1], np.inf))),)})
+    spans = ((0.3, float(np.nextafter(t[-1], np.inf))),)
+    drawn = replace(drawn, symbols=(replace(drawn.symbols[0], spans=spans),))
     page = show(page_of(tmp_path / "end.html", drawn))
     pin = page.locator(".joints [data-element=A]").first
     assert not pin.is_visible()

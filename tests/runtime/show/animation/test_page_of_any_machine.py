@@ -11,7 +11,7 @@ from PIL import Image
 import runtime
 from codegen.drawing.shapes import Force, Mark, Place
 from runtime import Result, load
-from runtime.show.animation.instants import TURN, instants_between
+from runtime.show.animation.animation import TURN, instants_between
 from runtime.show.animation.page_data import event_marks
 from tests.runtime.show.animation.conftest import PHONE, Open
 from tests.runtime.show.animation.machines import (

@@ -8,12 +8,11 @@ import pytest
 
 import runtime
 from codegen.drawing.body_outlines import complete_picture
-from codegen.drawing.picture import BodyPicture, MovingPicture, Picture, Symbol
+from codegen.drawing.picture import BodyPicture, Picture, Symbol
 from codegen.drawing.shapes import Pin, Place
 from codegen.errors import InputError
 from runtime import Result, load
-from runtime.show.animation.compressed_arrays import block, in_two
-from runtime.show.animation.page_data import machine_data
+from runtime.show.animation.page_data import block, in_two, machine_data
 from runtime.show.animation.page_text import page_text
 from tests.runtime.show.animation.conftest import Open
 
@@ -35,10 +34,10 @@ def chain_page() -> str:
         for k in range(1, BODIES + 1)
     ]
     bodies = (BodyPicture("ground", True), *(BodyPicture(f"bar{k}") for k in range(BODIES)))
-    picture = complete_picture(Picture("chain", bodies, poses[0], tuple(pins), 1.0), poses)
+    picture = complete_picture(Picture("chain", bodies, poses, tuple(pins), 1.0, poses, t))
     run = {
         "label": "", "title": "chain", "t": in_two(t), "series": [], "groups": [],
-        **machine_data(MovingPicture(t, picture, poses, {}, {}, poses)),
+        **machine_data(picture),
     }  # fmt: skip
     return page_text("chain", block({"runs": [run]}))
 
@@ -96,14 +95,6 @@ def test_labels_are_text_alone(show: Open, compressor: Result, tmp_path: Path) -
     assert page.locator("#x").count() == 0
 
 
-def test_rest_is_a_picture_with_tables(show: Open, tmp_path: Path) -> None:
-    rest = load("slider_crank", "gravity_equilibrium").equilibrium()
-    page = show(rest.save(tmp_path / "rest.html"))
-    assert page.locator(".bodies > .body").count() == 3
-    assert page.locator(".panel").count() == 0
-    assert "crank.phi" in page.locator(".report").text_content()
-
-
 def test_a_joint_that_lets_go_is_gone(show: Open, tmp_path: Path) -> None:
     run = load("trebuchet").simulate(2.0)
     (change,) = (one for one in run.reconnections if one.action == "release")
@@ -130,19 +121,6 @@ def test_impacts_flash_unless_motion_is_unwelcome(show: Open, tmp_path: Path) ->
         assert page.locator(".happened").text_content().endswith("touches")
 
 
-def test_a_notebook_shows_the_page_in_a_frame(
-    show: Open, compressor: Result, tmp_path: Path
-) -> None:
-    """As in a notebook that was exported to HTML."""
-    path = tmp_path / "notebook.html"
-    frame = compressor.animate()._repr_html_()
-    path.write_text(f"<body><p class=player data-ready=all>a</p>{frame}</body>")
-    inner = show(path).frame_locator("iframe")
-    inner.locator(".player[data-ready=all]").wait_for()
-    inner.get_by_role("button", name="Next event").click()
-    assert inner.locator(".timeline .now").text_content() != "0.000 s"
-
-
 def test_wrong_arguments_are_named(compressor: Result, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"results is .*; it must be a list of results"):
         runtime.animate([1])
@@ -158,9 +136,9 @@ def test_wrong_arguments_are_named(compressor: Result, tmp_path: Path) -> None:
 def test_without_bokeh_the_message_says_how_to_get_it(
     compressor: Result, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from runtime.show.animation import curves
+    from runtime.show.animation import page_text
 
     monkeypatch.setitem(sys.modules, "bokeh", None)
-    curves.panels.cache_clear()
+    page_text.panels.cache_clear()
     with pytest.raises(InputError, match=r"needs bokeh.*pip install 'linkwright\[animation\]'"):
         compressor.animate().html  # noqa: B018

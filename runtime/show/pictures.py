@@ -1,0 +1,175 @@
+"""Figures of states and results: the machine at an instant or in motion, and series over time."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from codegen.drawing.body_outlines import complete_picture
+from codegen.drawing.matplotlib_painter import figure
+from codegen.drawing.picture import Picture, Symbol, constant_or_all
+from codegen.drawing.shapes import changed
+from codegen.errors import InputError
+from codegen.presentation import new_figure
+from runtime.mechanism.companion_modules import picture_at_states
+from runtime.mechanism.mechanism import Mechanism, sibling_named
+from runtime.results.motion_at_instants import for_curves
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from runtime.results.assembled_state import Assembly, State
+    from runtime.results.result import Result
+
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def draw_state(
+    mechanism: Mechanism, state: "State | Assembly", p: FloatArray, **drawing: Any
+) -> "Figure":
+    """Draw a mechanism at a state, with the joints of the scene that acts there."""
+    known = sibling_named(mechanism, getattr(state, "scene", "")) or mechanism
+    at, q, v = np.array([state.t]), state.q[None, :], state.v[None, :]
+    return figure(complete_picture(picture_at_states(known, p, at, q, v)).first, **drawing)
+
+
+def draw_result(result: "Result", t: float | None, **drawing: Any) -> "Figure":
+    """Draw a result at an instant, with the reactions there if forces are wanted."""
+    one = result if t is None else result.at(t)
+    picture = moving_picture(result, one).first
+    series = {name: values[0] for name, values in exerted(one).items()}
+    return figure(picture, **drawing, series=series)
+
+
+def exerted(result: "Result") -> dict[str, FloatArray]:
+    """What joints, drivers and forces exert, by the names of the series, (k,) each, N or N m."""
+    rows = result.description.reactions
+    return {row.name: result.samples.reaction[:, k] for k, row in enumerate(rows)}
+
+
+def moving_picture(result: "Result", part: "Result | None" = None) -> Picture:
+    """The moving picture of a result at its instants, or at those of a part of it.
+
+    A part has outlines, size and motion of the whole: a body keeps its outline where a joint that
+    held it has been released, and guides their length.
+
+    Raises
+    ------
+    InputError
+        If the result has no instants, or comes from no machine that is known.
+    """
+    mechanism, title = result._mechanism, result.description.title
+    if mechanism is None:
+        raise InputError(f"{title}: the machine of this result is not known; load it and run it.")
+    if not len(result.t):
+        raise InputError(f"{title}: the result has no instants to draw ({result.message})")
+    shown = _joined(result, mechanism)
+    whole = complete_picture(replace(shown, motion=shown.poses))
+    if part is None or part is result:
+        return whole
+    some = _joined(part, mechanism)
+    return replace(some, bodies=whole.bodies, size=whole.size, motion=whole.motion)
+
+
+def _joined(result: "Result", mechanism: Mechanism) -> Picture:
+    """The picture of a result, of all its scenes one after the other."""
+    t, spans = result.t, _spans(result, mechanism)
+    parts = [_of_span(result, known, rows) for known, rows in spans]
+    if len(parts) == 1:
+        return parts[0]
+    symbols: dict[tuple[str, str, int], Symbol] = {}
+    ends = [*t, np.nextafter(t[-1], np.inf)]
+    for (_, rows), part in zip(spans, parts, strict=True):
+        seen = Counter[tuple[str, str]]()
+
+        def placed(known: Any, values: Any, rows: slice = rows) -> FloatArray:
+            """A number over the whole time, with its values in these rows."""
+            whole = np.full(len(t), np.ravel(values)[0]) if known is None else known.copy()
+            whole[rows] = values
+            return whole
+
+        for symbol in part.symbols:
+            pair = symbol.element, symbol.shape.kind
+            seen[pair] += 1
+            key, acts = (*pair, seen[pair]), (float(ends[rows.start]), float(ends[rows.stop]))
+            if key in symbols:
+                known = symbols[key]
+                shape = changed(placed, known.shape, symbol.shape)
+                symbols[key] = replace(known, shape=shape, spans=(*known.spans, acts))
+            else:  # before it acts, its numbers are those of its first instant
+                shape = changed(partial(placed, None), symbol.shape)
+                symbols[key] = replace(symbol, shape=shape, spans=(acts,))
+    return replace(
+        parts[0],
+        poses=np.concatenate([part.poses for part in parts]),
+        t=t,
+        symbols=tuple(
+            replace(
+                one, shape=changed(constant_or_all, one.shape),
+                spans=one.spans if len(one.spans) < len(parts) else (),
+            )
+            for one in symbols.values()
+        ),
+    )  # fmt: skip
+
+
+def _spans(result: "Result", mechanism: Mechanism) -> list[tuple[Mechanism, slice]]:
+    """The scenes of the result one after the other, and the rows of their instants."""
+    motion, t = result._motion, result.t
+    if motion is None or not mechanism.description.watched:
+        return [(mechanism, slice(0, len(t)))]
+    scenes = [motion.scene(float(instant)) for instant in t]
+    bounds = [0, *(k for k in range(1, len(t)) if scenes[k] != scenes[k - 1]), len(t)]
+    return [
+        (sibling_named(mechanism, scenes[first]) or mechanism, slice(first, last))
+        for first, last in pairwise(bounds)
+    ]
+
+
+def _of_span(result: "Result", mechanism: Mechanism, rows: slice) -> Picture:
+    """The picture while one set of joints acts."""
+    samples, here, there = result.samples, mechanism.description, result.description
+    places = {name: k for k, name in enumerate(there.coordinates.names)}
+    columns = [places[name] for name in here.coordinates.names]
+    p = np.array([result.parameters.get(row.name, row.default) for row in here.parameters])
+    q, v = samples.q[rows][:, columns], samples.v[rows][:, columns]
+    return picture_at_states(mechanism, p, samples.t[rows], q, v)
+
+
+def plot(result: "Result", names: Sequence[str] = ()) -> "Figure":
+    """Draw series of a result (as in `Result.series`; or every angle), one panel for each unit.
+
+    Tracked points are drawn by their paths, y over x in equal axes, in a panel below.
+    """
+    result = for_curves(result)
+    rows, tracked = result.description.positions, result.description.tracked
+    chosen = names or [r.name for r in rows if r.is_angle] or [r.name for r in rows]
+    panels: dict[str, list[str]] = {}  # unit → names
+    for name in chosen:
+        if name not in tracked:
+            panels.setdefault(result.series(name)[1], []).append(name)
+    points, last = [name for name in chosen if name in tracked], len(panels) - 1
+    heights = [2.4] * len(panels) + [5.0] * bool(points)
+    drawn = new_figure("plot", 7.0, sum(heights))
+    axes = drawn.subplots(len(heights), 1, squeeze=False, height_ratios=heights)[:, 0]
+    for number, (axis, (unit, members)) in enumerate(zip(axes, panels.items(), strict=False)):
+        for name in members:
+            axis.plot(result.t, result.series(name)[0], label=name)
+        if number < last:
+            axis.sharex(axes[last])
+            axis.tick_params(labelbottom=False)
+        axis.set(ylabel=unit, xlabel="time (s)" if number == last else "")
+    for name in points:
+        axes[-1].plot(*result.point(name).T, label=name)
+        axes[-1].set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
+    for axis in axes:
+        axis.legend(frameon=False)
+        axis.grid(visible=True, alpha=0.3)
+    axes[0].set_title(result.description.title, loc="left")
+    return drawn
