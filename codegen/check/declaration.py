@@ -26,9 +26,7 @@ from codegen.declare.returned_kinds import (
     rows,
     words,
 )
-from codegen.declare.returned_values import (
-    own_coordinates,
-)
+from codegen.declare.returned_values import own_coordinates
 from codegen.declare.symbols import t
 from codegen.errors import ModelError
 from codegen.model import Model

@@ -9,7 +9,7 @@ looked at alike.
 
 import math
 from collections.abc import Callable, Iterator
-from itertools import islice, product
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -154,12 +154,23 @@ def _jumps(expression: sympy.Expr) -> Iterator[_Jump]:
     for symbol, g in sides.items():
         above, below = (chosen.xreplace({symbol: side}) for side in (sympy.true, sympy.false))
         change = above - below
-        others = [s for s in sides if s in change.free_symbols]
-        for signs in islice(product((1, -1), repeat=len(others)), _CHOICES):
-            bound = {s: sympy.sympify(sign > 0) for s, sign in zip(others, signs, strict=True)}
-            if (smooth := change.xreplace(bound)) != 0:
-                signed = zip((sides[s] for s in others), signs, strict=True)
-                yield _Jump(texts[symbol], g, smooth, (*signed, *beside.get(symbol, ())))
+        for smooth, others in islice(_smooth_pieces(change, sides), _CHOICES):
+            yield _Jump(texts[symbol], g, smooth, (*others, *beside.get(symbol, ())))
+
+
+def _smooth_pieces(
+    change: sympy.Expr,
+    sides: dict[sympy.Symbol, sympy.Expr],
+    chosen: tuple[tuple[sympy.Expr, int], ...] = (),
+) -> Iterator[tuple[sympy.Expr, tuple[tuple[sympy.Expr, int], ...]]]:
+    """The smooth pieces of a difference that are not zero, each with (g, sign) of its region."""
+    symbol = next((s for s in sides if s in change.free_symbols), None)
+    if symbol is not None:
+        for sign in (1, -1):
+            piece = change.xreplace({symbol: sympy.sympify(sign > 0)})
+            yield from _smooth_pieces(piece, sides, (*chosen, (sides[symbol], sign)))
+    elif change != 0:
+        yield change, chosen
 
 
 def _sizes_at(change: sympy.Expr, moving: list[sympy.Symbol]) -> Callable[[Vector], list[Any]]:

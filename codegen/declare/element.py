@@ -1,5 +1,6 @@
 """The protocols of joints, drivers and forces, the same for the library's and a user's elements."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from inspect import Parameter, Signature
@@ -51,6 +52,11 @@ class Frame(Pose):
 
     def bind(self, point: Point) -> dict[sympy.Symbol, sympy.Expr]:
         """Placeholders of this frame → their values for a point of a body in a model."""
+        place: object = point
+        if not isinstance(place, Point):
+            raise ModelError(
+                f"frame.bind({shown(point)}): give a point of a body, as body.at(0, 0)."
+            )
         body, sx, sy = point.body, given(f"{self.name}_sx"), given(f"{self.name}_sy")
         bindings = {self.x: body.position[0], self.y: body.position[1]}
         if body.angle is None:  # a statement that asks for the angle itself is refused
@@ -133,6 +139,12 @@ class Statement:
     own: tuple[tuple[str, Coordinate], ...] = ()
 
     def __post_init__(self) -> None:
+        given_bindings: object = self.bindings
+        if not isinstance(given_bindings, Mapping):
+            raise ModelError(
+                f"Statement: bindings is {shown(self.bindings)}; give a dictionary, placeholder: "
+                "value."
+            )
         bindings = {}
         for place, value in self.bindings.items():
             try:

@@ -226,9 +226,12 @@ def _velocity(name: str) -> Velocity:
 @declaring("coordinate")
 def coordinate(owner: str, letter: str) -> Coordinate:
     """Coordinate `letter`, one of `KINDS`, of the body or element."""
-    if letter not in KINDS:
+    words: tuple[object, object] = (owner, letter)
+    if not all(isinstance(word, str) for word in words) or letter not in KINDS:
         known = ", ".join(KINDS)
-        raise ModelError(f"there is no coordinate {shown(letter)}; give one of {known}.")
+        raise ModelError(
+            f"coordinate({shown(owner)}, {shown(letter)}): give a name, and one of {known}."
+        )
     return _coordinate(owner, letter)
 
 
@@ -245,6 +248,9 @@ def side(name: str) -> Side:
 @declaring("given")
 def given(name: str) -> Given:
     """Placeholder called `name` for a real number."""
+    text: object = name
+    if not isinstance(text, str):
+        raise ModelError(f"given({shown(name)}): give a name.")
     return Given(name, real=True)
 
 

@@ -39,10 +39,8 @@ SAMPLED = 120  # layout: positions from which the view of a motion is found
 FARTHEST = 2.5  # layout: what is farther away, in typical lengths, may leave the view
 PALEST = 0.22  # layout: strength of the colours of the first of several positions
 TALLEST_MOVIE, FLATTEST_MOVIE = 1.1, 0.34  # layout: height of a movie over its width
-TITLE_ROOM, SIDE = (
-    0.85,
-    0.75,
-)  # layout: room above and below, and beside the axes of a movie, inches
+TITLE_ROOM = 0.85  # layout: room above and below the axes of a movie, inches
+SIDE = 0.75  # layout: room beside the axes of a movie, inches
 
 
 def figure(

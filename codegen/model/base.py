@@ -232,13 +232,15 @@ class Declarations:
         return element
 
     def _element(
-        self, cls: type[Any], renamed: Mapping[str, str] = MappingProxyType({}), /, **given: Any
-    ) -> Any:
+        self, cls: type[Any], renamed: Mapping[str, str] = MappingProxyType({}), /, *,
+        where: str = "", **given: Any,
+    ) -> Any:  # fmt: skip
         """An element of the class, each field read from the argument of its name, or `renamed`.
 
-        Of what is not given, `joints` are those of the model, `on` the bodies in the expressions.
+        `where` is what the modeller wrote, if not the kind and the name of the class. Of what is
+        not given, `joints` are those of the model, `on` the bodies in the expressions.
         """
-        where, read = f"{cls.kind} '{given['name']}'", SimpleNamespace()
+        where, read = where or f"{cls.kind} '{given['name']}'", SimpleNamespace()
         when = self._read.condition(given.get("when"), where, given.get("label", ""))
         for one in fields(cls):
             word = renamed.get(one.name, one.name)

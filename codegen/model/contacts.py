@@ -85,7 +85,7 @@ class Contacts(Declarations):
             if not pulling and not has_both:
                 self._note(f"{where}: a rigid contact never pulls; leave may_pull out.")
             forms["rigid"] = self._element(
-                RigidContact, name=name, gap=gap, restitution=restitution, on=bodies,
+                RigidContact, where=where, name=name, gap=gap, restitution=restitution, on=bodies,
                 typical_force=typical_force,
             )  # fmt: skip
         word = chosen or ("rigid" if restitution is not None else "penalty")
@@ -132,7 +132,7 @@ class Contacts(Declarations):
             self._note(problem)
         self._note_violated(where, *limit_conditions(low, high))
         rigid: RigidContact = self._element(
-            RigidContact, gap=_gap_of_both(s, low, high), restitution=restitution,
+            RigidContact, where=where, gap=_gap_of_both(s, low, high), restitution=restitution,
             typical_force=typical_force, limits=yielding.gaps, **words,
         )  # fmt: skip
         return self._declare(rigid)

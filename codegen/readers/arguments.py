@@ -11,6 +11,7 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, KeysView, Mapping
+from contextlib import suppress
 from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
@@ -239,6 +240,11 @@ def function(value: Any) -> Callable[..., Any]:
 def reporter(value: Any) -> Callable[[str], None]:
     """A function that is called with a line of text; what it raises says whose it is."""
     given = function(value)
+    with suppress(ValueError):  # of a function that has no signature
+        try:
+            inspect.signature(given).bind("")
+        except TypeError as mismatch:
+            raise KindError(f"it is called with one text ({mismatch}).") from mismatch
 
     def report(line: str) -> None:
         with note_user_error("the function given as progress="):

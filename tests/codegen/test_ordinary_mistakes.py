@@ -67,7 +67,9 @@ def test_an_ordinary_mistake_is_told(case: str) -> None:
     assert [*caught.value.problems] == CASES[case]
 
 
-@pytest.mark.parametrize("case", ['coordinate("a", "z")', 'ConjugateReaction.along("z")'])
+@pytest.mark.parametrize(
+    "case", ['coordinate("a", "z")', 'coordinate(a, "phi")', 'ConjugateReaction.along("z")']
+)
 def test_a_coordinate_that_there_is_not(case: str) -> None:
     """The list ends with the coordinates that elements of one's own have declared."""
     with pytest.raises(LinkwrightError, match="one of x, y, phi, alpha, beta, integral"):

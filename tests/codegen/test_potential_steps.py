@@ -68,6 +68,13 @@ STEPS: dict[str, tuple[Expression, float | None]] = {
         ),
         3.0,
     ),
+    "in the middle of eight bands": (
+        lambda x, y, a, k: Piecewise(
+            *(((x - n) * (x - n - 1) + 5 * (n > 3), x < n + 1) for n in range(7)),
+            ((x - 7) * (x - 8) + 5, True),
+        ),
+        5.0,
+    ),
     "bump on an edge": (
         lambda x, y, a, k: 5 * sympy.exp(-(((y - 3) / 0.001) ** 2)) * Heaviside(x),
         None,
