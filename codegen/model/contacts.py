@@ -118,7 +118,7 @@ class Contacts(Declarations):
         """
         where = f"stop '{name}'"
         s, unit, bodies = self._limited(where, of)
-        words = {"name": name, "unit": unit, "on": bodies}
+        words: dict[str, Any] = {"name": name, "unit": unit, "on": bodies}
         stiffness = self._one_law(where, stiffness, damping, restitution, typical_force)
         yielding: Stop = self._element(
             Stop, scalar=s, lower=lower, upper=upper,
