@@ -176,6 +176,8 @@ def _compile(path: Path, text: str, names: Mapping[str, Any]) -> None:
         return
     state = name_of_state([text.encode()])
     symbols = [f"lw.{state}.{kernel.py_func.__name__}" for kernel in found]
+    if len({*symbols}) < len(symbols):
+        raise UntranslatableError("two kernels have one name")
     with SignalDeferral(in_commands=False), _compiling:
         code = _kept_code(path, state, lambda: _translation(text, found, symbols, names))
         engine = _engine()
@@ -272,7 +274,8 @@ def _words(kind: Any, argument: Any) -> Iterator[Any]:
             raise TypeError
         yield float(number) if kind == types.float64 else int(number)
         return
-    fits = isinstance(argument, np.ndarray) and argument.dtype == str(kind.dtype)
+    plain = isinstance(argument, np.ndarray) and not isinstance(argument, np.ma.MaskedArray)
+    fits = plain and argument.dtype == str(kind.dtype)
     if not (fits and argument.ndim == 1 and argument.flags.carray):
         raise TypeError
     size, item = argument.size, argument.itemsize

@@ -151,6 +151,10 @@ def test_command_line(
     assert stale.exit_code == 1
     assert "clock__moon__tangents.py is missing or out of date" in stale.stderr
     assert "clock.py --tangents" in stale.stderr
+    assert "clock__swing__reduced.py: written" in run("--scene", "swing", "--reduced").stdout
+    stale = run("--check", "--reduced")
+    assert stale.exit_code == 1
+    assert "clock.py --reduced" in stale.stderr
     refused = run("--scene", "turning", "--tangents")
     assert refused.exit_code == 2
     assert "error: model 'pendulum', scene 'turning' is kinematic" in refused.stderr

@@ -93,6 +93,24 @@ def test_what_is_wrong_with_json_is_one_object(words: str, problem: str) -> None
     assert not answer
 
 
+NONSENSE = ("", "-", "-1", "nan", "1e400", "a\nb", "[red]x[/red]", "\udcff", "x" * 300, "=", "zz=1")
+
+
+@pytest.mark.parametrize("name", sorted({*GROUP.commands} - {"precompile"}))  # it takes minutes
+def test_nonsense_is_answered_in_sentences(
+    name: str, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    options = [p.opts[0] for p in GROUP.commands[name].params if not getattr(p, "is_flag", True)]
+    for word in NONSENSE:
+        for words in ([word], *(["nowhere.py", option, word] for option in options)):
+            done = run(name, *words)
+            assert done.exit_code in (0, 1, 2), words
+            assert isinstance(done.exception, SystemExit | None), words
+            assert done.output.strip(), words
+            assert "Traceback" not in done.output, words
+
+
 def test_no_words_are_answered_with_the_help() -> None:
     done = run()
     assert done.exit_code == 2

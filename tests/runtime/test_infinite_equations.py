@@ -67,11 +67,14 @@ FORCES = {
     "inverse": lambda m, p: m.force("push", p, fx=1 / p.x),
     "potential": lambda m, p: m.potential("push", p.x ** Rational(1, 3)),
     "spring": lambda m, p: m.spring("push", m.ground, p, 5.0, free_length=1.0),
+    "root": lambda m, p: m.force("push", p, fx=sympy.sqrt(-1 - p.x**2)),
+    "logarithm": lambda m, p: m.force("push", p, fx=sympy.log(-1 - p.x**2)),
+    "arc": lambda m, p: m.force("push", p, fx=sympy.acos(2 + sympy.Abs(p.x))),
 }
 
 
 @pytest.mark.parametrize("word", FORCES)
-def test_a_force_that_is_infinite_is_named(workshop: Path, word: str) -> None:
+def test_a_force_that_is_infinite_or_not_real_is_named(workshop: Path, word: str) -> None:
     result = run(workshop, f"force_{word}", FORCES[word], 1.0)
     assert result.outcome is Outcome.NOT_FINITE
     assert "the force of 'push' along bead.x" in result.message.replace("The", "the")

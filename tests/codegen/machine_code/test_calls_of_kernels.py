@@ -68,6 +68,7 @@ def test_python_calls_them(tmp_path: Path, module: ModuleType) -> None:
 @pytest.mark.parametrize(
     ("arguments", "given"),
     [
+        ((np.ma.zeros(2), 1.0), "float64, float64"),
         ((np.zeros(4)[::2], 1.0), "array(float64, 1d, A), float64"),
         ((np.zeros(2, np.int64), 1.0), "array(int64, 1d, C), float64"),
         ((np.ones(2, ">f8"), 1.0), ">f8, float64"),

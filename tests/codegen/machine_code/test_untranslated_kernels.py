@@ -34,6 +34,11 @@ def test_numba_compiles_what_is_not_translated(
     np.testing.assert_array_equal(out, expected)
 
 
+def test_numba_compiles_two_kernels_of_one_name(imported: Any, translated: list[str]) -> None:
+    module = imported(EXACT, f"{OF_X.format('return 2.0 * x')}\n\nother = kernel\n")
+    assert (module.kernel(3.0), module.other(3.0), translated) == (6.0, 6.0, [])
+
+
 ENTRIES = """
 PLACES = np.array((3, 0, 2, 1), dtype=np.uint32)
 
