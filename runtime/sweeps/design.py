@@ -358,8 +358,8 @@ def _numbers(texts: Sequence[str], where: str) -> tuple[list[float], str]:
 
 
 def _grid(name: str, values: FloatArray, where: str, unit: str = "") -> Factor:
-    if not np.isfinite(values).all():
-        raise InputError(f"{where}: all values must be finite numbers.")
+    if not len(values) or not np.isfinite(values).all():
+        raise InputError(f"{where}: all values must be finite numbers, and at least one.")
     if len(np.unique(values)) < len(values):
         raise InputError(f"{where}: a value is repeated; the same run would be made twice.")
     return Factor(name, values, unit=unit)

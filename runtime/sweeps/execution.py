@@ -22,7 +22,7 @@ TASK_SECONDS = 3.0  # measured: of runs in a task, beside which handing out and 
 CHUNK_BYTES = 64 << 20  # safety: of rows in a file, which a process has in memory twice
 MOST_CHUNKS = 10_000  # safety: files of a column
 TASKS_A_WORKER = 8  # measured: at least, so that the last ones end together
-_MOST_LOSSES = 100  # safety: workers that may end one after the other without a row between them
+_MOST_KILLED = 50  # safety: runs that may end their workers without another row between them
 _SIGNALS = 0.2  # layout: s between looks for a signal to stop
 
 
@@ -50,7 +50,7 @@ def file_sizes(runs: int, seconds: float, workers: int, row: int) -> tuple[int, 
 def tasks_of(runs: Integers, chunk: int, size: int) -> list[range]:
     """Runs as ranges of at most `size`, each of one file of `chunk` runs."""
     places = runs // chunk * chunk + runs % chunk // size
-    cuts = np.flatnonzero((np.diff(runs) > 1) | (np.diff(places) != 0)) + 1
+    cuts = np.flatnonzero((np.diff(runs) != 1) | (np.diff(places) != 0)) + 1
     parts = np.split(runs, cuts) if len(runs) else []
     return [range(int(part[0]), int(part[-1]) + 1) for part in parts]
 
@@ -101,7 +101,7 @@ def _made_rows(
     A task whose worker has ended is made again in halves, so that a run at which processes end is
     soon alone; where it has ended several, it is not made again.
     """
-    waiting, running, in_a_row = deque(tasks), dict[Future[Rows], range](), 0
+    waiting, running, killed = deque(tasks), dict[Future[Rows], range](), 0
     while (waiting or running) and not signals.arrived:
         while waiting and len(running) < pool.room and not signals.arrived:
             runs = waiting.popleft()
@@ -111,15 +111,9 @@ def _made_rows(
             runs = running.pop(future)
             try:
                 rows = future.result()
-                in_a_row = 0
+                killed = 0
             except pool.lost as error:
                 lost[runs] += 1
-                in_a_row += 1
-                if in_a_row > _MOST_LOSSES:
-                    raise LinkwrightError(
-                        f"{in_a_row} workers have ended one after the other ({error}): they were "
-                        "killed, or lack memory or rights."
-                    ) from error
                 if len(runs) > 1:
                     half = len(runs) // 2
                     waiting.extendleft((runs[half:], runs[:half]))
@@ -127,6 +121,12 @@ def _made_rows(
                 if lost[runs] < TRIES:
                     waiting.appendleft(runs)
                     continue
+                killed += 1
+                if killed > _MOST_KILLED:
+                    raise LinkwrightError(
+                        f"{killed} runs in a row have ended their workers ({error}): they were "
+                        "killed, or lack memory or rights."
+                    ) from error
                 rows = rows_without_runs(
                     request, 1, KILLED,
                     f"{TRIES} processes ended at this run: killed, out of memory, or by a fault of "
@@ -138,6 +138,9 @@ def _made_rows(
                 raise
             except KeyboardInterrupt:  # of a run in this process: the signal itself is noted
                 return
-            yield runs, rows
+            made, rest = runs[: len(rows.outcomes)], runs[len(rows.outcomes) :]
+            if rest:  # of slow runs
+                waiting.appendleft(rest)
+            yield made, rows
         if not done:
             pool.check()

@@ -1,9 +1,9 @@
 """The request of a sweep: everything that determines its numbers; a member's run and its row.
 
 A function of the user's own is known by its code, defaults, captured values, and the globals that
-it reads, each by its content, however deep; a class by its text and its functions. Of an installed
-library the file of the module stands for all that is in it. Nothing depends on addresses, on the
-order of a set, or on the process.
+it reads, each by its content, however deep, and a class by its fields. Of an installed library the
+file of the module stands for all that is in it. Nothing depends on addresses, on the order of a
+set, or on the process.
 """
 
 import dis
@@ -11,9 +11,10 @@ import hashlib
 import inspect
 import platform
 import sys
+import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from functools import cache
+from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
 from types import CodeType, FunctionType, MappingProxyType, ModuleType
@@ -49,6 +50,7 @@ FAILED_TO_RUN = {
 SOURCES, PROCESSOR = "sources of Linkwright", "processor"
 _LONGEST = 2000  # layout: characters of a message that are kept
 _WIDEST = 120  # layout: characters of a value in a message
+_LONG = 30.0  # safety: s of runs in a task, which are lost with its process
 _SAME = 1e-9  # accuracy: share of the run within which an instant is the one that was asked for
 
 
@@ -187,20 +189,37 @@ def rows_without_runs(request: Request, count: int, outcome: str = "", message: 
 
 
 def evaluate_members(machine: Machine, request: Request, points: FloatArray) -> Rows:
-    """Run the members of these points, (runs, factors); every failure is a row."""
-    rows = rows_without_runs(request, len(points))
-    for k, point in enumerate(points):
+    """Run the members of these points, (runs, factors); every failure is a row.
+
+    Rows of the first ones alone where these take long, or the user stops them.
+    """
+    rows, made = rows_without_runs(request, len(points)), 0
+    end = time.monotonic() + _LONG
+    for point, numbers, series in zip(points, rows.numbers, rows.series, strict=True):
         try:
-            result = run_member(machine, request, point)
-        except LinkwrightError as error:
-            outcome, message = REFUSED, str(error)
-        except FAILURES as error:
-            outcome = MEMORY if isinstance(error, MemoryError) else ERROR
-            message = f"{type(error).__name__}: {error}"
-        else:
-            outcome, message = _read_result(result, request, rows.numbers[k], rows.series[k])
-        rows.outcomes[k], rows.messages[k] = outcome, one_line(message, _LONGEST)
-    return rows
+            outcome, message = _evaluate_member(machine, request, point, numbers, series)
+        except KeyboardInterrupt:
+            if not made:
+                raise
+            break
+        rows.outcomes[made], rows.messages[made] = outcome, one_line(message, _LONGEST)
+        made += 1
+        if time.monotonic() > end:
+            break
+    return Rows._make(column[:made] for column in rows)
+
+
+def _evaluate_member(
+    machine: Machine, request: Request, point: FloatArray, numbers: FloatArray, series: FloatArray
+) -> tuple[str, str]:
+    try:
+        result = run_member(machine, request, point)
+    except LinkwrightError as error:
+        return REFUSED, str(error)
+    except FAILURES as error:
+        outcome = MEMORY if isinstance(error, MemoryError) else ERROR
+        return outcome, f"{type(error).__name__}: {error}"
+    return _read_result(result, request, numbers, series)
 
 
 def _read_result(
@@ -246,6 +265,10 @@ def companion_texts(machine: Machine, kinds: Sequence[str]) -> dict[str, str]:
 
 _PLAIN = (type(None), bool, int, float, complex, str, bytes, range, slice, type(Ellipsis))
 _CODE = ("co_argcount", "co_kwonlyargcount", "co_code", "co_names", "co_varnames", "co_freevars")
+_NO_CONTENT = {  # fields of a class that decide no value
+    *("__dict__", "__weakref__", "__doc__", "__module__", "__qualname__", "_abc_impl"),
+    *("__firstlineno__", "__static_attributes__"),
+}
 
 
 class ContentError(TypeError):
@@ -329,11 +352,19 @@ def _function(value: FunctionType) -> tuple[tuple[Any, ...], Iterable[Any]]:
 def _class(value: type) -> tuple[tuple[Any, ...], Iterable[Any]]:
     if not _is_own(value.__module__):
         return ("library", value.__qualname__, *_module_words(value.__module__)), ()
-    text = ""
-    with suppress(OSError, TypeError):  # of one that stands in no file
-        text = inspect.getsource(value)
-    functions = [one for one in vars(value).values() if isinstance(one, FunctionType)]
-    return ("class", value.__name__, text), (value.__bases__, functions)
+    fields = [(name, _bare(x)) for name, x in vars(value).items() if name not in _NO_CONTENT]
+    return ("class", value.__name__), (value.__bases__, fields)
+
+
+def _bare(value: Any) -> Any:
+    """A field of a class without the object that makes it a method, or an attribute."""
+    if isinstance(value, staticmethod | classmethod):
+        return value.__func__
+    if isinstance(value, property):
+        return value.fget, value.fset
+    if isinstance(value, cached_property):
+        return value.func
+    return None if inspect.ismemberdescriptor(value) else value  # of a slot
 
 
 def _globals_of(code: CodeType) -> set[str]:

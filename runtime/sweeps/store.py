@@ -1,12 +1,11 @@
 """The Zarr store of a sweep, which the process that sweeps alone writes.
 
-A row is written number by number, its outcome last: a run without an outcome is not made. Zarr
-replaces each file whole, so that a process may end anywhere; a file that a power cut has cut short
-cannot be read, and its runs are made again.
+A row is written number by number, its outcome last: a run without an outcome is not made, nor one
+of whose row a file is missing. Zarr replaces each file whole, so that a process may end anywhere; a
+file that a power cut has cut short cannot be read, and its runs are made again.
 """
 
 import math
-import shutil
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from filelock import FileLock, Timeout
-from pydantic import BaseModel, Field, FiniteFloat, PositiveInt
+from pydantic import BaseModel, Field, FiniteFloat, PositiveInt, ValidationError
 
 from codegen.errors import InputError
 from codegen.files.whole_files import flush_folder
@@ -94,10 +93,34 @@ class Store:
         self.about = About.model_validate(group.attrs[_ATTRIBUTES])
         self.request = Request.model_validate(self.about.facts)
         names = (*self.request.quantities, LAST, *self.request.series, MESSAGE, OUTCOME)
-        self.columns = {name: group[stored_name(name)] for name in names}
+        with require_zarr().config.set({"array.write_empty_chunks": True}):
+            self.columns = {name: group[stored_name(name)] for name in names}
+        self.identity = self._identity()
+        self.broken = set[int]()  # numbers of the files that are written anew, with their rows
+
+    def _identity(self) -> tuple[int, int]:
+        root = (self.path / "zarr.json").stat()
+        return root.st_ino, root.st_mtime_ns
+
+    def _files(self, chunk: int) -> list[Path]:
+        """The files of some runs, that of their outcomes last."""
+        ends = dict.fromkeys(self.request.series, "0")
+        return [
+            self.path.joinpath(stored_name(name), "c", str(chunk), ends.get(name, ""))
+            for name in self.columns
+        ]
 
     def write(self, runs: range | Integers, rows: Rows) -> None:
-        """Write the rows of some runs, their outcomes last."""
+        """Write the rows of some runs, their outcomes last.
+
+        InputError where another store lies in its place by now.
+        """
+        if self._identity() != self.identity:
+            raise InputError(f"{self.path} is another store by now, which is left alone.")
+        for chunk in self.broken & {run // self.about.chunk for run in runs}:
+            for file in reversed(self._files(chunk)):
+                file.unlink(missing_ok=True)
+            self.broken.remove(chunk)
         text = np.dtypes.StringDType()
         columns = [*rows.numbers.T, *np.moveaxis(rows.series, 1, 0)]
         columns += [np.array(texts, dtype=text) for texts in (rows.messages, rows.outcomes)]
@@ -105,25 +128,48 @@ class Store:
         for array, values in zip(self.columns.values(), columns, strict=True):
             array.oindex[place] = values
 
-    def unmade(self) -> Integers:
-        """The runs to make: those without an outcome, and those that another day may make.
+    def outcomes(self) -> npt.NDArray[np.object_]:
+        """The outcome of each run; empty where it has none, or a file of its row is missing."""
+        found = np.asarray(self.columns[OUTCOME][:]).astype(object)
+        for chunk in range(math.ceil(self.about.runs / self.about.chunk)):
+            if not all(file.exists() for file in self._files(chunk)):
+                found[chunk * self.about.chunk :][: self.about.chunk] = ""
+        return found
 
-        Where a file cannot be read, all of its runs are; nothing of them is left then.
+    def unmade(self) -> Integers:
+        """The runs to make: those without an outcome, then those that another day may make.
+
+        Where a file is missing or cannot be read, all of its runs are: its number is in `broken`.
+
+        Raises
+        ------
+        InputError
+            If the system refuses to read a file, or none of several can be read.
         """
-        made, chunk = np.zeros(self.about.runs, np.bool_), self.about.chunk
-        for first in range(0, self.about.runs, chunk):
-            runs = slice(first, first + chunk)
+        runs, size, unread = self.about.runs, self.about.chunk, list[Exception]()
+        found = np.full(runs, "", object)
+        for chunk in range(math.ceil(runs / size)):
+            part = slice(chunk * size, (chunk + 1) * size)
+            whole = all(file.exists() for file in self._files(chunk))
             try:
-                *_, outcomes = (array[runs] for array in self.columns.values())
-            except _UNREADABLE:
-                for name in reversed(self.columns):
-                    place = self.path / stored_name(name) / "c" / str(first // chunk)
-                    if place.is_dir():  # of a series
-                        shutil.rmtree(place)
-                    place.unlink(missing_ok=True)
+                *_, outcomes = (array[part] for array in self.columns.values())
+            except _UNREADABLE as error:
+                unread.append(error)
+                whole = False
+                if getattr(error, "errno", None):
+                    break
+            if whole:
+                found[part] = outcomes
             else:
-                made[runs] = ~np.isin(outcomes.tolist(), ("", KILLED, MEMORY))
-        return np.flatnonzero(~made)
+                self.broken.add(chunk)
+        if unread and (getattr(unread[-1], "errno", None) or (len(unread) > 1 and not any(found))):
+            raise InputError(
+                f"{self.path} cannot be read ({type(unread[-1]).__name__}: {unread[-1]}). It is "
+                "left as it is: find out why, or begin a store of another name."
+            )
+        return np.concatenate(
+            [np.flatnonzero(found == ""), np.flatnonzero((found == KILLED) | (found == MEMORY))]
+        )
 
 
 def open_store(path: Path, mode: str = "r") -> Store:
@@ -147,6 +193,9 @@ def open_store(path: Path, mode: str = "r") -> Store:
         _require_fit(store)
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         why = f"{type(error).__name__}: {error}"
+        if isinstance(error, ValidationError):  # one line of many
+            first = error.errors()[0]
+            why = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
         raise InputError(f"{path} was not written by a sweep of Linkwright ({why}).") from None
     return store
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from runtime.results.result import Result
     from runtime.sweeps.execution import Execution
 
-NOT_RUN = "NOT RUN"  # outcome of a member whose block is not done
+NOT_RUN = "NOT RUN"  # outcome of a member that is not made
 
 
 @named_attributes
@@ -62,6 +62,7 @@ class Study:
         import xarray as xr
 
         try:
+            outcomes = self._store.outcomes()  # first: a sweep writes them last
             found: xr.Dataset = xr.open_zarr(
                 self.path, consolidated=False, chunks=None, zarr_format=3
             )
@@ -74,8 +75,7 @@ class Study:
                 f"{self.path} has rows that cannot be read ({type(error).__name__}: {error}). "
                 "Repeat the sweep with --resume (resume=True), which makes them again."
             ) from error
-        outcomes = read[OUTCOME].values.astype(object)
-        made = outcomes != ""  # a row without an outcome may be a half
+        made = outcomes != ""  # other rows may be halves
         for name in (*self.quantities, LAST):
             read[name].values[~made] = np.nan
         messages = np.where(made, read[MESSAGE].values.astype(object), "")
@@ -104,7 +104,8 @@ class Study:
         found = self.data.drop_vars(self.factors).assign_coords(runs).unstack(RUN)
         for name in self.factors:
             found[name].attrs = self.data[name].attrs
-        return found.transpose(*self.factors, ...)
+        by_name = zip(self.factors, map(list, values), strict=True)
+        return found.sel(dict(by_name)).transpose(*self.factors, ...)  # pandas has sorted them
 
     @property
     def outcomes(self) -> dict[str, int]:

@@ -29,7 +29,14 @@ from runtime.studies.harness import (
 from runtime.studies.quantity import Function, declared_unit
 from runtime.sweeps.design import Design, FloatArray, read_design
 from runtime.sweeps.execution import Execution, execute, file_sizes, tasks_of
-from runtime.sweeps.request import Request, Rows, companion_texts, differences, evaluate_members
+from runtime.sweeps.request import (
+    MEMORY,
+    Request,
+    Rows,
+    companion_texts,
+    differences,
+    evaluate_members,
+)
 from runtime.sweeps.store import (
     Integers,
     create_store,
@@ -228,7 +235,8 @@ def _study(
             return Study(path, machine, request)
     if seconds is None or any(row.reconnects for row in machine.mechanism.description.watched):
         seconds, runs, rows = try_members(machine, request, points, todo)
-        todo, tried = np.setdiff1d(todo, runs), [(runs, rows)]
+        if MEMORY not in rows.outcomes:  # which a worker may have
+            todo, tried = todo[~np.isin(todo, runs)], [(runs, rows)]
     cores = available_cores() if workers is None else workers
     numbers = len(request.quantities) + len(request.series) * request.instants + 1
     size, chunk = file_sizes(len(points), seconds, cores, 8 * numbers)

@@ -141,10 +141,8 @@ def run_job(job: bytes, points: FloatArray) -> Rows:
 class LocalWorkers(Pool):
     """So many processes on this computer; a thread waits for each, and replaces it if it ends."""
 
-    room = _MOST_TASKS
-
     def __init__(self, job: bytes, count: int) -> None:
-        self.job, self.closed = job, False
+        self.job, self.closed, self.room = job, False, 2 * count
         self.processes = set[subprocess.Popen[bytes]]()
         self.own = threading.local()  # the process of each thread
         self.threads = ThreadPoolExecutor(count, "sweep")

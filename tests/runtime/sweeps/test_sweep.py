@@ -71,6 +71,15 @@ def test_a_study_as_arrays(study: Study) -> None:
             study.member(wrong)  # type: ignore[arg-type]
 
 
+def test_a_grid_has_the_order_of_the_values(about: dict[str, Any], tmp_path: Path) -> None:
+    over = {"J1": [450.0, 225.0, 900.0], "rod_length": [4.0, -1.0, 3.5]}
+    found = sweep(over=over, out=tmp_path / "s.zarr", workers=0, **about)
+    for name, values in over.items():
+        assert found.grid[name].values.tolist() == values
+    rows = found.data["max:B.fx"].values.reshape(3, 3)
+    assert np.array_equal(found["max:B.fx"].values, rows, equal_nan=True)
+
+
 def test_a_study_from_a_file_is_data_alone(study: Study) -> None:
     loaded = load_study(study.path)
     assert loaded.data.equals(study.data)

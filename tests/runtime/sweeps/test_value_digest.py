@@ -55,6 +55,11 @@ def with_keyword_default(value: float) -> FunctionType:
     return made
 
 
+def with_field(value: Any) -> Any:
+    """An object of a class of a notebook's cell, whose text nobody can read."""
+    return type("Gain", (), {"__module__": "__main__", "__slots__": ("level",), "k": value})()
+
+
 CYCLE: list[Any] = [1.0]
 CYCLE.append(CYCLE)
 LONG = np.zeros(5000)
@@ -78,6 +83,12 @@ LONG = np.zeros(5000)
         (above, np.max, np.min),
         (above, [1].count, [2].count),
         (above, CYCLE, [1.0, [1.0]]),
+        (with_field, 5.0, 6.0),
+        (with_field, LONG, LONG + 1.0),
+        *((lambda x, kind=kind: with_field(kind(x)), helper, global_level) for kind in (
+            staticmethod, classmethod, property, functools.cached_property,
+        )),
+        (lambda x: with_field(staticmethod(with_globals(LEVEL=x))), 1.0, 2.0),
     ],
 )  # fmt: skip
 def test_what_decides_a_value_is_in_the_digest(
