@@ -153,6 +153,7 @@ def test_points_of_a_dataset() -> None:
         (xr.Dataset({"a": ("k", [1.0, np.nan])}), "point 1 is not a finite number"),
         (xr.Dataset({"a": ("k", np.zeros(0))}), "has 0 points"),
         (xr.Dataset({"a": ("k", [1.0, 2.0, 1.0])}), "Point 2 of a is that of an earlier"),
+        (xr.Dataset(coords={"a": np.zeros(0)}), "finite numbers, and at least one"),
         (xr.Dataset(coords={"a": [1.0, 2.0, 1.0]}), "a: a value is repeated"),
     ],
 )

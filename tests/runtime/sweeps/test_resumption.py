@@ -22,7 +22,7 @@ from runtime import load, load_study, sweep
 from runtime.core.outcomes import Outcome
 from runtime.sweeps import request
 from runtime.sweeps import sweep as in_sweep
-from runtime.sweeps.execution import _made_rows
+from runtime.sweeps.execution import _made_rows, tasks_of
 from runtime.sweeps.request import KILLED, Rows, rows_without_runs
 from runtime.sweeps.store import Store, open_store, store_lock
 from runtime.sweeps.study import Study
@@ -217,6 +217,16 @@ def test_a_store_that_the_system_refuses_to_read_is_left_alone(
     with pytest.raises(InputError, match="Too many open files"):
         store.unmade()
     assert before == {file: file.read_bytes() for file in store.path.rglob("*") if file.is_file()}
+
+
+def test_runs_that_ended_their_workers_come_last(whole: Study, tmp_path: Path) -> None:
+    """So that a region of them does not keep a sweep from going on."""
+    shutil.copytree(whole.path, tmp_path / "s.zarr")
+    store = open_store(tmp_path / "s.zarr", "r+")
+    for run, outcome in ((3, KILLED), (4, KILLED), (20, "")):
+        store.write(range(run, run + 1), rows_without_runs(store.request, 1, outcome))
+    assert store.unmade().tolist() == [20, 3, 4]
+    assert tasks_of(store.unmade(), 24, 24) == [range(20, 21), range(3, 5)]
 
 
 def test_rows_go_into_no_other_store(whole: Study, tmp_path: Path) -> None:
