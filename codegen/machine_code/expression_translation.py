@@ -98,6 +98,8 @@ class ExpressionTranslation:
                 return self._code.zext(number, INTEGER) if is_entry else number
             case ast.IfExp(test=test, body=body, orelse=other):
                 return self._choice(test, body, other)
+            case ast.Compare() | ast.BoolOp() | ast.UnaryOp(op=ast.Not()):
+                return self._choice(expression, ast.Constant(1), ast.Constant(0))
             case ast.Call(func=function, args=arguments, keywords=[]):
                 return self._call(function, [*map(self._number, arguments)])
             case ast.Tuple(elts=elements):

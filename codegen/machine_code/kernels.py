@@ -9,10 +9,9 @@ import inspect
 import tempfile
 import threading
 import zlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from functools import cache, cached_property, partial, update_wrapper
-from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +39,7 @@ _numba: Any = numba  # numba and LLVM's bindings leave their names untyped
 _types: Any = types
 _llvm: Any = binding
 _POINTER, _WHOLE = ctypes.c_void_p, ctypes.c_int64
+_REALS = (float, int, np.floating, np.integer, np.bool_)
 _WORDS = (_POINTER, _POINTER, _WHOLE, _WHOLE, _POINTER, _WHOLE, _WHOLE)  # code: of an array
 _NUMBERS: dict[Any, Any] = {types.float64: ctypes.c_double, types.int64: _WHOLE}
 _RESULTS: dict[Any, Any] = {types.none: _POINTER, **_NUMBERS}
@@ -74,15 +74,21 @@ class Kernel(_types.WrapperAddressProtocol):  # type: ignore[misc]
         """Call it from Python; TypeError where the arguments are not those of its signature."""
         result = self._result_type()
         try:
-            kinds = zip(self.declared.args, arguments, strict=True)
-            words = [word for kind, argument in kinds for word in _words(kind, argument)]
+            given = zip(self._readers, arguments, strict=True)
+            words = [word for read, argument in given for word in read(argument)]
         except (TypeError, ValueError) as error:
             raise TypeError(self._mismatch(arguments)) from error
         self._entry(ctypes.byref(result), None, *words)
         return result.value
 
+    @cached_property
+    def _readers(self) -> tuple[Any, ...]:
+        """Functions of an argument each, which return it as machine code takes it."""
+        return tuple(_reader(kind) for kind in self.signature().args)
+
+    @cached_property
     def _result_type(self) -> Any:
-        """Room for what it returns."""
+        """The type of what it returns."""
         kind = self.signature().return_type
         if kind not in _RESULTS:
             known = ", ".join(map(str, _RESULTS))
@@ -90,7 +96,7 @@ class Kernel(_types.WrapperAddressProtocol):  # type: ignore[misc]
                 f"{self.__module__}.{self.py_func.__name__} returns {kind}; Python calls kernels "
                 f"that return {known}."
             )
-        return _RESULTS[kind]()
+        return _RESULTS[kind]
 
     @cached_property
     def _entry(self) -> Any:
@@ -266,20 +272,28 @@ def _engine() -> Any:
     return _llvm.create_mcjit_compiler(_llvm.parse_assembly(""), _target_machine())
 
 
-def _words(kind: Any, argument: Any) -> Iterator[Any]:
-    """An argument as machine code takes it; TypeError if it is of another kind."""
+def _reader(kind: Any) -> Callable[[Any], tuple[Any, ...]]:
+    """A function: an argument → its words for machine code; TypeError if it is of another kind."""
     if not isinstance(kind, _types.Array):
-        is_number, number = isinstance(argument, Real), argument
-        if not is_number:
+        number = float if kind == types.float64 else int
+
+        def read_number(argument: Any) -> tuple[Any, ...]:
+            if not isinstance(argument, _REALS):
+                raise TypeError
+            return (number(argument),)
+
+        return read_number
+    dtype = np.dtype(str(kind.dtype))
+
+    def read_array(argument: Any) -> tuple[Any, ...]:
+        plain = isinstance(argument, np.ndarray) and not isinstance(argument, np.ma.MaskedArray)
+        fits = plain and argument.dtype == dtype
+        if not (fits and argument.ndim == 1 and argument.flags.carray):
             raise TypeError
-        yield float(number) if kind == types.float64 else int(number)
-        return
-    plain = isinstance(argument, np.ndarray) and not isinstance(argument, np.ma.MaskedArray)
-    fits = plain and argument.dtype == str(kind.dtype)
-    if not (fits and argument.ndim == 1 and argument.flags.carray):
-        raise TypeError
-    size, item = argument.size, argument.itemsize
-    yield from (None, None, size, item, argument.ctypes.data, size, item)
+        size, item, place = argument.size, argument.itemsize, argument.__array_interface__["data"]
+        return (None, None, size, item, place[0], size, item)
+
+    return read_array
 
 
 def _kind_of_argument(argument: Any) -> str:

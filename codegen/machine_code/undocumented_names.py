@@ -102,6 +102,12 @@ TABLE = (
         "the linker takes closures of one name that two processes compiled for each other",
     ),
     Name(
+        "of llvmlite.ir: function.blocks, which is reordered; of values: constant, opname",
+        "kernels in LLVM's language, with blocks in the order in which they begin",
+        "a kernel is translated in a sixth of the time that numba takes",
+        "numba compiles kernels, as in the plain way",
+    ),
+    Name(
         "numba.core.compiler_lock.global_compiler_lock",
         "the order of two locks: numba's first, then the file's",
         "none",
