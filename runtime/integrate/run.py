@@ -141,7 +141,7 @@ class Run:
         if self.state.system.switches and not self.state.record["resumed"]:
             self._log_first_impacts()
         if code == Outcome.OK:
-            self.state.record["site"] = Site.NOWHERE
+            self.state.record["site"], self.state.record["index"] = Site.NOWHERE, -1
         return code
 
     def _log_first_impacts(self) -> None:
@@ -199,6 +199,8 @@ class Run:
                 if code == _LOOK:
                     code = run.crossings.decide()
                     run.state.record["energy"] = np.nan
+                    if code == _GOING:  # what ends the run later has another reason
+                        run.state.record["index"] = -1
                 if change is not None:
                     run, code = change(run, code)
                 if code == _GOING and run.recording.bytes > run.state.options.max_bytes:

@@ -14,7 +14,7 @@ of Sparse Jacobian Matrices, Journal of the Institute of Mathematics and its App
 
 The branch nearest to a motion at a singular position of a large machine, and how it is passed.
 
-As `nearest_branch`, in null vectors N that are sparse and not orthogonal:
+As `singular_root_search`, in null vectors N that are sparse and not orthogonal:
 the least step δ with S δ = r, least in |N δ|, solves (NᵀN, Sᵀ; S, 0) (δ; μ) = (0; r), which is
 sparse too. (Å. Björck, Numerical Methods for Least Squares Problems, 1996, section 2.7.)
 """
