@@ -175,7 +175,7 @@ def declared_unit(given: str, description: Description) -> str:
 
 def _call(name: str, function: Function, result: Result) -> QuantityValue:
     value = function(result)
-    number = finite_float(value)
+    number = finite_float(int(value) if isinstance(value, bool | np.bool_) else value)
     if number is None:
         raise InputError(
             f"{result.description.title}: {name} returns {value!r}; it must return a finite number."
