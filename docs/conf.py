@@ -9,8 +9,6 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jupyter_cache import get_cache
-
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
@@ -156,6 +154,8 @@ def forget_what_another_source_gave(app: "Sphinx") -> None:
 
 def make_the_store_of_cells(app: "Sphinx") -> None:
     """Make the database of run cells before the readers fork: two that make it at once collide."""
+    from jupyter_cache import get_cache
+
     get_cache(nb_execution_cache_path).list_cache_records()
 
 

@@ -9,8 +9,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-
-from filelock import FileLock
+from typing import Any
 
 from codegen.errors import InputError
 from codegen.termination_signals import SignalDeferral
@@ -95,13 +94,19 @@ def flush_folder(folder: Path) -> None:
                 os.fsync(written.fileno())
 
 
+def _lock(path: Path, timeout: float = -1) -> Any:
+    from filelock import FileLock  # which takes a tenth of a start of the program
+
+    return FileLock(path, timeout=timeout)
+
+
 @contextmanager
 def _locked_folder(place: Path) -> Iterator[Path]:
     """A temporary folder in `place` that is locked, signals deferred; leftovers are removed."""
     with (
         SignalDeferral(at_once=False),
         tempfile.TemporaryDirectory(prefix=_PREFIX, dir=place, ignore_cleanup_errors=True) as name,
-        FileLock(Path(name, ".lock")),
+        _lock(Path(name, ".lock")),
     ):
         _remove_leftovers(place)
         yield Path(name)
@@ -129,7 +134,7 @@ def _remove_leftovers(folder: Path) -> None:
     for left in folder.glob(f"{_PREFIX}*"):
         with suppress(OSError):
             if time.time() - left.stat().st_mtime > _NEW:
-                with FileLock(left / ".lock", timeout=0):
+                with _lock(left / ".lock", timeout=0):
                     _finish_replacement(left)
                     shutil.rmtree(left, ignore_errors=True)
 
