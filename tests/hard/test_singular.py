@@ -185,7 +185,7 @@ def test_a_miss_below_rounding_names_the_tolerance_that_would_do() -> None:
     )
     assert advice is not None, run.message
     assert "Remove the constraint" not in run.message
-    assert run.site.startswith("follow_miss: a bend too narrow for the tolerance, of ")
+    assert run.site.startswith("_follow_miss: a bend too narrow for the tolerance, of ")
     wider = machine.simulate(1.0, parameters=longer, rtol=float(advice[1]), progress=False)
     assert wider.outcome is Outcome.OK, wider.message
     assert wider.site == ""

@@ -8,12 +8,11 @@ import sympy
 from numpy.testing import assert_allclose
 
 from codegen import Effect, Model, ModelError, element
-from codegen.declare.element import QUANTITIES, Measure
+from codegen.declare.element import Measure
 from codegen.declare.symbols import SPEED
 from codegen.errors import InputError
 from codegen.reading.scene_selection import valid_scenes
 from runtime import Machine, Result, load
-from runtime.mechanism import series_table
 from runtime.studies.quantity import parse_quantity
 
 INSTANTS = np.linspace(0.0, 1.0, 201)
@@ -103,10 +102,6 @@ def whole(folder: Path) -> Result:
 @pytest.fixture(scope="module")
 def plain(folder: Path) -> Machine:
     return load(machine_of_everything(), "plain", folder=folder)
-
-
-def test_both_rooms_know_the_same_quantities() -> None:
-    assert series_table.QUANTITIES == QUANTITIES
 
 
 def test_lengths_and_forces_are_those_of_the_laws(whole: Result) -> None:

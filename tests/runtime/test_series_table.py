@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from codegen import Model
+from codegen.declare.element import QUANTITIES
 from codegen.errors import InputError
 from runtime import load
 from runtime.machine_facade import Machine
+from runtime.mechanism import series_table
 from runtime.results.result import Result
 
 
@@ -28,6 +30,10 @@ def machine(workshop: Path) -> Machine:
     model.scene("run", acting, start=start, outputs=[*outputs, "point(tip)"])
     model.scene("bare", acting, start=start, outputs=["force(strut)"])
     return load(model, "run", folder=workshop)
+
+
+def test_both_rooms_know_the_same_quantities() -> None:
+    assert series_table.QUANTITIES == QUANTITIES
 
 
 @pytest.fixture(scope="module")

@@ -6,6 +6,7 @@ rate and slopes are taken by complex steps along the motion.
 
 import cmath
 from collections.abc import Callable
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from numpy.testing import assert_allclose
 
 from codegen import Model, ModelError, t
 from codegen.declare.body import Body, Point
+from codegen.elements.registry import kinds_of_elements
 from codegen.reading.scene_selection import valid_scenes
 from tests.codegen.workbench import Interpreted, along, complex_step, library_kinds
 
@@ -114,26 +116,15 @@ LAWS: dict[str, tuple[Build, list[tuple[Callable[..., Number], Callable[..., Num
 }
 """Words → how the effect is declared, and (s, f(s, ṡ)) of the forces Q = -f s_q by hand."""
 
-FIXED = {
-    "motor",
-    "one-way clutch",
-    "stop",
-    "elastic belt",
-    "gear with backlash",
-    "torsion spring",
-    "gravity",
-    "torque",
-    "potential",
-    "generalized force",
-    "friction",
-}
-"""Kinds of forces that take hold of no point, or of those of a joint, which are fixed."""
 OTHERS = {"force", "tracked point"}
+"""Kinds of forces at points that have tests of their own."""
 
 
-def test_every_kind_of_force_is_judged() -> None:
-    judged = {effect_of(word)[1] for word in LAWS}
-    assert judged | FIXED | OTHERS >= library_kinds("force")
+def test_every_force_at_points_is_judged() -> None:
+    """A row of `LAWS` each: a force that takes hold of a point has the motion of the point."""
+    kinds = [kinds_of_elements()[name] for name in library_kinds("force")]
+    at_points = {k.name for k in kinds if any(f.type is Point for f in fields(k.element))}
+    assert at_points - {effect_of(word)[1] for word in LAWS} - OTHERS == set()
 
 
 def effect_of(word: str) -> tuple[Model, str]:
