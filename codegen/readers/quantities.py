@@ -180,6 +180,12 @@ def _measured(values: Any, unit: str) -> Any:
     return registry().Quantity(values, pint_form(unit) if unit else "")
 
 
+def _text(quantity: Any) -> str:
+    """A quantity in a sentence; of several numbers the first."""
+    number = getattr(quantity.magnitude, "flat", (quantity.magnitude,))[0]
+    return f"{number:g} {quantity.units}" if isinstance(number, int | float) else str(quantity)
+
+
 def _converted(quantity: Any, unit: str) -> Any:
     """The magnitude of a quantity in a unit."""
     target = _measured(1.0, unit).units
@@ -187,11 +193,11 @@ def _converted(quantity: Any, unit: str) -> Any:
     try:
         if not quantity.is_compatible_with(target):
             raise UnitError(
-                f"{quantity} has the dimension {quantity.dimensionality}, but {needed} is needed; "
-                f"give a quantity that converts to {needed}."
+                f"{_text(quantity)} has the dimension {quantity.dimensionality}, but {needed} is "
+                f"needed; give a quantity that converts to {needed}."
             )
         if problem := _cycles_for_radians(quantity, target, unit):
-            raise UnitError(f"{quantity} {problem}")
+            raise UnitError(f"{_text(quantity)} {problem}")
         return quantity.to(target).magnitude
     except UnitError:
         raise

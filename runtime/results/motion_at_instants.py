@@ -75,7 +75,7 @@ def at(result: "Result", t: Any, side: Any) -> "Result":
             f"{title}: at() needs the motion behind the result, and this is one of "
             f"{result.analysis}. Ask a result of simulate, kinematics or inverse_dynamics."
         )
-    if side not in (None, "before", "after"):
+    if side is not None and not (isinstance(side, str) and side in ("before", "after")):
         raise InputError(f'{title}: side is {shown(side)}; it must be "before" or "after".')
     times, (first, last) = _instants(title, t), _span(result, motion)
     outside = times[(times < first) | (times > last)]

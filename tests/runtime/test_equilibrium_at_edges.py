@@ -179,7 +179,7 @@ def test_impossible_masses_name_body_and_parameters(workshop: Path, rho: float) 
         machine.simulate(1.0, parameters={"rho": rho})
     text = str(caught.value)
     assert ("the mass of block is -2 kg" if rho < 0 else "the inertia of block is") in text
-    assert f"follows from rho = {rho:g}: give other values" in text
+    assert f"Given are rho = {rho:g}: give other values" in text
     assert "idle" not in text
     for analysis in (machine.equilibrium, lambda **given: machine.inverse_dynamics([0.0], **given)):
         with pytest.raises(ParameterError, match="block"):

@@ -10,6 +10,7 @@ from runtime.core.outcomes import Outcome
 from runtime.dynamics.checks import energy_balance
 from runtime.dynamics.formulations import formulate
 from runtime.dynamics.prepared_simulation import PreparedSimulation
+from runtime.integrate.checkpoints import Checkpoints
 from runtime.integrate.problem import Options
 from runtime.integrate.run_state import RunState
 from runtime.machine_facade import Machine
@@ -26,7 +27,7 @@ def test_what_decays_in_a_run_decays_in_both_kinds_of_coordinates(
     monkeypatch.setattr(RunState, "mean_decay", decay)
     ready = PreparedSimulation(mechanism, 1.0, t_start=0.0, parameters=None, guess=None, start=None)
     taken = formulate(ready, "reduced", "dop853", "step")
-    path = taken.run(Options(rtol=1e-6, t_eval=np.linspace(0.0, 1.0, 11)), lambda t, steps: None)
+    path = taken.run(Options(rtol=1e-6, t_eval=np.linspace(0.0, 1.0, 11)), Checkpoints())
     assert path.outcome.name == "OK"
     assert path.decay == min(sign * count for count in kinds)
 

@@ -186,7 +186,7 @@ start: {bob.phi: yes}
             ],
         ),
         ("scene: 3", ["line 1: model is missing", "line 1, scene: 3: it must be a text"]),
-        ("model: x\nrun: {t_end: 3 kg}", [r"line 2, run\.t_end: 3\.0 kilogram has the dimension"]),
+        ("model: x\nrun: {t_end: 3 kg}", [r"line 2, run\.t_end: 3 kilogram has the dimension"]),
         ("model: x\nanalysis: simulat", ["no word 'simulat'; nearest: simulate"]),
         ("model: x\nanalysis: equilibrium\nrun: {rtol: 1}", ["run: There is no key 'rtol'"]),
         ("model: x\nrun: {until: {a: b}}", [r'run\.until\.a: .b. is no condition; write "SERIES']),

@@ -122,7 +122,7 @@ def test_reports_and_studies_take_cases(run: Callable[..., Result], place: Path)
     done = run("sweep", "swing.yaml", "--over", "damping=0.1,0.2", "--quantity", "bob.phi",
                "--out", "study.zarr", "--workers", "0", "--json")  # fmt: skip
     assert facts(done)["outcomes"] == {"OK": 2}
-    assert facts(done)["design"]["names"] == ["damping"]
+    assert [*facts(done)["facts"]["factors"]] == ["damping"]
     assert facts(done)["facts"]["instants"] == 6
     done = run("sweep", "until.yaml", "--over", "damping=0.1,0.2", "--quantity", "bob.phi",
                "--out", "listed.zarr", "--workers", "0", "--json")  # fmt: skip

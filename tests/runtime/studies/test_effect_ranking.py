@@ -239,7 +239,7 @@ def test_a_state_that_leaves_with_its_only_user_is_named(rank: Rank) -> None:
     ("scene", "words", "message"),
     [
         ("kicked", {"asked": "body.xx"}, "There is no series 'body.xx'; nearest: body.x"),
-        ("kicked", {"asked": "nothing"}, "There are: coordinates body.x, body.y, body.phi; veloc"),
+        ("kicked", {"asked": "nothing"}, "there are: coordinate body.x, body.y, body.phi; veloc"),
         ("kicked", {"asked": "mx:body.x"}, "There is no reduction 'mx'; nearest: max"),
         ("kicked", {"asked": "max:guide.torqe"}, "nearest: guide.torque"),
         ("kicked", {"asked": "event:kik"}, "There is no effect with events 'kik'; nearest: kick"),

@@ -39,7 +39,7 @@ def test_texts_with_units() -> None:
     assert found[0].text == "2 values from 100 to 200 mm"
     lengths = [lengths[0], lengths[2]]
     assert designed(lengths)[1] == [[0.1, 1.0], [0.1, 2.0], [0.2, 1.0], [0.2, 2.0]]
-    with pytest.raises(InputError, match="a: 1 mm has the dimension"):
+    with pytest.raises(InputError, match="a: 1 millimeter has the dimension"):
         designed(lengths, unit="kg")
 
 
@@ -63,7 +63,7 @@ def test_numbers_in_several_units() -> None:
         ("1:2:1", "one value cannot be both 1 and 2"),
         ("1:2:x", "write NAME=FIRST"),
         ("1 mm:2:5", "give all numbers a unit, or none"),
-        ("1 mm:2 kg:5", "2 kg has the dimension"),
+        ("1 mm:2 kg:5", "2 kilogram has the dimension"),
         ("log:-1:2:5", "equal ratios lead from -1 to 2 by no way"),
         ("log:1:2", "write NAME=FIRST"),
         ("1:2:5 mm", "the count is 5"),
@@ -172,5 +172,5 @@ def test_coordinates_beside_variables_are_factors() -> None:
 def test_points_in_other_units() -> None:
     points = xr.Dataset({"a": ("k", [1000.0, 2000.0], {"units": "mm"}), "b": ("k", [5.0, 6.0])})
     assert designed(points)[1] == [[1.0, 5.0], [2.0, 6.0]]
-    with pytest.raises(InputError, match="a: 1 mm has the dimension"):
+    with pytest.raises(InputError, match="a: 1 millimeter has the dimension"):
         designed(points, unit="kg")
