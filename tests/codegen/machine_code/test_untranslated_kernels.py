@@ -17,7 +17,6 @@ OF_X = '@numba.njit("f8(f8)", **OPTIONS)\ndef kernel(x):\n    {}\n'
         "out[0] = sum(q)",
         "out[0] = len(q)",
         "out[:] = 1.0",
-        "x = q[0] > 1.0; out[0] = x + 1.0",
         "while True:\n        break",
         "out[0] = math.log1p(q[0])",
         "out[0] = q[0] % 2.0",
@@ -106,6 +105,8 @@ def test_names_that_are_no_ascii(imported: Any, translated: list[str]) -> None:
         ("@numba.njit(**OPTIONS)\ndef whole(n):\n    return 0",
          "return math.atan2(-whole(x), -1.0)"),
         ("", "math = x\n    return math"),
+        ("", "y = x > 1.0\n    return y + 1.5"),
+        ("", "y = not 1.0 < x < 2.0 and (x > 3.0 or x < 0.0)\n    return 2.0 if y else 3.0"),
     ],
 )  # fmt: skip
 def test_unusual_texts_compute_what_numba_does(before: str, body: str, imported: Any) -> None:
