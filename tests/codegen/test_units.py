@@ -65,7 +65,7 @@ CONFUSED = [
 def test_cycles_and_radians_are_told_apart(quantity: Any, unit: str, why: str) -> None:
     with pytest.raises(UnitError) as caught:
         in_unit(quantity, unit)
-    assert str(caught.value).startswith(f"{quantity} {why}")
+    assert str(caught.value).startswith(f"{quantity:g} {why}")
 
 
 def problems_of(model: Model) -> str:
