@@ -14,7 +14,7 @@ from runtime.machine_states import MachineStates
 from runtime.mechanism.mechanism import Values
 from runtime.processors import available_cores
 from runtime.progress_bar import bar, shows_compilation
-from runtime.validation.arguments import check, instants_of_motion
+from runtime.validation.arguments import check, instants_of_motion, uniform
 from runtime.validation.scene_support import refuse_states, require_energy, require_motion
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from runtime.results.assembled_state import Assembly, State
     from runtime.results.result import Result
     from runtime.statics.equilibrium import Equilibrium
-    from runtime.sweeps.ensemble_arrays import Columns
+    from runtime.sweeps.ensemble import Columns
 
 # arguments of `simulate` that choose between given tolerances and a search for an accuracy
 _SETTINGS = ("accuracy", "rtol", "atol", "quantities", "method", "formulation")
@@ -139,6 +139,7 @@ class Machine(MachineStates):
         >>> r.q("bob.phi")[-1], r.reaction("hinge", "fy").max()  # rad, N
         >>> m.simulate(10.0, np.linspace(0.0, 10.0, 1001), start={"bob.phi": 0.5})
         """
+        given = locals()  # the arguments by name
         from runtime.dynamics.connected_simulation import (
             parameters_there,
             scene_of_start,
@@ -148,14 +149,7 @@ class Machine(MachineStates):
 
         require_motion(self.mechanism, "simulate")
         mechanism = scene_of_start(self.mechanism, start)
-        given = check(
-            mechanism, t_end=t_end, t_eval=t_eval, t_start=t_start, parameters=parameters,
-            guess=guess, start=start, controllers=controllers, correction=correction,
-            time_scale=time_scale,
-            first_step=first_step, max_step=max_step, max_steps=max_steps, max_bytes=max_bytes,
-            progress=progress, accuracy=accuracy, rtol=rtol, atol=atol, quantities=quantities,
-            method=method, formulation=formulation, out=out,
-        )  # fmt: skip
+        given = check(mechanism, given)
         given["parameters"] = parameters_there(mechanism, self.mechanism, given["parameters"])
         settings = {name: given.pop(name) for name in _SETTINGS}
         place = given.pop("out")
@@ -223,15 +217,11 @@ class Machine(MachineStates):
         >>> m = lw.load("pendulum.py", scene="swing")
         >>> m.ensemble(10.0, 101, parameters={"length": np.linspace(0.5, 2.0, 1000)})
         """
+        given = {**locals(), "parameters": None}  # which are read as arrays
         from runtime.sweeps.ensemble import run_ensemble
-        from runtime.validation.arguments import uniform
 
         require_motion(self.mechanism, "ensemble")
-        given = check(
-            self.mechanism, t_end=t_end, t_eval=t_eval, t_start=t_start, max_step=max_step,
-            max_steps=max_steps, threads=threads, max_bytes=max_bytes, progress=progress, rtol=rtol,
-            atol=atol, method=method,
-        )  # fmt: skip
+        given = check(self.mechanism, given)
         times = given.pop("t_eval")
         if isinstance(times, str):
             raise InputError('ensemble: t_eval = "steps" differs between runs; give instants.')
@@ -288,12 +278,10 @@ class Machine(MachineStates):
         >>> r = lw.load("slide.py").kinematics([0.0, 0.5, 1.0])  # s
         >>> r.q("slide.x"), r.v("slide.vx"), r.a("slide.x")  # m, m/s, m/s^2
         """
+        given = locals()
         from runtime.dynamics.prescribed_motion import kinematics
 
-        return self._prescribed_motion(
-            kinematics, t_end, t_eval=t_eval, parameters=parameters, guess=guess, start=start,
-            t_start=t_start, progress=progress,
-        )  # fmt: skip
+        return self._prescribed_motion(kinematics, given)
 
     @shows_compilation
     def inverse_dynamics(
@@ -325,22 +313,19 @@ class Machine(MachineStates):
         >>> r = lw.load("slide.py").inverse_dynamics([0.0, 0.5, 1.0])  # s
         >>> r.reaction("feed", "fx")  # N: what the driver exerts
         """
+        given = locals()
         from runtime.dynamics.prescribed_motion import inverse_dynamics
 
-        return self._prescribed_motion(
-            inverse_dynamics, t_end, t_eval=t_eval, parameters=parameters, guess=guess,
-            start=start, t_start=t_start, progress=progress,
-        )  # fmt: skip
+        return self._prescribed_motion(inverse_dynamics, given)
 
     def _prescribed_motion(
-        self, analyse: Callable[..., "Result"], t_end: "float | npt.ArrayLike | None",
-        **arguments: Any,
-    ) -> "Result":  # fmt: skip
-        """The motion that the drivers prescribe, analysed."""
-        word = analyse.__name__
+        self, analyse: Callable[..., "Result"], given: dict[str, Any]
+    ) -> "Result":
+        """The motion that the drivers prescribe, analysed, with arguments by name."""
+        word, t_end = analyse.__name__, given.pop("t_end")
         require_motion(self.mechanism, word)
         refuse_states(self.mechanism, word)
-        given = check(self.mechanism, start_has_values=True, **arguments)
+        given = check(self.mechanism, given, start_has_values=True)
         times = instants_of_motion(t_end, given.pop("t_eval"), given["t_start"], word)
         title = f"{word.replace('_', ' ')} of {self.mechanism.title}"
         with bar(title, given.pop("progress")) as report:
@@ -385,12 +370,9 @@ class Machine(MachineStates):
         >>> rest = lw.load("pendulum.py").equilibrium(guess={"bob.phi": -1.0})
         >>> rest["bob.phi"], rest.stable, rest.frequencies  # rad, bool, Hz
         """
+        given = check(self.mechanism, locals())
         from runtime.statics.equilibrium import equilibrium
 
-        given = check(
-            self.mechanism, parameters=parameters, guess=guess, t=t, method=method,
-            progress=progress,
-        )  # fmt: skip
         if method == "settling":
             require_motion(self.mechanism, 'equilibrium(method="settling")')
         require_energy(self.mechanism)

@@ -17,8 +17,7 @@ from runtime.mechanism.module_tables import Description
 from runtime.mechanism.table_rows import TRACKED, Constraint, Coordinate, Effect, Parameter, Table
 from runtime.mechanism.table_rows import State as StateRow
 from runtime.progress_bar import shows_compilation
-from runtime.validation.arguments import check
-from runtime.validation.parameters import parameter_values
+from runtime.validation.arguments import check, parameter_values
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -204,7 +203,7 @@ class MachineStates:
         from runtime.integrate.run import initial_modes
 
         state: dict[str, Any] = {} if q is None and v is None else {"q": q, "v": v}
-        given = check(self.mechanism, t=t, parameters=parameters, **state)
+        given = check(self.mechanism, {"t": t, "parameters": parameters, **state})
         t, parameters = given["t"], given["parameters"]
         p = self.parameter_values(parameters)
         if not self.description.switches:
@@ -242,14 +241,13 @@ class MachineStates:
         AssemblyError, InputError
             As `assemble`; if an argument is of the wrong kind, or Matplotlib is not installed.
         """
+        options = check(self.mechanism, locals())
         from runtime.show.pictures import draw_state
 
-        options = {"dimensions": dimensions, "forces": forces, "frames": frames, "names": names}
-        read = check(self.mechanism, parameters=parameters, guess=guess, at=at, **options)
-        values, state = read["parameters"], read["at"]
+        values, state = options.pop("parameters"), options.pop("at")
+        guess = options.pop("guess")
         if isinstance(state, float):
-            state = self.assemble(read["guess"], values, state)
-        options = {name: read[name] for name in options}
+            state = self.assemble(guess, values, state)
         return draw_state(self.mechanism, state, self.parameter_values(values), **options)
 
     @shows_compilation
@@ -289,12 +287,9 @@ class MachineStates:
         RedundancyError
             If constraints contradict each other, or a driver drives what the joints determine.
         """
+        given = check(self.mechanism, locals(), start_has_values=True)
         from runtime.assembly.assemble import assemble
         from runtime.mechanism.dense_equations import Equations
 
-        given = check(
-            self.mechanism, start_has_values=True, guess=guess, parameters=parameters, t=t,
-            start=start,
-        )  # fmt: skip
         equations = Equations(self.mechanism, self.parameter_values(given["parameters"]))
         return assemble(equations, given["t"], given["guess"], given["start"])

@@ -46,7 +46,7 @@ from runtime.results.saved_result import (
     unpack,
 )
 from runtime.results.zarr_store import read_content
-from runtime.validation.parameters import parameter_values
+from runtime.validation.arguments import parameter_values
 
 if TYPE_CHECKING:
     from runtime.machine_facade import Machine

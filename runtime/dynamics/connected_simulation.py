@@ -20,18 +20,16 @@ from codegen.object_display import counted
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.motion_at_instants import Found, SimulatedMotion, resumed
 from runtime.dynamics.simulation import simulate_joints
-from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.dense_equations import Contradiction, Equations, FloatArray, impact
 from runtime.mechanism.mechanism import Mechanism, Values, sibling, sibling_named
 from runtime.mechanism.module_tables import Description
-from runtime.mechanism.one_sided_impact import Contradiction, impact
 from runtime.results.assembled_state import Assembly, DiscreteState, State
 from runtime.results.motion_at_instants import Motion, keep
 from runtime.results.result import Result
 from runtime.results.run_records import Ending, Reconnection, sentences
 from runtime.results.samples import Samples
 from runtime.results.saved_result import saved_fields
-from runtime.validation.arguments import uniform
-from runtime.validation.parameters import parameter_values
+from runtime.validation.arguments import parameter_values, uniform
 
 _MOST = 10_000  # safety: changes of joints in a run
 _AT_ONCE = 16  # safety: changes of joints at one instant

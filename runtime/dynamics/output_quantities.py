@@ -41,7 +41,7 @@ from runtime.mechanism.mechanism import Mechanism
 from runtime.mechanism.module_tables import Description
 from runtime.mechanism.typical_sizes import measure_length, start_table, write_scale
 from runtime.results.result import Result
-from runtime.results.samples import Samples
+from runtime.results.samples import Samples, empty_samples
 
 ENERGIES = ("kinetic_energy", "potential")
 # numba's type of `Samples`
@@ -144,13 +144,12 @@ def evaluate(
     States are (k, n), modes (k, s); these are determined from the states by default.
     """
     description, kernels, p = equations.description, equations.table, equations.p
-    count, n, m, s = len(t), equations.n, equations.m, len(description.switches)
-    given = np.zeros((count, s)) if modes is None else modes
-    widths = n, m, len(description.reactions), len(description.powers), 2, 2
+    m, s, samples = equations.m, len(description.switches), empty_samples(description, len(t))
     t, q, v = (np.ascontiguousarray(array, dtype=np.float64) for array in (t, q, v))
-    a, lam, reaction, power, energy, residual = (np.zeros((count, width)) for width in widths)
-    states, share = np.ascontiguousarray(given, dtype=np.int64), np.full((count, s), np.nan)
-    samples = Samples(t, q, v, a, lam, reaction, power, energy, residual, states, share)
+    samples = samples._replace(t=t, q=q, v=v)
+    samples.share.fill(np.nan)
+    if modes is not None:
+        samples = samples._replace(modes=np.ascontiguousarray(modes, dtype=np.int64))
     if modes is None and s:
         bands = _find_bands(equations, samples)
         _find_modes(kernels, samples, p, bands, np.zeros((2, s)), description.boundaries)

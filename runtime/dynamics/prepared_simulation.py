@@ -29,8 +29,7 @@ from runtime.mechanism.dense_equations import Equations, FloatArray
 from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.progress_bar import Progress
 from runtime.results.assembled_state import Assembly, DiscreteState, State
-from runtime.validation.arguments import instants, uniform
-from runtime.validation.parameters import parameter_values, require_masses
+from runtime.validation.arguments import instants, parameter_values, require_masses, uniform
 from runtime.validation.scene_support import refuse_massless, refuse_structure, require_apart
 
 if TYPE_CHECKING:

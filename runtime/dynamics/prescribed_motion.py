@@ -36,9 +36,8 @@ from runtime.progress_bar import Progress, silent
 from runtime.results.assembled_state import Assembly
 from runtime.results.result import Result
 from runtime.results.run_records import Event
-from runtime.validation.arguments import instants
+from runtime.validation.arguments import instants, parameter_values, require_masses
 from runtime.validation.finite_equations import name_left_tables
-from runtime.validation.parameters import parameter_values, require_masses
 from runtime.validation.scene_support import require_no_rigid, require_slip
 
 _DIRECTIONS = {"crossing": int(Direction.CROSSED), "lock-up": int(Direction.LOCKED)}

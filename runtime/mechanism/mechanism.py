@@ -1,48 +1,81 @@
 """The data of a mechanism in one scene, which all analyses take: tables, kernels, origin.
 
+Exact derivatives, reduced equations and the picture are generated into files of their own next to
+the scene's, its companions. One belongs to one text of that file, whose SHA-256 it names: with any
+other the slots of ``p`` might differ, and it is built again.
+
 A run goes on in another scene once other joints act: that is found beside the scene's module, or
 built.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import AnalysisError
+from codegen.errors import AnalysisError, SupersededError
 from codegen.files.generated_modules import (
     check_signature,
+    companion_path,
     import_generated,
     read_generated,
     text_hash,
 )
 from runtime.core.kernel_abi import Kernels, gather
 from runtime.core.system import System
-from runtime.mechanism.companion_modules import (
-    Kind,
-    Origin,
-    has_companion,
-    load_companion,
-)
 from runtime.mechanism.module_tables import Description, describe
-from runtime.mechanism.system import (
-    Reduced,
-    Tangents,
-    common_system,
-    gather_tangents,
-)
+from runtime.mechanism.system import Reduced, Tangents, common_system, gather_tangents
 from runtime.mechanism.table_rows import Watched
 
 if TYPE_CHECKING:
     from codegen import Model, Scene
 
-
 Values = Mapping[str, float]
+Kind = Literal["tangents", "reduced", "picture"]
+
+_BELONGS = re.compile(r'^MODULE_SHA256 = "([0-9a-f]{64})"$', re.MULTILINE)
+_HEADER = 4000  # layout: characters of a generated file, in which its command stands
+_UNROLL = re.compile(r"\bunroll(?:=['\"]| )(always|never)\b")  # in the command of the header
+_CONTENTS = {
+    "tangents": "derivatives", "reduced": "reduced equations", "picture": "picture",
+}  # fmt: skip
+
+
+class Origin(NamedTuple):
+    """The source of a loaded machine."""
+
+    model: "Path | Model"  # the model file, or the `Model` of the running program
+    scene: "str | Scene"
+    path: Path  # the scene's generated file
+    digest: str  # SHA-256 of its text
+
+    def current_companion(self, kind: Kind) -> str | None:
+        """The text of a companion's file, where it belongs to the scene's; else None."""
+        place = companion_path(self.path, kind)
+        if not place.is_file():
+            return None
+        text = read_generated(place)
+        belongs = _BELONGS.search(text)
+        current = belongs is not None and belongs.group(1) == self.digest
+        has = {"tangents": "def accelerations_tangent(", "reduced": "def reduced_mass("}
+        if kind == "picture":
+            from codegen.drawing.picture import VERSION
+
+            has["picture"] = f'LAYOUT = "{VERSION}"'
+        return text if current and has[kind] in text else None  # else another generator wrote it
+
+    def command(self, kind: Kind) -> str:
+        """How the user has a companion built anew."""
+        if not isinstance(self.model, Path) or not isinstance(self.scene, str):
+            return f"delete the file, and ask for the {_CONTENTS[kind]} again."
+        place = self.path.parent
+        return f"linkwright build {self.model} --scene {self.scene} --out {place} --{kind}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,17 +140,15 @@ class Mechanism:
         rows, columns = description.jacobian_rows, description.jacobian_columns
         n, m = len(description.coordinates), len(description.constraints)
         parameters = len(description.parameters)
-        shares = parameters + len(description.stiction)
+        behind = parameters + len(description.stiction)
         return replace(
-            common_system(description, kernels, rows, columns, n, m),
+            common_system(description, kernels, rows, columns, n, m, behind),
             reaction_rows=len(description.reactions),
             power_rows=len(description.powers),
             balanced_rows=description.balanced_rows,
             powers_of_multipliers=_depend_on_multipliers(description, kernels),
             limits=description.friction_limits,
             stiction=tuple((k, parameters + i) for i, k in enumerate(description.stiction)),
-            shares=tuple((k, shares + i) for i, k in enumerate(description.shares)),
-            superposes=description.superposes,
             linear_reactions=not any(row.kind == "friction" for row in description.effects),
             independent=self.independent,
         )
@@ -134,7 +165,7 @@ class Mechanism:
 
     @cached_property
     def _tangents_module(self) -> ModuleType:
-        return load_companion(self.origin, "tangents", self.title, self.path)
+        return self.companion("tangents")
 
     def for_tangents(self, p: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """``p`` with the workspace that the derivatives need, which may be larger."""
@@ -144,12 +175,52 @@ class Mechanism:
     @cached_property
     def reduced(self) -> Reduced:
         """The equations in reduced coordinates; their file is built where it is missing."""
-        module = load_companion(self.origin, "reduced", self.title, self.path)
-        return Reduced(module, self.description)
+        return Reduced(self.companion("reduced"), self.description)
 
     def has_companion(self, kind: Kind) -> bool:
-        """Whether a companion of the generated module, "tangents" or "reduced", is built."""
-        return kind in self.__dict__ or has_companion(self.origin, kind)
+        """Whether a companion of the generated module is built."""
+        origin = self.origin
+        return kind in self.__dict__ or (
+            origin is not None and origin.current_companion(kind) is not None
+        )
+
+    def need_origin(self, what: str) -> Origin:
+        """The source of the machine; AnalysisError where it has none: `what` cannot be built."""
+        if self.origin is None:
+            raise AnalysisError(
+                f"{self.title} was put together without its model, from {self.path}, so {what} "
+                "cannot be built. Load it by linkwright.load."
+            )
+        return self.origin
+
+    def companion(self, kind: Kind) -> ModuleType:
+        """The module that belongs to the scene's; built if missing or stale.
+
+        Raises AnalysisError if the machine was not loaded from a model, GeneratedFileError if the
+        file was edited by hand, or cannot be written, SupersededError if the model has changed.
+        """
+        origin = self.need_origin(f"its {_CONTENTS[kind]}")
+        text = origin.current_companion(kind)
+        if text is not None:
+            place = companion_path(origin.path, kind)
+            check_signature(place, text, origin.command(kind))
+            return import_generated(place, text_hash(text))
+        from codegen import build
+
+        # kernels in loops, or not, as the header of the scene's file says
+        header = read_generated(origin.path)[:_HEADER] if origin.path.is_file() else ""
+        unroll, folder = _UNROLL.search(header), origin.path.parent
+        wanted = {kind: True, "unroll": unroll[1] if unroll else "auto"}
+        (report,) = build(origin.model, origin.scene, folder, compile=False, **wanted).scenes  # type: ignore[arg-type]
+        companion = getattr(report, kind)
+        if report.digest != origin.digest or companion is None:
+            raise SupersededError(
+                f"{origin.path} is {origin.digest[:12]}... in this machine and "
+                f"{report.digest[:12]}... now: the model, or the generator, has changed since the "
+                f"machine of scene '{self.description.scene}' was loaded, and its "
+                f"{_CONTENTS[kind]} would be those of another one. Load the machine again."
+            )
+        return import_generated(companion.path, companion.digest)
 
 
 def read_mechanism(
@@ -223,12 +294,8 @@ def _root(scene: str) -> str:
 
 def _built(mechanism: Mechanism, watched: Watched) -> Mechanism:
     """The sibling's module, loaded where it is there and of the same sources, else built."""
-    origin, scene = mechanism.origin, watched.scene
-    if origin is None:
-        raise AnalysisError(
-            f"{mechanism.title} was put together without its model, so scene '{scene}', in which "
-            f"the run goes on, cannot be found. Load it by linkwright.load."
-        )
+    scene = watched.scene
+    origin = mechanism.need_origin(f"scene '{scene}', in which the run goes on,")
     own = origin.path.stem.partition("__")[0]
     place = origin.path.with_name(f"{own}__{scene}.py")
     if isinstance(origin.model, Path) and isinstance(origin.scene, str) and place.is_file():

@@ -67,17 +67,17 @@ class SeriesTable:
         self.description, self.title = description, description.title
         found = [*_motion(description), *_exerted(description), *_energetic(description)]
         self.rows = tuple(row for row, _ in found)
+        found += _conditions(description)
+        self._every = [row for row, _ in found]  # those of conditions, too
         # several calls may mean one series; the first says best what it is
-        self._by_call = {
-            call: row for row, calls in (*found, *_conditions(description)) for call in calls
-        }
+        self._by_call = {call: row for row, calls in found for call in calls}
 
     def __iter__(self) -> Iterator[Series]:
         return iter(self.rows)
 
     def of_kind(self, *kinds: str) -> list[Series]:
         """The series of some kinds, in the order of the scene's tables."""
-        return [row for row in self.rows if row.kind in kinds]
+        return [row for row in self._every if row.kind in kinds]
 
     @cached_property
     def _by_name(self) -> dict[str, Series]:
@@ -184,14 +184,16 @@ def _motion(description: "Description") -> Found:
     """Coordinates, velocities, accelerations, and states with their rates."""
     table = [*enumerate(description.coordinates)]
     places = [(k, row, row.name.rpartition(".")[0]) for k, row in table if not row.is_state]
-    for k, row, body in places:
-        yield Series(row.name, "coordinate", "q", k, row.unit, body), [("q", row.name, "")]
-    for k, row, body in places:
-        calls = [("v", row.velocity, ""), ("v", row.name, "")]
-        yield Series(row.velocity, "velocity", "v", k, row.velocity_unit, body), calls
-    for k, row, body in places:
-        calls = [("a", row.name, ""), ("a", row.velocity, "")]
-        yield Series(f"a({row.name})", "acceleration", "a", k, row.acceleration_unit, body), calls
+    for kind, word, names, unit in (
+        ("coordinate", "q", ("name",), "unit"),
+        ("velocity", "v", ("velocity", "name"), "velocity_unit"),
+        ("acceleration", "a", ("name", "velocity"), "acceleration_unit"),
+    ):
+        for k, row, body in places:
+            called = [getattr(row, name) for name in names]
+            own = f"a({row.name})" if word == "a" else called[0]
+            calls = [(word, name, "") for name in called]
+            yield Series(own, kind, word, k, getattr(row, unit), body), calls
     for name, k, unit, _ in description.states:
         yield Series(name, "state", "v", k, unit or "1", name), [("y", name, ""), ("v", name, "")]
     for k, row in table:

@@ -1,7 +1,8 @@
 """A scene's kernels, and their exact derivatives, as systems that the integrator takes.
 
 There is one in all coordinates, and one in the reduced ones: those that no constraint gives
-explicitly.
+explicitly. Angles that these leave out are given by sine and cosine: they are followed through
+whole turns.
 """
 
 from collections.abc import Iterator
@@ -11,13 +12,69 @@ from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
+from numba import types
 
-from runtime.core.arrays import Integers, Kernel, Matrix, Vector
-from runtime.core.jit import addresses
+from runtime.core.arrays import Integers, Kernel, Matrix, Vector, f8, integers, matrix, none, vector
+from runtime.core.jit import ADDRESSES, addresses, allocating, at
 from runtime.core.kernel_abi import Kernels, gather
 from runtime.core.kinds import PeakKind
 from runtime.core.system import System
 from runtime.mechanism.module_tables import Description
+
+_expand = at(types.FunctionType(none(f8, *[vector] * 6)), 0)
+# measured: rad, or part of a length's size, between two positions at which angles are followed
+_STRIDE = 0.5
+_FAR = 1.0  # safety: rad by which an angle may move from one position to the next
+_FINEST = 1e-4  # safety: part of a stride; no shorter ones are tried
+_TURN = 2.0 * np.pi
+
+
+@allocating(
+    none(ADDRESSES, integers, f8, *[vector] * 3, matrix, matrix, vector, vector, matrix, matrix)
+)
+def follow(
+    table: Integers, angles: Integers, t_first: float, first: Vector, here: Vector, t: Vector,
+    q: Matrix, v: Matrix, p: Vector, sizes: Vector, all_q: Matrix, all_v: Matrix,
+) -> None:  # fmt: skip
+    """Fill `all_q` and `all_v` by the `expand` in `table`; `here`, where the walk stands, moves."""
+    expand = _expand(table)
+    count, n = angles.size, here.size
+    turns, none = np.zeros(count), np.zeros(count)
+    at, still = np.zeros(n), np.zeros(n)
+    place, rate = np.zeros(first.size), np.zeros(first.size)
+    followed, moved = np.zeros(count), np.zeros(count)
+    for i in range(count):
+        followed[i] = first[angles[i]]
+    now = t_first
+    for sample in range(t.size):
+        way = 0.0
+        for j in range(n):
+            way = max(way, abs(q[sample, j] - here[j]) / sizes[j])
+        longest = min(1.0, _STRIDE / way) if way > 0.0 else 1.0
+        x, step = 0.0, longest
+        while count > 0 and x < 1.0:
+            end = 1.0 if x + 1.001 * step >= 1.0 else x + step
+            for j in range(n):
+                at[j] = here[j] + end * (q[sample, j] - here[j])
+            expand(now + end * (t[sample] - now), at, still, p, none, place, rate)
+            farthest = 0.0
+            for i in range(count):
+                apart = place[angles[i]] - followed[i]
+                moved[i] = apart - _TURN * np.round(apart / _TURN)
+                farthest = max(farthest, abs(moved[i]))
+            if farthest > _FAR and step > _FINEST * longest:
+                step *= 0.5
+                continue
+            for i in range(count):
+                if np.isfinite(moved[i]):
+                    followed[i] += moved[i]
+                    turns[i] = np.round((followed[i] - place[angles[i]]) / _TURN)
+            x = end
+            step = min(2.0 * step, longest)
+        expand(t[sample], q[sample], v[sample], p, turns, all_q[sample], all_v[sample])
+        for j in range(n):
+            here[j] = q[sample, j]
+        now = t[sample]
 
 
 class Tangents(NamedTuple):
@@ -40,9 +97,13 @@ def gather_tangents(module: ModuleType) -> Tangents:
 
 
 def common_system(
-    description: Description, kernels: Kernels, rows: Integers, columns: Integers, n: int, m: int
-) -> System:
-    """The entries common to all formulations; `rows`, `columns`: of the Jacobian's non-zeros."""
+    description: Description, kernels: Kernels, rows: Integers, columns: Integers, n: int, m: int,
+    behind: int,
+) -> System:  # fmt: skip
+    """The entries common to all formulations; `rows`, `columns`: of the Jacobian's non-zeros.
+
+    Shares stand in p from the place `behind` on.
+    """
     sampled = description.sampled
     return System(
         **vars(kernels),
@@ -55,6 +116,8 @@ def common_system(
         sticking=tuple(k for k, row in enumerate(description.switches) if row.sticks),
         one_way=tuple(k for k, row in enumerate(description.switches) if row.one_way),
         boundaries=tuple(description.boundaries.tolist()),
+        shares=tuple((k, behind + i) for i, k in enumerate(description.shares)),
+        superposes=description.superposes,
         table_parts=description.table_parts,
         states=description.state_columns,
         sampled=description.sampled_columns,
@@ -87,7 +150,8 @@ class Reduced:
         self.dead_centres, self.reduced_mass = module.dead_centres, module.reduced_mass
         # columns of the coordinates that are integrated, and of the angles in closed form
         self.kept, self.angles = indices("KEPT", "ANGLES")
-        self.jacobian = tuple(indices("JACOBIAN_ROWS", "JACOBIAN_COLUMNS"))
+        rows, columns = indices("JACOBIAN_ROWS", "JACOBIAN_COLUMNS")
+        self.jacobian = rows, columns
         self.mass = tuple(indices("MASS_ROWS", "MASS_COLUMNS"))
         # rows of the constraints between coordinates that are integrated
         self.closures: tuple[int, ...] = tuple(module.CLOSURES)
@@ -101,18 +165,13 @@ class Reduced:
     def system(self) -> System:
         """The reduced equations, as the integrator takes them."""
         n, m, places = len(self.kept), len(self.closures), self.kept.tolist()
-        behind, (rows, columns) = (
-            len(self.description.parameters) + len(self.branches),
-            self.jacobian,
-        )
+        behind = len(self.description.parameters) + len(self.branches)
         return replace(
-            common_system(self.description, self.kernels, rows, columns, n, m),
+            common_system(self.description, self.kernels, *self.jacobian, n, m, behind),
             dead_centres=self.dead_centres,
             loops=len(self.branches),
             states=tuple(map(places.index, self.description.state_columns)),
             sampled=tuple(map(places.index, self.description.sampled_columns)),
-            shares=tuple((k, behind + i) for i, k in enumerate(self.description.shares)),
-            superposes=self.description.superposes,
             **self.tangents._asdict(),
         )
 
@@ -163,8 +222,6 @@ class Reduced:
         along straight lines from one instant to the next. q and v, (k, f), are of the kept
         coordinates, as are their typical `sizes`, (f,).
         """
-        from runtime.mechanism.angle_unwrapping import follow  # compiles where it is used
-
         all_q, all_v = np.zeros((2, len(t), len(self.description.coordinates)))
         t_first, first = start
         arrays = first, first[self.kept], t, q, v, p, sizes, all_q, all_v

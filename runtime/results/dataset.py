@@ -1,10 +1,9 @@
-"""A result as an xarray.Dataset: its variables, each some columns of its samples, with labels."""
+"""A result as an xarray.Dataset: its variables, each some series of its scene, with labels."""
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from runtime.mechanism.series_table import Series
 from runtime.results.result import Result
@@ -13,43 +12,31 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-class Variable(NamedTuple):
-    """A variable over time, and perhaps more: columns of an array of a result."""
+class Variables:
+    """The variables of a result, and their coordinates, as they are added."""
 
-    name: str
-    dims: tuple[str, ...]
-    array: str  # field of `Samples`, or "works"; to energies their sum is added
-    columns: npt.NDArray[np.int64]  # over all dimensions but the time; -1: not a number
-    about: dict[str, str]
-
-    def values(self, result: Result) -> npt.NDArray[Any]:
-        """Its values in a result of the scene, as a copy."""
-        works, samples = [*result.works.values()], result.samples
-        array = np.column_stack(works) if self.array == "works" else getattr(samples, self.array)
-        if self.array == "energy":
-            array = np.column_stack([array, array.sum(axis=1)])
-        found: npt.NDArray[Any] = np.take(array, self.columns, axis=1, mode="wrap")
-        if (self.columns < 0).any():
-            found[:, self.columns < 0] = np.nan
-        return found
-
-
-class Labels(NamedTuple):
-    """The variables of a result, and its coordinates but for the time."""
-
-    variables: list[Variable]
-    coords: dict[str, Any]
+    def __init__(self, result: Result) -> None:
+        self.result, self.data = result, dict[str, Any]()
+        self.coords: dict[str, Any] = {"time": ("time", result.t, {"units": "s"})}
 
     def add(
-        self, name: str, over: str, array: str, columns: npt.ArrayLike, units: Iterable[str] = (),
-        long_name: str = "",
+        self, name: str, over: str, rows: Sequence[Series | None], long_name: str = "",
+        unit: str | None = None, shape: tuple[int, ...] | None = None,
     ) -> None:  # fmt: skip
-        """Add a variable over the time and the dimensions `over`, with the unit that all share."""
-        shared, about = {*units}, {"long_name": long_name} if long_name else {}
-        if len(shared) == 1:
-            about["units"] = shared.pop()
-        places = np.asarray(columns, np.int64)
-        self.variables.append(Variable(name, ("time", *over.split()), array, places, about))
+        """Add series over the time and the dimensions `over`; None is not a number.
+
+        They have the `unit`, by default that which all of them share.
+        """
+        count, units = len(self.result.t), {row.unit for row in rows if row}
+        nothing = np.full(count, np.nan)
+        columns = [nothing if row is None else self.result.column(row) for row in rows]
+        values = np.stack(columns, axis=1) if columns else np.zeros((count, 0))
+        if unit is None:
+            unit = units.pop() if len(units) == 1 else ""
+        about = {"long_name": long_name, "units": unit}
+        about = {word: text for word, text in about.items() if text}
+        values = values.reshape(count, *(shape or (len(rows),)))
+        self.data[name] = ("time", *over.split()), values, about
 
     def label(self, dimension: str, texts: Iterable[str], **of_each: Iterable[str]) -> None:
         """Add the labels along a dimension, and other texts of each of them."""
@@ -60,109 +47,84 @@ class Labels(NamedTuple):
 
 
 def dataset(result: Result) -> "xr.Dataset":
-    """Label the arrays of a result; reactions that a joint does not have are not a number."""
+    """Label the series of a result; reactions that a joint does not have are not a number."""
     import xarray as xr
 
-    labels = labels_of(result)
-    data = {row.name: (row.dims, row.values(result), row.about) for row in labels.variables}
-    time = {"time": ("time", result.samples.t, {"units": "s"})}
-    return xr.Dataset(data, coords=time | labels.coords, attrs=result.about())
-
-
-def labels_of(result: Result) -> Labels:
-    """The variables and coordinates of all results of the scene that have the same works."""
-    description, labels = result.description, Labels([], {})
+    found, description = Variables(result), result.description
     series, places = description.series, description.positions
-    labels.label(
-        "coordinate", (row.name for row in places),
-        velocity=(row.velocity for row in places), unit=(row.unit for row in places),
-        velocity_unit=(row.velocity_unit for row in places),
-        acceleration_unit=(row.acceleration_unit for row in places),
-    )  # fmt: skip
-
-    def add(name: str, over: str, kind: str, long_name: str = "") -> list[Series]:
-        """Add the series of a kind, whose labels are those of a dimension."""
-        rows = series.of_kind(kind)
-        array = rows[0].array if rows else name
-        columns = [row.column for row in rows]
-        labels.add(name, over, array, columns, [row.unit for row in rows], long_name)
-        return rows
-
-    add("q", "coordinate", "coordinate", "coordinates")
-    add("v", "coordinate", "velocity", "velocities")
-    add("a", "coordinate", "acceleration", "accelerations")
-    labels.add("constraint_residual", "", "residual", 0, (), "largest |Phi|, m or rad")
-    largest = "largest |Phi_q v - nu|, m/s or rad/s"
-    labels.add("velocity_residual", "", "residual", 1, (), largest)
-    if description.states:
-        rows = add("y", "state", "state", "first-order states and sampled values")
-        units = [row.unit for row in rows]
-        labels.label("state", description.states.names, state_unit=units)
+    units = ("velocity", "unit", "velocity_unit", "acceleration_unit")
+    of_each = {word: [getattr(row, word) for row in places] for word in units}
+    found.label("coordinate", (row.name for row in places), **of_each)
+    found.add("q", "coordinate", series.of_kind("coordinate"), "coordinates")
+    found.add("v", "coordinate", series.of_kind("velocity"), "velocities")
+    found.add("a", "coordinate", series.of_kind("acceleration"), "accelerations")
+    residual = np.array(result.samples.residual.T)
+    about = {"long_name": "largest |Phi|, m or rad"}
+    found.data["constraint_residual"] = "time", residual[0], about
+    about = {"long_name": "largest |Phi_q v - nu|, m/s or rad/s"}
+    found.data["velocity_residual"] = "time", residual[1], about
+    if states := series.of_kind("state"):
+        found.add("y", "state", states, "first-order states and sampled values")
+        found.label("state", _names(states), state_unit=[row.unit for row in states])
     if description.has_masses:
-        rows = series.of_kind("power")
-        labels.label("source", (row.name for row in rows))
-        labels.add("power", "source", "power", [row.column for row in rows], ["W"])
-        over, what = "nonconservative_source", "power of the forces without a potential"
-        if series.of_kind("nonconservative power"):
-            rows = add("nonconservative_power", over, "nonconservative power", what)
-            labels.label(over, (row.name for row in rows))
-        if rows := series.of_kind("energy"):
-            labels.label("part", (row.name for row in rows))
-            labels.add("energy", "part", "energy", [0, 1, 2], ["J"])
-        _add_reactions(labels, series.of_kind("reaction"))
-    _add_effects(labels, series.of_kind("effect"))
-    if result.works:
-        labels.label("worker", result.works)
-        labels.add("work", "worker", "works", range(len(result.works)), ["J"])
+        powers = series.of_kind("power")
+        found.label("source", _names(powers))
+        found.add("power", "source", powers, unit="W")
+        if powers := series.of_kind("nonconservative power"):
+            over, what = "nonconservative_source", "power of the forces without a potential"
+            found.add("nonconservative_power", over, powers, what)
+            found.label(over, _names(powers))
+        if energies := series.of_kind("energy"):
+            found.label("part", _names(energies))
+            found.add("energy", "part", energies)
+        _add_reactions(found, series.of_kind("reaction"))
+    _add_effects(found, series.of_kind("effect"))
+    if works := [row for row in series.of_kind("work") if row.element in result.works]:
+        found.label("worker", [row.element for row in works])
+        found.add("work", "worker", works)
     if points := description.tracked:
-        labels.label("place", points)
-        labels.label("axis", "xy")
-        for name, axes, unit in (
-            ("point", ("x", "y"), "m"),
-            ("point_velocity", ("vx", "vy"), "m/s"),
-        ):
-            columns = [[series.call("point", of, axis).column for axis in axes] for of in points]
-            labels.add(name, "place axis", "reaction", columns, [unit])
-    if switches := description.switches:
-        kinds = (row.kind for row in switches)
-        labels.label("switch", (row.title for row in switches), switch_kind=kinds)
-        every, holds = (
-            range(len(switches)),
-            "1: condition holds, 0: not, 2: its function stays at zero",
-        )
-        labels.add("mode", "switch", "modes", every, (), holds)
+        found.label("place", points)
+        found.label("axis", "xy")
+        for name, axes in ("point", ("x", "y")), ("point_velocity", ("vx", "vy")):
+            rows = [series.call("point", of, axis) for of in points for axis in axes]
+            found.add(name, "place axis", rows, shape=(len(points), 2))
+    if modes := series.of_kind("mode"):
+        kinds = [row.kind for row in description.switches]
+        found.label("switch", _names(modes), switch_kind=kinds)
+        holds = "1: condition holds, 0: not, 2: its function stays at zero"
+        found.add("mode", "switch", modes, holds, unit="")
         share = "share of the force of mode 1 where mode is 2"
-        labels.add("share", "switch", "share", every, ["1"], share)
-    return labels
+        found.add("share", "switch", series.of_kind("share"), share)
+    return xr.Dataset(found.data, coords=found.coords, attrs=result.about())
 
 
-def _add_reactions(labels: Labels, rows: Sequence[Series]) -> None:
+def _names(rows: Iterable[Series]) -> list[str]:
+    return [row.name for row in rows]
+
+
+def _add_reactions(found: Variables, rows: Sequence[Series]) -> None:
     """The reactions over joint and component."""
-    columns = {(row.element, row.component): row.column for row in rows}
+    table = {(row.element, row.component): row for row in rows}
     joints = dict.fromkeys(row.element for row in rows)
     units = {row.component: row.unit for row in rows}
-    labels.label("joint", joints)
-    labels.label("component", units, component_unit=units.values())
-    table = np.array([[columns.get((joint, one), -1) for one in units] for joint in joints])
+    found.label("joint", joints)
+    found.label("component", units, component_unit=units.values())
+    cells, shape = [table.get((a, b)) for a in joints for b in units], (len(joints), len(units))
     about = "first body on second, in joint axes, in component_unit"
-    labels.add(
-        "reaction", "joint component", "reaction", table.reshape(len(joints), len(units)), (), about
-    )
+    found.add("reaction", "joint component", cells, about, unit="", shape=shape)
 
 
-def _add_effects(labels: Labels, rows: Sequence[Series]) -> None:
+def _add_effects(found: Variables, rows: Sequence[Series]) -> None:
     """A variable for each quantity of effects, over time and effect; not a number of others."""
-    found: dict[str, dict[str, Series]] = {}  # quantity → label → series
+    of_quantity: dict[str, dict[str, Series]] = {}  # quantity → label → series
     for row in rows:
         label = f"{row.element}.{row.component}" if row.component else row.element
-        found.setdefault(row.quantity or "component", {})[label] = row
-    names = dict.fromkeys(name for parts in found.values() for name in parts)
-    if names:
-        labels.label("effect", names)
-    for quantity, parts in found.items():
-        units = {name: row.unit for name, row in parts.items()}
-        columns = [parts[name].column if name in parts else -1 for name in names]
-        labels.add(quantity, "effect", "reaction", columns, units.values())
-        if len({*units.values()}) > 1:
-            of_each = {f"{quantity}_unit": [units.get(name, "") for name in names]}
-            labels.label("effect", names, **of_each)
+        of_quantity.setdefault(row.quantity or "component", {})[label] = row
+    labels = dict.fromkeys(label for parts in of_quantity.values() for label in parts)
+    if labels:
+        found.label("effect", labels)
+    for quantity, parts in of_quantity.items():
+        found.add(quantity, "effect", [parts.get(label) for label in labels])
+        if len({row.unit for row in parts.values()}) > 1:
+            units = [parts[label].unit if label in parts else "" for label in labels]
+            found.label("effect", labels, **{f"{quantity}_unit": units})

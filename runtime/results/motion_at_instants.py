@@ -152,19 +152,25 @@ def _span(result: "Result", motion: Motion) -> tuple[float, float]:
     return first, float(result.t[-1]) if result.failed and len(result.t) else last
 
 
+def finite_numbers(given: Any) -> FloatArray | None:
+    """A number, or some in one dimension, (k,); None where any is none or not finite."""
+    try:
+        found = np.asarray(None if np.ma.is_masked(given) else given)
+    except (TypeError, ValueError):
+        return None
+    fits = found.dtype.kind in "iuf" and found.ndim < 2 and found.size > 0
+    return np.atleast_1d(found.astype(float)) if fits and np.isfinite(found).all() else None
+
+
 def _instants(title: str, t: Any) -> FloatArray:
     """Finite instants in any order, (k,)."""
-    try:
-        given = np.asarray(None if np.ma.is_masked(t) else t)
-    except (TypeError, ValueError):
-        given = np.asarray(None)
-    fits = given.dtype.kind in "iuf" and given.ndim < 2 and given.size > 0
-    if not fits or not np.isfinite(given).all():
+    found = finite_numbers(t)
+    if found is None:
         raise InputError(
             f"{title}: t is {shown(t)}; it must be an instant in s, or some of them in one "
             "dimension, all finite numbers."
         )
-    return np.atleast_1d(given.astype(np.float64))
+    return found
 
 
 def _on_side(result: "Result", motion: Motion, times: FloatArray, side: str | None) -> FloatArray:

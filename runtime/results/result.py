@@ -27,7 +27,7 @@ from runtime.results.run_records import (
     SingularPosition,
 )
 from runtime.results.samples import FloatArray, Partition, Samples, plain
-from runtime.results.series_lookup import TimeSeries
+from runtime.results.series_lookup import TimeSeries, html_of_result, text_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -348,22 +348,23 @@ class Result(TimeSeries):
 
     def facts(self) -> dict[str, Any]:
         """The run as JSON: model, scene, outcome, parameters, statistics, accuracy, joints."""
-        changes = [plain(change._asdict()) for change in self.reconnections]
-        return {
+        facts = {
             "model": self.description.model,
             "scene": self.description.scene,
             "analysis": self.analysis,
             "outcome": self.outcome.name,
             "message": self.message,
-            **({"site": self.site} if self.site else {}),
+            "site": self.site,
             "parameters": self.parameters,
             "stats": plain(self.stats),
             "not_unique": ", ".join(self.not_unique),
             "singular": [row.facts() for row in self.singular],
-            **({"accuracy": self.accuracy.facts()} if self.accuracy else {}),
-            **({"ended_by": self.ended_by} if self.ended_by else {}),
-            **({"reconnections": changes} if changes else {}),
+            "accuracy": self.accuracy and self.accuracy.facts(),
+            "ended_by": self.ended_by,
+            "reconnections": [plain(change._asdict()) for change in self.reconnections],
         }
+        rare = ("site", "accuracy", "ended_by", "reconnections")
+        return {name: fact for name, fact in facts.items() if fact or name not in rare}
 
     def about(self) -> dict[str, str]:
         """The run in texts, as files carry it: its facts, and the versions of programs."""
@@ -373,14 +374,10 @@ class Result(TimeSeries):
 
     def __repr__(self) -> str:
         """The headline, and what there is to look up."""
-        from runtime.results.result_display import text_of
-
         return text_of(self)
 
     def _repr_html_(self) -> str:
         """The same with a table of the coordinates, for notebooks."""
-        from runtime.results.result_display import html_of_result
-
         return html_of_result(self)
 
     @property

@@ -120,19 +120,14 @@ def require_plain(folder: Path) -> None:
 
 def _files(folder: Path) -> Iterator[Path]:
     """The files of a store; InputError where it has a link, which leads a library elsewhere."""
-    waiting = [folder]
-    while waiting:
-        with os.scandir(waiting.pop()) as entries:
-            for entry in entries:
-                if entry.is_symlink():
-                    raise InputError(
-                        f"{folder}: {Path(entry.path).relative_to(folder)} is a link, and a store "
-                        "has files of its own. It is not opened."
-                    )
-                if entry.is_dir():
-                    waiting.append(Path(entry.path))
-                else:
-                    yield Path(entry.path)
+    for path in folder.rglob("*"):
+        if path.is_symlink():
+            raise InputError(
+                f"{folder}: {path.relative_to(folder)} is a link, and a store has files of its "
+                "own. It is not opened."
+            )
+        if path.is_file():
+            yield path
 
 
 def _extensions(about: dict[str, Any]) -> Iterator[str]:

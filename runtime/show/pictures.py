@@ -12,11 +12,18 @@ import numpy.typing as npt
 
 from codegen.drawing.body_outlines import complete_picture
 from codegen.drawing.matplotlib_painter import figure
-from codegen.drawing.picture import Picture, Symbol, constant_or_all
+from codegen.drawing.picture import (
+    SAMPLES,
+    BodyLayout,
+    Layout,
+    Picture,
+    ShapeLayout,
+    Symbol,
+    constant_or_all,
+)
 from codegen.drawing.shapes import changed
 from codegen.errors import InputError
 from codegen.presentation import new_figure
-from runtime.mechanism.companion_modules import picture_at_states
 from runtime.mechanism.mechanism import Mechanism, sibling_named
 from runtime.results.motion_at_instants import for_curves
 
@@ -37,6 +44,35 @@ def draw_state(
     known = sibling_named(mechanism, getattr(state, "scene", "")) or mechanism
     at, q, v = np.array([state.t]), state.q[None, :], state.v[None, :]
     return figure(complete_picture(picture_at_states(known, p, at, q, v)).first, **drawing)
+
+
+def picture_at_states(
+    mechanism: Mechanism, p: FloatArray, t: FloatArray, q: FloatArray, v: FloatArray
+) -> Picture:
+    """The picture in motion at states, without outlines that follow from joints.
+
+    Parameters
+    ----------
+    mechanism
+        Its companion module is built where it is missing.
+    p : (np,)
+        Parameters, with or without the constants behind them.
+    t, q, v : (k,), (k, n), (k, n)
+        Instants in s, coordinates and velocities.
+    """
+    module = mechanism.companion("picture")
+    bodies = tuple(BodyLayout(*row) for row in module.BODIES)
+    rows = tuple(ShapeLayout(*row) for row in module.SHAPES)
+    layout = Layout(mechanism.title.replace("/", ", "), bodies, rows)
+    numbers = np.zeros((len(t), layout.size))
+    q, v = np.ascontiguousarray(q, dtype=float), np.ascontiguousarray(v, dtype=float)
+    for k in range(len(t)):
+        module.picture(float(t[k]), q[k], v[k], p, numbers[k])
+    points = np.zeros((SAMPLES, layout.curves, 2))
+    if layout.curves:
+        for k, alpha in enumerate(np.linspace(0.0, 2.0 * np.pi, SAMPLES)):
+            module.curves(alpha, p, points[k].reshape(-1))
+    return layout.picture(t, numbers, list(points.swapaxes(0, 1)))
 
 
 def draw_result(result: "Result", t: float | None, **drawing: Any) -> "Figure":

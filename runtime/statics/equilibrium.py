@@ -33,8 +33,8 @@ from runtime.statics.states_at_rest import (
     free_states,
     require_expressions,
 )
+from runtime.validation.arguments import parameter_values, require_masses
 from runtime.validation.finite_equations import left_tables, name_left_tables
-from runtime.validation.parameters import parameter_values, require_masses
 from runtime.validation.scene_support import (
     require_no_rigid,
     require_no_sticking,

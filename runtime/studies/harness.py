@@ -161,7 +161,7 @@ def read_simulation_arguments(
     usual = signature(Machine.simulate).parameters
     given = {name: value for name, value in run.items() if value is not usual[name].default}
     until = given.pop("until", None)
-    words = check(machine.mechanism, **given)
+    words = check(machine.mechanism, given)
     if until is not None:
         read_conditions(machine.description, until)
         words["until"] = until

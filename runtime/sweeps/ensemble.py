@@ -1,60 +1,60 @@
 """An ensemble: many runs of one machine in threads, by a compiled loop as far as that goes."""
 
-import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from contextlib import suppress
 from copy import copy
 from threading import Event
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from codegen.errors import InputError, LinkwrightError
+from codegen.readers.values import KindError, shown
 from codegen.termination_signals import SignalDeferral
+from runtime.core.arrays import Vector
 from runtime.core.outcomes import Outcome
 from runtime.dynamics.output_quantities import leave_out_unknown
 from runtime.dynamics.simulation import simulate_joints
 from runtime.mechanism.mechanism import Mechanism
+from runtime.mechanism.table_rows import unknown
 from runtime.progress_bar import Progress, silent
-from runtime.results.dataset import Labels, labels_of
+from runtime.results.dataset import dataset
 from runtime.results.result import Result
-from runtime.results.samples import Samples, require_memory, sample_bytes
+from runtime.results.samples import Samples, empty_samples, require_memory, sample_bytes
 from runtime.sweeps.ensemble_arrays import (
     DONE,
     LEFT,
     WAITING,
-    Columns,
-    FloatArray,
     Members,
     Preparation,
     Results,
-    forbidden_members,
     prepare,
-    read_members,
 )
 from runtime.sweeps.ensemble_loop import run_members
 
 if TYPE_CHECKING:
     import xarray as xr
 
+Columns = Mapping[str, npt.ArrayLike]
+"""Values by name: a number for all members, or an array with one for each, (r,)."""
 NOT_RUN = "not run"
 """The outcome of a member that an interruption left out."""
 _BLOCK = 32  # measured: members that a thread takes at a time, at most
 _SHARES = 8  # safety: blocks for each thread, so that all end at about the same time
-_FIRST_STEPS = 512  # measured: trial steps of the first call of the compiled loop
-_MOST_STEPS = 1 << 20  # safety: of any call
-_CALL_SECONDS = 0.05  # measured: s between two returns to Python, for progress and interrupts
+# measured: trial steps of a call of the compiled loop, which takes milliseconds up to tenths of a
+# second; behind it threads look whether they are to stop
+_STEPS = 4096
 _LOOK = 0.1  # measured: s between two looks at the threads
 _TRIED = 64  # safety: members of which the compiled loop must finish a part, to be gone on with
-_MOST_LEFT = (
-    0.8  # measured: part of them that is left to single runs, from which on it does not pay
-)
+# measured: part of them that is left to single runs, from which on it does not pay
+_MOST_LEFT = 0.8
 _MEGABYTE = 1e6  # formula: bytes of a megabyte
 
 
 def run_ensemble(
-    mechanism: Mechanism, t_end: float, times: FloatArray, parameters: Columns | None,
+    mechanism: Mechanism, t_end: float, times: Vector, parameters: Columns | None,
     starts: Columns | None, threads: int, max_bytes: int, progress: Progress, **options: Any,
 ) -> "xr.Dataset":  # fmt: skip
     """One row a member; see `Machine.ensemble`. `options` are those of `simulate`."""
@@ -73,40 +73,104 @@ def run_ensemble(
         )
     require_memory(title, what, needed, "Take fewer instants or runs.")
     runs = Runs(mechanism, t_end, members, times, options)
-    try:
-        first = runs.make_pattern()
-        make_runs(runs, first, threads, progress)
-    except KeyboardInterrupt:
-        pass  # members that were not run say so
+    with suppress(KeyboardInterrupt):  # members that were not run say so
+        make_runs(runs, runs.make_pattern(), threads, progress)
     return runs.dataset()
 
 
+def read_members(
+    mechanism: Mechanism, parameters: Columns | None, starts: Columns | None
+) -> Members:
+    """The members; raises InputError with every name, shape, length and value that misfits."""
+    description = mechanism.description
+    states = (*description.coordinates.names, *(row.velocity for row in description.coordinates))
+    problems, lengths = list[str](), dict[str, int]()
+    found = dict[str, Vector](), dict[str, Vector]()
+    for columns, argument, kind, given, names in (
+        (found[0], "parameters", "parameter", parameters, description.parameters.names),
+        (found[1], "starts", "coordinate or velocity", starts, states),
+    ):
+        if given is not None and not isinstance(given, Mapping):
+            problems.append(f"{argument} is {shown(given)}; it must be arrays by name.")
+            continue
+        for name, values in (given or {}).items():
+            label = f"{argument}[{name!r}]"
+            try:
+                if name not in names:
+                    raise KindError(unknown(kind, name, names))
+                columns[name] = column = _column(values)
+                lengths |= {label: len(column)} if column.ndim else {}
+            except KindError as misfit:
+                problems.append(f"{label}: {misfit}")
+    if len({*lengths.values()}) > 1:
+        named = ", ".join(f"{label} has {length}" for label, length in lengths.items())
+        problems.append(
+            f"the arrays disagree on the number of members: {named}. Give them one length."
+        )
+    if not lengths and not problems:
+        problems.append(
+            "no array says how many members there are: give at least one parameter or start value "
+            "as an array, one value a member."
+        )
+    if problems:
+        raise InputError([f"{mechanism.title}: ensemble: {problem}" for problem in problems])
+    count = next(iter(lengths.values()))
+    whole = ({k: np.broadcast_to(x, (count,)) for k, x in columns.items()} for columns in found)
+    return Members(count, *whole)
+
+
+def _column(values: npt.ArrayLike) -> Vector:
+    """A number or one dimension of finite ones; KindError says what is wrong with it."""
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError):
+        array = np.asarray(None)
+    if array.dtype.kind not in "iuf":
+        raise KindError(f"{shown(values)}; it must be numbers.")
+    if array.ndim > 1 or array.size == 0:
+        raise KindError(
+            f"the shape is {array.shape}; it must be a number, or one number a member, (runs,)."
+        )
+    column = array.astype(np.float64)
+    wrong = np.flatnonzero(~np.isfinite(column))
+    if len(wrong):
+        raise KindError(
+            f"{column.flat[wrong[0]]:g} in member {wrong[0]}, and not finite in {len(wrong)} of "
+            f"{column.size}; give finite numbers."
+        )
+    return column
+
+
 class Runs:
-    """The runs so far, over run, time and their own dimensions, and how one is made singly."""
+    """The samples of all members, (r, k, ...), and how one of them is made singly."""
 
     def __init__(
-        self, mechanism: Mechanism, t_end: float, members: Members, times: FloatArray,
+        self, mechanism: Mechanism, t_end: float, members: Members, times: Vector,
         options: Mapping[str, Any],
     ) -> None:  # fmt: skip
         self.mechanism, self.t_end, self.options = mechanism, t_end, options
-        self.members, self.times, count = members, times, members.count
-        self.outcomes, self.messages = [NOT_RUN] * count, [""] * count
-        # What the compiled loop says of its members: see `ensemble_arrays.Results`.
-        self.status, self.steps, self.events, self.logged = np.zeros((4, count), np.int64)
-        self.status[forbidden_members(mechanism, members)] = LEFT  # to a run, which says why
-        self.unresolved = np.zeros((0, 0, 0))
-        self.placed = np.zeros(count, np.bool_)  # whether a member's row is that of the loop
-        self.made: Preparation | None = None  # what the compiled loop takes
+        self.members, self.times, self.shape = members, times, (members.count, len(times))
+        self.outcomes, self.messages = [NOT_RUN] * members.count, [""] * members.count
+        every = empty_samples(mechanism.description, members.count * len(times))
+        samples = Samples._make(x.reshape(*self.shape, *x.shape[1:]) for x in every)
+        status, steps, events, logged = np.zeros((4, members.count), np.int64)
+        unresolved = np.zeros((members.count, samples.modes.shape[2], 4))
+        self.results = Results(samples, status, steps, events, logged, unresolved)
+        for name, column in members.parameters.items():
+            sign = mechanism.description.parameters[name].sign
+            if sign:  # of another sign it is left to a run, which says so
+                status[column <= 0.0 if sign == "positive" else column < 0.0] = LEFT
+        self.reached = np.zeros(self.shape, np.bool_)  # whether a row has numbers
+        self.works: dict[str, Vector] = {}  # (r, k)
         self.first: Result | None = None  # of the runs, which share its labels
-        self.labels = Labels([], {})
-        self.arrays: dict[str, FloatArray] = {}  # of each variable, (runs, k, ...)
+        self.made: Preparation | None = None  # what the compiled loop takes
 
     def make(self, run: int, progress: Progress = silent) -> Result | None:
         """Make the run of a member by `simulate`; None where it is refused.
 
         Raises KeyboardInterrupt where the run was interrupted; its row is kept.
         """
-        parameters, start = (values or None for values in self.members.of(run))
+        parameters, start = self.members.of(run)
         try:
             result = simulate_joints(
                 self.mechanism, self.t_end, self.times, parameters=parameters, start=start,
@@ -115,7 +179,19 @@ class Runs:
         except LinkwrightError as error:
             self.outcomes[run], self.messages[run] = type(error).__name__, str(error)
             return None
-        self.take(run, result)
+        if self.first is None:
+            self.first, nothing = result, np.full(self.shape, np.nan)
+            self.works = {name: nothing.copy() for name in result.works}
+        # the last state of a run that ended early is none of the instants
+        at = np.minimum(np.searchsorted(self.times, result.t), len(self.times) - 1)
+        kept = self.times[at] == result.t
+        for all_rows, rows in zip(self.results.samples, result.samples, strict=True):
+            all_rows[run, at[kept]] = rows[kept]
+        for name, work in result.works.items():
+            self.works[name][run, at[kept]] = work[kept]
+        self.reached[run, at[kept]] = True
+        self.results.events[run] = len(result.events)
+        self.outcomes[run], self.messages[run] = str(result.outcome), result.message
         if result.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
         return result
@@ -130,74 +206,40 @@ class Runs:
                 return run + 1
         return self.members.count
 
-    def take(self, run: int, result: Result) -> None:
-        """Copy a run's variables up to the last of the instants that it reached."""
-        if self.first is None:  # make room for the variables of all runs, which have its form
-            count, self.first, self.labels = self.members.count, result, labels_of(result)
-            for row in self.labels.variables:
-                rest = row.values(result).shape[1:]
-                self.arrays[row.name] = np.empty((count, len(self.times), *rest))
-            self.unresolved = np.zeros((count, result.samples.modes.shape[1], 4))
-        # the last state of a run that ended early is none of the instants
-        at = np.minimum(np.searchsorted(self.times, result.t), len(self.times) - 1)
-        kept = self.times[at] == result.t
-        for row in self.labels.variables:
-            array = self.arrays[row.name]
-            array[run] = np.nan
-            array[run, at[kept]] = row.values(result)[kept]
-        self.events[run] = len(result.events)
-        self.outcomes[run], self.messages[run] = str(result.outcome), result.message
-
-    def place(self, first: int, done: npt.NDArray[np.bool_], samples: Samples) -> None:
-        """Copy the variables of the members from `first` on that are `done`, (b,).
-
-        `samples` are those of a block, (b, k, ...), of which the first rows are these members.
-        """
-        whole, count, last = copy(cast(Result, self.first)), len(done), first + len(done)
-        columns = (
-            array[:count].reshape(count * len(self.times), *array.shape[2:]) for array in samples
-        )
-        whole.samples = Samples(*cast(Any, columns))
-        leave_out_unknown(whole.description, whole.samples)
-        chosen: Any = slice(None) if done.all() else done
-        for row in self.labels.variables:
-            values = row.values(whole)
-            values = values.reshape(count, len(self.times), *values.shape[1:])
-            self.arrays[row.name][first:last][chosen] = values[chosen]
-        self.placed[first:last] = done
-
     def dataset(self) -> "xr.Dataset":
-        """All rows with their outcomes, messages and the values that were given.
-
-        Members without a run are no numbers, and have no events.
-        """
+        """All rows with their outcomes, messages and the values that were given."""
         import xarray as xr
 
-        made = self.made
-        for run in np.flatnonzero(self.placed).tolist() if made else ():
-            self.outcomes[run] = str(Outcome.OK)
-            self.messages[run] = cast(Preparation, made).message(
-                int(self.steps[run]), self.members.of(run)[1], self.unresolved[run],
-                int(self.logged[run]),
-            )  # fmt: skip
-        without = np.array([said not in Outcome.__members__ for said in self.outcomes])
-        self.events[without] = 0
-        for array in self.arrays.values():
-            array[without] = np.nan
+        results, members = self.results, self.members
+        if self.made is not None:
+            done = results.status == DONE
+            self.reached[done] = True
+            for run in np.flatnonzero(done).tolist():
+                self.outcomes[run] = str(Outcome.OK)
+                self.messages[run] = self.made.message(results, run, members.of(run)[1])
         variables: dict[str, Any] = {
             "outcome": ("run", np.array(self.outcomes, dtype=np.str_)),
             "message": ("run", np.array(self.messages, dtype=np.str_)),
-            "event_count": ("run", self.events, {"units": "1"}),
+            "event_count": ("run", results.events, {"units": "1"}),
         }
-        given = ("parameter", self.members.parameters), ("start", self.members.starts)
-        for kind, columns in given:
+        for kind, columns in ("parameter", members.parameters), ("start", members.starts):
             variables |= {f"{kind}_{name}": ("run", column) for name, column in columns.items()}
-        for row in self.labels.variables:
-            variables[row.name] = ("run", *row.dims), self.arrays[row.name], row.about
         coords: dict[str, Any] = {
-            "run": np.arange(self.members.count), "time": ("time", self.times, {"units": "s"})
+            "run": np.arange(members.count), "time": ("time", self.times, {"units": "s"})
         }  # fmt: skip
-        return xr.Dataset(variables, coords=coords | self.labels.coords)
+        if self.first is not None:
+            whole, size = copy(self.first), self.reached.size
+            whole.samples = Samples._make(x.reshape(size, *x.shape[2:]) for x in results.samples)
+            whole.works = {name: work.ravel() for name, work in self.works.items()}
+            leave_out_unknown(whole.description, whole.samples)
+            data = dataset(whole)
+            coords = {**data.coords.variables, **coords}
+            for name, variable in data.data_vars.items():
+                values = variable.values.astype(np.float64, copy=False)
+                values[~self.reached.ravel()] = np.nan
+                values = values.reshape(*self.shape, *values.shape[1:])
+                variables[str(name)] = ("run", *variable.dims), values, variable.attrs
+        return xr.Dataset(variables, coords=coords)
 
 
 def make_runs(runs: Runs, first: int, threads: int, progress: Progress) -> None:
@@ -223,75 +265,54 @@ def make_runs(runs: Runs, first: int, threads: int, progress: Progress) -> None:
         if threads == 1:
             workers[0].run(blocks, tell)
         else:
-            _run_all(workers, blocks, tell, stopped)
+            with ThreadPoolExecutor(threads, "ensemble") as pool:
+                running = {pool.submit(worker.run, blocks) for worker in workers}
+                try:
+                    while running:
+                        done, running = wait(running, _LOOK, FIRST_COMPLETED)
+                        tell()
+                        for future in done:
+                            future.result()
+                finally:
+                    stopped.set()
     if signals.answered:
         raise KeyboardInterrupt
-
-
-def _run_all(
-    workers: list["Worker"], blocks: Iterator[int], tell: Callable[[], None], stopped: Event
-) -> None:
-    """Let each worker run in a thread; what one raises ends all."""
-    with ThreadPoolExecutor(len(workers), "ensemble") as pool:
-        running = {pool.submit(worker.run, blocks) for worker in workers}
-        try:
-            while running:
-                done, running = wait(running, _LOOK, FIRST_COMPLETED)
-                tell()
-                for future in done:
-                    future.result()
-        finally:
-            stopped.set()
 
 
 class Worker:
     """Makes runs in one thread, by the compiled loop as far as that goes."""
 
     def __init__(self, runs: Runs, size: int, stopped: Event) -> None:
-        self.runs, self.size, self.stopped = runs, size, stopped
-        self.made, self.steps, self.tried, self.left = runs.made, _FIRST_STEPS, 0, 0
+        self.runs, self.size, self.stopped, self.made = runs, size, stopped, runs.made
+        self.tried = self.left = 0  # by the compiled loop, to single runs
         self.ended = 0  # members with a row
         if self.made is not None:
             self.own, self.pointed_to = self.made.own()
-            cubes = (np.zeros((size, *field.shape)) for field in self.own.samples)
-            counts = runs.status, runs.steps, runs.events, runs.logged, runs.unresolved
-            self.results = Results(Samples(*cubes), *counts)
 
     def run(self, blocks: Iterator[int], tell: Callable[[], None] = lambda: None) -> None:
         """Make the runs of blocks that nobody else has taken."""
         for first in blocks:
             last = min(first + self.size, self.runs.members.count)
-            status = self.runs.status[first:last]
-            try:
-                self._run_compiled(first, last, tell)
-            finally:
-                if (status == DONE).any():
-                    self.runs.place(first, status == DONE, self.results.samples)
+            self._run_compiled(first, last, tell)
             for run in range(first, last):
                 if self.stopped.is_set():
                     return
-                if self.runs.status[run] in (WAITING, LEFT):
+                if self.runs.results.status[run] in (WAITING, LEFT):
                     self.runs.make(run, self._look)
                     self.ended += 1
                     tell()
 
     def _run_compiled(self, first: int, last: int, tell: Callable[[], None]) -> None:
         """Make as many runs of a block as the compiled loop can; others are LEFT or WAITING."""
-        made, at, status = self.made, first, self.runs.status
+        made, at, results = self.made, first, self.runs.results
         if made is None:
             return
         while at < last and not self.stopped.is_set():
-            began, before = time.perf_counter(), at
-            at = run_members(made.common, self.own, self.results, first, at, last, self.steps)
-            took = time.perf_counter() - began
-            if took < 0.5 * _CALL_SECONDS:
-                self.steps = min(2 * self.steps, _MOST_STEPS)
-            elif took > _CALL_SECONDS:
-                self.steps = max(1, self.steps // 2)
-            self.ended += int((status[before:at] != LEFT).sum())
+            before, at = at, run_members(made.common, self.own, results, at, last, _STEPS)
+            self.ended += int((results.status[before:at] != LEFT).sum())
             tell()
         self.tried += last - first
-        self.left += int((status[first:last] == LEFT).sum())
+        self.left += int((results.status[first:last] == LEFT).sum())
         if self.tried >= _TRIED and self.left > _MOST_LEFT * self.tried:
             self.made = None  # a scene of which single runs make most members anyway
 

@@ -31,6 +31,7 @@ from runtime.mechanism.typical_sizes import (
     write_mobility,
     write_scale,
 )
+from runtime.results.samples import Samples
 from runtime.sweeps.ensemble_arrays import COMMON, DONE, LEFT, OWN, RESULTS, WAITING
 
 _KNOTS = int(KNOTS)
@@ -53,9 +54,9 @@ def take_values(common: Any, own: Any, run: int) -> bool:
     constants_of(own.table)(own.p)
     conditions_of(own.table)(own.p, own.numbers)
     for c in range(common.first.size):
-        number, low = own.numbers[common.first[c]], common.low[c]
-        enough = np.isnan(low) or number > low or (number == low and common.beyond[c] == 0)
-        if not enough or not (np.isnan(common.high[c]) or number <= common.high[c]):
+        number, low, high = own.numbers[common.first[c]], common.bounds[c, 0], common.bounds[c, 1]
+        enough = np.isnan(low) or number > low or (number == low and common.bounds[c, 2] == 0.0)
+        if not enough or not (np.isnan(high) or number <= high):
             return False
     return True
 
@@ -101,9 +102,9 @@ def prepare_run(common: Any, own: Any, run: int) -> bool:
 
 
 @inner
-def take_samples(own: Any) -> bool:
+def take_samples(own: Any, samples: Any) -> bool:
     """Take over the states of the run; whether a function stays at zero in one of them."""
-    context, samples, sliding = own.table, own.samples, False
+    context, sliding = own.table, False
     n = own.q.size
     for i in range(samples.t.size):
         samples.t[i] = context.out_times[i]
@@ -119,9 +120,9 @@ def take_samples(own: Any) -> bool:
 
 
 @inner
-def is_beyond_doubt(common: Any, own: Any, unresolved: Any) -> bool:
+def is_beyond_doubt(common: Any, own: Any, samples: Any, unresolved: Any) -> bool:
     """Whether no check at the end may contradict a run, whose `unresolved` events are counted."""
-    r, samples, context, n = run_record(own.table), own.samples, own.table, own.q.size
+    r, context, n = run_record(own.table), own.table, own.q.size
     if own.phi.size > 0 and exceed_bound(
         context, samples.t, samples.q, samples.residual, own.p, own.sizes, common.part, own.slopes
     ):
@@ -153,37 +154,19 @@ def is_beyond_doubt(common: Any, own: Any, unresolved: Any) -> bool:
 
 
 @inner
-def store(own: Any, results: Any, run: int) -> None:
-    """Copy the samples of a run into the row `run` of its block."""
-    mine, rows = own.samples, results.samples
-    for i in range(mine.t.size):
-        rows.t[run, i] = mine.t[i]
-        copy_vector(mine.q[i], rows.q[run, i])
-        copy_vector(mine.v[i], rows.v[run, i])
-        copy_vector(mine.a[i], rows.a[run, i])
-        copy_vector(mine.lam[i], rows.lam[run, i])
-        copy_vector(mine.reaction[i], rows.reaction[run, i])
-        copy_vector(mine.power[i], rows.power[run, i])
-        copy_vector(mine.energy[i], rows.energy[run, i])
-        copy_vector(mine.residual[i], rows.residual[run, i])
-        copy_vector(mine.modes[i], rows.modes[run, i])
-        copy_vector(mine.share[i], rows.share[run, i])
-
-
-@inner
-def finish_run(common: Any, own: Any, results: Any, run: int, block: int) -> bool:
+def finish_run(common: Any, own: Any, results: Any, run: int) -> bool:
     """Compute the outputs of a run that has reached its end; false where it calls for more."""
-    r, samples = run_record(own.table), own.samples
+    r, rows = run_record(own.table), results.samples
+    samples = Samples(
+        rows.t[run], rows.q[run], rows.v[run], rows.a[run], rows.lam[run], rows.reaction[run],
+        rows.power[run], rows.energy[run], rows.residual[run], rows.modes[run], rows.share[run],
+    )  # fmt: skip
     if r.t != r.t_end or r.samples != samples.t.size:
         return False
     if r.unlimited != 0 and np.isfinite(r.limit):
         return False
-    sliding = take_samples(own)
+    sliding = take_samples(own, samples)
     samples.share[:, :] = np.nan
-    samples.a[:, :] = 0.0
-    samples.lam[:, :] = 0.0
-    samples.reaction[:, :] = 0.0
-    samples.power[:, :] = 0.0
     begin = own.start
     evaluate_samples(
         own.table, samples, own.p, own.modes, begin.slope_rows, begin.slope_columns, own.slopes,
@@ -196,9 +179,8 @@ def finish_run(common: Any, own: Any, results: Any, run: int, block: int) -> boo
         )  # fmt: skip
     unresolved = results.unresolved[run]
     unresolved[:, :] = 0.0
-    if not is_beyond_doubt(common, own, unresolved):
+    if not is_beyond_doubt(common, own, samples, unresolved):
         return False
-    store(own, results, run - block)
     results.steps[run], results.logged[run] = r.steps, r.logged_events
     table, kinds = own.table, own.table.event_kinds
     results.events[run] = 0
@@ -207,13 +189,9 @@ def finish_run(common: Any, own: Any, results: Any, run: int, block: int) -> boo
     return True
 
 
-@unlocked(i8(COMMON, OWN, RESULTS, i8, i8, i8, i8))
-def run_members(
-    common: Any, own: Any, results: Any, block: Any, first: Any, last: Any, budget: Any
-) -> int:
+@unlocked(i8(COMMON, OWN, RESULTS, i8, i8, i8))
+def run_members(common: Any, own: Any, results: Any, first: Any, last: Any, budget: Any) -> int:
     """Run the waiting members from `first` up to `last`, with so many trial steps in all, about.
-
-    Their block begins with the member `block`.
 
     Answers with the member to go on with, which may have begun; `last` where there is none.
     """
@@ -230,7 +208,7 @@ def run_members(
                 has_room = r.logged_events + 3 * s <= own.table[ft.EVENT_ROWS]
                 if code == Signal.GOING and has_room:
                     return int(run)
-                going = code == Outcome.OK and finish_run(common, own, results, run, block)
+                going = code == Outcome.OK and finish_run(common, own, results, run)
                 budget -= min(budget - 1, r.steps + r.rejected)
             results.status[run] = DONE if going else LEFT
         own.begun[0] = -1

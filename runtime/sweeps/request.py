@@ -212,6 +212,7 @@ def evaluate_members(machine: Machine, request: Request, points: FloatArray) -> 
 def _evaluate_member(
     machine: Machine, request: Request, point: FloatArray, numbers: FloatArray, series: FloatArray
 ) -> tuple[str, str]:
+    """Run a member, and write what its row keeps; its outcome and message."""
     try:
         result = run_member(machine, request, point)
     except LinkwrightError as error:
@@ -219,13 +220,6 @@ def _evaluate_member(
     except FAILURES as error:
         outcome = MEMORY if isinstance(error, MemoryError) else ERROR
         return outcome, f"{type(error).__name__}: {error}"
-    return _read_result(result, request, numbers, series)
-
-
-def _read_result(
-    result: Result, request: Request, numbers: FloatArray, series: FloatArray
-) -> tuple[str, str]:
-    """Write what a row keeps of a result; its outcome and message."""
     if result.outcome is Outcome.INTERRUPTED:
         raise KeyboardInterrupt  # the wish to stop is no outcome of a member
     outcome, notes = result.outcome.name, [result.message]
@@ -358,12 +352,8 @@ def _class(value: type) -> tuple[tuple[Any, ...], Iterable[Any]]:
 
 def _bare(value: Any) -> Any:
     """A field of a class without the object that makes it a method, or an attribute."""
-    if isinstance(value, staticmethod | classmethod):
-        return value.__func__
-    if isinstance(value, property):
-        return value.fget, value.fset
-    if isinstance(value, cached_property):
-        return value.func
+    if isinstance(value, staticmethod | classmethod | property | cached_property):
+        return [getattr(value, name, None) for name in ("__func__", "fget", "fset", "func")]
     return None if inspect.ismemberdescriptor(value) else value  # of a slot
 
 

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from codegen.errors import InputError
 from codegen.object_display import counted
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from runtime.sweeps.execution import Execution
     from runtime.sweeps.study import Study
 
 
@@ -41,7 +39,7 @@ def statistics_of(study: "Study", shares: Sequence[float]) -> "pd.DataFrame":
     for name in study.quantities:
         values = study.data[name].values
         known = values[np.isfinite(values)]
-        row = {"unit": study.data[name].attrs.get("units", ""), "runs": len(known)}
+        row = {"unit": study.unit(name), "runs": len(known)}
         if len(known):
             row |= {"mean": known.mean(), "sd": known.std(ddof=1) if len(known) > 1 else np.nan}
             row |= {"min": known.min(), "max": known.max()}
@@ -97,8 +95,8 @@ def _analyzed(method: str, *data: Any, seed: int, **words: Any) -> dict[str, Any
     return dict(found)
 
 
-def sentences_of(study: "Study", execution: "Execution | None") -> Iterator[str]:
-    """Outcomes, extremes of the quantities, the first failures, and the time."""
+def sentences_of(study: "Study", note: str) -> Iterator[str]:
+    """Outcomes, extremes of the quantities, the first failures, and a note on the execution."""
     known = FAILED_TO_RUN | {one.name: one.meaning for one in Outcome}
     for outcome, count in study.outcomes.items():
         meaning = known.get(outcome, "not run yet").rstrip(".")
@@ -113,19 +111,14 @@ def sentences_of(study: "Study", execution: "Execution | None") -> Iterator[str]
         if not np.isfinite(values).any():
             continue
         low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
-        unit = study.data[name].attrs.get("units", "")
-        yield (
-            f"{name}: from {values[low]:.6g} (run {low}) to {values[high]:.6g} {unit}".rstrip()
-            + f" (run {high})"
-        )
-    if execution is not None:
-        lost = f"; {counted(execution.lost, 'lost worker')} replaced" if execution.lost else ""
-        yield f"{counted(execution.runs, 'run')} in {execution.seconds:.1f} s{lost}"
+        text = f"{name}: from {values[low]:.6g} (run {low}) to {values[high]:.6g}"
+        yield f"{text} {study.unit(name)}".rstrip() + f" (run {high})"
+    if note:
+        yield note
     if not study.complete:
         yield "Stopped before the end. Go on with the same request and --resume (resume=True)."
 
 
-FloatArray = npt.NDArray[np.float64]
 MAP = "viridis"
 _MOST_LINES = 2000  # layout: runs that parallel axes draw, at equal distances of all
 FAILED = "#b23a48"
@@ -150,17 +143,12 @@ def figure(study: "Study", quantity: str) -> "Figure":
 
 
 def _label(study: "Study", name: str) -> str:
-    unit = study.data[name].attrs.get("units", "")
-    return f"{name} ({unit})" if unit else name
-
-
-def _columns(study: "Study", *names: str) -> tuple[FloatArray, ...]:
-    return tuple(np.asarray(study.data[name].values, dtype=float) for name in names)
+    return f"{name} ({study.unit(name)})" if study.unit(name) else name
 
 
 def _curve(axes: "Axes", study: "Study", quantity: str) -> None:
     (name,) = study.factors
-    x, y = _columns(study, name, quantity)
+    x, y = study.data[name].values, study.data[quantity].values
     order = np.argsort(x)
     sampled = not study.facts()["design"]["axes"]
     axes.plot(x[order], y[order], "." if sampled else ".-", color="#1f6fb2", markersize=4)
@@ -175,7 +163,7 @@ def _curve(axes: "Axes", study: "Study", quantity: str) -> None:
 
 def _map(axes: "Axes", study: "Study", quantity: str) -> None:
     first, second = study.factors
-    x, y, z = _columns(study, first, second, quantity)
+    x, y, z = (study.data[name].values for name in (first, second, quantity))
     missing = ~np.isfinite(z)
     shown: Any
     if study.facts()["design"]["axes"]:
@@ -197,7 +185,7 @@ def _parallel(axes: "Axes", study: "Study", quantity: str) -> None:
     from matplotlib.collections import LineCollection
 
     names = (*study.factors, quantity)
-    table = np.stack(_columns(study, *names), axis=1)
+    table = np.stack([study.data[name].values for name in names], axis=1)
     table = table[np.isfinite(table[:, -1])]
     step = -(-len(table) // _MOST_LINES)
     table = table[::step]

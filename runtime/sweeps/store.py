@@ -32,6 +32,10 @@ FORMAT = 4  # of the attributes below
 _ATTRIBUTES = "linkwright_sweep"
 _LONGEST = 200  # safety: bytes of a folder's name; file systems permit 255
 _POINTS = 1 << 17  # layout: values of a factor in one chunk
+TASK_SECONDS = 3.0  # measured: of runs in a task, beside which handing out and writing is little
+CHUNK_BYTES = 64 << 20  # safety: of rows in a file, which a process has in memory twice
+MOST_CHUNKS = 10_000  # safety: files of a column
+TASKS_A_WORKER = 8  # measured: at least, so that the last ones end together
 _UNREADABLE = (OSError, ValueError, RuntimeError, TypeError)
 """What Zarr raises for a file that a power cut has cut short."""
 
@@ -234,9 +238,10 @@ def create_store(
     units = {**units, LAST: "s", TIME: "s"}
 
     def create(
-        name: str, kind: Any = "float64", dims: tuple[str, ...] = (RUN,),
-        chunks: tuple[int, ...] = (chunk,), shape: tuple[int, ...] = (runs,), **labels: str,
+        name: str, *dims: str, kind: Any = "float64", chunk: int = chunk, **labels: str
     ) -> Any:  # fmt: skip
+        sizes = {RUN: (runs, chunk), TIME: (instants, instants)}
+        shape, chunks = zip(*(sizes[dim] for dim in dims), strict=True)
         labels |= {"units": units[name]} if units.get(name) else {}
         return group.create_array(
             stored_name(name), shape=shape, dtype=kind, fill_value="" if kind is str else np.nan,
@@ -247,22 +252,42 @@ def create_store(
         where = Path(folder, "store")
         group = require_zarr().create_group(where, zarr_format=3, attributes=attributes)
         for name, column in zip(request.factors, points.T, strict=True):
-            create(name, chunks=(min(runs, _POINTS),))[:] = column
+            create(name, RUN, chunk=min(runs, _POINTS))[:] = column
         for name, given in request.quantities.items():
-            create(name, quantity=given if isinstance(given, str) else name)
-        create(OUTCOME, str)
-        create(MESSAGE, str)
-        create(LAST)
+            create(name, RUN, quantity=given if isinstance(given, str) else name)
+        create(OUTCOME, RUN, kind=str)
+        create(MESSAGE, RUN, kind=str)
+        create(LAST, RUN)
         if request.series:
-            times = np.linspace(request.t_start, request.t_end, instants)
-            create(TIME, dims=(TIME,), chunks=(instants,), shape=(instants,))[:] = times
+            create(TIME, TIME)[:] = np.linspace(request.t_start, request.t_end, instants)
         for name in request.series:
-            create(name, dims=(RUN, TIME), chunks=(chunk, instants), shape=(runs, instants))
+            create(name, RUN, TIME)
         flush_folder(where)  # before a name that leads to it is there
         try:
             where.rename(path)
         except OSError:
             raise InputError(f"{path} exists by now: another program has written it.") from None
+
+
+def file_sizes(runs: int, seconds: float, workers: int, row: int) -> tuple[int, int]:
+    """Runs of a task, and of a file, which has one task or more.
+
+    A task takes seconds, each worker gets several, and its rows fit in memory; `seconds` is the
+    time of a run, `row` the bytes of its row. Of many slow runs a file has several tasks.
+    """
+    by_time = TASK_SECONDS / max(seconds, 1e-6)
+    by_share = runs / (TASKS_A_WORKER * max(workers, 1))
+    most = max(1, min(runs, CHUNK_BYTES // max(row, 1)))
+    size = max(1, min(most, math.ceil(min(by_time, by_share))))
+    return size, min(most, max(size, math.ceil(runs / MOST_CHUNKS)))
+
+
+def tasks_of(runs: Integers, chunk: int, size: int) -> list[range]:
+    """Runs as ranges of at most `size`, each of one file of `chunk` runs."""
+    places = runs // chunk * chunk + runs % chunk // size
+    cuts = np.flatnonzero((np.diff(runs) != 1) | (np.diff(places) != 0)) + 1
+    parts = np.split(runs, cuts) if len(runs) else []
+    return [range(int(part[0]), int(part[-1]) + 1) for part in parts]
 
 
 @contextmanager

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from runtime.results.result import Result
-    from runtime.sweeps.execution import Execution
 
 NOT_RUN = "NOT RUN"  # outcome of a member that is not made
 
@@ -47,10 +46,10 @@ class Study:
 
     def __init__(
         self, path: Path, machine: Machine | None = None, request: Request | None = None,
-        execution: "Execution | None" = None,
+        note: str = "",
     ) -> None:  # fmt: skip
         self._store = open_store(path)
-        self.path, self._machine, self._execution = path, machine, execution
+        self.path, self._machine, self._note = path, machine, note
         self._request = request or self._store.request
         self.factors: tuple[str, ...] = self._request.factors
         self.quantities: tuple[str, ...] = tuple(self._request.quantities)
@@ -130,6 +129,10 @@ class Study:
         """A column by its name: over the factors of a grid, else over the runs."""
         name = self._column(name, [str(one) for one in self.data.variables])
         return self.grid[name] if self._store.about.design.axes else self.data[name]
+
+    def unit(self, name: str) -> str:
+        """The unit of a factor or quantity, "" where it has none."""
+        return str(self.data[name].attrs.get("units", ""))
 
     def point(self, run: int) -> dict[str, float]:
         """The values of the factors of a run, by name, in their units."""
@@ -236,7 +239,7 @@ class Study:
         """What became of the runs."""
         from runtime.sweeps.statistics import sentences_of
 
-        return tuple(sentences_of(self, self._execution))
+        return tuple(sentences_of(self, self._note))
 
     def __repr__(self) -> str:
         """Model, design and outcomes."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from codegen.errors import InputError, LinkwrightError, UnknownNameError
+from codegen.object_display import counted
 from codegen.readers import arguments as readers
 from codegen.readers.values import KindError
 from runtime.integrate.method import IMPLICIT
@@ -28,7 +29,7 @@ from runtime.studies.harness import (
 )
 from runtime.studies.quantity import Function, declared_unit
 from runtime.sweeps.design import Design, FloatArray, read_design
-from runtime.sweeps.execution import Execution, execute, file_sizes, tasks_of
+from runtime.sweeps.execution import ClusterWorkers, LocalWorkers, Pool, execute
 from runtime.sweeps.request import (
     MEMORY,
     Request,
@@ -40,13 +41,14 @@ from runtime.sweeps.request import (
 from runtime.sweeps.store import (
     Integers,
     create_store,
+    file_sizes,
     name_problems,
     open_store,
     require_zarr,
     store_lock,
+    tasks_of,
 )
 from runtime.sweeps.study import Study
-from runtime.sweeps.workers import ClusterWorkers, LocalWorkers, Pool, pickled_job
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -187,19 +189,40 @@ def sweep(
     if problems and path.exists():  # nothing is loaded or compiled for a store that stays
         raise InputError(problems)
     machine = load(model, scene, folder=folder, generated=generated)
-    settings = {
-        "accuracy": accuracy, "method": method, "formulation": formulation, "rtol": rtol, **run
-    }  # fmt: skip
+    about, kind = machine.description, analysis or analysis_of(machine)
     design = attempt(problems, lambda: read_design(
         over, sample, count, seed, partial(factor_unit, machine)
     ))  # fmt: skip
-    request = attempt(problems, lambda: plan_request(
-        machine, tuple(design[0].factors) if design else (), quantities=dict(quantities),  # type: ignore[arg-type]
-        series=tuple(keep), analysis=analysis, span=(t_start, t_end), instants=points,
-        values=(parameters, guess, start), settings=settings,
-    ))  # fmt: skip
-    if problems or design is None or request is None:
+    factors = tuple(design[0].factors) if design else ()
+    problems += [
+        f"{name} varies, and has one value as well (parameters, start): leave out one of them."
+        for name in factors if name in {**(parameters or {}), **(start or {})}
+    ]  # fmt: skip
+    attempt(problems, lambda: machine.parameter_values(parameters))
+    run |= {"accuracy": accuracy, "method": method, "formulation": formulation, "rtol": rtol}
+    options = attempt(problems, lambda: read_simulation_arguments(machine, run, kind)) or {}
+    last = None
+    if kind != "equilibrium":
+        last = attempt(problems, lambda: require_time_span(machine, t_start, t_end))
+    wanted: dict[str, str | Function] = dict(quantities)  # type: ignore[arg-type]
+    for given in wanted.values():
+        if isinstance(given, str):
+            attempt(problems, partial(declared_unit, given, about))
+    rows = [attempt(problems, partial(about.series.find, name)) for name in keep]
+    kept = tuple(row.name for row in rows if row)  # `strut.force` of ``force(strut)``
+    problems += name_problems([*factors, *wanted, *kept])
+    if problems or design is None:
         raise InputError(problems)
+    assert machine.mechanism.origin is not None
+    request = Request(
+        model=about.title, generated_module=machine.mechanism.origin.digest,
+        companions=_companions(machine, kind, options), analysis=kind, factors=factors,
+        start_values=tuple(name for name in factors if name not in machine.parameters.names),
+        quantities=wanted, series=kept, t_start=t_start,
+        t_end=t_start if last is None else last, instants=points,
+        parameters=dict(parameters or {}), guess=dict(guess or {}), start=dict(start or {}),
+        options=options,
+    )  # fmt: skip
     with store_lock(path):
         _require_place(path, resume=resume)  # another sweep may have begun meanwhile
         return _study(path, machine, request, *design, workers, scheduler, progress=progress)
@@ -243,62 +266,18 @@ def _study(
     tasks = tasks_of(todo, chunk if store is None else store.about.chunk, size)
     pool = Pool(machine, request)
     if scheduler is not None:
-        pool = ClusterWorkers(pickled_job(machine, request), scheduler)
+        pool = ClusterWorkers(machine, request, scheduler)
     elif tasks and cores and (workers or seconds * len(todo) > _LEAST_SECONDS):
-        pool = LocalWorkers(pickled_job(machine, request), min(cores, len(tasks)))
+        pool = LocalWorkers(machine, request, min(cores, len(tasks)))
     with closing(pool):
         if store is None:
             units = units_of(machine, request)
             create_store(path, request, design, points, units, chunk, seconds)
             store = open_store(path, "r+")
-        title = f"sweep of {machine.mechanism.title}"
-        made, lost = execute(pool, store, points, tried, tasks, title, progress)
-    return Study(path, machine, request, Execution(made, time.perf_counter() - began, lost))
-
-
-def plan_request(
-    machine: Machine, factors: tuple[str, ...], *, quantities: Mapping[str, str | Function],
-    series: tuple[str, ...], analysis: str | None, span: tuple[float, float | None],
-    instants: int, values: tuple[Mapping[str, float] | None, ...], settings: Mapping[str, Any],
-) -> Request:  # fmt: skip
-    """The request of a sweep.
-
-    Raises
-    ------
-    InputError
-        With everything that is wrong with it.
-    """
-    about, problems = machine.description, list[str]()
-    kind, t_start = analysis or analysis_of(machine), span[0]
-    parameters, guess, start = (dict(given or {}) for given in values)
-    for name in factors:
-        if name in {**parameters, **start}:
-            problems.append(
-                f"{name} varies, and has one value as well (parameters, start): leave out one of "
-                "them."
-            )
-    attempt(problems, lambda: machine.parameter_values(parameters))
-    options = attempt(problems, lambda: read_simulation_arguments(machine, settings, kind)) or {}
-    t_end = None
-    if kind != "equilibrium":
-        t_end = attempt(problems, lambda: require_time_span(machine, t_start, span[1]))
-    for given in quantities.values():
-        if isinstance(given, str):
-            attempt(problems, partial(declared_unit, given, about))
-    rows = [attempt(problems, partial(about.series.find, name)) for name in series]
-    kept = tuple(row.name for row in rows if row)  # `strut.force` of ``force(strut)``
-    problems += name_problems([*factors, *quantities, *kept])
-    if problems:
-        raise InputError(problems)
-    assert machine.mechanism.origin is not None
-    return Request(
-        model=f"{about.model}/{about.scene}", generated_module=machine.mechanism.origin.digest,
-        companions=_companions(machine, kind, options), analysis=kind, factors=factors,
-        start_values=tuple(name for name in factors if name not in machine.parameters.names),
-        quantities=dict(quantities), series=kept, t_start=t_start,
-        t_end=t_start if t_end is None else t_end, instants=instants, parameters=parameters,
-        guess=guess, start=start, options=options,
-    )  # fmt: skip
+        made, lost = execute(pool, store, points, tried, tasks, progress)
+    note = f"{counted(made, 'run')} in {time.perf_counter() - began:.1f} s"
+    note += f"; {counted(lost, 'lost worker')} replaced" if lost else ""
+    return Study(path, machine, request, note)
 
 
 def attempt(problems: list[str], read: Callable[[], Answer]) -> Answer | None:

@@ -1,7 +1,9 @@
-"""Arguments of the analyses as plain values, read before anything is computed.
+"""Arguments of the analyses as plain values, and parameter values, read before a computation.
 
-Here only kinds are distinguished (a number, a mapping, instants, an assembled state); whether a
-value makes sense is decided where it is used.
+Of arguments only kinds are distinguished (a number, a mapping, instants, an assembled state);
+whether a value makes sense is decided where it is used. Parameters have the defaults, and the
+user's values over them, checked all at once; masses and inertias that they make impossible are
+refused, with the parameters behind them.
 """
 
 from collections.abc import Mapping
@@ -10,13 +12,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from codegen.errors import AnalysisError, InputError
+from codegen.errors import AnalysisError, InputError, ParameterError
+from codegen.parameter_conditions import ALPHAS, shape_problems, violated_conditions
 from codegen.readers import arguments as readers
-from codegen.readers.arguments import Reader, count, optional
+from codegen.readers.arguments import Reader, count, either, optional
 from codegen.readers.values import KindError, finite_float, is_flag, shown
-from runtime.mechanism.mechanism import Mechanism
+from runtime.mechanism.dense_equations import Equations, FloatArray
+from runtime.mechanism.mechanism import Mechanism, Values
 from runtime.mechanism.module_tables import Description
+from runtime.mechanism.table_rows import unknown
 from runtime.results.assembled_state import Assembly, State
+from runtime.results.motion_at_instants import finite_numbers
 from runtime.results.result import Result
 
 STEPS = "steps"
@@ -28,15 +34,12 @@ _number_of_them = count(2, 10**9)
 
 def instants(t_eval: npt.ArrayLike) -> Instants:
     """The output instants as an array, checked."""
-    try:
-        given = np.asarray(None if np.ma.is_masked(t_eval) else t_eval)
-    except Exception:
-        given = np.asarray(None)
-    if given.dtype.kind not in "iuf":
-        raise AnalysisError(f"t_eval is {shown(t_eval)}; it must be instants in s.")
-    times = np.atleast_1d(given.astype(np.float64))
-    if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all():
-        raise AnalysisError("t_eval must be at least one finite instant in s, in one dimension.")
+    times = finite_numbers(t_eval)
+    if times is None:
+        raise AnalysisError(
+            f"t_eval is {shown(t_eval)}; it must be instants in s: at least one finite instant, in "
+            "one dimension."
+        )
     backwards = np.flatnonzero(np.diff(times) <= 0.0)
     if len(backwards):
         place = int(backwards[0])
@@ -103,16 +106,31 @@ def instants_of_motion(
 
 
 def check(
-    mechanism: Mechanism, *, start_has_values: bool = False, **given: Any
+    mechanism: Mechanism, given: Mapping[str, Any], *, start_has_values: bool = False
 ) -> dict[str, Any]:  # fmt: skip
-    """The arguments as plain values; an `InputError`, one sentence a problem, if some misfit.
+    """The arguments of an analysis among names and values, such as a method's own, as plain values.
 
     With `start_has_values` the argument `start` has values by name, and is no state.
+
+    Raises
+    ------
+    InputError
+        One sentence for each argument that does not fit.
     """
-    start = _values if start_has_values else _start_of(mechanism)
-    kinds = {**KINDS, "start": optional(start), **_state_readers(mechanism)}
-    kinds["at"] = _instant_or_state(mechanism)
-    values = readers.read_arguments(mechanism.title, kinds, given)
+    start = either(_values, _state_of(
+        mechanism,
+        "it must be what assemble() returns, a result or its state(t), a saved one as "
+        'load_result("run.nc") gives it, or values by name, such as {"crank.phi": 0.5}.',
+    ))  # fmt: skip
+    at = either(_instant, _state_of(
+        mechanism,
+        "it must be an instant in s, or a state: what assemble() returns, a result or its "
+        "state(t).",
+    ))  # fmt: skip
+    kinds = {**KINDS, **_state_readers(mechanism), "at": at}
+    kinds["start"] = optional(_values if start_has_values else start)
+    known = {name: value for name, value in given.items() if name in kinds}
+    values = readers.read_arguments(mechanism.title, kinds, known)
     problems = _contradictions(values) if values.get("start") is not None else []
     if problems:
         raise InputError(problems)
@@ -149,34 +167,13 @@ def _tolerances(value: Any) -> Any:
     return _tolerance(value)
 
 
-def _instant_or_state(mechanism: Mechanism) -> Reader:
-    def read(value: Any) -> float | Assembly | State:
-        instant = finite_float(value)
-        if instant is not None:
-            return instant
+def _state_of(mechanism: Mechanism, demand: str) -> Reader:
+    """A state of the machine: `demand` says what else the argument may be."""
+
+    def read(value: Any) -> Assembly | State:
         state = value.state() if isinstance(value, Result) else value
         if not isinstance(state, Assembly | State):
-            raise KindError(
-                "it must be an instant in s, or a state: what assemble() returns, a result or its "
-                "state(t)."
-            )
-        found: Assembly | State = _start_of(mechanism)(state)
-        return found
-
-    return read
-
-
-def _start_of(mechanism: Mechanism) -> Reader:
-    def read(value: Any) -> Assembly | State | dict[str, float]:
-        if isinstance(value, Mapping):
-            values: dict[str, float] = _values(value)
-            return values
-        state = value.state() if isinstance(value, Result) else value
-        if not isinstance(state, Assembly | State):
-            raise KindError(
-                "it must be what assemble() returns, a result or its state(t), a saved one as "
-                'load_result("run.nc") gives it, or values by name, such as {"crank.phi": 0.5}.'
-            )
+            raise KindError(demand)
         names = state.coordinates.names
         if names and names != mechanism.description.coordinates.names:
             state = _by_names(mechanism.description, state)
@@ -248,3 +245,89 @@ KINDS: dict[str, Reader] = {
     "controllers": optional(readers.functions('{"u": lambda sample: 2.0 * sample.t}')),
 }
 """Argument of an analysis → its reader."""
+
+
+def parameter_values(
+    mechanism: Mechanism, overrides: Values | None = None
+) -> npt.NDArray[np.float64]:
+    """Parameters and the constants derived from them, (np,); see `Machine.parameter_values`."""
+    check(mechanism, {"parameters": overrides})
+    description = mechanism.description
+    table = description.parameters
+    values = np.zeros(description.parameter_slots)
+    values[: len(table)] = [row.default for row in table]
+    problems = []
+    for name, value in (overrides or {}).items():
+        if name in description.unused:
+            problems.append(
+                f"{description.title}: nothing that takes part depends on parameter "
+                f"{name}. Leave it out of the parameters, or take what needs it into the scene "
+                f"(left out: {', '.join(description.left_out.names) or 'nothing'})."
+            )
+            continue
+        if name not in table.names:
+            problems.append(f"{description.title}: {unknown('parameter', name, table.names)}")
+            continue
+        row = table[name]
+        finite = finite_float(value)
+        if finite is None:
+            unit = row.unit and f" in {row.unit}"
+            problems.append(
+                f"Parameter {name} is {shown(value)}; it must be a finite number{unit}."
+            )
+            continue
+        if row.sign == "positive" and finite <= 0.0:
+            problems.append(
+                f"Parameter {name} is {finite:g} {row.unit}; it must be greater than zero."
+            )
+        elif row.sign == "nonnegative" and finite < 0.0:
+            problems.append(f"Parameter {name} is {finite:g} {row.unit}; it must not be negative.")
+        values[table.index(name)] = finite
+    mechanism.kernels.constants(values)
+    if (values[: len(table)] != [row.default for row in table]).any():
+        problems += _broken(mechanism, values)  # the build judged the defaults
+    if problems:
+        raise ParameterError(problems)
+    return values
+
+
+def _broken(mechanism: Mechanism, p: npt.NDArray[np.float64]) -> list[str]:
+    """What the elements ask of the parameters p, and these do not meet."""
+    description, kernels = mechanism.description, mechanism.kernels
+    numbers = np.zeros(sum(row.shown for row in description.conditions))
+    kernels.conditions(p, numbers)
+    problems = [*violated_conditions(description.conditions, numbers)]
+    if description.profiles:
+        points = np.zeros((len(ALPHAS), 6 * len(description.profiles)))
+        for at, row in zip(ALPHAS, points, strict=True):
+            kernels.profiles(at, p, row)
+        for k, curve in enumerate(description.profiles):
+            found = shape_problems(points[:, 6 * k : 6 * k + 6], curve.convex)
+            problems += [f"{curve.element}: {problem}" for problem in found]
+    return [f"{description.title}: {problem}" for problem in problems]
+
+
+def require_masses(mechanism: Mechanism, p: FloatArray) -> None:
+    """Refuse masses and inertias that are not positive finite numbers."""
+    description = mechanism.description
+    values = Equations(mechanism, p).masses(description.neutral)
+    problems: dict[tuple[str, str], str] = {}
+    for index in np.flatnonzero(~((values > 0.0) & (values < np.inf))).tolist():
+        row = description.coordinates[index]
+        body = row.name.rpartition(".")[0]
+        quantity, unit = ("mass", "kg") if row.is_length else ("inertia", "kg m^2")
+        if body in description.bodies:  # a coordinate of no body has no mass to refuse
+            problems.setdefault(
+                (body, quantity),
+                f"{description.title}: the {quantity} of {body} is {values[index]:g} {unit}; "
+                f"it must be a positive finite number. {_given(mechanism, p)}",
+            )
+    if problems:
+        raise ParameterError(problems.values())
+
+
+def _given(mechanism: Mechanism, p: FloatArray) -> str:
+    """The parameters that are not those of the build, with which all masses are positive."""
+    rows = zip(mechanism.description.parameters, p, strict=False)
+    given = [f"{row.name} = {value:g} {row.unit}" for row, value in rows if value != row.default]
+    return f"Given are {', '.join(map(str.rstrip, given))}: give other values."

@@ -20,7 +20,7 @@ PERMITTED = {
     "codegen/reference/pages.py": {"exec"},  # the examples of elements, from their classes
     "runtime/results/saved_result.py": {"np.load"},  # with allow_pickle=False
     # of processes that the sweep has started, of the sweep itself, and of the scheduler
-    "runtime/sweeps/workers.py": {"pickle.load", "pickle.loads"},
+    "runtime/sweeps/execution.py": {"pickle.load", "pickle.loads"},
 }
 """Calls that are there, and what they read."""
 

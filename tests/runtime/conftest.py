@@ -15,7 +15,7 @@ from codegen.reading.model_file import file_hash
 from runtime import load
 from runtime.integrate import checkpoints
 from runtime.machine_facade import Machine
-from runtime.mechanism.companion_modules import Origin
+from runtime.mechanism.mechanism import Origin
 
 
 def _mechanisms() -> ModuleType:

@@ -17,7 +17,7 @@ from runtime.explicit_time.function_scan import FunctionScan
 from runtime.explicit_time.passage import Passages
 from runtime.machine_facade import Machine
 from runtime.mechanism.dense_equations import Equations
-from runtime.validation.parameters import parameter_values
+from runtime.validation.arguments import parameter_values
 
 FORMULATIONS = ("cartesian", "reduced")
 

@@ -27,9 +27,6 @@ def test_tables_answer_to_position_and_name(driven: Machine) -> None:
     assert "rod.psi" not in driven.coordinates
     assert driven.constraints.names[-1] == "crank_drive.phi"
     assert driven.effects.names == ("gravity",)
-
-
-def test_unknown_row_names_the_nearest(driven: Machine) -> None:
     with pytest.raises(KeyError, match=r"no name 'crank\.fi'; nearest: crank\.phi"):
         driven.coordinates["crank.fi"]
 
@@ -76,20 +73,15 @@ def test_mode_at_its_boundary_follows_the_rate(gas: Machine) -> None:
     assert gas.initial_modes(parameters={"push": -1.0, "gy": 9.81}).tolist() == [0]
 
 
-def test_mode_that_is_pushed_back_from_both_sides_stays_between(gas: Machine) -> None:
+def test_mode_that_is_pushed_back_from_both_sides_stays_between(
+    gas: Machine, free: Machine
+) -> None:
     assert gas.initial_modes().tolist() == [2]
+    assert free.initial_modes().shape == (0,)  # without a switch
 
 
-def test_no_switches_no_modes(free: Machine) -> None:
-    assert free.initial_modes().shape == (0,)
-
-
-def test_degrees_of_freedom(free: Machine, driven: Machine) -> None:
-    assert free.degrees_of_freedom == 1
-    assert driven.degrees_of_freedom == 0
-
-
-def test_summary_names_what_matters(driven: Machine) -> None:
+def test_summary_names_what_matters(driven: Machine, free: Machine) -> None:
+    assert (free.degrees_of_freedom, driven.degrees_of_freedom) == (1, 0)
     text = repr(driven)
     assert "sc_driven/driven: 3 bodies, 9 coordinates, 9 constraints (1 of drivers)" in text
     assert "crank, rod, slider" in text

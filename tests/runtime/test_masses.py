@@ -8,7 +8,7 @@ import pytest
 
 from codegen.errors import ParameterError
 from runtime.mechanism.table_rows import Coordinate
-from runtime.validation import parameters
+from runtime.validation import arguments
 
 GIVEN = "Given are rho = -2 kg/m: give other values."
 
@@ -46,7 +46,7 @@ def of(monkeypatch: pytest.MonkeyPatch) -> Any:
 
     def given(diagonal: np.ndarray) -> None:
         equations = SimpleNamespace(masses=lambda q: diagonal)
-        monkeypatch.setattr(parameters, "Equations", lambda machine, p: equations)
+        monkeypatch.setattr(arguments, "Equations", lambda machine, p: equations)
 
     return given
 
@@ -56,7 +56,7 @@ def test_each_impossible_mass_and_inertia_is_refused_by_its_body(of: Any) -> Non
     diagonal[[3, 4]], diagonal[5], diagonal[8] = -2.0, 0.0, np.nan
     of(diagonal)
     with pytest.raises(ParameterError) as caught:
-        parameters.require_masses(machine_of(3), np.array([-2.0]))
+        arguments.require_masses(machine_of(3), np.array([-2.0]))
     assert caught.value.problems == (
         f"m/s: the mass of b1 is -2 kg; it must be a positive finite number. {GIVEN}",
         f"m/s: the inertia of b1 is 0 kg m^2; it must be a positive finite number. {GIVEN}",
@@ -71,9 +71,9 @@ def test_rows_of_a_large_machine_are_looked_at_once(of: Any, mass: float) -> Non
     made = machine_of(count)
     Counted.looked = 0
     if mass:
-        parameters.require_masses(made, np.array([-2.0]))
+        arguments.require_masses(made, np.array([-2.0]))
     else:
         with pytest.raises(ParameterError) as caught:
-            parameters.require_masses(made, np.array([-2.0]))
+            arguments.require_masses(made, np.array([-2.0]))
         assert len(caught.value.problems) == 2 * count
     assert Counted.looked <= 3 * count

@@ -122,7 +122,3 @@ def test_plot_without_matplotlib_says_what_to_install(
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(InputError, match=r"pip install 'linkwright\[plot\]', in the checkout"):
         result.plot()
-
-
-def test_summary_line(result: Result) -> None:
-    assert repr(result).startswith("sc_driven/driven, inverse dynamics: 11 instants, t = 0 to 1 s")

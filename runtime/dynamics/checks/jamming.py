@@ -14,9 +14,15 @@ from runtime.core.kinds import SLIDING
 from runtime.core.outcomes import Outcome, Site
 from runtime.dynamics.output_quantities import evaluate
 from runtime.integrate.trajectory import Trajectory
-from runtime.mechanism.dense_equations import Equations, FloatArray, IntArray, row_lengths
+from runtime.mechanism.dense_equations import (
+    Equations,
+    FloatArray,
+    IntArray,
+    approaches,
+    rate_rows,
+    row_lengths,
+)
 from runtime.mechanism.module_tables import Description
-from runtime.mechanism.one_sided_impact import approaches, rate_rows
 
 # What a run meets first on its way into a jam, where the multipliers grow without bound.
 _WAYS_IN = {

@@ -10,7 +10,7 @@ import pytest
 from codegen import Model
 from codegen.errors import LinkwrightError
 from runtime import load
-from runtime.mechanism import mechanism
+from runtime.mechanism.mechanism import Mechanism
 from runtime.results.result import Result
 from runtime.studies import work_precision
 from runtime.studies.diagram import WorkPrecision
@@ -33,13 +33,13 @@ def test_nothing_is_built_that_no_setting_takes(
 ) -> None:  # fmt: skip
     loaded: list[str] = []
     timed: list[Collection[str]] = []
-    real = mechanism.load_companion
+    real = Mechanism.companion
 
-    def load_companion(origin: Any, kind: Any, *rest: Any) -> Any:
+    def companion(machine: Any, kind: Any) -> Any:
         loaded.append(kind)
-        return real(origin, kind, *rest)
+        return real(machine, kind)
 
-    monkeypatch.setattr(mechanism, "load_companion", load_companion)
+    monkeypatch.setattr(Mechanism, "companion", companion)
     monkeypatch.setattr(work_precision, "build_costs", lambda *given: timed.append(given[2]) or {})
     found = study(building=True, methods=methods, formulations=formulations)
     assert set(loaded) == built

@@ -13,11 +13,10 @@ import xarray as xr
 from codegen.errors import InputError, LinkwrightError
 from codegen.termination_signals import SignalDeferral
 from runtime import load, load_study
-from runtime.sweeps.execution import _made_rows
+from runtime.sweeps.execution import LostWorkerError, Pool, _made_rows
 from runtime.sweeps.request import KILLED, Rows, rows_without_runs
 from runtime.sweeps.store import open_store
 from runtime.sweeps.study import Study
-from runtime.sweeps.workers import LostWorkerError, Pool
 
 
 def test_a_result_replaces_no_study(whole: Study, tmp_path: Path) -> None:
@@ -60,7 +59,7 @@ def test_a_run_at_which_workers_end_is_found_and_all_others_are_made_once(whole:
     with SignalDeferral(computing=True) as signals:
         pool = Waiting(asked)
         counts = Counter[range]()
-        found = list(_made_rows(pool, asked, points, tasks, signals, counts))
+        found = list(_made_rows(pool, points, tasks, signals, counts))
     outcomes = {
         run: text for runs, rows in found for run, text in zip(runs, rows.outcomes, strict=True)
     }
@@ -75,7 +74,7 @@ def test_a_signal_ends_the_handing_out(whole: Study) -> None:
     with SignalDeferral(computing=True) as signals:
         pool = Waiting(asked, stop_at=2.0)
         counts = Counter[range]()
-        assert len(list(_made_rows(pool, asked, points, tasks, signals, counts))) < 4
+        assert len(list(_made_rows(pool, points, tasks, signals, counts))) < 4
         signals.answered = True
     assert pool.taken == [[0.0], [1.0], [2.0]]
 
@@ -89,7 +88,7 @@ def test_workers_that_end_without_a_row_end_the_sweep(whole: Study) -> None:
 
     asked, points = open_store(whole.path).request, np.arange(1000.0)[:, np.newaxis]
     with SignalDeferral(computing=True) as signals:
-        found = _made_rows(Deadly(asked), asked, points, [range(1000)], signals, Counter())
+        found = _made_rows(Deadly(asked), points, [range(1000)], signals, Counter())
         rows = list[range]()
         with pytest.raises(LinkwrightError, match="51 runs in a row have ended"):
             rows += (runs for runs, _ in found)

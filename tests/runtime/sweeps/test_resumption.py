@@ -19,11 +19,10 @@ from runtime import load, load_study, sweep
 from runtime.core.outcomes import Outcome
 from runtime.sweeps import request
 from runtime.sweeps import sweep as in_sweep
-from runtime.sweeps.execution import tasks_of
+from runtime.sweeps.execution import _load_job, pickled_job, run_job
 from runtime.sweeps.request import KILLED, rows_without_runs
-from runtime.sweeps.store import Store, open_store, store_lock
+from runtime.sweeps.store import Store, open_store, store_lock, tasks_of
 from runtime.sweeps.study import Study
-from runtime.sweeps.workers import _load_job, pickled_job, run_job
 from tests.runtime.sweeps.conftest import same
 
 
@@ -46,7 +45,7 @@ def test_an_interrupt_keeps_what_is_done(
     request_of: dict[str, Any], whole: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
     chunks: int,
 ) -> None:  # fmt: skip
-    monkeypatch.setattr("runtime.sweeps.execution.MOST_CHUNKS", chunks)
+    monkeypatch.setattr("runtime.sweeps.store.MOST_CHUNKS", chunks)
     with monkeypatch.context() as patch:
         before = counted_runs(patch, last=12)
         half = sweep(out=tmp_path / "s.zarr", **request_of)

@@ -125,7 +125,7 @@ def test_a_cluster_without_workers_is_named(
     about: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr("runtime.sweeps.workers._WORKER_PATIENCE", 0.5)
+    monkeypatch.setattr("runtime.sweeps.execution._WORKER_PATIENCE", 0.5)
     cluster = distributed.LocalCluster(
         n_workers=0, processes=False, dashboard_address="127.0.0.1:0"
     )

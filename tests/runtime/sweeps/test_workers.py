@@ -71,7 +71,7 @@ def test_a_run_that_ends_its_process_becomes_a_row(
 def test_processes_that_do_not_start_end_the_sweep(
     about: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("runtime.sweeps.workers.START", "import sys; sys.exit(7)")
+    monkeypatch.setattr("runtime.sweeps.execution.START", "import sys; sys.exit(7)")
     with pytest.raises(LinkwrightError, match="ended before they could begin, the last with st"):
         sweep(over={"J1": "200:1000:40"}, out=tmp_path / "s.zarr", workers=1, **about)
 
